@@ -1,0 +1,78 @@
+//! Interned names.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A name, by its number in [`Symbols`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Symbol(pub u32);
+
+/// The table of names of one program; append-only.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Symbols {
+    names: Vec<Arc<str>>,
+    /// Interned names only: an uninterned symbol is in `names` and not here.
+    by_name: BTreeMap<Arc<str>, Symbol>,
+}
+
+impl Symbols {
+    /// The symbol of this name, made if need be. The name is taken as it is: folding to lower
+    /// case is the reader's work.
+    pub fn intern(&mut self, name: &str) -> Symbol {
+        if let Some(&symbol) = self.by_name.get(name) {
+            return symbol;
+        }
+        let name: Arc<str> = name.into();
+        let symbol = Symbol(self.names.len() as u32);
+        self.names.push(name.clone());
+        self.by_name.insert(name, symbol);
+        symbol
+    }
+
+    /// The symbol of this name, if there is one.
+    pub fn find(&self, name: &str) -> Option<Symbol> {
+        self.by_name.get(name).copied()
+    }
+
+    /// A new symbol that no text can name, printed as `#:stem12`.
+    pub fn uninterned(&mut self, stem: &str) -> Symbol {
+        let symbol = Symbol(self.names.len() as u32);
+        self.names.push(format!("#:{stem}{}", symbol.0).into());
+        symbol
+    }
+
+    /// The name of a symbol of this table.
+    pub fn name(&self, symbol: Symbol) -> &str {
+        &self.names[symbol.0 as usize]
+    }
+
+    /// How many symbols there are.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+}
+
+impl Serialize for Symbols {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.names.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Symbols {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let names = Vec::<Arc<str>>::deserialize(deserializer)?;
+        let by_name = names
+            .iter()
+            .enumerate()
+            .filter(|(_, name)| !name.starts_with("#:"))
+            .map(|(index, name)| (name.clone(), Symbol(index as u32)))
+            .collect();
+        Ok(Self { names, by_name })
+    }
+}

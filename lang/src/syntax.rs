@@ -1,0 +1,115 @@
+//! Syntax as an arena: nodes with spans, children as ranges; dropping or walking it needs no
+//! recursion, however deep the text nests.
+
+use crate::source::Span;
+use crate::symbol::Symbol;
+use std::sync::Arc;
+
+/// Number of a node in a [`Tree`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub u32);
+
+/// A datum and where it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What it is.
+    pub kind: Kind,
+    /// Where it stands; for a node made by a macro, where the macro was called.
+    pub span: Span,
+}
+
+/// The kinds of datum. `nil` and `t` are symbols here; `()` is an empty list.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// A name, folded to lower case.
+    Symbol(Symbol),
+    /// `:goal`; the name is kept without the colon.
+    Keyword(Symbol),
+    /// A 64-bit integer.
+    Int(i64),
+    /// A float, units already converted to SI.
+    Float(f64),
+    /// A string, escapes resolved.
+    Str(Arc<str>),
+    /// A list: `len` children from `start` in [`Tree::children`]; with `dotted` the last child is
+    /// the tail after the dot. `'x` is the list `(quote x)`, likewise `quasiquote unquote
+    /// unquote-splicing`; `#'f` is `f`.
+    List {
+        /// Index of the first child in [`Tree::children`].
+        start: u32,
+        /// How many children, the dotted tail included.
+        len: u32,
+        /// Whether a dot stands before the last child.
+        dotted: bool,
+    },
+    /// A run-time object inside a datum that is compiled at run time; an index the caller knows.
+    Object(u32),
+}
+
+/// The arena.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tree {
+    /// All nodes.
+    pub nodes: Vec<Node>,
+    /// Children of all lists, each list's in one run.
+    pub children: Vec<NodeId>,
+}
+
+impl Tree {
+    /// Adds a node that is not a list.
+    pub fn atom(&mut self, kind: Kind, span: Span) -> NodeId {
+        self.nodes.push(Node { kind, span });
+        NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    /// Adds a proper list.
+    pub fn list(&mut self, items: &[NodeId], span: Span) -> NodeId {
+        self.list_with_tail(items, false, span)
+    }
+
+    /// Adds a list; with `dotted`, the last item is the tail after the dot.
+    pub fn list_with_tail(&mut self, items: &[NodeId], dotted: bool, span: Span) -> NodeId {
+        let start = self.children.len() as u32;
+        self.children.extend_from_slice(items);
+        self.atom(Kind::List { start, len: items.len() as u32, dotted }, span)
+    }
+
+    /// The node.
+    pub fn get(&self, id: NodeId) -> &Node {
+        &self.nodes[id.0 as usize]
+    }
+
+    /// Where the node stands.
+    pub fn span(&self, id: NodeId) -> Span {
+        self.get(id).span
+    }
+
+    /// The children of a list, the dotted tail included; an atom has none.
+    pub fn items(&self, id: NodeId) -> &[NodeId] {
+        match self.get(id).kind {
+            Kind::List { start, len, .. } => &self.children[start as usize..(start + len) as usize],
+            _ => &[],
+        }
+    }
+
+    /// The children, if the node is a proper list.
+    pub fn proper_list(&self, id: NodeId) -> Option<&[NodeId]> {
+        match self.get(id).kind {
+            Kind::List { dotted: false, .. } => Some(self.items(id)),
+            _ => None,
+        }
+    }
+
+    /// The symbol, if the node is one.
+    pub fn symbol(&self, id: NodeId) -> Option<Symbol> {
+        match self.get(id).kind {
+            Kind::Symbol(symbol) => Some(symbol),
+            _ => None,
+        }
+    }
+
+    /// The symbol a proper, non-empty list starts with.
+    pub fn head(&self, id: NodeId) -> Option<Symbol> {
+        self.proper_list(id).and_then(|items| items.first()).and_then(|&first| self.symbol(first))
+    }
+}

@@ -1,0 +1,1 @@
+//! Active localization: where to drive to learn most about the position.

@@ -1,0 +1,1 @@
+//! Markov localization on a position probability grid.

@@ -1,0 +1,1 @@
+//! Path planning, collision avoidance, topological plans.

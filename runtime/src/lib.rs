@@ -1,0 +1,1 @@
+//! Values, heap, tasks, fluents, valves, failures, timers, scheduler, trace.

@@ -1,0 +1,1 @@
+//! What plans can call: native pure functions, and the prelude in RPL itself.
