@@ -11,3 +11,6 @@ pub mod reader;
 pub mod source;
 pub mod symbol;
 pub mod syntax;
+
+pub mod code;
+pub mod compile;

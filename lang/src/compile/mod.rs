@@ -1,0 +1,371 @@
+//! From syntax to register code: expansion, resolution and emission, one top-level form after the
+//! other. Errors are collected; code is always produced and runs only if there are none.
+
+mod definitions;
+mod emit;
+mod forms;
+mod ir;
+mod lambda_list;
+mod plan_forms;
+mod resolve;
+mod special;
+
+use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, Span};
+use crate::symbol::{Symbol, Symbols};
+use crate::syntax::{NodeId, Tree};
+use ir::{BlockId, Function, Ir, IrKind, VarId, Variable};
+use special::Special;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What the compiler knows of a native function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NativeSignature {
+    /// Its name.
+    pub name: String,
+    /// Fewest arguments.
+    pub min: u8,
+    /// Most arguments; none for any number.
+    pub max: Option<u8>,
+    /// Whether it waits, assigns or acts on tasks, which a network may not.
+    pub effect: bool,
+}
+
+/// Runs macros: the evaluator lives above this crate.
+pub trait MacroHost {
+    /// The expansion of `form`, a call of the macro with this code.
+    ///
+    /// # Errors
+    /// What went wrong in the macro's own code, at its place.
+    fn expand(
+        &mut self,
+        program: &Program,
+        symbols: &mut Symbols,
+        tree: &mut Tree,
+        code: u32,
+        form: NodeId,
+    ) -> Result<NodeId, Diagnostic>;
+}
+
+/// Finds the text of a `(load "file")`.
+pub trait Loader {
+    /// The name to print and the text.
+    ///
+    /// # Errors
+    /// One sentence saying why it cannot be read.
+    fn load(&mut self, from: &str, path: &str) -> Result<(String, String), String>;
+}
+
+/// A [`Loader`] for texts that may not load files.
+pub struct NoFiles;
+
+impl Loader for NoFiles {
+    fn load(&mut self, _from: &str, _path: &str) -> Result<(String, String), String> {
+        Err("this text has no folder to load files from".into())
+    }
+}
+
+/// What a text is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// The library: its names can be defined again by a file.
+    Library,
+    /// A user's file or form.
+    User,
+}
+
+/// The surroundings of a compilation.
+pub struct Compilation<'a> {
+    /// Where code is added.
+    pub program: &'a mut Program,
+    /// The names.
+    pub symbols: &'a mut Symbols,
+    /// The native functions, by number.
+    pub natives: &'a [NativeSignature],
+    /// Runs macros.
+    pub macros: &'a mut dyn MacroHost,
+    /// Finds loaded files.
+    pub loader: &'a mut dyn Loader,
+    /// Names that exist only with a robot, so that an error can say so.
+    pub robot_names: &'a [&'static str],
+}
+
+/// The result of a compilation: the code of its forms, and the findings.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// Code without parameters that runs the forms in order; its value is the last form's.
+    pub main: u32,
+    /// Errors and warnings.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Reads and compiles a text.
+pub fn compile_text(surroundings: Compilation<'_>, source: SourceId, purpose: Purpose) -> Compiled {
+    let mut tree = Tree::default();
+    let text = surroundings.program.sources.get(source).text.clone();
+    let (forms, diagnostics) = crate::reader::read(&text, source, surroundings.symbols, &mut tree);
+    let mut compiler = Compiler::new(surroundings, tree, purpose);
+    compiler.diagnostics = diagnostics;
+    compiler.run(&forms, Span { source, start: 0, end: text.len() as u32 })
+}
+
+/// Compiles a datum that is already syntax, such as a plan made at run time.
+pub fn compile_datum(surroundings: Compilation<'_>, tree: Tree, root: NodeId) -> Compiled {
+    let span = tree.span(root);
+    Compiler::new(surroundings, tree, Purpose::User).run(&[root], span)
+}
+
+pub(crate) struct FunctionScope {
+    kind: CodeKind,
+    captures: Vec<VarId>,
+    /// Whether expressions stand in fluent position.
+    network: bool,
+    /// Tags of a plan; only a function that is the root of a definition or top-level form has any.
+    tags: Option<Vec<(Symbol, VarId)>>,
+    /// `count-pulses` inside a network counts from the network's creation.
+    hoisted: Vec<(VarId, Ir)>,
+}
+
+pub(crate) struct BlockScope {
+    name: Option<Symbol>,
+    id: BlockId,
+    function: usize,
+    span: Span,
+    token: Option<VarId>,
+    used: bool,
+}
+
+pub(crate) struct HandlerScope {
+    retry: BlockId,
+    failure: VarId,
+}
+
+pub(crate) struct Compiler<'a> {
+    program: &'a mut Program,
+    symbols: &'a mut Symbols,
+    natives: &'a [NativeSignature],
+    native_numbers: BTreeMap<Symbol, u16>,
+    specials: BTreeMap<Symbol, Special>,
+    macros: &'a mut dyn MacroHost,
+    loader: &'a mut dyn Loader,
+    robot_names: &'a [&'static str],
+    purpose: Purpose,
+    tree: Tree,
+    diagnostics: Vec<Diagnostic>,
+    variables: Vec<Variable>,
+    bindings: Vec<(Symbol, VarId)>,
+    functions: Vec<FunctionScope>,
+    blocks: Vec<BlockScope>,
+    handlers: Vec<HandlerScope>,
+    next_block: u32,
+    /// Globals that were used before a definition was seen, with the first place.
+    undefined: BTreeMap<u32, Span>,
+    /// Calls of globals, checked when all definitions are known.
+    calls: Vec<(u32, usize, Span)>,
+    expansions: u32,
+    loading: Vec<String>,
+}
+
+/// Macros that expand into macros without end are cut here.
+const MAX_EXPANSIONS_IN_A_ROW: u32 = 1_000;
+
+impl<'a> Compiler<'a> {
+    fn new(surroundings: Compilation<'a>, tree: Tree, purpose: Purpose) -> Self {
+        let Compilation { program, symbols, natives, macros, loader, robot_names } = surroundings;
+        let native_numbers =
+            natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
+        let specials = special::TABLE.iter().map(|&(name, special)| (symbols.intern(name), special)).collect();
+        Self {
+            program,
+            symbols,
+            natives,
+            native_numbers,
+            specials,
+            macros,
+            loader,
+            robot_names,
+            purpose,
+            tree,
+            diagnostics: Vec::new(),
+            variables: Vec::new(),
+            bindings: Vec::new(),
+            functions: Vec::new(),
+            blocks: Vec::new(),
+            handlers: Vec::new(),
+            next_block: 0,
+            undefined: BTreeMap::new(),
+            calls: Vec::new(),
+            expansions: 0,
+            loading: Vec::new(),
+        }
+    }
+
+    fn run(mut self, forms: &[NodeId], span: Span) -> Compiled {
+        let name = self.symbols.intern("main");
+        self.predeclare(forms);
+        let mut bodies = Vec::new();
+        for &form in forms {
+            self.top_level(form, &mut bodies);
+        }
+        let main = self.emit_main(name, bodies, span);
+        self.check_undefined();
+        self.check_calls();
+        if self.purpose == Purpose::Library {
+            self.program.library_globals = self.program.globals.len() as u32;
+        }
+        Compiled { main, diagnostics: self.diagnostics }
+    }
+
+    /// One code that runs each form's code in turn: a form is a plan body of its own.
+    fn emit_main(&mut self, name: Symbol, bodies: Vec<Function>, span: Span) -> u32 {
+        let mut calls = Vec::new();
+        for body in bodies {
+            let place = body.span;
+            calls.push((emit::emit(self, body, &[]), place));
+        }
+        let code = emit::sequence(name, span, &calls);
+        self.add_code(code)
+    }
+
+    fn add_code(&mut self, code: Code) -> u32 {
+        self.program.codes.push(Arc::new(code));
+        self.program.codes.len() as u32 - 1
+    }
+
+    fn constant(&mut self, constant: Constant) -> u32 {
+        self.program.constants.push(constant);
+        self.program.constants.len() as u32 - 1
+    }
+
+    fn error(
+        &mut self,
+        code: &'static str,
+        span: Span,
+        message: impl Into<String>,
+        label: impl Into<String>,
+    ) -> &mut Diagnostic {
+        let at = self.diagnostics.len();
+        self.diagnostics.push(Diagnostic::error(code, span, message, label));
+        &mut self.diagnostics[at]
+    }
+
+    fn check_undefined(&mut self) {
+        for (global, span) in std::mem::take(&mut self.undefined) {
+            let name = self.program.globals[global as usize].name;
+            self.program.names.remove(&name);
+            let text = self.symbols.name(name).to_string();
+            if self.program.macros.contains_key(&name) {
+                self.error("macro-before-definition", span, format!("the macro `{text}` is used above its definition"), "not known yet here")
+                    .help = Some("move the defmacro above its first use".into());
+            } else if self.robot_names.contains(&text.as_str()) {
+                self.error("needs-a-world", span, format!("`{text}` belongs to the robot, and there is none"), "needs a world")
+                    .help = Some("add `--world dept` to the command".into());
+            } else {
+                let suggestion = self.suggestion(&text);
+                self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
+                    suggestion.map(|near| format!("did you mean `{near}`?"));
+            }
+        }
+    }
+
+    /// The nearest name a user could have meant.
+    fn suggestion(&self, text: &str) -> Option<String> {
+        let globals = self.program.names.keys().map(|&name| self.symbols.name(name));
+        let natives = self.natives.iter().map(|native| native.name.as_str());
+        let specials = special::TABLE.iter().map(|&(name, _)| name);
+        let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
+        let locals = self.bindings.iter().map(|&(name, _)| self.symbols.name(name));
+        let known = globals.chain(natives).chain(specials).chain(macros).chain(locals);
+        crate::suggest::suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text))
+            .map(str::to_string)
+    }
+
+    fn check_calls(&mut self) {
+        for (global, count, span) in std::mem::take(&mut self.calls) {
+            let GlobalKind::Function(code) = self.program.globals[global as usize].kind else { continue };
+            let Some(code) = self.program.codes.get(code as usize) else { continue };
+            if !code.parameters.accepts(count) {
+                let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
+                let expected = code.parameters.describe();
+                let definition = code.span;
+                self.arity_error(&name, count, &expected, span).related.push((definition, "defined here".into()));
+            }
+        }
+    }
+
+    fn arity_error(&mut self, name: &str, count: usize, expected: &str, span: Span) -> &mut Diagnostic {
+        let given = if count == 1 { "1 is given".to_string() } else { format!("{count} are given") };
+        self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"))
+    }
+
+    fn new_variable(&mut self, name: Symbol, span: Span) -> VarId {
+        let function = self.functions.len() - 1;
+        self.variables.push(Variable { name, span, function, captured: false, assigned: false });
+        VarId(self.variables.len() as u32 - 1)
+    }
+
+    fn bind(&mut self, name: Symbol, span: Span) -> VarId {
+        let variable = self.new_variable(name, span);
+        self.bindings.push((name, variable));
+        variable
+    }
+
+    /// Enters a function, resolves its body with `inside`, and gives what it captures.
+    fn in_function<T>(
+        &mut self,
+        kind: CodeKind,
+        tags: bool,
+        inside: impl FnOnce(&mut Self) -> T,
+    ) -> (T, FunctionScope) {
+        let bound = self.bindings.len();
+        self.functions.push(FunctionScope {
+            kind,
+            captures: Vec::new(),
+            network: kind == CodeKind::Network,
+            tags: tags.then(Vec::new),
+            hoisted: Vec::new(),
+        });
+        let result = inside(self);
+        self.bindings.truncate(bound);
+        let scope = self.functions.pop().unwrap_or_else(|| unreachable!("a function scope was pushed above"));
+        (result, scope)
+    }
+
+    fn define_global(&mut self, name: Symbol, kind: GlobalKind, doc: Option<Arc<str>>, span: Option<Span>) -> u32 {
+        if let Some(&existing) = self.program.names.get(&name)
+            && (self.undefined.remove(&existing).is_some() || self.purpose == Purpose::Library || !self.is_library(existing))
+        {
+            self.program.globals[existing as usize] = Global { name, kind, doc, span };
+            return existing;
+        }
+        self.program.globals.push(Global { name, kind, doc, span });
+        let global = self.program.globals.len() as u32 - 1;
+        self.program.names.insert(name, global);
+        global
+    }
+
+    fn is_library(&self, global: u32) -> bool {
+        global < self.program.library_globals
+    }
+
+    fn nil(&self, span: Span) -> Ir {
+        Ir { span, kind: IrKind::Nil }
+    }
+}
+
+/// A function without parameters around a body.
+pub(crate) fn thunk(name: Symbol, kind: CodeKind, body: Ir, scope: FunctionScope, span: Span) -> Function {
+    Function {
+        name,
+        kind,
+        parameters: Parameters::default(),
+        bindings: Vec::new(),
+        captures: scope.captures,
+        tags: scope.tags.unwrap_or_default(),
+        body: Box::new(body),
+        doc: None,
+        span,
+    }
+}
