@@ -1,7 +1,7 @@
 //! Errors and warnings about plan text, as values.
 
 use crate::source::{SourceId, Sources, Span};
-use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
+use ariadne::{Color, Config, Fmt, IndexType, Label, Report, ReportKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -80,36 +80,40 @@ pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> St
 }
 
 fn render_one(diagnostic: &Diagnostic, sources: &Sources, texts: &mut Texts<'_>, colour: bool) -> String {
-    let head = match diagnostic.severity {
-        Severity::Error => format!("error[{}]", diagnostic.code),
-        Severity::Warning => format!("warning[{}]", diagnostic.code),
+    let (kind, main_colour) = match diagnostic.severity {
+        Severity::Error => ("error", Color::Red),
+        Severity::Warning => ("warning", Color::Yellow),
     };
-    let places = std::iter::once(diagnostic.span).chain(diagnostic.related.iter().map(|&(span, _)| span));
-    if places.into_iter().any(|span| !is_drawable(span, sources)) {
-        return render_plain(diagnostic, &head, sources);
-    }
-    let head_colour = match diagnostic.severity {
-        Severity::Error => Color::Red,
-        Severity::Warning => Color::Yellow,
-    };
+    let head = format!("{kind}[{}]:", diagnostic.code);
+    let head = if colour { head.fg(main_colour).to_string() } else { head };
+    let mut places = std::iter::once(diagnostic.span).chain(diagnostic.related.iter().map(|&(span, _)| span));
+    let drawn = if places.all(|span| is_drawable(span, sources)) { draw(diagnostic, main_colour, texts, colour) } else { None };
+    let body = drawn.unwrap_or_else(|| excerpts(diagnostic, sources));
+    format!("{head} {}\n{body}", diagnostic.message)
+}
+
+/// The marked lines and the help; None if the drawing library gives up.
+fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colour: bool) -> Option<String> {
     let config = Config::new().with_index_type(IndexType::Byte).with_compact(true).with_color(colour);
+    let sources = texts.sources;
     let place = drawn_span(diagnostic.span, sources);
-    let related = diagnostic.related.iter().map(|(span, note)| {
-        Label::new(drawn_span(*span, sources)).with_message(note).with_color(Color::Cyan)
-    });
-    let mut report = Report::build(ReportKind::Custom(&head, head_colour), place.clone())
+    let related = diagnostic
+        .related
+        .iter()
+        .map(|(span, note)| Label::new(drawn_span(*span, sources)).with_message(note).with_color(Color::Cyan));
+    let mut report = Report::build(ReportKind::Error, place.clone())
         .with_config(config)
-        .with_message(&diagnostic.message)
-        .with_label(Label::new(place).with_message(&diagnostic.label).with_color(head_colour))
+        .with_label(Label::new(place).with_message(&diagnostic.label).with_color(main_colour))
         .with_labels(related);
     if let Some(help) = &diagnostic.help {
         report = report.with_help(help);
     }
     let mut drawn = Vec::new();
-    match report.finish().write(texts, &mut drawn) {
-        Ok(()) => trim_lines(&String::from_utf8_lossy(&drawn)),
-        Err(_) => render_plain(diagnostic, &head, sources),
-    }
+    report.finish().write(texts, &mut drawn).ok()?;
+    let drawn = String::from_utf8_lossy(&drawn);
+    // The library's own heading knows no code in the form the command line promises.
+    let (_, body) = drawn.split_once('\n')?;
+    Some(body.lines().fold(String::with_capacity(body.len()), |text, line| text + line.trim_end() + "\n"))
 }
 
 /// What is drawn as it stands: lines of a length a terminal can show.
@@ -131,21 +135,18 @@ fn drawn_span(span: Span, sources: &Sources) -> (SourceId, Range<usize>) {
     (span.source, start..start + covered)
 }
 
-fn trim_lines(drawn: &str) -> String {
-    drawn.lines().fold(String::with_capacity(drawn.len()), |text, line| text + line.trim_end() + "\n")
-}
-
-fn render_plain(diagnostic: &Diagnostic, head: &str, sources: &Sources) -> String {
-    let mut text = format!("{head}: {}\n", diagnostic.message);
+/// The place without its whole line, in the drawing library's manner.
+fn excerpts(diagnostic: &Diagnostic, sources: &Sources) -> String {
+    let mut text = String::new();
     let places = std::iter::once((diagnostic.span, &diagnostic.label));
     for (span, label) in places.chain(diagnostic.related.iter().map(|(span, note)| (*span, note))) {
         let (excerpt, column) = excerpt(span, sources);
-        text += &format!("   ╭─[ {} ]\n   │ {excerpt}\n   │ {:column$}╰── {label}\n", sources.place(span), "");
+        text += &format!("   ╭─[ {} ]\n   │{excerpt}\n   │{:column$}╰─ {label}\n", sources.place(span), "");
     }
     if let Some(help) = &diagnostic.help {
-        text += &format!("   │ Help: {help}\n");
+        text += &format!("   │Help: {help}\n");
     }
-    text + "───╯\n"
+    text
 }
 
 /// Some characters around the start of the span, on one line, and how many of them come before it.

@@ -69,6 +69,7 @@ pub enum Token {
     /// A string or block comment without an end: it takes the rest of the text.
     Unterminated,
     /// Something already reported.
+    #[regex(r"#<[^>\n]*>", unknown_hash)]
     #[regex(r##"#[^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|]*"##, unknown_hash)]
     Error,
 }
