@@ -1,1 +1,339 @@
-//! See the crate documentation.
+//! Text to tokens.
+//!
+//! Every byte but white space lies in some token, comments included, so that a highlighter can use
+//! the same tokens; [`crate::reader`] skips the comments.
+
+use crate::diagnostic::Diagnostic;
+use crate::number::{Number, begins_like_number, parse_number};
+use crate::source::{SourceId, Span};
+use logos::{FilterResult, Logos};
+
+/// The marks that stand before a datum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prefix {
+    /// `'`
+    Quote,
+    /// `` ` ``
+    Quasiquote,
+    /// `,`
+    Unquote,
+    /// `,@`
+    UnquoteSplicing,
+    /// `#'`, which changes nothing: there is one namespace.
+    Function,
+}
+
+/// The kinds of token; what a token says is the text of its span.
+#[derive(Logos, Clone, Copy, Debug, PartialEq)]
+#[logos(extras = Scan)]
+#[logos(skip r"\p{White_Space}+")]
+pub enum Token {
+    /// `(`
+    #[token("(")]
+    Open,
+    /// `)`
+    #[token(")")]
+    Close,
+    /// A mark before a datum.
+    #[token("'", |_| Prefix::Quote)]
+    #[token("`", |_| Prefix::Quasiquote)]
+    #[token(",", |_| Prefix::Unquote)]
+    #[token(",@", |_| Prefix::UnquoteSplicing)]
+    #[token("#'", |_| Prefix::Function)]
+    Prefix(Prefix),
+    /// `#;`, which comments out the next datum.
+    #[token("#;")]
+    DatumComment,
+    /// A string with its quotes; see [`unescape`].
+    #[token("\"", string)]
+    Str,
+    /// A name.
+    // Every atom is one regular expression, told apart afterwards; with one for each kind the
+    // automaton would read `1+` as two atoms.
+    #[regex(r##"[^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|#][^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|]*"##, atom)]
+    Symbol,
+    /// A name after a colon.
+    Keyword,
+    /// A 64-bit integer.
+    Int(i64),
+    /// A float, or any number with a unit, in SI.
+    Float(f64),
+    /// `.` alone, the dot of a dotted pair.
+    Dot,
+    /// `; …` up to the end of the line.
+    #[regex(r";[^\n]*", allow_greedy = true)]
+    LineComment,
+    /// `#| … |#`, nested.
+    #[token("#|", block_comment)]
+    BlockComment,
+    /// A string or block comment without an end: it takes the rest of the text.
+    Unterminated,
+    /// Something already reported.
+    #[regex(r"#<[^>\n]*>", unknown_hash)]
+    #[regex(r##"#[^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|]*"##, unknown_hash)]
+    Error,
+}
+
+impl Token {
+    /// Whether the reader skips it.
+    pub fn is_comment(self) -> bool {
+        matches!(self, Token::LineComment | Token::BlockComment)
+    }
+}
+
+/// What the callbacks write to.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Scan {
+    source: SourceId,
+    found: Vec<Diagnostic>,
+    /// The first string that holds a line beginning with `(`: when the text ends within a string,
+    /// this is where a quote is likely to be missing.
+    suspect: Option<Span>,
+}
+
+type Lexer<'s> = logos::Lexer<'s, Token>;
+
+/// Texts longer than this are refused; spans count bytes in 32 bits.
+pub const MAX_TEXT_BYTES: usize = 256 << 20;
+
+/// Cuts a text into tokens, in order, without gaps but white space, and tells what is no token.
+/// A byte order mark at the start is skipped. Cost: linear.
+pub fn lex(text: &str, source: SourceId) -> (Vec<(Token, Span)>, Vec<Diagnostic>) {
+    if let Some(refusal) = refuse(text, source) {
+        return (Vec::new(), vec![refusal]);
+    }
+    let mut lexer = Lexer::with_extras(text, Scan { source, found: Vec::new(), suspect: None });
+    if text.starts_with('\u{feff}') {
+        lexer.bump('\u{feff}'.len_utf8());
+    }
+    // A guess that spares most of the growing: a token and its space are rarely below four bytes.
+    let mut tokens = Vec::with_capacity(text.len() / 4);
+    let mut invalid: Option<Span> = None;
+    while let Some(token) = lexer.next() {
+        let span = span_of(&lexer);
+        match token {
+            Ok(token) => tokens.push((token, span)),
+            Err(()) => {
+                match &mut invalid {
+                    Some(run) if run.end == span.start => run.end = span.end,
+                    _ => {
+                        lexer.extras.found.extend(invalid.take().map(|run| invalid_characters(text, run)));
+                        invalid = Some(span);
+                    }
+                }
+                tokens.push((Token::Error, span));
+            }
+        }
+    }
+    let mut found = lexer.extras.found;
+    found.extend(invalid.map(|run| invalid_characters(text, run)));
+    found.sort_by_key(|diagnostic| diagnostic.span.start);
+    (tokens, found)
+}
+
+fn refuse(text: &str, source: SourceId) -> Option<Diagnostic> {
+    let at = |start: usize, end: usize| Span { source, start: start as u32, end: end as u32 };
+    if text.len() > MAX_TEXT_BYTES {
+        let message = format!("the text has {} bytes, more than {MAX_TEXT_BYTES}", text.len());
+        return Some(Diagnostic::error("text-too-long", at(0, 0), message, "refused").help("split the text, and `load` its parts"));
+    }
+    let nul = text.find('\0')?;
+    Some(
+        Diagnostic::error("not-text", at(nul, nul + 1), "this is not a plan text: it holds a NUL byte", "the first NUL byte")
+            .help("plans are UTF-8 text; this looks like a binary file"),
+    )
+}
+
+fn span_of(lexer: &Lexer<'_>) -> Span {
+    let range = lexer.span();
+    Span { source: lexer.extras.source, start: range.start as u32, end: range.end as u32 }
+}
+
+fn invalid_characters(text: &str, run: Span) -> Diagnostic {
+    let run_text = &text[run.start as usize..run.end as usize];
+    let first = run_text.chars().next().unwrap_or(' ');
+    let (shown, help) = match first {
+        '[' | ']' | '{' | '}' => (format!("`{first}`"), "lists are written with `(` and `)`"),
+        '|' => ("`|`".to_string(), "a block comment is written `#| … |#`"),
+        _ => (format!("the control character U+{:04X}", first as u32), "remove it; inside a string write `\\u{…}`"),
+    };
+    Diagnostic::error("invalid-character", run, format!("{shown} has no meaning here"), "not part of the language").help(help)
+}
+
+fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
+    let text = lexer.slice();
+    let token = match text {
+        "." => Token::Dot,
+        ":" => {
+            let error = Diagnostic::error("lone-colon", span_of(lexer), "a colon without a name", "no keyword")
+                .help("a keyword is written `:name`, without a space");
+            lexer.extras.found.push(error);
+            Token::Error
+        }
+        _ if text.starts_with(':') => Token::Keyword,
+        _ if begins_like_number(text) => number(lexer),
+        _ => Token::Symbol,
+    };
+    FilterResult::Emit(token)
+}
+
+fn number(lexer: &mut Lexer<'_>) -> Token {
+    match parse_number(lexer.slice()) {
+        Ok(Number::Int(value)) => Token::Int(value),
+        Ok(Number::Float(value)) => Token::Float(value),
+        Err(error) => {
+            let error = Diagnostic::error("bad-number", span_of(lexer), error.message, "not a number").help(error.help);
+            lexer.extras.found.push(error);
+            Token::Error
+        }
+    }
+}
+
+fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
+    let text = lexer.slice();
+    let (message, help) = if text.starts_with("#<") {
+        ("a run-time object cannot be read".to_string(), "`#<…>` is how objects are printed; there is no way to write them")
+    } else if text.starts_with("#:") {
+        ("a name made by `gensym` cannot be read".to_string(), "no text can name it; give it a name of your own")
+    } else {
+        (format!("`{text}` has no meaning"), "after `#` stands `'`, `;` or `|`: `#'function`, `#;datum`, `#| comment |#`")
+    };
+    let error = Diagnostic::error("unknown-hash", span_of(lexer), message, "unknown").help(help);
+    lexer.extras.found.push(error);
+    FilterResult::Emit(Token::Error)
+}
+
+fn string(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
+    let Some(body_len) = string_len(lexer.remainder()) else { return FilterResult::Emit(unterminated_string(lexer)) };
+    let body = &lexer.remainder()[..body_len];
+    let body_start = lexer.span().end as u32;
+    let source = lexer.extras.source;
+    if body.contains('\\') {
+        let (_, faults) = unescape(body);
+        lexer.extras.found.extend(faults.into_iter().map(|(start, end, what)| {
+            let span = Span { source, start: body_start + start as u32, end: body_start + end as u32 };
+            Diagnostic::error("bad-escape", span, what, "unknown escape")
+                .help("the escapes are \\n \\t \\r \\0 \\\\ \\\" and \\u{…} with up to six hexadecimal digits")
+        }));
+    }
+    lexer.bump(body_len + 1);
+    if body.contains("\n(") && lexer.extras.suspect.is_none() {
+        lexer.extras.suspect = Some(span_of(lexer));
+    }
+    FilterResult::Emit(Token::Str)
+}
+
+/// Bytes before the closing quote.
+fn string_len(body: &str) -> Option<usize> {
+    let bytes = body.as_bytes();
+    let mut at = 0;
+    loop {
+        match bytes.get(at)? {
+            b'"' => return Some(at),
+            b'\\' => at += 2,
+            _ => at += 1,
+        }
+    }
+}
+
+fn unterminated_string(lexer: &mut Lexer<'_>) -> Token {
+    let mut error =
+        Diagnostic::error("unterminated-string", span_of(lexer), "this string is never closed", "the string begins here")
+            .help("close it with `\"`; inside a string write `\\\"`");
+    if let Some(Span { source, start, .. }) = lexer.extras.suspect {
+        error = error.related(
+            Span { source, start, end: start + 1 },
+            "the quote that is missing may belong to this string, which holds what looks like code",
+        );
+    }
+    lexer.extras.found.push(error);
+    lexer.bump(lexer.remainder().len());
+    Token::Unterminated
+}
+
+fn block_comment(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
+    let rest = lexer.remainder().as_bytes();
+    let mut depth = 1;
+    let mut at = 0;
+    while depth > 0 {
+        match rest.get(at..at + 2) {
+            Some(b"|#") => (depth, at) = (depth - 1, at + 2),
+            Some(b"#|") => (depth, at) = (depth + 1, at + 2),
+            Some(_) => at += 1,
+            None => return FilterResult::Emit(unterminated_comment(lexer, depth)),
+        }
+    }
+    lexer.bump(at);
+    FilterResult::Emit(Token::BlockComment)
+}
+
+fn unterminated_comment(lexer: &mut Lexer<'_>, depth: usize) -> Token {
+    let help = match depth {
+        1 => "close it with `|#`".to_string(),
+        _ => format!("block comments nest: {depth} `|#` are missing"),
+    };
+    let span = span_of(lexer);
+    let error = Diagnostic::error("unterminated-comment", span, "this comment is never closed", "the comment begins here");
+    lexer.extras.found.push(error.help(help));
+    lexer.bump(lexer.remainder().len());
+    Token::Unterminated
+}
+
+/// An escape that is none: its bytes `start..end` in the body, and what is wrong.
+pub type EscapeFault = (usize, usize, String);
+
+/// The string a body (the text between the quotes) stands for. An unknown escape stands for itself
+/// and is told beside.
+pub fn unescape(body: &str) -> (String, Vec<EscapeFault>) {
+    let mut value = String::with_capacity(body.len());
+    let mut faults = Vec::new();
+    let mut rest = body;
+    while let Some(at) = rest.find('\\') {
+        value.push_str(&rest[..at]);
+        let escape = &rest[at..];
+        let (character, len) = match unescape_one(escape) {
+            Ok((character, len)) => (character, len),
+            Err((len, what)) => {
+                let start = body.len() - escape.len();
+                faults.push((start, start + len, what));
+                value.push_str(&escape[..len]);
+                (None, len)
+            }
+        };
+        value.extend(character);
+        rest = &escape[len..];
+    }
+    value.push_str(rest);
+    (value, faults)
+}
+
+/// The character of an escape and its length in bytes; a line's end after a backslash stands for
+/// nothing, so that a long string can be broken.
+fn unescape_one(escape: &str) -> Result<(Option<char>, usize), (usize, String)> {
+    let character = match escape[1..].chars().next() {
+        Some('n') => '\n',
+        Some('t') => '\t',
+        Some('r') => '\r',
+        Some('0') => '\0',
+        Some('\\') => '\\',
+        Some('"') => '"',
+        Some('\n') => return Ok((None, 2)),
+        Some('u') => return unescape_unicode(escape),
+        Some(other) => return Err((1 + other.len_utf8(), format!("`\\{other}` is no escape"))),
+        None => return Err((1, "a backslash at the end of a string".to_string())),
+    };
+    Ok((Some(character), 2))
+}
+
+fn unescape_unicode(escape: &str) -> Result<(Option<char>, usize), (usize, String)> {
+    let digits = escape[2..].strip_prefix('{').and_then(|rest| rest.split_once('}')).map(|(digits, _)| digits);
+    let Some(digits) = digits else { return Err((2, "`\\u` is followed by `{`, digits and `}`".to_string())) };
+    let len = digits.len() + 4;
+    let well_formed = (1..=6).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let code = well_formed.then(|| u32::from_str_radix(digits, 16).ok()).flatten();
+    match code.and_then(char::from_u32) {
+        Some(character) => Ok((Some(character), len)),
+        None => Err((len, format!("`\\u{{{digits}}}` is no character"))),
+    }
+}

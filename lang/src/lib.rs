@@ -1,14 +1,16 @@
 //! Plan text to compiled code: tokens, syntax, expansion, resolution, register code.
 //!
 //! Pure: no task, no robot, no file. Every phase returns a result *and* the errors beside it.
-//! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`].
+//! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`].
 
 pub mod diagnostic;
 pub mod lexer;
+mod nesting;
 pub mod number;
 pub mod pretty;
 pub mod reader;
 pub mod source;
+pub mod suggest;
 pub mod symbol;
 pub mod syntax;
 

@@ -1,1 +1,303 @@
-//! See the crate documentation.
+//! Syntax to text: on one line, or laid out over several.
+//!
+//! Both walk the datum with a stack of their own, so depth costs no Rust stack.
+
+use crate::number::format_float;
+use crate::source::{SourceId, Span};
+use crate::symbol::Symbols;
+use crate::syntax::{Kind, NodeId, Tree};
+
+/// The datum on one line, such that reading it gives the same datum – but for run-time objects and
+/// names made by `gensym`, which no text can name.
+pub fn print(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
+    let mut printer = Printer::new(tree, symbols, usize::MAX);
+    printer.run(node);
+    printer.text
+}
+
+/// The datum laid out over lines of at most `width` characters, where that can be had, and ended
+/// by a newline. Sets the span of every node under `root` to its place in that text, which is to
+/// become `source`; a node that stands in several places gets the last.
+pub fn pretty(tree: &mut Tree, symbols: &Symbols, root: NodeId, width: usize, source: SourceId) -> String {
+    let mut printer = Printer::new(tree, symbols, width);
+    printer.run(root);
+    let Printer { mut text, places, .. } = printer;
+    for (node, start, end) in places {
+        tree.nodes[node.0 as usize].span = Span { source, start, end };
+    }
+    text.push('\n');
+    text
+}
+
+/// A string as it is written, with quotes and escapes.
+pub fn quote_string(value: &str) -> String {
+    let mut text = String::with_capacity(value.len() + 2);
+    text.push('"');
+    for character in value.chars() {
+        match character {
+            '\n' => text.push_str("\\n"),
+            '\t' => text.push_str("\\t"),
+            '\r' => text.push_str("\\r"),
+            '\0' => text.push_str("\\0"),
+            '"' => text.push_str("\\\""),
+            '\\' => text.push_str("\\\\"),
+            // A byte order mark or a line separator would be there and not be seen.
+            c if c.is_control() || matches!(c, '\u{feff}' | '\u{2028}' | '\u{2029}') => {
+                text.push_str(&format!("\\u{{{:x}}}", c as u32));
+            }
+            c => text.push(c),
+        }
+    }
+    text.push('"');
+    text
+}
+
+/// Forms with a body: how many items stand on the first line, head not counted; the body follows
+/// two columns in.
+const BODIES: &[(&str, usize)] = &[
+    (":tag", 1),
+    ("block", 1),
+    ("case", 1),
+    ("catch", 1),
+    ("cond", 0),
+    ("def-failure", 2),
+    ("def-fluent", 1),
+    ("def-goal", 2),
+    ("def-interp-proc", 2),
+    ("def-plan", 2),
+    ("defconstant", 1),
+    ("defmacro", 2),
+    ("defun", 2),
+    ("defvar", 1),
+    ("do-retry", 1),
+    ("dolist", 1),
+    ("dotimes", 1),
+    ("evap-protect", 0),
+    ("fn", 1),
+    ("global-fluent", 1),
+    ("if", 1),
+    ("ignore-failures", 1),
+    ("lambda", 1),
+    ("let", 1),
+    ("let*", 1),
+    ("letrec", 1),
+    ("loop", 0),
+    ("n-times", 1),
+    ("on-interrupt", 1),
+    ("on-resume", 1),
+    ("par", 0),
+    ("par-map", 1),
+    ("partial-order", 1),
+    ("plan", 1),
+    ("process", 1),
+    ("progn", 0),
+    ("pursue", 0),
+    ("pursue-map", 1),
+    ("seq", 0),
+    ("spawn", 0),
+    ("try-all", 0),
+    ("try-all-map", 1),
+    ("try-each-in-order", 1),
+    ("try-in-order", 0),
+    ("unless", 1),
+    ("unwind-protect", 0),
+    ("when", 1),
+    ("whenever", 1),
+    ("while", 1),
+];
+
+fn body_after(head: &str) -> Option<usize> {
+    match BODIES.binary_search_by_key(&head, |&(name, _)| name) {
+        Ok(index) => Some(BODIES[index].1),
+        Err(_) if head.starts_with("with-") => Some(1),
+        Err(_) => None,
+    }
+}
+
+/// How the items of a list that does not fit on its line are laid out.
+#[derive(Clone, Copy)]
+struct Layout {
+    /// Items on the first line, head included.
+    on_first_line: usize,
+    /// Column of the others.
+    indent: usize,
+}
+
+enum Step {
+    /// Write a node; so many closers follow it on its line.
+    Node { node: NodeId, closers: usize },
+    /// Go on with a list at its `next` item.
+    Items { list: NodeId, next: usize, layout: Option<Layout>, closers: usize },
+    /// The node that started here is written.
+    End { node: NodeId, start: u32 },
+}
+
+struct Printer<'a> {
+    tree: &'a Tree,
+    symbols: &'a Symbols,
+    width: usize,
+    text: String,
+    /// Characters on the present line.
+    column: usize,
+    places: Vec<(NodeId, u32, u32)>,
+    steps: Vec<Step>,
+}
+
+impl<'a> Printer<'a> {
+    fn new(tree: &'a Tree, symbols: &'a Symbols, width: usize) -> Self {
+        Self { tree, symbols, width, text: String::new(), column: 0, places: Vec::new(), steps: Vec::new() }
+    }
+
+    fn run(&mut self, root: NodeId) {
+        self.steps.push(Step::Node { node: root, closers: 0 });
+        while let Some(step) = self.steps.pop() {
+            match step {
+                Step::Node { node, closers } => self.node(node, closers),
+                Step::Items { list, next, layout, closers } => self.item(list, next, layout, closers),
+                Step::End { node, start } => self.places.push((node, start, self.text.len() as u32)),
+            }
+        }
+    }
+
+    fn write(&mut self, text: &str) {
+        self.text.push_str(text);
+        self.column += text.chars().count();
+    }
+
+    fn new_line(&mut self, indent: usize) {
+        self.text.push('\n');
+        self.text.extend(std::iter::repeat_n(' ', indent));
+        self.column = indent;
+    }
+
+    fn node(&mut self, node: NodeId, closers: usize) {
+        let start = self.text.len() as u32;
+        self.steps.push(Step::End { node, start });
+        if let Some((mark, datum)) = marked(self.tree, self.symbols, node) {
+            self.write(mark);
+            self.places.push((self.tree.items(node)[0], start, self.text.len() as u32));
+            if mark == "," && atom_text(self.tree, self.symbols, datum).starts_with('@') {
+                self.write(" ");
+            }
+            self.steps.push(Step::Node { node: datum, closers });
+        } else if matches!(self.tree.get(node).kind, Kind::List { .. }) {
+            self.write("(");
+            let layout = self.layout(node, closers);
+            self.steps.push(Step::Items { list: node, next: 0, layout, closers });
+        } else {
+            let text = atom_text(self.tree, self.symbols, node);
+            self.write(&text);
+        }
+    }
+
+    fn item(&mut self, list: NodeId, next: usize, layout: Option<Layout>, closers: usize) {
+        let items = self.tree.items(list);
+        let Some(&item) = items.get(next) else { return self.write(")") };
+        let is_last = next + 1 == items.len();
+        if next > 0 {
+            match layout {
+                Some(layout) if next >= layout.on_first_line && !self.follows_keyword(items, next) => {
+                    self.new_line(layout.indent);
+                }
+                _ => self.write(" "),
+            }
+        }
+        if is_last && matches!(self.tree.get(list).kind, Kind::List { dotted: true, .. }) {
+            self.write(". ");
+        }
+        self.steps.push(Step::Items { list, next: next + 1, layout, closers });
+        self.steps.push(Step::Node { node: item, closers: if is_last { closers + 1 } else { 0 } });
+    }
+
+    /// Whether the item is the value of a keyword before it, on whose line it stays.
+    fn follows_keyword(&self, items: &[NodeId], next: usize) -> bool {
+        let is_keyword = |index: usize| matches!(self.tree.get(items[index]).kind, Kind::Keyword(_));
+        let run = (1..next).rev().take_while(|&index| is_keyword(index)).count();
+        run % 2 == 1 && !is_keyword(next)
+    }
+
+    /// None if the list, whose `(` is written, fits on the present line.
+    fn layout(&self, list: NodeId, closers: usize) -> Option<Layout> {
+        let column = self.column;
+        let room = self.width.saturating_sub(column).saturating_sub(closers);
+        if self.width == usize::MAX || self.fits(list, room.saturating_add(1)) {
+            return None;
+        }
+        // Deep data would otherwise be mostly indentation, of a size quadratic in its depth.
+        let furthest = self.width / 3 * 2;
+        let &first = self.tree.items(list).first()?;
+        let head = match self.tree.get(first).kind {
+            Kind::Symbol(symbol) => self.symbols.name(symbol).to_string(),
+            Kind::Keyword(symbol) => format!(":{}", self.symbols.name(symbol)),
+            _ => return Some(Layout { on_first_line: 1, indent: column.min(furthest).max(1) }),
+        };
+        let layout = match body_after(&head) {
+            Some(distinguished) => Layout { on_first_line: 1 + distinguished, indent: column + 1 },
+            None => {
+                let aligned = column + head.chars().count() + 1;
+                if aligned <= self.width / 2 {
+                    Layout { on_first_line: 2, indent: aligned }
+                } else {
+                    Layout { on_first_line: 1, indent: column + 1 }
+                }
+            }
+        };
+        Some(Layout { indent: layout.indent.min(furthest).max(1), ..layout })
+    }
+
+    /// Whether the node takes at most `room` characters on one line. Cost: O(room).
+    fn fits(&self, node: NodeId, room: usize) -> bool {
+        let mut used = 0;
+        let mut waiting = vec![node];
+        while let Some(node) = waiting.pop() {
+            used += match (marked(self.tree, self.symbols, node), &self.tree.get(node).kind) {
+                (Some((mark, datum)), _) => {
+                    waiting.push(datum);
+                    mark.len()
+                }
+                (None, &Kind::List { dotted, .. }) => {
+                    let items = self.tree.items(node);
+                    // The parentheses, the spaces between, the dot with its space.
+                    let around = 2 + items.len().saturating_sub(1) + if dotted { 2 } else { 0 };
+                    if used + around > room {
+                        return false;
+                    }
+                    waiting.extend(items);
+                    around
+                }
+                (None, Kind::Str(value)) if value.len() > room => return false,
+                (None, _) => atom_text(self.tree, self.symbols, node).chars().count(),
+            };
+            if used > room {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// `'x` and its kin: the mark and the datum of `(quote x)`.
+fn marked<'s>(tree: &Tree, symbols: &'s Symbols, node: NodeId) -> Option<(&'s str, NodeId)> {
+    let &[head, datum] = tree.proper_list(node)? else { return None };
+    let mark = match symbols.name(tree.symbol(head)?) {
+        "quote" => "'",
+        "quasiquote" => "`",
+        "unquote" => ",",
+        "unquote-splicing" => ",@",
+        _ => return None,
+    };
+    Some((mark, datum))
+}
+
+/// What an atom is written as; nothing for a list.
+fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
+    match &tree.get(node).kind {
+        Kind::Symbol(symbol) => symbols.name(*symbol).to_string(),
+        Kind::Keyword(symbol) => format!(":{}", symbols.name(*symbol)),
+        Kind::Int(value) => value.to_string(),
+        Kind::Float(value) => format_float(*value),
+        Kind::Str(value) => quote_string(value),
+        Kind::Object(number) => format!("#<object {number}>"),
+        Kind::List { .. } => String::new(),
+    }
+}
