@@ -312,8 +312,11 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
     let dot = just(Lexeme::Dot).map_with(|_, e| Element::Dot(e.span()));
     let element = choice((datum.clone().map(Element::Datum), comment.clone().to(Element::Comment), dot)).boxed();
     let margin_ahead = just(Lexeme::Margin).map_with(|_, e| -> SimpleSpan { e.span() }).rewind();
-    let closer =
-        choice((just(Lexeme::Close).to(Closer::Paren), margin_ahead.map(|at| Closer::Margin(at.start)), end().to(Closer::End)));
+    let closer = choice((
+        just(Lexeme::Close).to(Closer::Paren),
+        margin_ahead.map(|at| Closer::Margin(at.start)),
+        end().to(Closer::End),
+    ));
     let list = just(Lexeme::Open)
         .map_with(|_, e| -> SimpleSpan { e.span() })
         .then(element.repeated().collect::<Vec<_>>())
@@ -340,7 +343,10 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
     );
 
     let stray = just(Lexeme::Close).repeated().at_least(1).count().validate(|count, e, emitter| {
-        emitter.emit(Fault::Stray { at: e.span(), count });
+        let span: SimpleSpan = e.span();
+        // Closers that do not stand side by side are marked at the first.
+        let at = if span.end - span.start == count { span } else { SimpleSpan::from(span.start..span.start + 1) };
+        emitter.emit(Fault::Stray { at, count });
         None
     });
     let dot = just(Lexeme::Dot).validate(|_, e, emitter| {
