@@ -347,10 +347,14 @@ fn unescape_one(escape: &str) -> Result<(Option<char>, usize), (usize, String)> 
 }
 
 fn unescape_unicode(escape: &str) -> Result<(Option<char>, usize), (usize, String)> {
-    let digits = escape[2..].strip_prefix('{').and_then(|rest| rest.split_once('}')).map(|(digits, _)| digits);
-    let Some(digits) = digits else { return Err((2, "`\\u` is followed by `{`, digits and `}`".to_string())) };
+    let wrong = |len| (len, "`\\u` is followed by `{`, digits and `}`".to_string());
+    let Some(rest) = escape[2..].strip_prefix('{') else { return Err(wrong(2)) };
+    let digits = &rest[..rest.bytes().take_while(u8::is_ascii_hexdigit).count()];
+    if !rest[digits.len()..].starts_with('}') {
+        return Err(wrong(3 + digits.len()));
+    }
     let len = digits.len() + 4;
-    let well_formed = (1..=6).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let well_formed = (1..=6).contains(&digits.len());
     let code = well_formed.then(|| u32::from_str_radix(digits, 16).ok()).flatten();
     match code.and_then(char::from_u32) {
         Some(character) => Ok((Some(character), len)),

@@ -17,7 +17,7 @@ pub fn print(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
 
 /// The datum laid out over lines of at most `width` characters, where that can be had, and ended
 /// by a newline. Sets the span of every node under `root` to its place in that text, which is to
-/// become `source`; a node that stands in several places gets the last.
+/// become `source`; a node that stands in several places gets the last. Cost: the size of the text times `width`.
 pub fn pretty(tree: &mut Tree, symbols: &Symbols, root: NodeId, width: usize, source: SourceId) -> String {
     let mut printer = Printer::new(tree, symbols, width);
     printer.run(root);
@@ -228,7 +228,8 @@ impl<'a> Printer<'a> {
             Kind::Symbol(word) => is_loop && matches!(self.symbols.name(word), "until" | "while"),
             _ => false,
         };
-        let run = (1..next).rev().take_while(|&index| is_label(index)).count();
+        // A longer run of keywords is data, not arguments.
+        let run = (1..next).rev().take(8).take_while(|&index| is_label(index)).count();
         run % 2 == 1 && !is_label(next)
     }
 

@@ -148,6 +148,20 @@ fn empty_texts_and_places_at_the_end_are_drawn() {
     }
 }
 
+proptest! {
+    #[test]
+    fn any_place_in_any_text_is_drawn(
+        pieces in prop::collection::vec(prop::sample::select(vec!["a", "\n", "\r", "ä", "\u{2028}", "\u{b}", "\t", "机", " "]), 0..12),
+        places in prop::collection::vec((0u32..30, 0u32..30), 1..4),
+    ) {
+        let text = pieces.concat();
+        let mut spans = places.iter().map(|&(start, end)| span(0, start, end));
+        let first = spans.next().unwrap_or(NOWHERE);
+        let found = spans.fold(Diagnostic::error("x", first, "what", "here"), |found, place| found.related(place, "and here"));
+        prop_assert!(rendered(&[found], &[("t", &text)]).starts_with("error[x]: what\n"));
+    }
+}
+
 fn name() -> impl Strategy<Value = String> {
     let odd = [
         "nil",

@@ -36,6 +36,22 @@ fn names_fold_to_lower_case() {
 }
 
 #[test]
+fn a_plan_as_printed_in_the_papers_reads_as_it_stands() {
+    let plan = "(DEF-INTERP-PROC RELOCALIZE-WHEN-NECESSARY ()
+  (WHENEVER (≤ POS-CERTAINTY* 0.8)
+    (WITH-VALVE WHEELS
+      (UNWIND-PROTECT (SEQ (ACTIVATE ACTIVE-LOCALIZATION)
+                           (WAIT-FOR (> POS-CERTAINTY* 0.8)))
+        (DEACTIVATE ACTIVE-LOCALIZATION)))))";
+    reads_as(
+        plan,
+        &["(def-interp-proc relocalize-when-necessary () (whenever (<= pos-certainty* 0.8) \
+                      (with-valve wheels (unwind-protect (seq (activate active-localization) \
+                      (wait-for (> pos-certainty* 0.8))) (deactivate active-localization)))))"],
+    );
+}
+
+#[test]
 fn comments_are_no_data() {
     reads_as("a ; b\n#| c #| d |# e |# f", &["a", "f"]);
     reads_as("(a #;b c #;(d e)) #;x y", &["(a c)", "y"]);

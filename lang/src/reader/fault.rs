@@ -151,9 +151,14 @@ impl<'a> Places<'a> {
 
     /// Line and column from 1, the column in characters.
     fn line_column(&self, at: usize) -> (usize, usize) {
+        let (line, byte) = self.line_and_byte(at);
+        (line, self.text[at - byte..at].chars().count() + 1)
+    }
+
+    /// Line from 1, and byte within it: unlike the column it costs no walk along the line.
+    fn line_and_byte(&self, at: usize) -> (usize, usize) {
         let line = self.lines.partition_point(|&start| start <= at);
-        let start = self.lines[line - 1];
-        (line, self.text[start..at].chars().count() + 1)
+        (line, at - self.lines[line - 1])
     }
 
     /// The opening quote of the first string between two places with a line that begins with `(`.
@@ -179,7 +184,7 @@ impl<'a> Places<'a> {
             if token.is_comment() {
                 continue;
             }
-            let place = self.line_column(start);
+            let place = self.line_and_byte(start);
             if let Some(&(opener, (_, column))) = open.last()
                 && place.0 > line_before
                 && place.1 <= column
