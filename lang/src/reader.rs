@@ -66,7 +66,7 @@ pub fn fold_name(text: &str) -> Cow<'_, str> {
 /// Whether a text can be read as it stands, for a prompt that asks for more lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completeness {
-    /// Nothing is open; there may be errors.
+    /// Nothing is open, or more text could not mend it; there may be errors.
     Complete,
     /// A list, string, block comment or mark waits for its end.
     Incomplete,
@@ -76,8 +76,10 @@ pub enum Completeness {
 pub fn completeness(text: &str) -> Completeness {
     let (tokens, _) = lex(text, SourceId(0));
     let unterminated = tokens.last().is_some_and(|&(token, _)| token == Token::Unterminated);
-    let depth = Nesting::of(tokens.iter().map(|&(token, _)| token)).depth();
-    if unterminated || (1..=MAX_DEPTH).contains(&depth) { Completeness::Incomplete } else { Completeness::Complete }
+    let nesting = Nesting::of(tokens.iter().map(|&(token, _)| token));
+    let is_open = unterminated || nesting.depth() > 0;
+    let is_beyond_mending = nesting.has_stray() || nesting.depth() > MAX_DEPTH;
+    if is_open && !is_beyond_mending { Completeness::Incomplete } else { Completeness::Complete }
 }
 
 /// What the grammar is written over.

@@ -66,13 +66,22 @@ fn laid_out(text: &str, width: usize) -> String {
     pretty(&mut tree, &symbols, roots[0], width, SOURCE)
 }
 
-#[test]
-fn a_plan_is_laid_out_as_a_lisp_user_would() {
-    let plan = "(def-plan go-to (dest) \"Drives to DEST.\" (with-policies ((relocalize-when-necessary) (notice-interruption))
+const PLAN: &str = "(def-plan go-to (dest) \"Drives to DEST.\" (with-policies ((relocalize-when-necessary) (notice-interruption))
         (process navigation-proc (with-valve wheels (evap-protect (loop (try-all (wait-for execution-interrupted? :timeout 2.5s)
         (execute-plan (generate-navigation-plan dest :speed 0.3m/s :keep-clear-of '(kitchen table-1 table-2) :report nil)))
         until (at-destination? dest)) (plan-remove-all-goals))))))";
-    insta::assert_snapshot!(laid_out(plan, 60));
+
+#[test]
+fn a_plan_is_laid_out_as_a_lisp_user_would() {
+    insta::assert_snapshot!(laid_out(PLAN, 60));
+}
+
+#[test]
+fn lines_keep_to_the_width_where_that_can_be_had() {
+    for width in 55..130 {
+        let text = laid_out(PLAN, width);
+        assert!(text.lines().all(|line| line.chars().count() <= width), "{width}\n{text}");
+    }
 }
 
 #[test]
