@@ -16,7 +16,9 @@ use std::borrow::Cow;
 mod fault;
 use fault::{Fault, Places};
 
-/// Deeper texts are refused before the grammar, which recurses, sees them.
+/// Deeper texts are refused before the grammar, which recurses, sees them. A level takes just under
+/// 1 KB of Rust stack at `opt-level = 1`, so the deepest text half the stack of a thread (2 MB); at
+/// `opt-level = 0` it would be 7 KB.
 pub const MAX_DEPTH: usize = 1000;
 
 /// Errors told of one text; the rest is counted.
