@@ -87,7 +87,8 @@ fn render_one(diagnostic: &Diagnostic, sources: &Sources, texts: &mut Texts<'_>,
     let head = format!("{kind}[{}]:", diagnostic.code);
     let head = if colour { head.fg(main_colour).to_string() } else { head };
     let mut places = std::iter::once(diagnostic.span).chain(diagnostic.related.iter().map(|&(span, _)| span));
-    let drawn = if places.all(|span| is_drawable(span, sources)) { draw(diagnostic, main_colour, texts, colour) } else { None };
+    let drawn =
+        if places.all(|span| is_drawable(span, sources)) { draw(diagnostic, main_colour, texts, colour) } else { None };
     let body = drawn.unwrap_or_else(|| excerpts(diagnostic, sources));
     format!("{head} {}\n{body}", diagnostic.message)
 }
@@ -96,15 +97,15 @@ fn render_one(diagnostic: &Diagnostic, sources: &Sources, texts: &mut Texts<'_>,
 fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colour: bool) -> Option<String> {
     let config = Config::new().with_index_type(IndexType::Byte).with_compact(true).with_color(colour);
     let sources = texts.sources;
-    let place = drawn_span(diagnostic.span, sources);
-    let related = diagnostic
-        .related
-        .iter()
-        .map(|(span, note)| Label::new(drawn_span(*span, sources)).with_message(note).with_color(Color::Cyan));
-    let mut report = Report::build(ReportKind::Error, place.clone())
-        .with_config(config)
-        .with_label(Label::new(place).with_message(&diagnostic.label).with_color(main_colour))
-        .with_labels(related);
+    let mut marks = vec![(diagnostic.span, &diagnostic.label, main_colour)];
+    marks.extend(diagnostic.related.iter().map(|(span, note)| (*span, note, Color::Cyan)));
+    // The library draws neighbouring lines together only if they come in order.
+    marks.sort_by_key(|&(span, ..)| (span.source != diagnostic.span.source, span));
+    let labels = marks
+        .into_iter()
+        .map(|(span, note, colour)| Label::new(drawn_span(span, sources)).with_message(note).with_color(colour));
+    let mut report =
+        Report::build(ReportKind::Error, drawn_span(diagnostic.span, sources)).with_config(config).with_labels(labels);
     if let Some(help) = &diagnostic.help {
         report = report.with_help(help);
     }

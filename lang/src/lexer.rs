@@ -136,12 +136,20 @@ fn refuse(text: &str, source: SourceId) -> Option<Diagnostic> {
     let at = |start: usize, end: usize| Span { source, start: start as u32, end: end as u32 };
     if text.len() > MAX_TEXT_BYTES {
         let message = format!("the text has {} bytes, more than {MAX_TEXT_BYTES}", text.len());
-        return Some(Diagnostic::error("text-too-long", at(0, 0), message, "refused").help("split the text, and `load` its parts"));
+        return Some(
+            Diagnostic::error("text-too-long", at(0, 0), message, "refused")
+                .help("split the text, and `load` its parts"),
+        );
     }
     let nul = text.find('\0')?;
     Some(
-        Diagnostic::error("not-text", at(nul, nul + 1), "this is not a plan text: it holds a NUL byte", "the first NUL byte")
-            .help("plans are UTF-8 text; this looks like a binary file"),
+        Diagnostic::error(
+            "not-text",
+            at(nul, nul + 1),
+            "this is not a plan text: it holds a NUL byte",
+            "the first NUL byte",
+        )
+        .help("plans are UTF-8 text; this looks like a binary file"),
     )
 }
 
@@ -158,7 +166,8 @@ fn invalid_characters(text: &str, run: Span) -> Diagnostic {
         '|' => ("`|`".to_string(), "a block comment is written `#| … |#`"),
         _ => (format!("the control character U+{:04X}", first as u32), "remove it; inside a string write `\\u{…}`"),
     };
-    Diagnostic::error("invalid-character", run, format!("{shown} has no meaning here"), "not part of the language").help(help)
+    Diagnostic::error("invalid-character", run, format!("{shown} has no meaning here"), "not part of the language")
+        .help(help)
 }
 
 fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
@@ -193,11 +202,17 @@ fn number(lexer: &mut Lexer<'_>) -> Token {
 fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     let text = lexer.slice();
     let (message, help) = if text.starts_with("#<") {
-        ("a run-time object cannot be read".to_string(), "`#<…>` is how objects are printed; there is no way to write them")
+        (
+            "a run-time object cannot be read".to_string(),
+            "`#<…>` is how objects are printed; there is no way to write them",
+        )
     } else if text.starts_with("#:") {
         ("a name made by `gensym` cannot be read".to_string(), "no text can name it; give it a name of your own")
     } else {
-        (format!("`{text}` has no meaning"), "after `#` stands `'`, `;` or `|`: `#'function`, `#;datum`, `#| comment |#`")
+        (
+            format!("`{text}` has no meaning"),
+            "after `#` stands `'`, `;` or `|`: `#'function`, `#;datum`, `#| comment |#`",
+        )
     };
     let error = Diagnostic::error("unknown-hash", span_of(lexer), message, "unknown").help(help);
     lexer.extras.found.push(error);
@@ -238,9 +253,13 @@ fn string_len(body: &str) -> Option<usize> {
 }
 
 fn unterminated_string(lexer: &mut Lexer<'_>) -> Token {
-    let mut error =
-        Diagnostic::error("unterminated-string", span_of(lexer), "this string is never closed", "the string begins here")
-            .help("close it with `\"`; inside a string write `\\\"`");
+    let mut error = Diagnostic::error(
+        "unterminated-string",
+        span_of(lexer),
+        "this string is never closed",
+        "the string begins here",
+    )
+    .help("close it with `\"`; inside a string write `\\\"`");
     if let Some(Span { source, start, .. }) = lexer.extras.suspect {
         error = error.related(
             Span { source, start, end: start + 1 },
@@ -274,7 +293,8 @@ fn unterminated_comment(lexer: &mut Lexer<'_>, depth: usize) -> Token {
         _ => format!("block comments nest: {depth} `|#` are missing"),
     };
     let span = span_of(lexer);
-    let error = Diagnostic::error("unterminated-comment", span, "this comment is never closed", "the comment begins here");
+    let error =
+        Diagnostic::error("unterminated-comment", span, "this comment is never closed", "the comment begins here");
     lexer.extras.found.push(error.help(help));
     lexer.bump(lexer.remainder().len());
     Token::Unterminated
@@ -327,10 +347,14 @@ fn unescape_one(escape: &str) -> Result<(Option<char>, usize), (usize, String)> 
 }
 
 fn unescape_unicode(escape: &str) -> Result<(Option<char>, usize), (usize, String)> {
-    let digits = escape[2..].strip_prefix('{').and_then(|rest| rest.split_once('}')).map(|(digits, _)| digits);
-    let Some(digits) = digits else { return Err((2, "`\\u` is followed by `{`, digits and `}`".to_string())) };
+    let wrong = |len| (len, "`\\u` is followed by `{`, digits and `}`".to_string());
+    let Some(rest) = escape[2..].strip_prefix('{') else { return Err(wrong(2)) };
+    let digits = &rest[..rest.bytes().take_while(u8::is_ascii_hexdigit).count()];
+    if !rest[digits.len()..].starts_with('}') {
+        return Err(wrong(3 + digits.len()));
+    }
     let len = digits.len() + 4;
-    let well_formed = (1..=6).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let well_formed = (1..=6).contains(&digits.len());
     let code = well_formed.then(|| u32::from_str_radix(digits, 16).ok()).flatten();
     match code.and_then(char::from_u32) {
         Some(character) => Ok((Some(character), len)),

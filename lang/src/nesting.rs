@@ -56,6 +56,11 @@ impl Nesting {
         self.lists == 0 && self.strays == 0
     }
 
+    /// Whether a `)` came that closes nothing, which no further text can mend.
+    pub(crate) fn has_stray(&self) -> bool {
+        self.strays > 0
+    }
+
     /// Gives up all that is open.
     pub(crate) fn clear(&mut self) {
         self.frames.clear();

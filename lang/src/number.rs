@@ -190,7 +190,9 @@ fn unknown_unit(atom: &str, parts: &Parts<'_>) -> NumberError {
         format!("`{atom}` begins like a number and is none")
     };
     let help = match (parts.is_integer, unit.strip_prefix('/'), suggest(unit, unit_names())) {
-        (true, Some(divisor), _) if divisor.parse::<u64>().is_ok() => format!("for a ratio write `(/ {digits} {divisor})`"),
+        (true, Some(divisor), _) if divisor.parse::<u64>().is_ok() => {
+            format!("for a ratio write `(/ {digits} {divisor})`")
+        }
         (_, _, Some(near)) if looks_like_unit => format!("did you mean `{digits}{near}`? The known units are {known}"),
         _ => format!("a name may not begin with a number; the known units are {known}"),
     };
@@ -253,7 +255,9 @@ mod tests {
 
     #[test]
     fn plain_numbers() {
-        for (atom, value) in [("1.5", 1.5), (".5", 0.5), ("1e3", 1000.0), ("-2.", -2.0), ("+.25", 0.25), ("1E-3", 0.001)] {
+        for (atom, value) in
+            [("1.5", 1.5), (".5", 0.5), ("1e3", 1000.0), ("-2.", -2.0), ("+.25", 0.25), ("1E-3", 0.001)]
+        {
             assert_eq!(float(atom), value, "{atom}");
         }
         assert_eq!(parse_number("-9223372036854775808"), Ok(Number::Int(i64::MIN)));

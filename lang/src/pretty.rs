@@ -17,7 +17,7 @@ pub fn print(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
 
 /// The datum laid out over lines of at most `width` characters, where that can be had, and ended
 /// by a newline. Sets the span of every node under `root` to its place in that text, which is to
-/// become `source`; a node that stands in several places gets the last.
+/// become `source`; a node that stands in several places gets the last. Cost: the size of the text times `width`.
 pub fn pretty(tree: &mut Tree, symbols: &Symbols, root: NodeId, width: usize, source: SourceId) -> String {
     let mut printer = Printer::new(tree, symbols, width);
     printer.run(root);
@@ -121,6 +121,8 @@ struct Layout {
     on_first_line: usize,
     /// Column of the others.
     indent: usize,
+    /// Whether as many items stand on a line as fit; else each begins one.
+    fill: bool,
 }
 
 enum Step {
@@ -196,9 +198,7 @@ impl<'a> Printer<'a> {
         let is_last = next + 1 == items.len();
         if next > 0 {
             match layout {
-                Some(layout) if next >= layout.on_first_line && !self.follows_keyword(items, next) => {
-                    self.new_line(layout.indent);
-                }
+                Some(layout) if self.breaks_before(items, next, layout, closers) => self.new_line(layout.indent),
                 _ => self.write(" "),
             }
         }
@@ -209,11 +209,28 @@ impl<'a> Printer<'a> {
         self.steps.push(Step::Node { node: item, closers: if is_last { closers + 1 } else { 0 } });
     }
 
-    /// Whether the item is the value of a keyword before it, on whose line it stays.
-    fn follows_keyword(&self, items: &[NodeId], next: usize) -> bool {
-        let is_keyword = |index: usize| matches!(self.tree.get(items[index]).kind, Kind::Keyword(_));
-        let run = (1..next).rev().take_while(|&index| is_keyword(index)).count();
-        run % 2 == 1 && !is_keyword(next)
+    fn breaks_before(&self, items: &[NodeId], next: usize, layout: Layout, closers: usize) -> bool {
+        if next < layout.on_first_line || self.follows_label(items, next) {
+            return false;
+        }
+        let closers = if next + 1 == items.len() { closers + 1 } else { 0 };
+        let room = self.width.saturating_sub(self.column + 1 + closers);
+        !(layout.fill && self.fits(items[next], room))
+    }
+
+    /// Whether the item is the value of a keyword, or the condition of a loop's `until` or `while`,
+    /// on whose line it stays.
+    fn follows_label(&self, items: &[NodeId], next: usize) -> bool {
+        let is_loop =
+            self.tree.symbol(items[0]).is_some_and(|head| matches!(self.symbols.name(head), "loop" | "n-times"));
+        let is_label = |index: usize| match self.tree.get(items[index]).kind {
+            Kind::Keyword(_) => true,
+            Kind::Symbol(word) => is_loop && matches!(self.symbols.name(word), "until" | "while"),
+            _ => false,
+        };
+        // A longer run of keywords is data, not arguments.
+        let run = (1..next).rev().take(8).take_while(|&index| is_label(index)).count();
+        run % 2 == 1 && !is_label(next)
     }
 
     /// None if the list, whose `(` is written, fits on the present line.
@@ -223,26 +240,29 @@ impl<'a> Printer<'a> {
         if self.width == usize::MAX || self.fits(list, room.saturating_add(1)) {
             return None;
         }
-        // Deep data would otherwise be mostly indentation, of a size quadratic in its depth.
-        let furthest = self.width / 3 * 2;
-        let &first = self.tree.items(list).first()?;
+        let items = self.tree.items(list);
+        let &first = items.first()?;
         let head = match self.tree.get(first).kind {
-            Kind::Symbol(symbol) => self.symbols.name(symbol).to_string(),
-            Kind::Keyword(symbol) => format!(":{}", self.symbols.name(symbol)),
-            _ => return Some(Layout { on_first_line: 1, indent: column.min(furthest).max(1) }),
+            Kind::Symbol(symbol) => Some(self.symbols.name(symbol).to_string()),
+            Kind::Keyword(symbol) => Some(format!(":{}", self.symbols.name(symbol))),
+            _ => None,
         };
-        let layout = match body_after(&head) {
-            Some(distinguished) => Layout { on_first_line: 1 + distinguished, indent: column + 1 },
-            None => {
+        let distinguished = head.as_deref().and_then(body_after);
+        let is_flat = items
+            .iter()
+            .all(|&item| !matches!(self.tree.get(item).kind, Kind::List { len: 1.., .. } | Kind::Keyword(_)));
+        let is_data = self.text.ends_with("'(");
+        let (on_first_line, indent) = match (&head, distinguished) {
+            (Some(_), Some(distinguished)) => (1 + distinguished, column + 1),
+            (Some(head), None) if !is_data => {
                 let aligned = column + head.chars().count() + 1;
-                if aligned <= self.width / 2 {
-                    Layout { on_first_line: 2, indent: aligned }
-                } else {
-                    Layout { on_first_line: 1, indent: column + 1 }
-                }
+                if aligned <= self.width / 2 { (2, aligned) } else { (1, column + 1) }
             }
+            _ => (1, column),
         };
-        Some(Layout { indent: layout.indent.min(furthest).max(1), ..layout })
+        // Deep data would otherwise be mostly indentation, of a size quadratic in its depth.
+        let indent = indent.min(self.width / 5 * 4).max(1);
+        Some(Layout { on_first_line, indent, fill: is_flat && distinguished.is_none() })
     }
 
     /// Whether the node takes at most `room` characters on one line. Cost: O(room).
@@ -265,7 +285,8 @@ impl<'a> Printer<'a> {
                     waiting.extend(items);
                     around
                 }
-                (None, Kind::Str(value)) if value.len() > room => return false,
+                // At most four bytes a character.
+                (None, Kind::Str(value)) if value.len() / 4 > room => return false,
                 (None, _) => atom_text(self.tree, self.symbols, node).chars().count(),
             };
             if used > room {

@@ -13,11 +13,25 @@ pub(super) enum Fault {
     Unexpected(SimpleSpan),
     /// Lists of one form without their `)`, the inner ones innermost first; the form was given up
     /// at `end`.
-    Unclosed { outermost: SimpleSpan, inner: Vec<SimpleSpan>, end: usize },
+    Unclosed {
+        outermost: SimpleSpan,
+        inner: Vec<SimpleSpan>,
+        end: usize,
+    },
     /// Closers in a row that close nothing.
-    Stray { at: SimpleSpan, count: usize },
-    BarePrefix { prefix: Prefix, at: SimpleSpan, end: usize },
-    BareComment { at: SimpleSpan, end: usize },
+    Stray {
+        at: SimpleSpan,
+        count: usize,
+    },
+    BarePrefix {
+        prefix: Prefix,
+        at: SimpleSpan,
+        end: usize,
+    },
+    BareComment {
+        at: SimpleSpan,
+        end: usize,
+    },
     DotFirst(SimpleSpan),
     DotLast(SimpleSpan),
     DotTwice(SimpleSpan),
@@ -38,12 +52,15 @@ impl Fault {
 
     /// The error with its places.
     pub(super) fn explain(&self, places: &Places<'_>) -> Diagnostic {
-        let error = |code, at: SimpleSpan, message: &str, label: &str| Diagnostic::error(code, places.span(at), message, label);
+        let error =
+            |code, at: SimpleSpan, message: &str, label: &str| Diagnostic::error(code, places.span(at), message, label);
         match self {
             Fault::Unexpected(at) => error("unreadable", *at, "this cannot be read", "here"),
             Fault::Unclosed { outermost, inner, end } => unclosed(*outermost, inner, *end, places),
-            Fault::Stray { at, count: 1 } => error("stray-close", *at, "this `)` closes nothing", "no list is open here")
-                .help("remove it, or look above for a `)` that closes too early"),
+            Fault::Stray { at, count: 1 } => {
+                error("stray-close", *at, "this `)` closes nothing", "no list is open here")
+                    .help("remove it, or look above for a `)` that closes too early")
+            }
             Fault::Stray { at, count } => {
                 error("stray-close", *at, &format!("these {count} `)` close nothing"), "no list is open here")
                     .help("remove them, or look above for a `)` that closes too early")
@@ -53,14 +70,21 @@ impl Fault {
                 error("bare-prefix", *at, "nothing follows `#;`", "comments out the next datum, and there is none")
                     .help("for a comment up to the end of the line write `;`")
             }
-            Fault::DotFirst(at) => error("misplaced-dot", *at, "a dot at the start of a list", "nothing stands before it")
-                .help(PAIR_HELP),
-            Fault::DotLast(at) => error("misplaced-dot", *at, "nothing follows this dot", "the tail is missing").help(PAIR_HELP),
-            Fault::DotTwice(at) => error("misplaced-dot", *at, "a second dot in one list", "one too many").help(PAIR_HELP),
+            Fault::DotFirst(at) => {
+                error("misplaced-dot", *at, "a dot at the start of a list", "nothing stands before it").help(PAIR_HELP)
+            }
+            Fault::DotLast(at) => {
+                error("misplaced-dot", *at, "nothing follows this dot", "the tail is missing").help(PAIR_HELP)
+            }
+            Fault::DotTwice(at) => {
+                error("misplaced-dot", *at, "a second dot in one list", "one too many").help(PAIR_HELP)
+            }
             Fault::DotBeforeSeveral(at) => {
                 error("misplaced-dot", *at, "more than one datum follows this dot", "takes one datum").help(PAIR_HELP)
             }
-            Fault::DotOutside(at) => error("misplaced-dot", *at, "a dot outside a list", "no list is open here").help(PAIR_HELP),
+            Fault::DotOutside(at) => {
+                error("misplaced-dot", *at, "a dot outside a list", "no list is open here").help(PAIR_HELP)
+            }
         }
     }
 }
@@ -91,14 +115,17 @@ fn unclosed(outermost: SimpleSpan, inner: &[SimpleSpan], end: usize, places: &Pl
     } else {
         format!("before the `(` at {}:1, which starts a new form", end_line)
     };
-    let mut error =
-        Diagnostic::error("unclosed-list", places.span(outermost), message, "never closed").help(format!("add {closers} {where_to}"));
+    let mut error = Diagnostic::error("unclosed-list", places.span(outermost), message, "never closed")
+        .help(format!("add {closers} {where_to}"));
     for &opener in inner.iter().rev().take(3) {
         error = error.related(places.span(opener), "nor is this one");
     }
     let suspect = places.outdented(outermost.start, end).filter(|at| *at != outermost && !inner.contains(at));
     if let Some(suspect) = suspect {
         error = error.related(places.span(suspect), "going by the indentation, a `)` is missing in this list");
+    }
+    if let Some(string) = places.string_of_code(outermost.start, end) {
+        error = error.related(string, "this string holds what looks like code; perhaps its closing quote is missing");
     }
     error
 }
@@ -124,9 +151,23 @@ impl<'a> Places<'a> {
 
     /// Line and column from 1, the column in characters.
     fn line_column(&self, at: usize) -> (usize, usize) {
+        let (line, byte) = self.line_and_byte(at);
+        (line, self.text[at - byte..at].chars().count() + 1)
+    }
+
+    /// Line from 1, and byte within it: unlike the column it costs no walk along the line.
+    fn line_and_byte(&self, at: usize) -> (usize, usize) {
         let line = self.lines.partition_point(|&start| start <= at);
-        let start = self.lines[line - 1];
-        (line, self.text[start..at].chars().count() + 1)
+        (line, at - self.lines[line - 1])
+    }
+
+    /// The opening quote of the first string between two places with a line that begins with `(`.
+    fn string_of_code(&self, from: usize, to: usize) -> Option<Span> {
+        let first = self.tokens.partition_point(|(_, span)| (span.start as usize) < from);
+        let within = self.tokens[first..].iter().take_while(|(_, span)| (span.start as usize) < to);
+        let mut strings = within.filter(|(token, _)| *token == Token::Str).map(|&(_, span)| span);
+        let found = strings.find(|span| self.text[span.start as usize..span.end as usize].contains("\n("))?;
+        Some(Span { end: found.start + 1, ..found })
     }
 
     /// The innermost list between two places that is still open where a later line begins no
@@ -143,7 +184,7 @@ impl<'a> Places<'a> {
             if token.is_comment() {
                 continue;
             }
-            let place = self.line_column(start);
+            let place = self.line_and_byte(start);
             if let Some(&(opener, (_, column))) = open.last()
                 && place.0 > line_before
                 && place.1 <= column
