@@ -44,7 +44,7 @@ pub struct SimulatorSettings {
     /// The same for turning.
     pub specular_coherence_rad: f64,
     /// How likely a sonar hears another sonar's pulse and reads too short. The ring fires its
-    /// sonars in turn, so this is rare.
+    /// sonars in turn, so this is rare: here once in about 40 scans.
     pub crosstalk_probability: f64,
     /// How likely a single reading is lost.
     pub dropout_probability: f64,
@@ -108,7 +108,7 @@ impl Default for SimulatorSettings {
             specular_silence_probability: 0.7,
             specular_coherence_m: 0.1,
             specular_coherence_rad: 5.0_f64.to_radians(),
-            crosstalk_probability: 0.003,
+            crosstalk_probability: 0.001,
             dropout_probability: 0.01,
             laser: false,
             laser_max_range_m: 8.0,

@@ -5,11 +5,12 @@
 //! and the nearest point of each piece has a closed form.
 
 use super::model::SimulatorModel;
+use super::people::PERSON_RADIUS_M;
 use super::percept::SONARS;
 use super::state::SimulatorState;
 use super::surface::{Form, forms_of};
 use crate::geometry::{Point, Pose, Vector};
-use crate::world::Outline;
+use crate::world::SeenBy;
 
 /// The nearest point of a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +47,7 @@ impl SimulatorModel {
         &self,
         state: &SimulatorState,
         robot_in_map: Pose,
-        seen: impl Fn(crate::world::SeenBy) -> bool,
+        seen: impl Fn(SeenBy) -> bool,
         mut add: impl FnMut(&Form),
     ) {
         let (sin, cos) = libm::sincos(robot_in_map.heading_rad);
@@ -67,11 +68,10 @@ impl SimulatorModel {
             }
         }
         for object in state.objects_added.iter().filter(|object| seen(object.seen_by)) {
-            let outline: Outline = object.outline();
-            forms_of(&outline).for_each(&mut place);
+            forms_of(&object.outline()).for_each(&mut place);
         }
         for person in &state.people {
-            place(Form::Disc { centre: person.at_in_map, radius_m: super::people::PERSON_RADIUS_M });
+            place(Form::Disc { centre: person.at_in_map, radius_m: PERSON_RADIUS_M });
         }
     }
 }
