@@ -76,6 +76,8 @@ pub struct SimulatorSettings {
     /// How near to a person's path the robot makes the person wait. At 0 people walk on until they
     /// touch it, and run into it.
     pub person_stop_distance_m: f64,
+    /// How long a person waits for the robot before turning back.
+    pub person_patience_us: u64,
 
     /// How far from the robot's middle the gripper reaches.
     pub gripper_reach_m: f64,
@@ -121,6 +123,7 @@ impl Default for SimulatorSettings {
             odometry_rotation_bias: 0.01,
             odometry_heading_bias_radpm: 0.2_f64.to_radians(),
             person_stop_distance_m: 0.3,
+            person_patience_us: 5_000_000,
             gripper_reach_m: 0.8,
             grasp_us: 3_000_000,
             release_us: 2_000_000,

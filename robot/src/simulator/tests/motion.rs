@@ -58,6 +58,16 @@ fn a_touch_stops_the_robot_and_counts_once() {
 }
 
 #[test]
+fn a_touch_is_over_when_the_thing_is_gone() {
+    let model = hall(SimulatorSettings::exact(), "[[object]]\nname = \"bin\"\ncircle = [6.0, 3.0, 0.2]");
+    let mut state = model.start(1);
+    assert!(steps(&model, &mut state, &drive(0.5, 0.0), 60).bumped);
+    assert!(model.step(&mut state, &drive(0.0, 0.0)).bumped);
+    model.remove_object(&mut state, "bin").expect("it is there");
+    assert!(!model.step(&mut state, &drive(0.0, 0.0)).bumped);
+}
+
+#[test]
 fn a_touched_robot_still_turns() {
     let model = hall(SimulatorSettings::exact(), "");
     let mut state = model.start(1);
@@ -86,9 +96,13 @@ const WALKER: &str = "[[person]]\npath = [[1.0, 3.0], [9.0, 3.0]]\nspeed = 0.8\n
 fn people_wait_for_the_robot() {
     let model = hall(SimulatorSettings::default(), WALKER);
     let mut state = model.start(1);
+    steps(&model, &mut state, &drive(0.0, 0.0), 100);
+    let waiting = state.people[0].clone();
+    assert!((waiting.at_in_map.x - (5.0 - 0.265 - 0.25 - 0.3)).abs() < 0.05);
+    steps(&model, &mut state, &drive(0.0, 0.0), 120);
+    assert!(state.people[0].at_in_map.x < waiting.at_in_map.x - 1.0, "patience ends");
     steps(&model, &mut state, &drive(0.0, 0.0), 1000);
     assert_eq!(state.contacts(), Contacts::default());
-    assert!((state.people[0].at_in_map.x - (5.0 - 0.265 - 0.25 - 0.3)).abs() < 0.05);
     model.teleport(&mut state, Pose::new(5.0, 5.0, 0.0)).expect("free");
     let seen = (0..1000).map(|_| {
         model.step(&mut state, &drive(0.0, 0.0));
@@ -99,10 +113,18 @@ fn people_wait_for_the_robot() {
 }
 
 #[test]
+fn a_person_beside_the_robot_may_walk_away() {
+    let model = hall(SimulatorSettings::default(), "[[person]]\npath = [[5.6, 3.0], [9.0, 3.0]]\nspeed = 0.8\n");
+    let mut state = model.start(1);
+    steps(&model, &mut state, &drive(0.0, 0.0), 20);
+    assert!(state.people[0].at_in_map.x > 6.3);
+}
+
+#[test]
 fn people_who_do_not_wait_run_into_the_robot_once() {
     let model = hall(SimulatorSettings { person_stop_distance_m: 0.0, ..SimulatorSettings::default() }, WALKER);
     let mut state = model.start(1);
-    assert!(steps(&model, &mut state, &drive(0.0, 0.0), 400).bumped);
+    assert!(steps(&model, &mut state, &drive(0.0, 0.0), 150).bumped);
     assert_eq!(state.contacts(), Contacts { run_into: 1, ..Contacts::default() });
 }
 
@@ -110,7 +132,7 @@ fn people_who_do_not_wait_run_into_the_robot_once() {
 fn a_robot_that_drives_into_a_waiting_person_caused_it() {
     let model = hall(SimulatorSettings::default(), WALKER);
     let mut state = model.start(1);
-    steps(&model, &mut state, &drive(0.0, 0.0), 200);
+    steps(&model, &mut state, &drive(0.0, 0.0), 100);
     steps(&model, &mut state, &drive(-0.3, 0.0), 60);
     assert_eq!(state.contacts(), Contacts { caused: 1, ..Contacts::default() });
 }
