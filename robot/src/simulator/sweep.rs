@@ -35,6 +35,11 @@ struct Cones<'m> {
 impl SimulatorModel {
     /// The nearest surface the sonars can see in each cone, if within their range: no noise, no
     /// misses. Cost: about 2 µs in `dept`.
+    ///
+    /// # Deviation
+    /// The cones of a real ring start on the rim of the robot. Here they start in its middle, as in
+    /// the look-up of expected distances that the papers' filter uses; near the rim that closes the
+    /// gaps between the cones, as the side lobes of a real sonar do.
     pub fn sonar_echoes(&self, state: &SimulatorState, robot_in_map: Pose) -> [Echo; SONARS] {
         let mut cones =
             Cones { edges: &self.cone_edges, range_m: self.settings.sonar_max_range_m, echoes: [SILENCE; SONARS] };

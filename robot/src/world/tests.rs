@@ -73,6 +73,7 @@ fn values_out_of_bounds_are_faults() {
     assert!(one("[[object]]\nname = \"o\"\ncircle = [1, 1, 1]\nrect = [0, 0, 1, 1]").contains("rect and circle"));
     assert!(one("[[room]]\nname = \"r\"\nrect = [2, 0, 1, 1]").contains("no area"));
     assert!(one("[[region]]\nmode = \"fast\"\nrect = [0, 0, 1, 1]").contains("\"hallway\" or"));
+    assert!(one("[[region]]\nmode = \"halway\"\nrect = [0, 0, 1, 1]").ends_with("did you mean \"hallway\"?"));
     assert!(one("[[place]]\nname = \"p\"\npose = [9, 1, 0]").contains("outside the world"));
     assert!(one("[[wall]]\nline = [[0, 1.4], [4, 1.4]]").contains("the start is in the way of a wall"));
     assert!(one("[[wall]]\nline = 3").contains("must be an array of points, found 3"));

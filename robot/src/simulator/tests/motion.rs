@@ -138,7 +138,7 @@ fn a_robot_that_drives_into_a_waiting_person_caused_it() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn the_body_never_enters_anything(seed in any::<u64>()) {
         let model = model("dept", SimulatorSettings::default());

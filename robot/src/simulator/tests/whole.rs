@@ -1,4 +1,5 @@
 use super::*;
+use proptest::prelude::*;
 
 fn busy_model() -> SimulatorModel {
     let text = World::builtin_text("dept").expect("built in");
@@ -90,4 +91,25 @@ fn a_state_fits_its_own_world_only() {
     let (dept, room) = (busy_model(), model("test-room", SimulatorSettings::default()));
     assert!(dept.fits(&dept.start(1)) && room.fits(&room.start(1)));
     assert!(!dept.fits(&room.start(1)) && !room.fits(&dept.start(1)));
+}
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn a_world_file_with_typing_errors_is_refused_or_can_be_lived_in(
+        at in 0.0..1.0, length in 0_usize..12, typed in "[-0-9.a-z\\[\\]=\", \n]{0,6}",
+    ) {
+        let text = World::builtin_text("test-room").expect("built in");
+        let start = (at * text.len() as f64) as usize;
+        let end = (start + length).min(text.len());
+        let text = format!("{}{typed}{}", &text[..start], &text[end..]);
+        if let Ok(world) = World::parse(&text, "typo.toml") {
+            let small = world.size_m.x <= 100.0 && world.size_m.y <= 100.0;
+            prop_assume!(small);
+            world.map_centred(0.5);
+            let model = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
+            let mut state = model.start(1);
+            steps(&model, &mut state, &drive(0.9, 0.3), 40);
+            prop_assert!(state.true_pose().x_m.is_finite());
+        }
+    }
 }
