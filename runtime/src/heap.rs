@@ -75,6 +75,11 @@ pub struct Heap {
 pub const MAX_DEPTH: usize = 100_000;
 
 impl Heap {
+    /// An empty heap.
+    pub fn new() -> Self {
+        Self { threshold: MIN_THRESHOLD, ..Self::default() }
+    }
+
     /// A new pair.
     pub fn cons(&mut self, car: Value, cdr: Value) -> Value {
         self.allocated += 1;

@@ -134,7 +134,7 @@ impl Machine {
     pub fn new(program: &Program, symbols: Symbols) -> Self {
         let mut machine = Self {
             symbols,
-            heap: Heap { threshold: crate::heap::MIN_THRESHOLD, ..Heap::default() },
+            heap: Heap::new(),
             fluents: Slab::default(),
             watches: Slab::default(),
             tasks: Tasks::default(),
