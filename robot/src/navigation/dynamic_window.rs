@@ -23,8 +23,10 @@ pub struct DriveLimits {
     pub robot_radius_m: f64,
     /// Counter-clockwise and clockwise alike.
     pub max_rotation_radps: f64,
-    /// For speeding up and for braking.
+    /// For speeding up.
     pub translation_acceleration_mps2: f64,
+    /// For braking.
+    pub translation_deceleration_mps2: f64,
     /// For speeding up and for braking.
     pub rotation_acceleration_radps2: f64,
     /// From one command to the next.
@@ -45,6 +47,7 @@ impl Default for DriveLimits {
             robot_radius_m: 0.265,
             max_rotation_radps: 1.0,
             translation_acceleration_mps2: 0.5,
+            translation_deceleration_mps2: 0.9,
             rotation_acceleration_radps2: 1.5,
             step_s: 0.05,
             sonar_max_range_m: 5.0,
@@ -69,7 +72,7 @@ impl DriveLimits {
     /// effect, then braking.
     pub fn stopping_distance_m(&self, translation_mps: f64) -> f64 {
         translation_mps * 2.0 * self.step_s
-            + translation_mps * translation_mps / (2.0 * self.translation_acceleration_mps2)
+            + translation_mps * translation_mps / (2.0 * self.translation_deceleration_mps2)
     }
 
     /// The rotation from which a turn by an angle can still be braked in time, with a reserve.
@@ -370,11 +373,12 @@ struct Window {
 impl Window {
     fn around(limits: &DriveLimits, input: &WindowInput<'_>, bearing_rad: f64) -> Self {
         let gain_mps = limits.translation_acceleration_mps2 * WINDOW_S;
+        let loss_mps = limits.translation_deceleration_mps2 * WINDOW_S;
         let gain_radps = limits.rotation_acceleration_radps2 * WINDOW_S;
         let braked_mps = libm::sqrt(2.0 * limits.translation_acceleration_mps2 * 0.6 * input.remaining_m.max(0.0));
         let turning = if bearing_rad.abs() > TURN_IN_PLACE_RAD { 0.0 } else { libm::cos(bearing_rad) };
         let allowed_mps = (input.speed_limit_mps * turning).min(braked_mps.max(0.03));
-        let slowest_mps = (input.speeds.translation_mps - gain_mps).max(0.0);
+        let slowest_mps = (input.speeds.translation_mps - loss_mps).max(0.0);
         let fastest_mps = (input.speeds.translation_mps + gain_mps).min(allowed_mps).max(slowest_mps);
         let most_radps = limits.max_rotation_radps;
         let rotation_radps = input.speeds.rotation_radps.clamp(-most_radps, most_radps);

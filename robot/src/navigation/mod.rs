@@ -16,6 +16,9 @@ pub mod planner;
 pub mod topological;
 pub mod value_field;
 
+#[cfg(test)]
+mod tests;
+
 pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
 pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};

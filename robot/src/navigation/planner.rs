@@ -44,6 +44,8 @@ pub(super) struct CostGrid {
     pub stride: usize,
     /// Price of a metre in 1/256, 0 where the robot does not fit. Framed.
     pub prices: Vec<u16>,
+    /// Whether the map has an obstacle there, or nothing known. Framed.
+    pub is_obstacle: Vec<bool>,
     /// Bit k: move k leads to a traversable cell without cutting a corner. Framed.
     pub moves: Vec<u8>,
 }
@@ -69,9 +71,10 @@ impl CostGrid {
         (cell as i64 + dx + dy * self.stride as i64) as usize
     }
 
-    fn is_framed(&self, cell: usize) -> bool {
+    /// Whether a cell is in the frame, and not of the map.
+    pub fn is_frame(&self, cell: usize) -> bool {
         let (column, row) = (cell % self.stride, cell / self.stride);
-        (1..=self.columns).contains(&column) && (1..=self.rows).contains(&row)
+        !(1..=self.columns).contains(&column) || !(1..=self.rows).contains(&row)
     }
 
     fn moves_from(&self, cell: usize) -> u8 {
@@ -87,7 +90,7 @@ impl CostGrid {
 
     fn refresh_moves(&mut self, cells: impl Iterator<Item = usize>) {
         for cell in cells {
-            if self.is_framed(cell) {
+            if !self.is_frame(cell) {
                 self.moves[cell] = self.moves_from(cell);
             }
         }
@@ -181,7 +184,6 @@ pub struct PlannerModel {
     pub(super) grid: Arc<CostGrid>,
     /// Framed like the grid.
     obstacle_distances_m: Vec<f32>,
-    is_obstacle: Vec<bool>,
 }
 
 impl PlannerModel {
@@ -212,10 +214,11 @@ impl PlannerModel {
             rows: map.rows,
             stride,
             prices,
+            is_obstacle,
             moves: vec![0; framed],
         };
         grid.refresh_moves(0..framed);
-        Self { parameters, grid: Arc::new(grid), obstacle_distances_m, is_obstacle }
+        Self { parameters, grid: Arc::new(grid), obstacle_distances_m }
     }
 
     /// Distance from the middle of the cell around a point to the edge of the nearest obstacle cell
@@ -237,11 +240,12 @@ impl PlannerModel {
     /// Centres of the obstacle cells within `reach_m` of a point that have a free cell beside them,
     /// in row order.
     pub fn obstacle_edges_near(&self, point_in_map: Point, reach_m: f64) -> Vec<Point> {
-        let is_edge = |cell: usize| MOVES[..4].iter().any(|&step| !self.is_obstacle[self.grid.neighbour(cell, step)]);
+        let is_edge =
+            |cell: usize| MOVES[..4].iter().any(|&step| !self.grid.is_obstacle[self.grid.neighbour(cell, step)]);
         self.grid
             .disc(point_in_map, reach_m)
             .into_iter()
-            .filter(|&cell| self.is_obstacle[cell] && is_edge(cell))
+            .filter(|&cell| self.grid.is_obstacle[cell] && is_edge(cell))
             .map(|cell| self.grid.centre(cell))
             .collect()
     }

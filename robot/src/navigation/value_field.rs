@@ -88,6 +88,9 @@ impl ValueField {
         if self.values[start] != UNREACHABLE {
             return Some((Vec::new(), self.descend(start, from_in_map, reach_m)?));
         }
+        if self.grid.prices[start] > 0 {
+            return None;
+        }
         let free = self.escape(start)?;
         Some((vec![from_in_map], self.descend(free, self.grid.centre(free), reach_m)?))
     }
@@ -128,21 +131,40 @@ impl ValueField {
         best.map(|(_, next, length)| (next, length))
     }
 
-    /// The nearest cell with a value, in the order of rows among equals.
+    /// The nearest cell with a value that can be got to without crossing an obstacle of the map; of
+    /// equals the first found. A start inside an obstacle, where only the estimate can be, may be
+    /// left across it.
     fn escape(&self, start: usize) -> Option<usize> {
-        let reach = (ESCAPE_REACH_M / self.grid.resolution_m) as i64;
-        let (column, row) = ((start % self.grid.stride) as i64, (start / self.grid.stride) as i64);
-        let mut nearest: Option<(i64, usize)> = None;
-        for y in (row - reach).max(1)..=(row + reach).min(self.grid.rows as i64) {
-            for x in (column - reach).max(1)..=(column + reach).min(self.grid.columns as i64) {
-                let cell = y as usize * self.grid.stride + x as usize;
-                let away = (x - column) * (x - column) + (y - row) * (y - row);
-                if self.values[cell] != UNREACHABLE && nearest.is_none_or(|(least, _)| away < least) {
-                    nearest = Some((away, cell));
+        let reach = ESCAPE_REACH_M / self.grid.resolution_m;
+        let position = |cell: usize| ((cell % self.grid.stride) as f64, (cell / self.grid.stride) as f64);
+        let (column, row) = position(start);
+        let away = |cell: usize| {
+            let (x, y) = position(cell);
+            (x - column) * (x - column) + (y - row) * (y - row)
+        };
+        let may_cross = self.grid.is_obstacle[start];
+        let mut seen = std::collections::BTreeSet::from([start]);
+        let mut found = vec![start];
+        let mut nearest: Option<usize> = None;
+        let mut next_found = 0;
+        while next_found < found.len() {
+            let cell = found[next_found];
+            next_found += 1;
+            if self.values[cell] != UNREACHABLE && nearest.is_none_or(|best| away(cell) < away(best)) {
+                nearest = Some(cell);
+            }
+            if self.grid.is_frame(cell) {
+                continue;
+            }
+            for step in MOVES {
+                let next = self.grid.neighbour(cell, step);
+                let is_open = may_cross || !self.grid.is_obstacle[next];
+                if is_open && away(next) <= reach * reach && seen.insert(next) {
+                    found.push(next);
                 }
             }
         }
-        nearest.map(|(_, cell)| cell)
+        nearest
     }
 }
 
