@@ -185,6 +185,11 @@ impl DynamicWindow {
         WindowChoice { speeds, status: self.status() }
     }
 
+    /// Whether the robot does not get on as it should.
+    pub fn is_held_up(&self) -> bool {
+        self.escape.is_some() || self.held_up_s > 0.25 || self.stuck_s > 0.5
+    }
+
     fn status(&self) -> WindowStatus {
         if self.stuck_s > STUCK_S {
             WindowStatus::Stuck

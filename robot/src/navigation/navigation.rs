@@ -52,6 +52,12 @@ pub struct NavigationOutput {
     pub speeds: Speeds,
     /// Targets not yet reached.
     pub remaining_targets: usize,
+    /// Whether the robot is held up and must see, even in a doorway.
+    ///
+    /// # Deviation
+    /// The paper's robot drives through doorways with its sonars off. So does this one while it gets
+    /// on; a door found closed or a wrong estimate can only be seen.
+    pub needs_sonars: bool,
     /// What happened, if anything.
     pub event: Option<NavigationEvent>,
 }
@@ -233,7 +239,8 @@ impl Navigation {
     }
 
     fn output(&self, speeds: Speeds, event: Option<NavigationEvent>) -> NavigationOutput {
-        NavigationOutput { speeds, remaining_targets: self.targets.len(), event }
+        let needs_sonars = self.phase != Phase::Idle && self.window.is_held_up();
+        NavigationOutput { speeds, remaining_targets: self.targets.len(), needs_sonars, event }
     }
 
     fn finish(&mut self, event: NavigationEvent) -> NavigationOutput {

@@ -16,7 +16,8 @@ const USEFUL_RANGE_M: f64 = 2.0;
 /// Remembered points farther from the robot than this are forgotten.
 const MEMORY_RANGE_M: f64 = 2.5;
 
-/// Points are forgotten this long after they were last seen.
+/// Points are forgotten this long after they were last seen, time without sonars not counted:
+/// nothing could have shown that they are gone.
 const MEMORY_S: f64 = 6.0;
 
 /// Points nearer to each other than this are one.
@@ -45,6 +46,7 @@ pub struct RememberedPoint {
 /// forgotten, others after some seconds or metres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObstacleMemory {
+    /// Time with sonars.
     now_s: f64,
     /// Sorted by cell.
     points: Vec<RememberedPoint>,
@@ -54,8 +56,8 @@ impl ObstacleMemory {
     /// Takes in one scan, or only lets `step_s` pass. A reading is the distance from the robot's
     /// centre; one that is not in (0, `max_range_m`) saw nothing.
     pub fn update(&mut self, odometry_in_odom: Pose, sonar_m: Option<&[f32; SONARS]>, max_range_m: f64, step_s: f64) {
-        self.now_s += step_s;
         if let Some(sonar_m) = sonar_m {
+            self.now_s += step_s;
             self.doubt(odometry_in_odom, sonar_m);
             for (sonar, &range_m) in sonar_m.iter().enumerate() {
                 let range_m = f64::from(range_m);

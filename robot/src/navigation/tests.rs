@@ -114,7 +114,7 @@ fn drive_on(scene: &Scene, state: &mut SimulatorState, targets: Vec<Target>, mut
         commands = Commands {
             translation_mps: output.speeds.translation_mps,
             rotation_radps: output.speeds.rotation_radps,
-            sonars_on: mode != TravelMode::Doorway,
+            sonars_on: mode != TravelMode::Doorway || output.needs_sonars,
             ..Commands::default()
         };
         if output.event.is_some_and(|event| event != NavigationEvent::TargetReached) {
@@ -165,6 +165,211 @@ fn report(name: &str, runs: &[(Pose, Pose, f64, Outcome)]) {
         if outcome.event != Some(NavigationEvent::Arrived) || outcome.contacts > 0 {
             println!("  {index}: {start:?} {goal:?} {outcome:?}");
         }
+    }
+}
+
+fn place_pairs(world: &World) -> Vec<(&Place, &Place)> {
+    let pairs = world.places.iter().flat_map(|from| world.places.iter().map(move |to| (from, to)));
+    pairs.filter(|(from, to)| from.name != to.name).collect()
+}
+
+#[test]
+fn every_pair_of_places_has_a_plan_of_free_connected_targets() {
+    let scene = Scene::dept();
+    for (from, to) in place_pairs(&scene.world) {
+        let plan = scene.topology.plan(&scene.model.planner, from.pose_in_map, to).expect("a plan");
+        let mut here = from.pose_in_map.point();
+        for target in &plan.targets {
+            let point = target.point_in_map;
+            assert!(scene.model.planner.obstacle_distance_m(point) >= 0.3, "{} {}: {point}", from.name, to.name);
+            assert!(scene.model.planner.value_field(point).path(here).is_some());
+            here = point;
+        }
+        let last = plan.targets.last().copied();
+        assert_eq!(last, Some(Target::at(to.pose_in_map)), "the destination comes last");
+        assert!(plan.targets[..plan.targets.len() - 1].iter().all(|target| target.heading_rad.is_none()));
+    }
+}
+
+#[test]
+fn ways_cross_doors_orthogonally_and_enter_no_other_office() {
+    let scene = Scene::dept();
+    let room_at = |point: Point| scene.world.room_at(point).map(|room| room.name.as_str());
+    for (from, to) in place_pairs(&scene.world) {
+        let plan = scene.topology.plan(&scene.model.planner, from.pose_in_map, to).expect("a plan");
+        let mut points = vec![from.pose_in_map.point()];
+        points.extend(plan.targets.iter().map(|target| target.point_in_map));
+        let ends = [room_at(points[0]), room_at(points[points.len() - 1])];
+        for leg in points.windows(2) {
+            if room_at(leg[0]) != room_at(leg[1]) {
+                assert!((leg[1].x - leg[0].x).abs() < 1e-9, "the doors of dept are gone through along y");
+            }
+            let room = room_at(leg[1]);
+            assert!(room.is_none() || ends.contains(&room), "{} {}: {room:?}", from.name, to.name);
+        }
+    }
+}
+
+#[test]
+fn the_way_from_a_to_b_is_that_of_figure_12() {
+    let scene = Scene::dept();
+    let place = |name: &str| scene.world.places.iter().find(|place| place.name.contains(name)).expect("a place");
+    let plan = scene.topology.plan(&scene.model.planner, place("desk").pose_in_map, place("wolfram")).expect("a plan");
+    let rooms: Vec<Option<&str>> = plan
+        .targets
+        .iter()
+        .map(|target| scene.world.room_at(target.point_in_map).map(|room| room.name.as_str()))
+        .collect();
+    assert_eq!((rooms[0], rooms[rooms.len() - 1]), (Some("A"), Some("B")));
+    let modes: Vec<TravelMode> = plan.regions.iter().map(|region| region.mode).collect();
+    use TravelMode::{Doorway, Hallway, Office};
+    assert_eq!(modes, [Office, Doorway, Hallway, Doorway, Office]);
+}
+
+#[test]
+fn a_robot_on_its_way_gets_no_target_behind_it() {
+    let scene = Scene::dept();
+    let goal = scene.world.places.iter().find(|place| place.name.contains("wolfram")).expect("a place");
+    let start = Pose::new(18.1, 12.0, 1.57);
+    let plan = scene.topology.plan(&scene.model.planner, start, goal).expect("a plan");
+    assert!(plan.targets.iter().all(|target| target.point_in_map.y > start.y_m), "{plan:?}");
+}
+
+#[test]
+fn closed_doors_are_not_used() {
+    let mut world = World::builtin("dept").expect("a built-in world");
+    let goal = world.places.iter().find(|place| place.name.contains("wolfram")).cloned().expect("a place");
+    for door in world.doors.iter_mut().filter(|door| door.room == "B") {
+        door.mapped_open = false;
+    }
+    let scene = Scene::new(world);
+    let planned = scene.topology.plan(&scene.model.planner, scene.world.start_in_map, &goal);
+    assert!(planned.is_err_and(|unreachable| unreachable.reason.contains("room B")));
+}
+
+#[test]
+fn a_goal_behind_walls_is_unreachable() {
+    let scene = Scene::new(World::builtin("corridor").expect("a built-in world"));
+    let mut state = scene.simulator.start(1);
+    let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(1, "pose noise") };
+    let outside = Target::through(Point::new(-3.0, -3.0));
+    let outcome = drive_on(&scene, &mut state, vec![outside], noise);
+    assert_eq!(outcome.event, Some(NavigationEvent::Unreachable));
+}
+
+#[test]
+fn a_door_found_closed_is_reported_as_blocked() {
+    let scene = Scene::dept();
+    let mut state = scene.simulator.start(3);
+    scene.simulator.close_door(&mut state, "B").expect("a door");
+    let goal = scene.world.places.iter().find(|place| place.name.contains("wolfram")).expect("a place");
+    let start = state.true_pose();
+    let plan = scene.topology.plan(&scene.model.planner, start, goal).expect("a plan in the map");
+    let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(3, "pose noise") };
+    let outcome = drive_on(&scene, &mut state, plan.targets, noise);
+    assert_eq!(outcome.event, Some(NavigationEvent::Blocked), "{outcome:?}");
+    assert_eq!(outcome.contacts, 0, "{outcome:?}");
+}
+
+/// Replaces the state by its saved and reloaded copy at every step when `reloading`.
+fn speeds_of_a_drive(scene: &Scene, reloading: bool) -> Vec<Speeds> {
+    let mut state = scene.simulator.start(5);
+    let goal = Target::at(Pose::new(17.0, 9.5, 2.0));
+    let mut navigation = Navigation::default();
+    navigation.start(vec![goal]);
+    let mut commands = Commands { sonars_on: true, ..Commands::default() };
+    let mut speeds = Vec::new();
+    for _ in 0..300 {
+        if reloading {
+            let bytes = postcard::to_allocvec(&navigation).expect("bytes");
+            let reloaded: Navigation = postcard::from_bytes(&bytes).expect("the state");
+            assert_eq!(reloaded, navigation);
+            navigation = reloaded;
+        }
+        let percept = scene.simulator.step(&mut state, &commands);
+        let input = NavigationInput {
+            odometry_in_odom: percept.odometry_in_odom,
+            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+            sonar_m: percept.sonar_m.as_ref(),
+            bumped: percept.bumped,
+        };
+        let output = navigation.step(&scene.model, state.true_pose(), &input, TravelMode::Hallway);
+        commands.translation_mps = output.speeds.translation_mps;
+        commands.rotation_radps = output.speeds.rotation_radps;
+        speeds.push(output.speeds);
+    }
+    speeds
+}
+
+#[test]
+fn a_state_saved_and_reloaded_at_every_step_drives_the_same_way() {
+    let scene = Scene::dept();
+    let speeds = speeds_of_a_drive(&scene, false);
+    assert!(speeds.iter().any(|speeds| speeds.translation_mps > 0.5));
+    assert_eq!(speeds, speeds_of_a_drive(&scene, true));
+}
+
+#[test]
+fn deleting_all_targets_stops_the_robot() {
+    let scene = Scene::dept();
+    let mut navigation = Navigation::default();
+    navigation.start(vec![Target::through(Point::new(10.0, 10.0))]);
+    navigation.remove_all_targets();
+    let input = NavigationInput {
+        odometry_in_odom: Pose::default(),
+        speeds: Speeds { translation_mps: 0.5, rotation_radps: 0.1 },
+        sonar_m: None,
+        bumped: false,
+    };
+    let output = navigation.step(&scene.model, scene.world.start_in_map, &input, TravelMode::Hallway);
+    assert_eq!(
+        output,
+        NavigationOutput { speeds: Speeds::default(), remaining_targets: 0, needs_sonars: false, event: None }
+    );
+}
+
+fn drive_without_map(scene: &Scene, state: &mut SimulatorState, drive: &mut Drive, steps: u32) -> DriveStatus {
+    let mut commands = Commands { sonars_on: true, ..Commands::default() };
+    let mut status = DriveStatus::Driving;
+    for _ in 0..steps {
+        let percept = scene.simulator.step(state, &commands);
+        let input = NavigationInput {
+            odometry_in_odom: percept.odometry_in_odom,
+            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+            sonar_m: percept.sonar_m.as_ref(),
+            bumped: percept.bumped,
+        };
+        let output = drive.step(&scene.model.limits, &input, 0.4);
+        commands.translation_mps = output.speeds.translation_mps;
+        commands.rotation_radps = output.speeds.rotation_radps;
+        status = output.status;
+        if status == DriveStatus::Arrived {
+            break;
+        }
+    }
+    status
+}
+
+#[test]
+fn a_path_in_odom_is_followed_to_its_end() {
+    let scene = Scene::dept();
+    let mut state = scene.simulator.start(2);
+    let begin = state.true_pose();
+    let mut drive = Drive::follow(vec![Point::new(2.0, 0.0), Point::new(2.0, 1.0)]);
+    assert_eq!(drive_without_map(&scene, &mut state, &mut drive, 1000), DriveStatus::Arrived);
+    let end = state.true_pose().relative_to(begin);
+    assert!(distance_m(end.point(), Point::new(2.0, 1.0)) < 0.3, "{end:?}");
+}
+
+#[test]
+fn wandering_covers_ground_without_contact() {
+    let scene = Scene::dept();
+    for seed in 0..5 {
+        let mut state = scene.simulator.start(seed);
+        let mut drive = Drive::wander(Stream::new(seed, "wander"));
+        drive_without_map(&scene, &mut state, &mut drive, 2400);
+        assert_eq!(state.contacts().caused, 0, "seed {seed}");
+        assert!(state.distance_driven_m() > 15.0, "seed {seed}: {}", state.distance_driven_m());
     }
 }
 
