@@ -203,7 +203,7 @@ impl DynamicWindow {
     fn watch(&mut self, limits: &DriveLimits, input: &WindowInput<'_>, speeds: Speeds) {
         let bearing_rad = libm::atan2(input.target_in_base.y, input.target_in_base.x);
         let crawls = speeds.translation_mps < 0.04 && input.speeds.translation_mps < 0.04;
-        if !crawls || input.target_in_base.coords.norm() < 0.1 {
+        if !crawls || input.remaining_m < 0.1 {
             self.held_up_s = 0.0;
             self.stuck_s = (self.stuck_s - limits.step_s).max(0.0);
             return;

@@ -118,13 +118,22 @@ impl Default for Progress {
 }
 
 #[derive(Clone, Debug, Default)]
-struct FieldCache(Option<Arc<CachedField>>);
+struct FieldCache(Option<CachedFields>);
 
-#[derive(Debug)]
-struct CachedField {
+#[derive(Clone, Debug)]
+struct CachedFields {
     target_in_map: Point,
     blocked_in_map: Vec<Point>,
-    field: ValueField,
+    fields: Fields,
+}
+
+/// The value of every cell for the current target.
+#[derive(Clone, Debug)]
+struct Fields {
+    /// As the map has it.
+    mapped: Arc<ValueField>,
+    /// With the blockages.
+    around: Arc<ValueField>,
 }
 
 impl PartialEq for FieldCache {
@@ -146,6 +155,9 @@ const HEADING_TOLERANCE_RAD: f64 = 0.1;
 const LOOKAHEAD_M: f64 = 1.0;
 /// So long without getting nearer is blocked.
 const BLOCKED_S: f64 = 20.0;
+/// A detour is given time at this speed, and at most so much.
+const DETOUR_MPS: f64 = 0.2;
+const DETOUR_S: f64 = 60.0;
 /// Getting nearer means by so much.
 const PROGRESS_M: f64 = 0.1;
 /// So long without a way in the map is unreachable; the estimate may be wrong for a moment.
@@ -195,6 +207,11 @@ impl Navigation {
         &self.targets
     }
 
+    #[cfg(test)]
+    pub(super) fn debug(&self) -> String {
+        format!("{:?} {} {}", self.window, self.blockages.len(), self.memory.points().len())
+    }
+
     /// Whether there is anything to do.
     pub fn is_active(&self) -> bool {
         self.phase != Phase::Idle
@@ -203,8 +220,7 @@ impl Navigation {
     /// The intermediate targets not yet reached: the corners of the way to the current target.
     pub fn intermediate_targets(&mut self, model: &NavigationModel, estimated_in_map: Pose) -> Vec<Point> {
         let Some(target) = self.targets.first().copied() else { return Vec::new() };
-        let field = self.field(model, target);
-        let path = field.field.path(estimated_in_map.point()).unwrap_or_default();
+        let path = self.fields(model, target).around.path(estimated_in_map.point()).unwrap_or_default();
         path.into_iter().skip(1).collect()
     }
 
@@ -309,7 +325,7 @@ impl Navigation {
         let here = estimated_in_map.point();
         let Some(target) = self.targets.first().copied() else { return self.finish(NavigationEvent::Arrived) };
         self.look_for_blockages(model, estimated_in_map, input.odometry_in_odom, target);
-        let Some((towards_in_map, cost_m)) = self.route(model, here, target) else {
+        let Some(towards_in_map) = self.towards(model, here, target) else {
             self.without_way_s += model.limits.step_s;
             if self.without_way_s > UNREACHABLE_S {
                 return self.finish(NavigationEvent::Unreachable);
@@ -318,7 +334,7 @@ impl Navigation {
         };
         self.without_way_s = 0.0;
         let remaining_m = self.remaining_m(here);
-        if self.has_stalled(cost_m) {
+        if self.has_stalled(model, here, target) {
             return self.finish(NavigationEvent::Blocked);
         }
         let map_in_base = Transform::new(estimated_in_map.inverse());
@@ -342,34 +358,35 @@ impl Navigation {
         self.output(choice.speeds, None)
     }
 
-    /// The point to head for and the cost of the way to the current target. Without a way the
-    /// blockages are forgotten: some of them may have gone.
-    fn route(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<(Point, Option<f64>)> {
-        let cached = self.field(model, target);
-        if let Some(towards) = cached.field.lookahead(here, LOOKAHEAD_M) {
-            return Some((towards, cached.field.cost_m(here)));
-        }
-        if self.blockages.is_empty() {
-            return None;
+    /// The point to head for. Without a way the blockages are forgotten: some of them may have gone.
+    fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<Point> {
+        let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
+        if towards.is_some() || self.blockages.is_empty() {
+            return towards;
         }
         self.blockages.clear();
         self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
-        let cached = self.field(model, target);
-        Some((cached.field.lookahead(here, LOOKAHEAD_M)?, cached.field.cost_m(here)))
+        self.fields(model, target).around.lookahead(here, LOOKAHEAD_M)
     }
 
-    fn field(&mut self, model: &NavigationModel, target: Target) -> Arc<CachedField> {
+    fn fields(&mut self, model: &NavigationModel, target: Target) -> Fields {
+        let target_in_map = target.point_in_map;
         let blocked_in_map: Vec<Point> = self.blockages.iter().map(|blockage| blockage.point_in_map()).collect();
-        if let Some(cached) = &self.cache.0
-            && cached.target_in_map == target.point_in_map
-            && cached.blocked_in_map == blocked_in_map
-        {
-            return cached.clone();
+        let cached = self.cache.0.take().filter(|cached| cached.target_in_map == target_in_map);
+        if let Some(cached) = cached.clone().filter(|cached| cached.blocked_in_map == blocked_in_map) {
+            self.cache.0 = Some(cached.clone());
+            return cached.fields;
         }
-        let field = model.planner.value_field_around(target.point_in_map, &blocked_in_map);
-        let cached = Arc::new(CachedField { target_in_map: target.point_in_map, blocked_in_map, field });
-        self.cache.0 = Some(cached.clone());
-        cached
+        let mapped =
+            cached.map_or_else(|| Arc::new(model.planner.value_field(target_in_map)), |cached| cached.fields.mapped);
+        let around = if blocked_in_map.is_empty() {
+            mapped.clone()
+        } else {
+            Arc::new(model.planner.value_field_around(target_in_map, &blocked_in_map))
+        };
+        let fields = Fields { mapped, around };
+        self.cache.0 = Some(CachedFields { target_in_map, blocked_in_map, fields: fields.clone() });
+        fields
     }
 
     fn remaining_m(&self, here: Point) -> f64 {
@@ -378,15 +395,18 @@ impl Navigation {
         path_length_m(&points)
     }
 
-    fn has_stalled(&mut self, cost_m: Option<f64>) -> bool {
-        match (cost_m, self.progress.least_cost_m) {
-            (Some(cost_m), Some(least_m)) if cost_m < least_m - PROGRESS_M => {
-                self.progress = Progress { least_cost_m: Some(cost_m), at_s: self.now_s };
-            }
-            (Some(cost_m), None) => self.progress.least_cost_m = Some(cost_m),
-            _ => {}
+    /// Whether the robot has not come nearer for long, by the way the map shows; a detour around
+    /// blockages is given the time it takes.
+    fn has_stalled(&mut self, model: &NavigationModel, here: Point, target: Target) -> bool {
+        let fields = self.fields(model, target);
+        let Some(cost_m) = fields.mapped.cost_m(here) else {
+            return self.now_s - self.progress.at_s > BLOCKED_S;
+        };
+        if self.progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
+            self.progress = Progress { least_cost_m: Some(cost_m), at_s: self.now_s };
         }
-        self.now_s - self.progress.at_s > BLOCKED_S
+        let detour_m = fields.around.cost_m(here).map_or(0.0, |around_m| around_m - cost_m);
+        self.now_s - self.progress.at_s > BLOCKED_S + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
     }
 
     /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead.
@@ -401,19 +421,15 @@ impl Navigation {
             return;
         }
         self.next_look_s = self.now_s + LOOK_S;
-        let before = self.blockages.len();
         self.blockages.retain(|blockage| blockage.until_s > self.now_s);
         if self.now_s >= self.trusting_map_until_s {
             let unmapped = self.unmapped_points(model, estimated_in_map, odometry_in_odom);
-            let way = self.field(model, target).field.way_ahead(estimated_in_map.point(), LOOK_M).unwrap_or_default();
+            let way = self.fields(model, target).around.way_ahead(estimated_in_map.point(), LOOK_M).unwrap_or_default();
             let reach_m = model.limits.robot_radius_m + 0.03;
             let stands_in_way = |point: &Point| way.iter().any(|&on_way| distance_m(on_way, *point) < reach_m);
             if unmapped.iter().any(stands_in_way) {
                 self.block(&unmapped);
             }
-        }
-        if self.blockages.len() != before {
-            self.progress.least_cost_m = None;
         }
     }
 

@@ -7,6 +7,8 @@ use crate::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorSta
 use crate::world::{Place, TravelMode, World};
 use std::sync::Arc;
 
+const DEBUG: bool = false;
+
 struct Scene {
     world: Arc<World>,
     simulator: SimulatorModel,
@@ -117,6 +119,16 @@ fn drive_on(scene: &Scene, state: &mut SimulatorState, targets: Vec<Target>, mut
             sonars_on: mode != TravelMode::Doorway || output.needs_sonars,
             ..Commands::default()
         };
+        if DEBUG && state.time_us % 500_000 == 0 {
+            println!(
+                "{:.1} {:?} {:?} {:?} {:?}",
+                state.time_us as f64 * 1e-6,
+                state.true_pose(),
+                output,
+                mode,
+                navigation.debug()
+            );
+        }
         if output.event.is_some_and(|event| event != NavigationEvent::TargetReached) {
             event = output.event;
             break;
@@ -371,6 +383,27 @@ fn wandering_covers_ground_without_contact() {
         assert_eq!(state.contacts().caused, 0, "seed {seed}");
         assert!(state.distance_driven_m() > 15.0, "seed {seed}: {}", state.distance_driven_m());
     }
+}
+
+#[test]
+fn debug38() {
+    let scene = Scene::dept();
+    let mut stream = Stream::new(1, "pairs");
+    let mut last = None;
+    for _pair in 0..39 {
+        let start = scene.free_pose(&mut stream);
+        let goal = if stream.chance(0.5) {
+            scene.world.places[stream.index(scene.world.places.len())].pose_in_map
+        } else {
+            scene.free_pose(&mut stream)
+        };
+        let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None };
+        let plan = scene.topology.plan(&scene.model.planner, start, &place).expect("a plan");
+        last = Some((start, plan.targets));
+    }
+    let (start, targets) = last.unwrap();
+    println!("{targets:?}");
+    println!("{:?}", drive(&scene, start, targets, 38, 0.0));
 }
 
 #[test]

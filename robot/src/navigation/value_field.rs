@@ -67,9 +67,10 @@ impl ValueField {
     /// The farthest point of the way from a point that can be reached in a straight line and lies at
     /// most `reach_m` along it. Cheap: looks only that far ahead.
     pub fn lookahead(&self, from_in_map: Point, reach_m: f64) -> Option<Point> {
+        const ALREADY_THERE_M: f64 = 0.15;
         let (escape, cells) = self.approach(from_in_map, reach_m)?;
-        if !escape.is_empty() {
-            return cells.first().copied();
+        if !escape.is_empty() && distance_m(from_in_map, cells[0]) > ALREADY_THERE_M {
+            return Some(cells[0]);
         }
         Some(cells[farthest_straight(&self.grid, &cells, 0)])
     }
