@@ -254,11 +254,12 @@ fn way_out_rad(limits: &DriveLimits, input: &WindowInput<'_>) -> f64 {
 
 /// How far the robot could go straight in a direction, at most `horizon_m`.
 pub fn open_distance_m(limits: &DriveLimits, obstacles_in_base: &[Point], direction_rad: f64, horizon_m: f64) -> f64 {
+    let safe_radius_m = limits.safe_radius_m(0.1);
     let (sin, cos) = libm::sincos(direction_rad);
     let turned = |point: &Point| Point::new(cos * point.x + sin * point.y, cos * point.y - sin * point.x);
     obstacles_in_base
         .iter()
-        .map(|point| Obstacle::new(limits, turned(point)).free_distance_m(limits, 0.1, 0.0))
+        .map(|point| Obstacle::new(limits, turned(point)).free_distance_m(safe_radius_m, 0.0))
         .fold(horizon_m, f64::min)
 }
 
@@ -278,12 +279,12 @@ impl Obstacle {
     /// How far the robot gets along the arc of these speeds before this point is within its safe
     /// radius; infinite if never. A point that is within the safe radius already may come slightly
     /// nearer, but not nearer than the hard radius; one within that not at all.
-    fn free_distance_m(&self, limits: &DriveLimits, translation_mps: f64, curvature_per_m: f64) -> f64 {
+    fn free_distance_m(&self, safe_radius_m: f64, curvature_per_m: f64) -> f64 {
         const SLACK_M: f64 = 0.005;
         if self.away_m <= self.hard_radius_m {
             return if self.in_base.x > 0.0 { 0.0 } else { f64::INFINITY };
         }
-        let radius_m = limits.safe_radius_m(translation_mps).min(self.hard_radius_m.max(self.away_m - SLACK_M));
+        let radius_m = safe_radius_m.min(self.hard_radius_m.max(self.away_m - SLACK_M));
         if curvature_per_m.abs() < 1e-3 {
             self.along_line_m(radius_m)
         } else {
@@ -319,7 +320,9 @@ impl Obstacle {
 }
 
 /// The best of the admissible speeds; a full stop of the translation if none is. At least 231
-/// speeds are looked at. Cost: O(speeds × obstacle points within stopping distance).
+/// speeds are looked at. Cost: speeds × obstacle
+/// points nearer than the clearance, and fewer where a speed cannot be the best whatever its
+/// clearance.
 ///
 /// # Deviation
 /// The paper's clearance is the distance to the next obstacle on the arc; here speeds are admissible
@@ -329,24 +332,21 @@ impl Obstacle {
 pub fn best_speeds(limits: &DriveLimits, input: &WindowInput<'_>) -> Speeds {
     let bearing_rad = libm::atan2(input.target_in_base.y, input.target_in_base.x);
     let window = Window::around(limits, input, bearing_rad);
-    let reach_m = CLEARANCE_HORIZON_M.max(limits.stopping_distance_m(window.fastest_mps)) + limits.safe_radius_m(1.0);
-    let near: Vec<Obstacle> = input
-        .obstacles_in_base
-        .iter()
-        .filter(|point| point.coords.norm_squared() < reach_m * reach_m)
-        .map(|&point| Obstacle::new(limits, point))
-        .collect();
+    let near = near_obstacles(limits, input.obstacles_in_base, window.fastest_mps);
     let mut best: Option<(f64, Speeds)> = None;
-    for translation_mps in window.translations() {
-        for rotation_radps in window.rotations() {
+    for rotation_radps in window.rotations() {
+        let look = Look::after_turning(limits, input, rotation_radps);
+        for translation_mps in window.translations() {
             let speeds = Speeds { translation_mps, rotation_radps };
-            let clearance_m = clearance_m(limits, &near, speeds);
-            if translation_mps > 0.0 && limits.stopping_distance_m(translation_mps) > clearance_m {
+            let without_clearance = look.value(translation_mps);
+            if best.is_some_and(|(most, _)| without_clearance + CLEARANCE_WEIGHT <= most) {
                 continue;
             }
-            let value = objective(limits, input, speeds, clearance_m);
-            if best.is_none_or(|(most, _)| value > most) {
-                best = Some((value, speeds));
+            if let Some(clearance_m) = clearance_m(limits, &near, speeds) {
+                let value = without_clearance + CLEARANCE_WEIGHT * clearance_m / CLEARANCE_HORIZON_M;
+                if best.is_none_or(|(most, _)| value > most) {
+                    best = Some((value, speeds));
+                }
             }
         }
     }
@@ -354,15 +354,77 @@ pub fn best_speeds(limits: &DriveLimits, input: &WindowInput<'_>) -> Speeds {
     best.map_or(Speeds { translation_mps: 0.0, rotation_radps: window.straightest_turn_radps }, |(_, speeds)| speeds)
 }
 
-/// How far the robot gets along its arc, at most the horizon; the horizon when it only turns.
-fn clearance_m(limits: &DriveLimits, near: &[Obstacle], speeds: Speeds) -> f64 {
+/// The obstacles that matter up to a speed, nearest first.
+fn near_obstacles(limits: &DriveLimits, obstacles_in_base: &[Point], fastest_mps: f64) -> Vec<Obstacle> {
+    let reach_m = CLEARANCE_HORIZON_M.max(limits.stopping_distance_m(fastest_mps)) + limits.safe_radius_m(fastest_mps);
+    let mut near: Vec<Obstacle> = obstacles_in_base
+        .iter()
+        .filter(|point| point.coords.norm_squared() < reach_m * reach_m)
+        .map(|&point| Obstacle::new(limits, point))
+        .collect();
+    near.sort_by(|a, b| a.away_m.total_cmp(&b.away_m));
+    near
+}
+
+/// How far the robot gets along its arc, at most the horizon; the horizon when it only turns. `None`
+/// if it could not stop within that.
+fn clearance_m(limits: &DriveLimits, near: &[Obstacle], speeds: Speeds) -> Option<f64> {
     if speeds.translation_mps <= 0.0 {
-        return CLEARANCE_HORIZON_M;
+        return Some(CLEARANCE_HORIZON_M);
     }
+    let stopping_m = limits.stopping_distance_m(speeds.translation_mps);
     let curvature_per_m = speeds.rotation_radps / speeds.translation_mps;
-    near.iter()
-        .map(|obstacle| obstacle.free_distance_m(limits, speeds.translation_mps, curvature_per_m))
-        .fold(CLEARANCE_HORIZON_M.max(limits.stopping_distance_m(speeds.translation_mps)), f64::min)
+    let safe_radius_m = limits.safe_radius_m(speeds.translation_mps);
+    let mut clearance_m = CLEARANCE_HORIZON_M.max(stopping_m);
+    for obstacle in near {
+        // The arc is no shorter than its chord, and the obstacles that follow are farther away.
+        if obstacle.away_m - safe_radius_m >= clearance_m {
+            break;
+        }
+        clearance_m = clearance_m.min(obstacle.free_distance_m(safe_radius_m, curvature_per_m));
+        if clearance_m < stopping_m {
+            return None;
+        }
+    }
+    Some(clearance_m.min(CLEARANCE_HORIZON_M))
+}
+
+/// The target as the robot will see it once it has driven at a rotation for a moment and stopped
+/// turning.
+struct Look {
+    /// Where half the turn points, in a frame turned by the whole turn.
+    way_cos: f64,
+    way_sin: f64,
+    /// The target in that frame, from where the robot is now.
+    target: Point,
+    longest_way_m: f64,
+    speed_limit_mps: f64,
+}
+
+impl Look {
+    fn after_turning(limits: &DriveLimits, input: &WindowInput<'_>, rotation_radps: f64) -> Self {
+        let braking_rad = rotation_radps * rotation_radps.abs() / (2.0 * limits.rotation_acceleration_radps2);
+        let turned_rad = rotation_radps * WINDOW_S + braking_rad;
+        let (sin, cos) = libm::sincos(turned_rad);
+        let (half_sin, half_cos) = libm::sincos(turned_rad / 2.0);
+        let target = input.target_in_base;
+        Self {
+            way_cos: half_cos,
+            way_sin: -half_sin,
+            target: Point::new(cos * target.x + sin * target.y, cos * target.y - sin * target.x),
+            longest_way_m: target.coords.norm() * 0.5,
+            speed_limit_mps: input.speed_limit_mps,
+        }
+    }
+
+    /// The objective but for the clearance: how well the robot looks at the target, and how fast it
+    /// goes.
+    fn value(&self, translation_mps: f64) -> f64 {
+        let way_m = (translation_mps * WINDOW_S).min(self.longest_way_m);
+        let off_rad = libm::atan2(self.target.y - way_m * self.way_sin, self.target.x - way_m * self.way_cos).abs();
+        let speed = if self.speed_limit_mps > 0.0 { translation_mps / self.speed_limit_mps } else { 0.0 };
+        HEADING_WEIGHT * (1.0 - off_rad / PI) + SPEED_WEIGHT * speed
+    }
 }
 
 /// The speeds within reach.
@@ -405,23 +467,6 @@ impl Window {
             .map(move |step| least + (most - least) * step as f64 / (ROTATIONS - 1) as f64)
             .chain([0.0_f64.clamp(least, most), self.straightest_turn_radps])
     }
-}
-
-fn objective(limits: &DriveLimits, input: &WindowInput<'_>, speeds: Speeds, clearance_m: f64) -> f64 {
-    let heading = 1.0 - heading_error_rad(limits, input.target_in_base, speeds) / PI;
-    let clearance = (clearance_m / CLEARANCE_HORIZON_M).min(1.0);
-    let speed = if input.speed_limit_mps > 0.0 { speeds.translation_mps / input.speed_limit_mps } else { 0.0 };
-    HEADING_WEIGHT * heading + CLEARANCE_WEIGHT * clearance + SPEED_WEIGHT * speed
-}
-
-/// How far off the target the robot looks once it has driven for a moment and stopped turning.
-fn heading_error_rad(limits: &DriveLimits, target_in_base: Point, speeds: Speeds) -> f64 {
-    let braking_rad = speeds.rotation_radps * speeds.rotation_radps.abs() / (2.0 * limits.rotation_acceleration_radps2);
-    let turned_rad = speeds.rotation_radps * WINDOW_S + braking_rad;
-    let way_m = (speeds.translation_mps * WINDOW_S).min(target_in_base.coords.norm() * 0.5);
-    let (sin, cos) = libm::sincos(turned_rad / 2.0);
-    let bearing_rad = libm::atan2(target_in_base.y - way_m * sin, target_in_base.x - way_m * cos);
-    wrap_angle_rad(bearing_rad - turned_rad).abs()
 }
 
 #[cfg(test)]
@@ -490,7 +535,7 @@ mod tests {
             let stepped = (0..40_000)
                 .map(|step| f64::from(step) * 1e-4)
                 .find(|&way_m| (on_arc(speeds, way_m) - obstacle).norm() <= radius_m);
-            let free_m = Obstacle::new(&limits, obstacle).free_distance_m(&limits, 0.5, rotation_radps / 0.5);
+            let free_m = Obstacle::new(&limits, obstacle).free_distance_m(radius_m, rotation_radps / 0.5);
             match stepped {
                 Some(way_m) => assert!((way_m - free_m).abs() < 2e-4, "{way_m} {free_m}"),
                 None => assert!(free_m > 3.9),

@@ -42,6 +42,8 @@ pub(super) struct CostGrid {
     pub rows: usize,
     /// From one framed row to the next.
     pub stride: usize,
+    /// What each of the moves adds to a framed index.
+    pub offsets: [isize; 8],
     /// Price of a metre in 1/256, 0 where the robot does not fit. Framed.
     pub prices: Vec<u16>,
     /// Whether the map has an obstacle there, or nothing known. Framed.
@@ -69,6 +71,11 @@ impl CostGrid {
     /// The neighbour a move leads to; `cell` must not be in the frame.
     pub fn neighbour(&self, cell: usize, (dx, dy): (i64, i64)) -> usize {
         (cell as i64 + dx + dy * self.stride as i64) as usize
+    }
+
+    /// The prices of two cells together.
+    pub fn prices_of(&self, cell: usize, other: usize) -> u32 {
+        u32::from(self.prices[cell]) + u32::from(self.prices[other])
     }
 
     /// Whether a cell is in the frame, and not of the map.
@@ -213,6 +220,7 @@ impl PlannerModel {
             columns: map.columns,
             rows: map.rows,
             stride,
+            offsets: MOVES.map(|(dx, dy)| dx as isize + dy as isize * stride as isize),
             prices,
             is_obstacle,
             moves: vec![0; framed],

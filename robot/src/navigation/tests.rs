@@ -1,5 +1,6 @@
 //! Whole drives in the simulator.
 
+use super::dynamic_window::{WindowInput, best_speeds};
 use super::*;
 use crate::geometry::{Point, Pose, distance_m};
 use crate::random::Stream;
@@ -418,4 +419,85 @@ fn drives_between_random_places_arrive_without_contact() {
         assert_eq!(outcome.contacts, 0, "{outcome:?}");
         assert!(distance_m(outcome.end_in_map.point(), goal.point()) < 0.5);
     }
+}
+
+#[test]
+#[allow(clippy::disallowed_types)]
+fn timing() {
+    use std::time::Instant;
+    let map =
+        crate::occupancy::OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 300, 300, crate::occupancy::Cell::Free);
+    let model = PlannerModel::new(&map, PlannerParameters::default());
+    let begin = Instant::now();
+    for _ in 0..50 {
+        std::hint::black_box(model.value_field(std::hint::black_box(Point::new(15.0, 15.0))));
+    }
+    println!("field 300x300 free {:?}", begin.elapsed() / 50);
+    let mut map = map;
+    for i in 0..600 {
+        map.cells[(i * 7919 + i * i * 31) % 90000] = crate::occupancy::Cell::Occupied;
+    }
+    let begin = Instant::now();
+    let model = PlannerModel::new(&map, PlannerParameters::default());
+    println!("model {:?}", begin.elapsed());
+    let begin = Instant::now();
+    for _ in 0..50 {
+        std::hint::black_box(model.value_field(std::hint::black_box(Point::new(15.0, 15.0))));
+    }
+    println!("field 300x300 cluttered {:?}", begin.elapsed() / 50);
+    let scene = Scene::dept();
+    let field = scene.model.planner.value_field(Point::new(17.0, 17.0));
+    let begin = Instant::now();
+    for _ in 0..50 {
+        std::hint::black_box(scene.model.planner.value_field(std::hint::black_box(Point::new(17.0, 17.0))));
+    }
+    println!("field dept {:?}", begin.elapsed() / 50);
+    let begin = Instant::now();
+    for _ in 0..50 {
+        std::hint::black_box(field.path(Point::new(3.4, 15.0)));
+    }
+    println!("path {:?}", begin.elapsed() / 50);
+    let begin = Instant::now();
+    for _ in 0..500 {
+        std::hint::black_box(field.lookahead(Point::new(3.4, 15.0), 1.0));
+    }
+    println!("lookahead {:?}", begin.elapsed() / 500);
+    let mut stream = Stream::new(3, "o");
+    for count in [50, 150, 300] {
+        let obstacles: Vec<Point> = (0..count)
+            .map(|_| {
+                Pose::new(0.0, 0.0, stream.uniform_in(-3.1, 3.1))
+                    .transform(Point::new(stream.uniform_in(0.45, 2.0), 0.0))
+            })
+            .collect();
+        let input = WindowInput {
+            odometry_in_odom: Pose::default(),
+            speeds: Speeds { translation_mps: 0.3, rotation_radps: 0.1 },
+            obstacles_in_base: &obstacles,
+            target_in_base: Point::new(1.0, 0.1),
+            speed_limit_mps: 0.65,
+            remaining_m: 9.0,
+        };
+        let begin = Instant::now();
+        for _ in 0..500 {
+            std::hint::black_box(best_speeds(&scene.model.limits, std::hint::black_box(&input)));
+        }
+        println!("window {count}: {:?}", begin.elapsed() / 500);
+    }
+    let mut memory = ObstacleMemory::default();
+    let mut state = scene.simulator.start(1);
+    let commands = Commands { sonars_on: true, translation_mps: 0.5, ..Commands::default() };
+    let mut spent = std::time::Duration::ZERO;
+    for _ in 0..400 {
+        let percept = scene.simulator.step(&mut state, &commands);
+        let begin = Instant::now();
+        memory.update(percept.odometry_in_odom, percept.sonar_m.as_ref(), 5.0, 0.05);
+        spent += begin.elapsed();
+    }
+    println!("memory {:?} {}", spent / 400, memory.points().len());
+    let begin = Instant::now();
+    for _ in 0..4000 {
+        scene.simulator.step(&mut state, &Commands { sonars_on: true, ..Commands::default() });
+    }
+    println!("sim {:?}", begin.elapsed() / 4000);
 }

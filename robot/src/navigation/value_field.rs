@@ -124,7 +124,7 @@ impl ValueField {
                 continue;
             }
             let next = self.grid.neighbour(cell, step);
-            let through = self.values[next].saturating_add(move_cost(&self.grid, cell, next, bit));
+            let through = self.values[next].saturating_add(move_cost(self.grid.prices_of(cell, next), bit));
             if self.values[next] < self.values[cell] && best.is_none_or(|(least, _, _)| through < least) {
                 best = Some((through, next, if bit < 4 { 1.0 } else { std::f64::consts::SQRT_2 }));
             }
@@ -169,10 +169,11 @@ impl ValueField {
     }
 }
 
-fn move_cost(grid: &CostGrid, from: usize, to: usize, bit: usize) -> u32 {
-    let prices = u32::from(grid.prices[from]) + u32::from(grid.prices[to]);
-    let doubled_open_floor = 2 * u32::from(OPEN_FLOOR);
-    if bit < 4 { prices * ((1 << STRAIGHT_BITS) / doubled_open_floor) } else { prices * DIAGONAL / doubled_open_floor }
+/// What move `bit` costs between two cells whose prices sum to this.
+fn move_cost(prices: u32, bit: usize) -> u32 {
+    const DOUBLED_OPEN_FLOOR: u32 = 2 * OPEN_FLOOR as u32;
+    const STRAIGHT: u32 = (1 << STRAIGHT_BITS) / DOUBLED_OPEN_FLOOR;
+    if bit < 4 { prices * STRAIGHT } else { prices * DIAGONAL / DOUBLED_OPEN_FLOOR }
 }
 
 fn spread(grid: &CostGrid, target: usize, values: &mut [u32]) {
@@ -185,25 +186,32 @@ fn spread(grid: &CostGrid, target: usize, values: &mut [u32]) {
         std::mem::swap(&mut batch, &mut buckets[foremost as usize % BUCKETS]);
         waiting -= batch.len();
         for cell in batch.drain(..) {
-            let cell = cell as usize;
-            if values[cell] >> STRAIGHT_BITS != foremost {
-                continue;
-            }
-            let mut moves = grid.moves[cell];
-            while moves != 0 {
-                let bit = moves.trailing_zeros() as usize;
-                moves &= moves - 1;
-                let next = grid.neighbour(cell, MOVES[bit]);
-                let value = values[cell] + move_cost(grid, cell, next, bit);
-                if value < values[next] {
-                    values[next] = value;
-                    buckets[(value >> STRAIGHT_BITS) as usize % BUCKETS].push(next as u32);
-                    waiting += 1;
-                }
+            // A cell that was improved since lies in an earlier bucket too.
+            if values[cell as usize] >> STRAIGHT_BITS == foremost {
+                waiting += spread_from(grid, cell as usize, values, &mut buckets);
             }
         }
         foremost += 1;
     }
+}
+
+/// Offers the neighbours the way over this cell; how many took it.
+fn spread_from(grid: &CostGrid, cell: usize, values: &mut [u32], buckets: &mut [Vec<u32>; BUCKETS]) -> usize {
+    let (here, price) = (values[cell], u32::from(grid.prices[cell]));
+    let mut moves = grid.moves[cell];
+    let mut improved = 0;
+    while moves != 0 {
+        let bit = moves.trailing_zeros() as usize;
+        moves &= moves - 1;
+        let next = cell.wrapping_add_signed(grid.offsets[bit]);
+        let value = here + move_cost(price + u32::from(grid.prices[next]), bit);
+        if value < values[next] {
+            values[next] = value;
+            buckets[(value >> STRAIGHT_BITS) as usize % BUCKETS].push(next as u32);
+            improved += 1;
+        }
+    }
+    improved
 }
 
 /// The corners that remain of a way when every stretch is straightened that can be.
@@ -270,7 +278,7 @@ mod tests {
                         continue;
                     }
                     let next = grid.neighbour(cell, step);
-                    let value = values[next].saturating_add(move_cost(grid, cell, next, bit));
+                    let value = values[next].saturating_add(move_cost(grid.prices_of(cell, next), bit));
                     if value < values[cell] {
                         values[cell] = value;
                         changed = true;
