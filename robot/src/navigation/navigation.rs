@@ -147,8 +147,12 @@ impl PartialEq for FieldCache {
 const PASSING_M: f64 = 0.3;
 /// The last target counts as reached from here.
 const ARRIVAL_M: f64 = 0.15;
+/// Something stands so near to the last target that the robot gets no nearer: after so long it
+/// counts as reached from here.
+const CROWDED_ARRIVAL_M: f64 = 0.3;
+const CROWDED_S: f64 = 5.0;
 /// Carried farther than this by braking and turning, the robot drives again.
-const LEFT_AGAIN_M: f64 = 0.3;
+const LEFT_AGAIN_M: f64 = 0.4;
 /// The robot stops turning this near to the wanted heading; 10° would do.
 const HEADING_TOLERANCE_RAD: f64 = 0.1;
 /// How far along the way the point lies that the collision avoidance heads for.
@@ -337,6 +341,12 @@ impl Navigation {
         if self.has_stalled(model, here, target) {
             return self.finish(NavigationEvent::Blocked);
         }
+        if self.targets.len() == 1
+            && distance_m(here, target.point_in_map) <= CROWDED_ARRIVAL_M
+            && self.now_s - self.progress.at_s > CROWDED_S
+        {
+            self.phase = Phase::Turning;
+        }
         let map_in_base = Transform::new(estimated_in_map.inverse());
         let mut obstacles_in_base = Vec::new();
         self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
@@ -358,11 +368,19 @@ impl Navigation {
         self.output(choice.speeds, None)
     }
 
-    /// The point to head for. Without a way the blockages are forgotten: some of them may have gone.
+    /// The point to head for. If something stands at an intermediate target, the next target is
+    /// headed for instead. Without any way the blockages are forgotten: some may have gone.
     fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<Point> {
         let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
         if towards.is_some() || self.blockages.is_empty() {
             return towards;
+        }
+        if let [_, next, ..] = self.targets[..]
+            && let Some(towards) = self.fields(model, next).around.lookahead(here, LOOKAHEAD_M)
+        {
+            self.targets.remove(0);
+            self.progress.least_cost_m = None;
+            return Some(towards);
         }
         self.blockages.clear();
         self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;

@@ -121,8 +121,8 @@ impl ObstacleMemory {
             let sonar = libm::round(bearing_rad / (2.0 * HALF_CONE_RAD)) as i64;
             let off_axis_rad = wrap_angle_rad(bearing_rad - sonar as f64 * 2.0 * HALF_CONE_RAD).abs();
             let reading_m = f64::from(sonar_m[sonar.rem_euclid(SONARS as i64) as usize]);
-            let passes = reading_m > point_in_base.coords.norm() + 2.0 * GRAIN_M;
-            if passes && off_axis_rad < 0.8 * HALF_CONE_RAD {
+            let passes = reading_m > point_in_base.coords.norm() + GRAIN_M;
+            if passes && off_axis_rad < 0.95 * HALF_CONE_RAD {
                 point.doubts += 1;
             }
         }

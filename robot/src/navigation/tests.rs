@@ -5,7 +5,7 @@ use super::*;
 use crate::geometry::{Point, Pose, distance_m};
 use crate::random::Stream;
 use crate::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState};
-use crate::world::{Place, TravelMode, World};
+use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
 use std::sync::Arc;
 
 const DEBUG: bool = false;
@@ -36,6 +36,17 @@ impl Scene {
 
     fn dept() -> Self {
         Self::new(World::builtin("dept").expect("a built-in world"))
+    }
+
+    /// A free pose where nothing unmapped stands either.
+    fn unobstructed_pose(&self, stream: &mut Stream) -> Pose {
+        let state = self.simulator.start(0);
+        loop {
+            let pose = self.free_pose(stream);
+            if self.simulator.in_the_way(&state, pose.point(), 0.45).is_none() {
+                return pose;
+            }
+        }
     }
 
     fn mode_at(&self, point: Point) -> TravelMode {
@@ -149,11 +160,11 @@ fn drive_pairs(scene: &Scene, pairs: u64, noise_scale: f64) -> Vec<(Pose, Pose, 
     let mut stream = Stream::new(1, "pairs");
     (0..pairs)
         .map(|pair| {
-            let start = scene.free_pose(&mut stream);
+            let start = scene.unobstructed_pose(&mut stream);
             let goal = if stream.chance(0.5) {
                 scene.world.places[stream.index(scene.world.places.len())].pose_in_map
             } else {
-                scene.free_pose(&mut stream)
+                scene.unobstructed_pose(&mut stream)
             };
             let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None };
             let plan = scene.topology.plan(&scene.model.planner, start, &place).expect("a plan");
@@ -386,25 +397,37 @@ fn wandering_covers_ground_without_contact() {
     }
 }
 
-#[test]
-fn debug38() {
-    let scene = Scene::dept();
-    let mut stream = Stream::new(1, "pairs");
-    let mut last = None;
-    for _pair in 0..39 {
-        let start = scene.free_pose(&mut stream);
-        let goal = if stream.chance(0.5) {
-            scene.world.places[stream.index(scene.world.places.len())].pose_in_map
-        } else {
-            scene.free_pose(&mut stream)
-        };
-        let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None };
-        let plan = scene.topology.plan(&scene.model.planner, start, &place).expect("a plan");
-        last = Some((start, plan.targets));
+/// `dept` with unmapped boxes of 40 cm standing about.
+fn furnished(seed: u64, boxes: usize) -> Scene {
+    let plain = Scene::dept();
+    let mut world = (*plain.world).clone();
+    let mut stream = Stream::new(seed, "boxes");
+    for index in 0..boxes {
+        let at = plain.free_pose(&mut stream).point();
+        let half = crate::geometry::Vector::repeat(0.2);
+        world.objects.push(Object {
+            name: format!("box-{index}"),
+            shape: Shape::Rect(Rect { min: at - half, max: at + half }),
+            mapped: false,
+            seen_by: SeenBy { sonar: true, laser: true },
+        });
     }
-    let (start, targets) = last.unwrap();
-    println!("{targets:?}");
-    println!("{:?}", drive(&scene, start, targets, 38, 0.0));
+    Scene::new(world)
+}
+
+#[test]
+fn big() {
+    let scene = Scene::dept();
+    report("true pose", &drive_pairs(&scene, 400, 0.0));
+    report("noise", &drive_pairs(&scene, 400, 1.0));
+    for seed in 0..8 {
+        let scene = furnished(seed, 10);
+        report("boxes", &drive_pairs(&scene, 30, 0.0));
+    }
+    for seed in 0..4 {
+        let scene = furnished(seed, 10);
+        report("boxes, noise", &drive_pairs(&scene, 30, 1.0));
+    }
 }
 
 #[test]
