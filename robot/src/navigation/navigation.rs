@@ -1,5 +1,6 @@
 //! The behaviour `navigation`: drives from target point to target point, whatever stands in the way.
 
+use super::alignment::aligned;
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
 use super::obstacle_memory::{ObstacleMemory, SONARS, Transform};
 use super::planner::PlannerModel;
@@ -96,6 +97,8 @@ pub struct Navigation {
     /// Until then no blockages are planned around: with them there was no way.
     trusting_map_until_s: f64,
     next_look_s: f64,
+    /// Until then the robot must see where it is.
+    sonars_until_s: f64,
     progress: Progress,
     /// Estimate and odometry of the step before.
     last: Option<(Pose, Pose)>,
@@ -151,6 +154,8 @@ const ARRIVAL_M: f64 = 0.15;
 /// counts as reached from here.
 const CROWDED_ARRIVAL_M: f64 = 0.3;
 const CROWDED_S: f64 = 5.0;
+/// After being held up or touched the robot wants its sonars for so long.
+const LOOK_AROUND_S: f64 = 5.0;
 /// Carried farther than this by braking and turning, the robot drives again.
 const LEFT_AGAIN_M: f64 = 0.4;
 /// The robot stops turning this near to the wanted heading; 10° would do.
@@ -243,6 +248,9 @@ impl Navigation {
         if input.bumped {
             self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
         }
+        if input.bumped || self.window.is_held_up() {
+            self.sonars_until_s = self.now_s + LOOK_AROUND_S;
+        }
         self.notice_jump(estimated_in_map, input.odometry_in_odom);
         let passed = self.drop_reached(estimated_in_map.point());
         match self.phase {
@@ -259,7 +267,7 @@ impl Navigation {
     }
 
     fn output(&self, speeds: Speeds, event: Option<NavigationEvent>) -> NavigationOutput {
-        let needs_sonars = self.phase != Phase::Idle && self.window.is_held_up();
+        let needs_sonars = self.phase != Phase::Idle && self.now_s < self.sonars_until_s;
         NavigationOutput { speeds, remaining_targets: self.targets.len(), needs_sonars, event }
     }
 
@@ -326,6 +334,11 @@ impl Navigation {
         input: &NavigationInput<'_>,
         mode: TravelMode,
     ) -> NavigationOutput {
+        let estimated_in_map = if input.sonar_m.is_some() {
+            estimated_in_map
+        } else {
+            aligned(&model.planner, &self.memory, input.odometry_in_odom, estimated_in_map)
+        };
         let here = estimated_in_map.point();
         let Some(target) = self.targets.first().copied() else { return self.finish(NavigationEvent::Arrived) };
         self.look_for_blockages(model, estimated_in_map, input.odometry_in_odom, target);

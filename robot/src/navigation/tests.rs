@@ -15,7 +15,7 @@ struct Scene {
     simulator: SimulatorModel,
     topology: TopologicalModel,
     model: NavigationModel,
-    /// Prices nothing but length: for the shortest ways there are.
+    /// What really stands there, at the price of length alone: for the shortest ways there are.
     shortest: PlannerModel,
 }
 
@@ -23,13 +23,17 @@ impl Scene {
     fn new(world: World) -> Self {
         let world = Arc::new(world);
         let map = world.map(0.1);
+        let mut all_mapped = (*world).clone();
+        all_mapped.objects.iter_mut().for_each(|object| object.mapped = true);
+        let real_map = all_mapped.map(0.05);
         let planner = PlannerModel::new(&map, PlannerParameters::default());
-        let length_only = PlannerParameters { closeness_weight: 0.0, ..PlannerParameters::default() };
+        let length_only =
+            PlannerParameters { robot_radius_m: 0.3, closeness_weight: 0.0, ..PlannerParameters::default() };
         Self {
             simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
             topology: TopologicalModel::new(&world),
             model: NavigationModel { planner, limits: DriveLimits::default() },
-            shortest: PlannerModel::new(&map, length_only),
+            shortest: PlannerModel::new(&real_map, length_only),
             world,
         }
     }
