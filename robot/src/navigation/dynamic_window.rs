@@ -168,17 +168,26 @@ const STUCK_S: f64 = 8.0;
 const ESCAPE_M: f64 = 0.4;
 const ESCAPE_S: f64 = 5.0;
 
+impl Escape {
+    fn speeds(&mut self, limits: &DriveLimits, input: &WindowInput<'_>) -> Speeds {
+        let turn_rad = wrap_angle_rad(self.heading_in_odom_rad - input.odometry_in_odom.heading_rad);
+        let target_in_base = Point::new(libm::cos(turn_rad), libm::sin(turn_rad));
+        let speed_limit_mps = input.speed_limit_mps.min(0.2);
+        let speeds = best_speeds(limits, &WindowInput { target_in_base, remaining_m: 1.0, speed_limit_mps, ..*input });
+        if turn_rad.abs() < 0.15 && speeds.translation_mps <= 0.0 {
+            self.heading_in_odom_rad = input.odometry_in_odom.heading_rad + way_out_rad(limits, input);
+        }
+        speeds
+    }
+}
+
 impl DynamicWindow {
     /// One decision. Cost: [`best_speeds`], and when held up a look around.
     pub fn step(&mut self, limits: &DriveLimits, input: &WindowInput<'_>) -> WindowChoice {
         self.end_escape(limits, input);
-        if let Some(escape) = self.escape {
-            let turn_rad = wrap_angle_rad(escape.heading_in_odom_rad - input.odometry_in_odom.heading_rad);
-            let target_in_base = Point::new(libm::cos(turn_rad), libm::sin(turn_rad));
-            let speed_limit_mps = input.speed_limit_mps.min(0.2);
-            let away = WindowInput { target_in_base, remaining_m: 1.0, speed_limit_mps, ..*input };
+        if let Some(escape) = &mut self.escape {
             self.stuck_s += limits.step_s;
-            return WindowChoice { speeds: best_speeds(limits, &away), status: self.status() };
+            return WindowChoice { speeds: escape.speeds(limits, input), status: self.status() };
         }
         let speeds = best_speeds(limits, input);
         self.watch(limits, input, speeds);
@@ -242,7 +251,11 @@ fn way_out_rad(limits: &DriveLimits, input: &WindowInput<'_>) -> f64 {
     let mut best = (f64::NEG_INFINITY, PI);
     for step in 0..36 {
         let direction_rad = wrap_angle_rad(f64::from(step) * PI / 18.0);
-        let open_m = open_distance_m(limits, input.obstacles_in_base, direction_rad, 1.2);
+        // A gap that is open in one direction only closes with the noise of the next reading.
+        let open_m = [-0.15, 0.0, 0.15]
+            .map(|aside_rad| open_distance_m(limits, input.obstacles_in_base, direction_rad + aside_rad, 1.2))
+            .into_iter()
+            .fold(1.2, f64::min);
         let off_rad = wrap_angle_rad(direction_rad - bearing_rad).abs();
         let score = open_m / 1.2 - 0.5 * off_rad / PI;
         if open_m > 0.15 && score > best.0 {
@@ -278,11 +291,13 @@ impl Obstacle {
 
     /// How far the robot gets along the arc of these speeds before this point is within its safe
     /// radius; infinite if never. A point that is within the safe radius already may come slightly
-    /// nearer, but not nearer than the hard radius; one within that not at all.
+    /// nearer, but not nearer than the hard radius; one within that is at most glanced past.
     fn free_distance_m(&self, safe_radius_m: f64, curvature_per_m: f64) -> f64 {
         const SLACK_M: f64 = 0.005;
+        // Passing a point at its side brings the robot nearer by less than two millimetres.
+        const GLANCING: f64 = 0.1;
         if self.away_m <= self.hard_radius_m {
-            return if self.in_base.x > 0.0 { 0.0 } else { f64::INFINITY };
+            return if self.in_base.x > GLANCING * self.away_m { 0.0 } else { f64::INFINITY };
         }
         let radius_m = safe_radius_m.min(self.hard_radius_m.max(self.away_m - SLACK_M));
         if curvature_per_m.abs() < 1e-3 {

@@ -250,6 +250,9 @@ impl Navigation {
         }
         if input.bumped || self.window.is_held_up() {
             self.sonars_until_s = self.now_s + LOOK_AROUND_S;
+        } else if mode == TravelMode::Doorway && self.now_s < self.sonars_until_s {
+            // Not off again half way through the door: memory and estimate were not good enough.
+            self.sonars_until_s = self.sonars_until_s.max(self.now_s + 1.0);
         }
         self.notice_jump(estimated_in_map, input.odometry_in_odom);
         let passed = self.drop_reached(estimated_in_map.point());

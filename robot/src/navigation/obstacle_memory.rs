@@ -23,8 +23,8 @@ const MEMORY_S: f64 = 6.0;
 /// Points nearer to each other than this are one.
 const GRAIN_M: f64 = 0.05;
 
-/// So many readings must pass through a point before it is forgotten.
-const DOUBTS: u8 = 3;
+/// Half as many readings must pass through a point before it is forgotten.
+const DOUBTS: u8 = 6;
 
 /// At most so many points; the ones seen longest ago go first.
 const CAPACITY: usize = 400;
@@ -58,7 +58,7 @@ impl ObstacleMemory {
     pub fn update(&mut self, odometry_in_odom: Pose, sonar_m: Option<&[f32; SONARS]>, max_range_m: f64, step_s: f64) {
         if let Some(sonar_m) = sonar_m {
             self.now_s += step_s;
-            self.doubt(odometry_in_odom, sonar_m);
+            self.doubt(odometry_in_odom, sonar_m, max_range_m);
             for (sonar, &range_m) in sonar_m.iter().enumerate() {
                 let range_m = f64::from(range_m);
                 if range_m > 0.0 && range_m < max_range_m.min(USEFUL_RANGE_M) {
@@ -113,7 +113,8 @@ impl ObstacleMemory {
         }
     }
 
-    fn doubt(&mut self, odometry_in_odom: Pose, sonar_m: &[f32; SONARS]) {
+    /// A sonar that hears nothing tells half as much: smooth walls throw its sound away.
+    fn doubt(&mut self, odometry_in_odom: Pose, sonar_m: &[f32; SONARS], max_range_m: f64) {
         let odom_in_base = Transform::new(odometry_in_odom.inverse());
         for point in &mut self.points {
             let point_in_base = odom_in_base.apply(point.point_in_odom);
@@ -123,7 +124,7 @@ impl ObstacleMemory {
             let reading_m = f64::from(sonar_m[sonar.rem_euclid(SONARS as i64) as usize]);
             let passes = reading_m > point_in_base.coords.norm() + GRAIN_M;
             if passes && off_axis_rad < 0.95 * HALF_CONE_RAD {
-                point.doubts += 1;
+                point.doubts += if reading_m < max_range_m { 2 } else { 1 };
             }
         }
         self.points.retain(|point| point.doubts < DOUBTS);
