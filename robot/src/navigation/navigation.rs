@@ -345,7 +345,7 @@ impl Navigation {
         let here = estimated_in_map.point();
         let Some(target) = self.targets.first().copied() else { return self.finish(NavigationEvent::Arrived) };
         self.look_for_blockages(model, estimated_in_map, input.odometry_in_odom, target);
-        let Some(towards_in_map) = self.towards(model, here, target) else {
+        let Some((target, towards_in_map)) = self.towards(model, here, target) else {
             self.without_way_s += model.limits.step_s;
             if self.without_way_s > UNREACHABLE_S {
                 return self.finish(NavigationEvent::Unreachable);
@@ -384,23 +384,23 @@ impl Navigation {
         self.output(choice.speeds, None)
     }
 
-    /// The point to head for. If something stands at an intermediate target, the next target is
+    /// The target and the point to head for. If something stands at an intermediate target, the next target is
     /// headed for instead. Without any way the blockages are forgotten: some may have gone.
-    fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<Point> {
+    fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<(Target, Point)> {
         let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
         if towards.is_some() || self.blockages.is_empty() {
-            return towards;
+            return Some((target, towards?));
         }
         if let [_, next, ..] = self.targets[..]
             && let Some(towards) = self.fields(model, next).around.lookahead(here, LOOKAHEAD_M)
         {
             self.targets.remove(0);
             self.progress.least_cost_m = None;
-            return Some(towards);
+            return Some((next, towards));
         }
         self.blockages.clear();
         self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
-        self.fields(model, target).around.lookahead(here, LOOKAHEAD_M)
+        Some((target, self.fields(model, target).around.lookahead(here, LOOKAHEAD_M)?))
     }
 
     fn fields(&mut self, model: &NavigationModel, target: Target) -> Fields {

@@ -446,11 +446,20 @@ fn big() {
 
 #[test]
 fn debug1() {
-    let scene = Scene::dept();
-    let start = Pose { x_m: 23.000452418337925, y_m: 6.470074240002523, heading_rad: -0.8487241452344465 };
-    let goal = Place { name: String::new(), pose_in_map: Pose::new(23.8, 10.0, 3.1415), room: None };
-    let plan = scene.topology.plan(&scene.model.planner, start, &goal).expect("a plan");
-    println!("{:?}", drive(&scene, start, plan.targets, 298, 1.0));
+    let scene = furnished(5, 10);
+    for object in scene.world.objects.iter().filter(|o| !o.mapped) {
+        println!("{:?}", object.shape);
+    }
+    let start = Pose { x_m: 3.065741797930551, y_m: 15.071528396554692, heading_rad: -1.0235268741843258 };
+    for pair in 0..30 {
+        let run = drive_pair(&scene, pair, 0.0);
+        if let Some(run) = run
+            && run.start == start
+        {
+            println!("PAIR {pair} {:?}", run.outcome);
+            break;
+        }
+    }
 }
 
 #[test]
