@@ -112,11 +112,13 @@ pub struct Navigation {
 struct Progress {
     least_cost_m: Option<f64>,
     at_s: f64,
+    /// Whether the robot has forgotten what it saw and begun anew since.
+    anew: bool,
 }
 
 impl Default for Progress {
     fn default() -> Self {
-        Self { least_cost_m: None, at_s: 0.0 }
+        Self { least_cost_m: None, at_s: 0.0, anew: false }
     }
 }
 
@@ -201,7 +203,7 @@ impl Navigation {
             memory,
             now_s: self.now_s,
             next_look_s: self.now_s,
-            progress: Progress { least_cost_m: None, at_s: self.now_s },
+            progress: Progress { least_cost_m: None, at_s: self.now_s, anew: false },
             ..Self::default()
         };
     }
@@ -437,10 +439,23 @@ impl Navigation {
             return self.now_s - self.progress.at_s > BLOCKED_S;
         };
         if self.progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
-            self.progress = Progress { least_cost_m: Some(cost_m), at_s: self.now_s };
+            self.progress = Progress { least_cost_m: Some(cost_m), at_s: self.now_s, anew: false };
+        }
+        if self.now_s - self.progress.at_s > BLOCKED_S / 2.0 && !self.progress.anew {
+            self.begin_anew();
         }
         let detour_m = fields.around.cost_m(here).map_or(0.0, |around_m| around_m - cost_m);
         self.now_s - self.progress.at_s > BLOCKED_S + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
+    }
+
+    /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
+    fn begin_anew(&mut self) {
+        self.progress.anew = true;
+        self.memory = ObstacleMemory::default();
+        self.window = DynamicWindow::default();
+        self.blockages.clear();
+        self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
+        self.sonars_until_s = self.now_s + LOOK_AROUND_S;
     }
 
     /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead.
