@@ -218,11 +218,6 @@ impl Navigation {
         &self.targets
     }
 
-    #[cfg(test)]
-    pub(super) fn debug(&self) -> String {
-        format!("{:?} {} {}", self.window, self.blockages.len(), self.memory.points().len())
-    }
-
     /// Whether there is anything to do.
     pub fn is_active(&self) -> bool {
         self.phase != Phase::Idle

@@ -353,7 +353,7 @@ mod tests {
         for (column, row) in [(7, 9), (59, 49), (0, 0), (30, 9), (8, 40)] {
             let (dx, dy) = (f64::from((column - 7_i32).abs()), f64::from((row - 9_i32).abs()));
             let octile_m = 0.1 * (dx.max(dy) + (std::f64::consts::SQRT_2 - 1.0) * dx.min(dy));
-            let cost_m = field.cost_m(map.centre(column as usize, row as usize)).unwrap();
+            let cost_m = field.cost_m(map.centre(column as usize, row as usize)).expect("a way");
             assert!((cost_m - octile_m).abs() <= 1e-4 * octile_m, "{cost_m} {octile_m}");
         }
     }
@@ -377,8 +377,8 @@ mod tests {
         let (from, to) = (map.centre(20, 7), map.centre(40, 7));
         let lower = map.centre(30, 7);
         let upper = map.centre(30, 22);
-        let free = path_length_m(&model.value_field(to).path(from).unwrap());
-        let detour = path_length_m(&model.value_field_around(to, &[lower]).path(from).unwrap());
+        let free = path_length_m(&model.value_field(to).path(from).expect("a way"));
+        let detour = path_length_m(&model.value_field_around(to, &[lower]).path(from).expect("a way"));
         assert!(free < 2.1 && detour > 3.0, "{free} {detour}");
         assert_eq!(model.value_field_around(to, &[lower, upper]).path(from), None);
         assert_eq!(model.value_field_around(to, &[]), model.value_field(to));
@@ -400,7 +400,7 @@ mod tests {
         let model = PlannerModel::new(&map, PlannerParameters::default());
         let (from, to) = (map.centre(0, 20), map.centre(30, 20));
         assert!(!model.is_traversable(from));
-        let path = model.value_field(to).path(from).unwrap();
+        let path = model.value_field(to).path(from).expect("a way");
         assert_eq!(path[0], from);
         assert!(path[1..].iter().all(|&point| model.is_traversable(point)));
         assert!(distance_m(path[0], path[1]) < 0.35);
@@ -414,7 +414,7 @@ mod tests {
             map.set(30, row, Cell::Occupied);
         }
         let model = PlannerModel::new(&map, PlannerParameters::default());
-        let path = model.value_field(map.centre(55, 15)).path(map.centre(5, 15)).unwrap();
+        let path = model.value_field(map.centre(55, 15)).path(map.centre(5, 15)).expect("a way");
         let least_m = path
             .windows(2)
             .flat_map(|leg| (0..=50).map(|step| leg[0] + (leg[1] - leg[0]) * f64::from(step) / 50.0))
