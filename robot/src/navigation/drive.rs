@@ -1,7 +1,8 @@
 //! Driving without a map: along a path given in `odom`, or about at random. Both go through the
 //! dynamic window like any other motion.
 
-use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput, WindowStatus, open_distance_m};
+use super::clearance::open_distance_m;
+use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput, WindowStatus};
 use super::navigation::NavigationInput;
 use super::obstacle_memory::{ObstacleMemory, SONARS, Transform, direction_rad};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};

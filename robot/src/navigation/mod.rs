@@ -2,11 +2,13 @@
 //!
 //! Read in this order: `distance` (how far the obstacles are), `planner` (what each cell costs),
 //! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
-//! sensors saw lately), `alignment` (where that fits the map), `dynamic_window` (safe speeds), `topological` (target points through doors
+//! sensors saw lately), `alignment` (where that fits the map), `clearance` (how far an arc is free),
+//! `dynamic_window` (safe speeds), `topological` (target points through doors
 //! and corridors), `navigation` (the state machine that drives them), `drive` (following and
 //! wandering without a map). Nothing here knows the plan language or the simulator.
 
 pub mod alignment;
+pub mod clearance;
 pub mod distance;
 pub mod drive;
 pub mod dynamic_window;
