@@ -15,7 +15,7 @@ const SHARP_RANGE_M: f64 = 1.2;
 const OUTLIER_M: f64 = 0.3;
 
 /// What a metre of shift costs in metres of mean distance: without evidence the estimate stays.
-const INERTIA: f64 = 0.1;
+const INERTIA: f64 = 0.25;
 
 /// With fewer points the estimate stays.
 const LEAST_POINTS: usize = 12;

@@ -170,3 +170,25 @@ fn unmapped_boxes_are_driven_around() {
         assert_eq!(outcome.contacts, 0, "{outcome:?}");
     }
 }
+
+#[test]
+fn a_shifted_estimate_before_a_door_is_brought_back() {
+    let scene = Scene::dept();
+    let mut state = scene.simulator.start(4);
+    scene.simulator.teleport(&mut state, Pose::new(8.9, 6.9, 1.57)).expect("a free pose");
+    let mut memory = ObstacleMemory::default();
+    let mut odometry_in_odom = Pose::default();
+    for _ in 0..10 {
+        let percept = scene.simulator.step(&mut state, &Commands { sonars_on: true, ..Commands::default() });
+        odometry_in_odom = percept.odometry_in_odom;
+        memory.update(odometry_in_odom, percept.sonar_m.as_ref(), 5.0, 0.05);
+    }
+    let truth = state.true_pose();
+    for aside_m in [-0.15, 0.15] {
+        let wrong = Pose::new(truth.x_m, truth.y_m + aside_m, truth.heading_rad);
+        let found = alignment::aligned(&scene.model.planner, &memory, odometry_in_odom, wrong);
+        assert!(found.distance_m(truth) < 0.75 * aside_m.abs(), "{aside_m}: {found:?} {truth:?}");
+    }
+    let blind = ObstacleMemory::default();
+    assert_eq!(alignment::aligned(&scene.model.planner, &blind, odometry_in_odom, truth), truth);
+}
