@@ -25,6 +25,9 @@ const LEAST_POINTS: usize = 12;
 ///
 /// A robot that drives through a door with its sonars off has nothing but its estimate and what it
 /// remembers. The memory is exact in `odom` but ends at the door; the map goes on behind it.
+///
+/// Points inside obstacles count as lying on them: an estimate that puts the points beyond a wall is
+/// not brought back, one that puts them before it is.
 pub fn aligned(
     planner: &PlannerModel,
     memory: &ObstacleMemory,
