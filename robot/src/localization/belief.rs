@@ -205,6 +205,11 @@ impl Belief {
         }
     }
 
+    /// Eq. (2) for a scan in metres, every finite reading of it.
+    pub fn sense_ranges(&mut self, model: &LocalizationModel, sonar_m: &[f32; SONARS]) {
+        self.sense(model, &sonar_m.map(|range_m| range_m.is_finite().then(|| model.sensor.bin(f64::from(range_m)))));
+    }
+
     /// Mixes a share of the uniform distribution into the belief.
     pub fn mix(&mut self, model: &LocalizationModel, share: f64) {
         let mass = self.mass(model);
