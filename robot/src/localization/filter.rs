@@ -31,6 +31,8 @@ pub struct Localization {
     due: bool,
     /// The mode at the last update.
     mode: Maximum,
+    /// Updates so far.
+    updates: u64,
 }
 
 impl Localization {
@@ -46,7 +48,7 @@ impl Localization {
 
     fn of(model: &LocalizationModel, belief: Belief) -> Self {
         let mode = belief.mode(model);
-        Self { belief, updated_at_in_odom: None, observed_at_in_odom: None, due: true, mode }
+        Self { belief, updated_at_in_odom: None, observed_at_in_odom: None, due: true, mode, updates: 0 }
     }
 
     /// Gives up most of the belief: 90 % uniform, so that the true pose is found wherever it is,
@@ -82,6 +84,7 @@ impl Localization {
         self.mode = self.belief.mode(model);
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.due = self.due && sonar_m.is_none();
+        self.updates += 1;
         true
     }
 
@@ -112,6 +115,11 @@ impl Localization {
             _ => self.mode.pose_in_map,
         };
         Estimate { pose_in_map, certainty: self.mode.mass }
+    }
+
+    /// How often the belief was updated.
+    pub fn updates(&self) -> u64 {
+        self.updates
     }
 
     /// The local maxima, the heaviest first, as of the last update and carried on by odometry.

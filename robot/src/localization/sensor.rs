@@ -71,6 +71,11 @@ impl SensorModel {
         &self.weights
     }
 
+    /// Tempered weight of a scan whose costs have this sum.
+    pub fn weight(&self, sum: usize) -> f64 {
+        f64::from(self.weights[sum.min(WEIGHTS - 1)])
+    }
+
     /// The average tempered weight of one measured bin where expected distances are spread like
     /// `histogram` (shares, summing to 1).
     pub fn average_weight(&self, measured: u8, histogram: &[f64; BINS]) -> f64 {

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Poses nearer than this, and than [`NEAR_RAD`], count as one: for the certainty, and for maxima.
-pub(crate) const NEAR_M: f64 = 0.5;
+const NEAR_M: f64 = 0.5;
 
 /// See [`NEAR_M`].
-pub(crate) const NEAR_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+const NEAR_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
 
 /// The neighbourhood a maximum is refined in.
 const REFINE_M: f64 = 0.35;
@@ -30,8 +30,15 @@ pub struct Maximum {
     pub mass: f64,
 }
 
+impl Maximum {
+    /// Whether this maximum, carried on by a motion, is at a pose.
+    pub fn is_near(&self, pose_in_map: Pose, motion: Pose) -> bool {
+        near(self.pose_in_map.compose(motion), pose_in_map)
+    }
+}
+
 /// Whether two poses count as one.
-pub(crate) fn near(a: Pose, b: Pose) -> bool {
+fn near(a: Pose, b: Pose) -> bool {
     a.distance_m(b) <= NEAR_M && libm::fabs(wrap_angle_rad(a.heading_rad - b.heading_rad)) <= NEAR_RAD
 }
 
