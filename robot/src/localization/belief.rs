@@ -69,6 +69,18 @@ impl Belief {
         belief
     }
 
+    /// Half of this belief and half of another one, cell by cell.
+    pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
+        let mut merged = Self::uniform(model);
+        for (heading, plane) in merged.planes.iter_mut().enumerate() {
+            let both = |cell: usize| 0.5 * (self.planes[heading].value(cell) + other.planes[heading].value(cell));
+            let cells = (0..model.grid.plane_len()).map(|cell| (both(cell) * f64::from(model.admissible[cell])) as f32);
+            *plane = Plane::active(Arc::new(cells.collect()));
+        }
+        merged.sense(model, &[None; SONARS]);
+        merged
+    }
+
     /// The planes, by heading.
     pub fn planes(&self) -> &[Plane] {
         &self.planes

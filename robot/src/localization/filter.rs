@@ -2,7 +2,7 @@
 
 use super::belief::{Belief, Scan};
 use super::model::LocalizationModel;
-use super::parameters::{SONARS, Spread};
+use super::parameters::{LocalizationParameters, SONARS, Spread};
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,26 @@ pub struct Estimate {
     pub certainty: f64,
 }
 
+/// A reading that differs by more than this has changed; far beyond the noise.
+const CHANGED_M: f32 = 0.5;
+
+/// Changed readings that make a changed scan; a person walking by changes fewer.
+const CHANGED_READINGS: usize = 8;
+
+/// What was taken in since the robot last moved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Rest {
+    /// Observations since the last update.
+    waited: u32,
+    /// Scans that were used.
+    scans: u32,
+}
+
+fn has_changed(before_m: &[f32; SONARS], now_m: &[f32; SONARS]) -> bool {
+    let changed = |(before, now): &(&f32, &f32)| (**before - **now).abs() > CHANGED_M;
+    before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
+}
+
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
@@ -27,8 +47,9 @@ pub struct Localization {
     updated_at_in_odom: Option<Pose>,
     /// Odometry at the last observation.
     observed_at_in_odom: Option<Pose>,
-    /// Whether the next scan is used without waiting for motion.
-    due: bool,
+    /// The last scan that was used.
+    last_scan_m: Option<[f32; SONARS]>,
+    rest: Rest,
     /// The mode at the last update.
     mode: Maximum,
     /// Updates so far.
@@ -48,7 +69,15 @@ impl Localization {
 
     fn of(model: &LocalizationModel, belief: Belief) -> Self {
         let mode = belief.mode(model);
-        Self { belief, updated_at_in_odom: None, observed_at_in_odom: None, due: true, mode, updates: 0 }
+        Self {
+            belief,
+            updated_at_in_odom: None,
+            observed_at_in_odom: None,
+            last_scan_m: None,
+            rest: Rest::default(),
+            mode,
+            updates: 0,
+        }
     }
 
     /// Gives up most of the belief: 90 % uniform, so that the true pose is found wherever it is,
@@ -56,7 +85,12 @@ impl Localization {
     pub fn reset_for_relocalization(&mut self, model: &LocalizationModel) {
         self.belief.mix(model, 1.0 - KEPT_FOR_RELOCALIZATION);
         self.mode = self.belief.mode(model);
-        self.due = true;
+        self.rest = Rest::default();
+    }
+
+    /// Half of this belief and half of another one.
+    pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
+        Self::of(model, self.belief.merged(model, &other.belief))
     }
 
     /// Takes in odometry and, if there is one, a scan; readings that are not finite are missing.
@@ -64,7 +98,8 @@ impl Localization {
     ///
     /// # Deviation
     /// The belief is updated only after some motion, by `update_distance_m` and
-    /// `update_angle_rad`: scans from one place repeat the same evidence.
+    /// `update_angle_rad`: scans from one place repeat the same evidence. A robot at rest takes a
+    /// few scans and no more, unless the scan changes: somebody may have turned it.
     pub fn observe(
         &mut self,
         model: &LocalizationModel,
@@ -75,7 +110,7 @@ impl Localization {
         let since = odometry_in_odom.relative_to(*self.updated_at_in_odom.get_or_insert(odometry_in_odom));
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
-        if !(moved || self.due && sonar_m.is_some()) {
+        if !moved && !sonar_m.is_some_and(|sonar_m| self.is_due_at_rest(&model.parameters, sonar_m)) {
             return false;
         }
         self.belief.advance(model, since);
@@ -83,9 +118,27 @@ impl Localization {
         self.belief.sense(model, &scan);
         self.mode = self.belief.mode(model);
         self.updated_at_in_odom = Some(odometry_in_odom);
-        self.due = self.due && sonar_m.is_none();
         self.updates += 1;
+        if moved {
+            self.rest = Rest::default();
+        }
+        self.rest.waited = 0;
+        if let Some(sonar_m) = sonar_m {
+            self.rest.scans += 1;
+            self.last_scan_m = Some(*sonar_m);
+        }
         true
+    }
+
+    /// Counts an observation at rest and tells whether it is to be used.
+    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, sonar_m: &[f32; SONARS]) -> bool {
+        self.rest.waited += 1;
+        let changed = self.last_scan_m.is_none_or(|last_m| has_changed(&last_m, sonar_m));
+        if changed {
+            self.rest.scans = 0;
+        }
+        self.rest.scans == 0
+            || self.rest.waited >= parameters.standing_observations && self.rest.scans < parameters.standing_updates
     }
 
     /// The bins of a scan, without the readings that gating leaves out.

@@ -40,6 +40,10 @@ pub struct LocalizationParameters {
     pub update_distance_m: f64,
     /// ... or after turning by this much.
     pub update_angle_rad: f64,
+    /// A robot at rest updates after so many observations ...
+    pub standing_observations: u32,
+    /// ... but at most so many times, until it moves or sees something new.
+    pub standing_updates: u32,
 }
 
 impl Default for LocalizationParameters {
@@ -56,6 +60,8 @@ impl Default for LocalizationParameters {
             activity_threshold: 0.01,
             update_distance_m: 0.15,
             update_angle_rad: 10f64.to_radians(),
+            standing_observations: 20,
+            standing_updates: 5,
         }
     }
 }
