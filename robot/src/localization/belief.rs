@@ -190,7 +190,7 @@ impl Belief {
     pub(super) fn sense(&mut self, model: &LocalizationModel, scan: &Scan) {
         let readings: Vec<(usize, u8)> =
             scan.iter().enumerate().filter_map(|(sonar, bin)| bin.map(|bin| (sonar, bin))).collect();
-        let average: f64 = readings.iter().map(|&(_, bin)| model.average_weight(bin)).product();
+        let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
         let threshold = model.threshold() as f32;
         update_planes(&mut self.planes, |heading, plane| {
             if !plane.is_active() {

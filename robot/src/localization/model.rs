@@ -9,6 +9,9 @@ use crate::occupancy::{Cell, OccupancyGrid};
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// States the average of a scan is taken over.
+const SAMPLES: usize = 4096;
+
 /// Why no model can be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
@@ -41,8 +44,8 @@ pub struct LocalizationModel {
     pub(super) admissible_cells: usize,
     /// `[direction][row][column]` bins, each plane padded to whole blocks.
     expected: Vec<u8>,
-    /// Average weight of each measured bin over all admissible states.
-    average_weights: Vec<f64>,
+    /// Expected scans of states spread evenly over all admissible ones.
+    samples: Vec<[u8; SONARS]>,
 }
 
 impl LocalizationModel {
@@ -67,9 +70,7 @@ impl LocalizationModel {
         }
         let expected = expected_bins(&distances, &grid, &admissible, &parameters);
         let sensor = SensorModel::new(&parameters.sensor, parameters.tempering);
-        let histogram = histogram(&expected, &admissible, &grid, count);
-        let average_weights = (0..BINS).map(|bin| sensor.average_weight(bin as u8, &histogram)).collect();
-        Ok(Self {
+        let mut model = Self {
             parameters,
             grid,
             sensor,
@@ -77,8 +78,10 @@ impl LocalizationModel {
             admissible: Arc::new(admissible),
             admissible_cells: count,
             expected,
-            average_weights,
-        })
+            samples: Vec::new(),
+        };
+        model.samples = model.draw_samples();
+        Ok(model)
     }
 
     /// Cells of (x, y) the robot can stand in.
@@ -119,9 +122,36 @@ impl LocalizationModel {
         Some(State { heading: self.grid.heading_at(pose_in_map.heading_rad), row, column })
     }
 
-    /// P̃ of one measured bin: its average tempered weight over all states.
-    pub(super) fn average_weight(&self, measured: u8) -> f64 {
-        self.average_weights[usize::from(measured)]
+    /// Expected scans of states spread evenly over cells and headings.
+    fn draw_samples(&self) -> Vec<[u8; SONARS]> {
+        let cells: Vec<usize> = (0..self.grid.cells()).filter(|&cell| self.admissible[cell] > 0.0).collect();
+        let headings = self.grid.headings;
+        let stride = (cells.len() * headings / SAMPLES).max(1);
+        let states = (0..cells.len() * headings).step_by(stride).enumerate();
+        states
+            .map(|(turn, index)| {
+                let cell = cells[index / headings];
+                // The golden section spreads consecutive samples over the circle.
+                let heading = (turn as f64 * 0.618_033_988_749_895 % 1.0 * headings as f64) as usize;
+                self.expected_scan(State { heading, row: cell / self.grid.columns, column: cell % self.grid.columns })
+            })
+            .collect()
+    }
+
+    /// P̃(s): the average weight of a scan over all states, to a few percent.
+    ///
+    /// # Deviation
+    /// Beetz et al. leave open how this average is found. The product of the average likelihoods of
+    /// the single readings is far too low, because neighbouring beams see the same wall; a lost
+    /// robot would still look likelier than that. Here it is the average over a sample of states.
+    pub(super) fn average_weight(&self, readings: &[(usize, u8)]) -> f64 {
+        let costs: Vec<(usize, &[u8; BINS])> =
+            readings.iter().map(|&(sonar, bin)| (sonar, self.sensor.costs(bin))).collect();
+        let sum = |sample: &[u8; SONARS]| -> usize {
+            costs.iter().map(|&(sonar, costs)| usize::from(costs[usize::from(sample[sonar])])).sum()
+        };
+        let total: f64 = self.samples.iter().map(|sample| self.sensor.weight(sum(sample))).sum();
+        total / self.samples.len() as f64
     }
 }
 
@@ -203,15 +233,4 @@ fn widen_to_cones(rays: &[u8], columns: usize, half_cone: usize) -> Vec<u8> {
         }
     }
     cones
-}
-
-/// Shares of the expected bins over all admissible cells and directions.
-fn histogram(expected: &[u8], admissible: &[f32], grid: &BeliefGrid, count: usize) -> [f64; BINS] {
-    let mut counts = [0u64; BINS];
-    for plane in expected.chunks_exact(grid.plane_len()) {
-        for (&bin, &cell) in plane.iter().zip(admissible) {
-            counts[usize::from(bin)] += u64::from(cell > 0.0);
-        }
-    }
-    counts.map(|bin| bin as f64 / (count as f64 * grid.directions as f64))
 }

@@ -54,8 +54,8 @@ impl Default for LocalizationParameters {
             clearance_m: 0.15,
             sensor: SensorParameters::default(),
             odometry: OdometryError::default(),
-            tempering: 0.1,
-            mixing: 1e-4,
+            tempering: 0.15,
+            mixing: 1e-3,
             gating: Some(Gating::default()),
             activity_threshold: 0.01,
             update_distance_m: 0.15,
@@ -119,11 +119,11 @@ impl Default for SensorParameters {
             cone_deg: 15,
             sigma_m: 0.12,
             sigma_per_m: 0.02,
-            hit: 0.65,
+            hit: 0.55,
             uniform: 0.08,
             short: 0.12,
             short_mean_m: 2.0,
-            missed: 0.15,
+            missed: 0.25,
         }
     }
 }

@@ -27,8 +27,6 @@ pub struct SensorModel {
     costs: Vec<[u8; BINS]>,
     /// Tempered weight of a scan by the sum of its bytes.
     weights: Box<[f32; WEIGHTS]>,
-    /// Tempered weight of a single reading by its byte.
-    tempering: f64,
 }
 
 impl SensorModel {
@@ -48,7 +46,7 @@ impl SensorModel {
         for (sum, weight) in weights.iter_mut().enumerate() {
             *weight = tempered(tempering, sum).max(MIN_WEIGHT) as f32;
         }
-        Self { max_range_m: parameters.max_range_m, costs, weights, tempering }
+        Self { max_range_m: parameters.max_range_m, costs, weights }
     }
 
     /// The bin of a distance.
@@ -75,13 +73,6 @@ impl SensorModel {
     pub fn weight(&self, sum: usize) -> f64 {
         f64::from(self.weights[sum.min(WEIGHTS - 1)])
     }
-
-    /// The average tempered weight of one measured bin where expected distances are spread like
-    /// `histogram` (shares, summing to 1).
-    pub fn average_weight(&self, measured: u8, histogram: &[f64; BINS]) -> f64 {
-        let costs = self.costs(measured);
-        histogram.iter().zip(costs).map(|(share, &cost)| share * tempered(self.tempering, usize::from(cost))).sum()
-    }
 }
 
 fn tempered(tempering: f64, sum: usize) -> f64 {
@@ -94,7 +85,7 @@ pub(super) fn bin(range_m: f64, max_range_m: f64) -> u8 {
 }
 
 /// P(measured | expected) over the measured bins; sums to 1.
-fn mixture(parameters: &SensorParameters, expected: usize) -> Vec<f64> {
+pub(super) fn mixture(parameters: &SensorParameters, expected: usize) -> Vec<f64> {
     let width_m = parameters.max_range_m / 255.0;
     let centre_m = |bin: usize| (bin as f64 + 0.5) * width_m;
     let no_echo = usize::from(NO_ECHO);
