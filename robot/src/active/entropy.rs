@@ -1,6 +1,5 @@
 //! E_a[H]: the entropy expected at a target point.
 
-use super::occupancy::is_free;
 use super::parameters::ActiveParameters;
 use crate::geometry::{Point, Pose};
 use crate::localization::{LocalizationModel, Maximum, SONARS};
@@ -49,41 +48,50 @@ impl<'m> EntropyForecast<'m> {
     /// Entropy of the shares expected after moving to a point and sensing there. At most the
     /// logarithm of the number of maxima, at least 0.
     pub fn expected(&self, target_in_base: Point) -> f64 {
-        let scans: Vec<Option<[u8; SONARS]>> =
-            self.maxima.iter().map(|maximum| self.scan(maximum.pose_in_map, target_in_base)).collect();
-        let mut weighted = vec![0.0; scans.len()];
-        let mut expected = 0.0;
-        for (truth, share) in self.shares.iter().enumerate() {
-            for (hypothesis, weight) in weighted.iter_mut().enumerate() {
-                *weight = self.shares[hypothesis] * self.likelihood(scans[truth].as_ref(), scans[hypothesis].as_ref());
-            }
-            let evidence: f64 = weighted.iter().sum();
-            weighted.iter_mut().for_each(|weight| *weight /= evidence);
-            expected += share * entropy(&weighted);
-        }
-        expected
+        let views: Vec<View> =
+            self.maxima.iter().map(|maximum| self.view(maximum.pose_in_map, target_in_base)).collect();
+        let unreached =
+            posterior_entropy(self.shares.iter().zip(&views).map(|(share, view)| share * (1.0 - view.reach)));
+        self.shares
+            .iter()
+            .zip(&views)
+            .map(|(share, truth)| {
+                let weights =
+                    self.shares.iter().zip(&views).map(|(share, view)| {
+                        share * view.reach * self.likelihood(truth.scan.as_ref(), view.scan.as_ref())
+                    });
+                share * (truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached)
+            })
+            .sum()
     }
 
-    /// The noise-free scan at a target as seen from a maximum; none if the target is occupied.
-    fn scan(&self, robot_in_map: Pose, target_in_base: Point) -> Option<[u8; SONARS]> {
+    /// The target as seen from a maximum.
+    fn view(&self, robot_in_map: Pose, target_in_base: Point) -> View {
         let target_in_map = robot_in_map.transform(target_in_base);
         let pose = Pose::new(target_in_map.x, target_in_map.y, robot_in_map.heading_rad);
-        let state = self.model.state_at(pose).filter(|_| is_free(self.model, target_in_map, self.parameters))?;
-        Some(self.model.expected_scan(state))
+        let radius_m = self.parameters.robot_radius_m;
+        let clearance_m = self.model.distances.clearance_m(target_in_map);
+        let reach = (0.5 + (clearance_m - radius_m) / (2.0 * self.parameters.tolerance_m))
+            .clamp(MAP_IS_WRONG, 1.0 - MAP_IS_WRONG);
+        let state = self.model.state_at(pose).filter(|state| self.model.is_admissible(state.column, state.row));
+        View { reach, scan: state.map(|state| self.model.expected_scan(state)) }
     }
 
+    /// How likely a scan is where another one is expected; a place without scans tells nothing.
     fn likelihood(&self, sensed: Option<&[u8; SONARS]>, expected: Option<&[u8; SONARS]>) -> f64 {
-        match (sensed, expected) {
-            (None, None) => 1.0,
-            (None, Some(_)) | (Some(_), None) => MAP_IS_WRONG,
-            (Some(sensed), Some(expected)) => {
-                let cost = |(s, o): (&u8, &u8)| usize::from(self.costs[usize::from(*s) * BINS + usize::from(*o)]);
-                let sum: usize = sensed.iter().zip(expected).map(cost).sum();
-                let once = self.model.sensor.weight(sum);
-                (1..self.parameters.scans).fold(once, |product, _| product * once)
-            }
-        }
+        let (Some(sensed), Some(expected)) = (sensed, expected) else { return 1.0 };
+        let cost = |(s, o): (&u8, &u8)| usize::from(self.costs[usize::from(*s) * BINS + usize::from(*o)]);
+        let once = self.model.sensor.weight(sensed.iter().zip(expected).map(cost).sum());
+        (1..self.parameters.scans).fold(once, |product, _| product * once)
     }
+}
+
+/// What a target would be, were the robot at one of the maxima.
+struct View {
+    /// How probably the robot gets there: maxima are known to the tolerance, and so is the clearance.
+    reach: f64,
+    /// The noise-free scan there; none where the robot cannot stand.
+    scan: Option<[u8; SONARS]>,
 }
 
 /// The sensor model's costs, each the least within `tolerance` bins of the expected one, less what
@@ -98,6 +106,16 @@ fn forgiving_costs(model: &LocalizationModel, tolerance: usize) -> Vec<u8> {
         }
     }
     costs
+}
+
+/// Entropy of weights, once normalized: ln W − (Σ w ln w) / W.
+fn posterior_entropy(weights: impl Iterator<Item = f64>) -> f64 {
+    let (mut total, mut sum) = (0.0, 0.0);
+    for weight in weights.filter(|&weight| weight > 0.0) {
+        total += weight;
+        sum += weight * libm::log(weight);
+    }
+    if total > 0.0 { (libm::log(total) - sum / total).max(0.0) } else { 0.0 }
 }
 
 /// −Σ p ln p, in nats.
@@ -116,5 +134,8 @@ mod tests {
             assert!((entropy(&shares) - libm::log(count as f64)).abs() < 1e-12);
         }
         assert_eq!(entropy(&[1.0, 0.0]), 0.0);
+        let weights = [0.2, 0.6, 0.0];
+        let exact = entropy(&[0.25, 0.75]);
+        assert!((posterior_entropy(weights.into_iter()) - exact).abs() < 1e-12);
     }
 }

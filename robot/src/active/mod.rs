@@ -16,6 +16,8 @@ mod cost;
 mod entropy;
 mod occupancy;
 mod parameters;
+#[cfg(test)]
+mod tests;
 
 pub use action::ActionGrid;
 pub use choice::{ActionField, Choice, choose};

@@ -60,9 +60,3 @@ fn add_seen_from(
         *value += (weight * occupied(model.distances.clearance_m(in_map), parameters)) as f32;
     }
 }
-
-/// Whether the robot's middle can be at a point of the map.
-pub(super) fn is_free(model: &LocalizationModel, point_in_map: Point, parameters: &ActiveParameters) -> bool {
-    model.distances.clearance_m(point_in_map) >= parameters.robot_radius_m
-        && model.grid.cell_at(point_in_map).is_some_and(|(column, row)| model.is_admissible(column, row))
-}

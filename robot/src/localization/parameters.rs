@@ -166,7 +166,7 @@ pub struct Gating {
 
 impl Default for Gating {
     fn default() -> Self {
-        Self { margin_m: 0.4, max_readings: 8, min_certainty: 0.5 }
+        Self { margin_m: 0.4, max_readings: 4, min_certainty: 0.5 }
     }
 }
 
