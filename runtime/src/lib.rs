@@ -1,1 +1,32 @@
 //! Values, heap, tasks, fluents, valves, failures, timers, scheduler, trace.
+//!
+//! The whole run is one value, [`system::System`], that [`system::System::advance`] steps from
+//! instant to instant. Nothing here knows a clock, a thread, a file or a robot: time is virtual,
+//! and the robot stands behind [`behaviour::Outside`].
+//!
+//! Read in this order: [`value`], [`heap`], [`task`], [`machine`], `exec`, `construct`, `unwind`,
+//! [`fluent`], [`valve`], [`behaviour`], [`system`].
+
+pub mod behaviour;
+mod construct;
+mod datum;
+mod exec;
+pub mod failure;
+pub mod fluent;
+mod gc;
+pub mod heap;
+pub mod library;
+pub mod machine;
+mod macro_host;
+pub mod native;
+pub mod natives;
+pub mod print;
+pub mod scheduler;
+pub mod slab;
+pub mod system;
+pub mod task;
+pub mod trace;
+mod tree;
+mod unwind;
+pub mod value;
+pub mod valve;

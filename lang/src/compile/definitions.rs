@@ -20,8 +20,7 @@ impl Compiler<'_> {
             let special = self.tree.head(form).and_then(|head| self.specials.get(&head).copied());
             let Some(name) = self.tree.items(form).get(1).and_then(|&name| self.tree.symbol(name)) else { continue };
             let defines_value = special.is_some_and(|special| {
-                special.is_definition()
-                    && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load)
+                special.is_definition() && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load)
             });
             let shadows = self.program.names.get(&name).is_some_and(|&global| self.is_library(global))
                 || self.native_numbers.contains_key(&name);
@@ -71,9 +70,7 @@ impl Compiler<'_> {
     }
 
     fn is_definition_form(&self, node: NodeId) -> bool {
-        self.tree
-            .head(node)
-            .is_some_and(|head| self.specials.get(&head).is_some_and(|special| special.is_definition()))
+        self.tree.head(node).is_some_and(|head| self.specials.get(&head).is_some_and(|special| special.is_definition()))
     }
 
     /// A form that runs: a plan body of its own.
@@ -110,11 +107,21 @@ impl Compiler<'_> {
         };
         let text = self.symbols.name(name).to_string();
         if !self.is_bindable(name) || self.specials.contains_key(&name) {
-            self.error("reserved-name", span, format!("`{text}` belongs to the language and cannot be defined"), "reserved name");
+            self.error(
+                "reserved-name",
+                span,
+                format!("`{text}` belongs to the language and cannot be defined"),
+                "reserved name",
+            );
             return None;
         }
         if self.purpose == Purpose::User && self.is_robot_name(name) {
-            self.error("reserved-name", span, format!("`{text}` belongs to the robot and cannot be defined"), "reserved name");
+            self.error(
+                "reserved-name",
+                span,
+                format!("`{text}` belongs to the robot and cannot be defined"),
+                "reserved name",
+            );
             return None;
         }
         Some(name)

@@ -226,7 +226,9 @@ impl Emitter<'_, '_> {
     /// Emits code that leaves the form's value in `into`.
     fn value(&mut self, ir: &Ir, into: Reg, tail: bool) {
         let outer = std::mem::replace(&mut self.span, ir.span);
-        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.temporarily(|emitter| emitter.value_here(ir, into, tail)));
+        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || {
+            self.temporarily(|emitter| emitter.value_here(ir, into, tail))
+        });
         self.span = outer;
     }
 
@@ -551,7 +553,13 @@ impl Emitter<'_, '_> {
         if arguments.len() > MAX_REGISTERS {
             let count = arguments.len();
             let span = self.span;
-            self.compiler.error("too-large", span, format!("this call has {count} arguments, and {MAX_REGISTERS} is the most"), "too many")
+            self.compiler
+                .error(
+                    "too-large",
+                    span,
+                    format!("this call has {count} arguments, and {MAX_REGISTERS} is the most"),
+                    "too many",
+                )
                 .help = Some("pass a list: `(apply f list)`".into());
             return;
         }
@@ -559,7 +567,12 @@ impl Emitter<'_, '_> {
         match callee {
             Callee::Native(native) => {
                 let first = self.arguments(arguments);
-                self.push(Op::CallNative(into, first, count, *native));
+                if self.compiler.natives[usize::from(*native)].calls {
+                    self.push(Op::CallNative(first, first, count, *native));
+                    self.take(first, into);
+                } else {
+                    self.push(Op::CallNative(into, first, count, *native));
+                }
             }
             Callee::Global(global) => {
                 let first = self.arguments(arguments);
@@ -567,8 +580,10 @@ impl Emitter<'_, '_> {
                     self.push(Op::TailCall(first, count, *global));
                 } else {
                     self.push(Op::Call(first, count, *global));
-                    self.take(first, into);
                 }
+                // Also behind a tail call: what turns out to be no function of the plan's own
+                // comes back.
+                self.take(first, into);
             }
             Callee::Value(function) => {
                 let function_reg = self.fresh();
@@ -578,8 +593,8 @@ impl Emitter<'_, '_> {
                     self.push(Op::TailCallValue(function_reg, count));
                 } else {
                     self.push(Op::CallValue(function_reg, count));
-                    self.take(first, into);
                 }
+                self.take(first, into);
             }
         }
     }

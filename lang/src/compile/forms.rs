@@ -133,7 +133,11 @@ impl Compiler<'_> {
             tail = match spliced {
                 Some(list) => {
                     let list = self.resolve(list);
-                    if matches!(tail.kind, IrKind::Nil) { list } else { self.native_ir("append", vec![list, tail], place) }
+                    if matches!(tail.kind, IrKind::Nil) {
+                        list
+                    } else {
+                        self.native_ir("append", vec![list, tail], place)
+                    }
                 }
                 None => {
                     let item = self.quasiquote(element, depth);
@@ -185,7 +189,7 @@ impl Compiler<'_> {
                 Some(&value) => self.resolve(value),
                 None => self.nil(place),
             };
-            let variable = self.new_variable(name, self.tree.span(items[0]));
+            let variable = self.new_variable(name);
             bound.push((variable, value));
             if sequential {
                 self.bindings.push((name, variable));
@@ -216,7 +220,7 @@ impl Compiler<'_> {
                 self.malformed(place, "`(NAME VALUE)`");
                 continue;
             };
-            let variable = self.bind(name, place);
+            let variable = self.bind(name);
             bound.push((variable, self.nil(place)));
             values.push((variable, items[1]));
         }
@@ -315,8 +319,13 @@ impl Compiler<'_> {
                 match self.program.globals[global as usize].kind {
                     GlobalKind::Variable => {}
                     GlobalKind::Fluent => {
-                        self.error("assigns-fluent", span, format!("`{text}` is a fluent; `setq` would replace the fluent itself"), "assigned here")
-                            .help = Some(format!("write `(setf (value {text}) …)`"));
+                        self.error(
+                            "assigns-fluent",
+                            span,
+                            format!("`{text}` is a fluent; `setq` would replace the fluent itself"),
+                            "assigned here",
+                        )
+                        .help = Some(format!("write `(setf (value {text}) …)`"));
                     }
                     _ => {
                         self.error("assigns-constant", span, format!("`{text}` cannot be assigned"), "not a variable");
@@ -326,7 +335,12 @@ impl Compiler<'_> {
             }
             Meaning::Native(_) => {
                 let text = self.symbols.name(name).to_string();
-                self.error("assigns-constant", span, format!("`{text}` is a library function and cannot be assigned"), "not a variable");
+                self.error(
+                    "assigns-constant",
+                    span,
+                    format!("`{text}` is a library function and cannot be assigned"),
+                    "not a variable",
+                );
                 self.nil(span)
             }
         }
@@ -365,8 +379,9 @@ impl Compiler<'_> {
                 Some(accessor) => format!("`({accessor} …)` is not a place that can be assigned"),
                 None => "this is not a place that can be assigned".to_string(),
             };
-            self.error("not-a-place", at, message, "not a place").help =
-                Some("places are names, `(value F)`, `(nth I LIST)`, `(gethash KEY TABLE)`, `(car X)`, `(cdr X)`".into());
+            self.error("not-a-place", at, message, "not a place").help = Some(
+                "places are names, `(value F)`, `(nth I LIST)`, `(gethash KEY TABLE)`, `(car X)`, `(cdr X)`".into(),
+            );
             return self.nil(span);
         };
         let nodes = self.tree.items(place)[1..].to_vec();
@@ -464,7 +479,12 @@ impl Compiler<'_> {
             return self.malformed(span, "`(retry)` or `(refail)`");
         }
         let Some((retry, failure)) = self.handlers.last().map(|handler| (handler.retry, handler.failure)) else {
-            self.error("no-handler", span, "this stands in no clause of `with-failure-handling`", "no failure to handle here");
+            self.error(
+                "no-handler",
+                span,
+                "this stands in no clause of `with-failure-handling`",
+                "no failure to handle here",
+            );
             return self.nil(span);
         };
         if special == Special::Refail {

@@ -13,7 +13,6 @@ pub(crate) struct VarId(pub(crate) u32);
 #[derive(Clone, Debug)]
 pub(crate) struct Variable {
     pub(crate) name: Symbol,
-    pub(crate) span: Span,
     /// Depth of the function that binds it.
     pub(crate) function: usize,
     /// Whether an inner function refers to it.
@@ -149,18 +148,39 @@ pub(crate) enum IrKind {
     Binary(Binary, Box<Ir>, Box<Ir>),
     Unary(Unary, Box<Ir>),
     /// `token` is set if the block is left from inside a closure.
-    Block { id: BlockId, token: Option<VarId>, body: Box<Ir> },
+    Block {
+        id: BlockId,
+        token: Option<VarId>,
+        body: Box<Ir>,
+    },
     Leave(BlockId, Box<Ir>),
     LeaveDynamic(VarId, Box<Ir>),
     Loop(Box<Ir>),
     Construct(Box<ConstructIr>),
     ConstructMap(Box<ConstructIr>, Box<Ir>),
     Spawn(Box<ConstructIr>),
-    Handler { body: Box<Ir>, failure: VarId, clauses: Vec<ClauseIr> },
+    Handler {
+        body: Box<Ir>,
+        failure: VarId,
+        clauses: Vec<ClauseIr>,
+    },
     Refail(VarId),
-    Cleanup { always: bool, body: Box<Ir>, cleanup: Box<Ir> },
+    Cleanup {
+        always: bool,
+        body: Box<Ir>,
+        cleanup: Box<Ir>,
+    },
     Scope(ScopeIr, Box<Ir>),
     Network(Box<Function>),
-    WaitFor { fluent: Box<Ir>, timeout: Option<Box<Ir>>, owned: bool },
-    Whenever { fluent: Box<Ir>, missed: Missed, owned: bool, body: Box<Ir> },
+    WaitFor {
+        fluent: Box<Ir>,
+        timeout: Option<Box<Ir>>,
+        owned: bool,
+    },
+    Whenever {
+        fluent: Box<Ir>,
+        missed: Missed,
+        owned: bool,
+        body: Box<Ir>,
+    },
 }

@@ -78,7 +78,7 @@ impl Compiler<'_> {
     fn parameter_name(&mut self, node: NodeId) -> Option<VarId> {
         let span = self.tree.span(node);
         match self.tree.get(node).kind {
-            Kind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name, span)),
+            Kind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name)),
             _ => {
                 self.error("parameter-list", span, "a parameter must be a name", "expected a name");
                 None
@@ -99,7 +99,12 @@ impl Compiler<'_> {
         };
         if items.is_empty() || items.len() > 3 {
             let span = self.tree.span(node);
-            self.error("parameter-list", span, "an optional parameter is `name` or `(name default)`", "not of that form");
+            self.error(
+                "parameter-list",
+                span,
+                "an optional parameter is `name` or `(name default)`",
+                "not of that form",
+            );
             return None;
         }
         // The default is resolved before the name is bound: it must not see the parameter itself.

@@ -31,6 +31,8 @@ pub struct NativeSignature {
     pub max: Option<u8>,
     /// Whether it waits, assigns or acts on tasks, which a network may not.
     pub effect: bool,
+    /// Whether it goes on in code of the plan, so that its value is found where a call's is.
+    pub calls: bool,
 }
 
 /// Runs macros: the evaluator lives above this crate.
@@ -257,11 +259,21 @@ impl<'a> Compiler<'a> {
             self.program.names.remove(&name);
             let text = self.symbols.name(name).to_string();
             if self.program.macros.contains_key(&name) {
-                self.error("macro-before-definition", span, format!("the macro `{text}` is used above its definition"), "not known yet here")
-                    .help = Some("move the defmacro above its first use".into());
+                self.error(
+                    "macro-before-definition",
+                    span,
+                    format!("the macro `{text}` is used above its definition"),
+                    "not known yet here",
+                )
+                .help = Some("move the defmacro above its first use".into());
             } else if self.robot_names.contains(&text.as_str()) {
-                self.error("needs-a-world", span, format!("`{text}` belongs to the robot, and there is none"), "needs a world")
-                    .help = Some("add `--world dept` to the command".into());
+                self.error(
+                    "needs-a-world",
+                    span,
+                    format!("`{text}` belongs to the robot, and there is none"),
+                    "needs a world",
+                )
+                .help = Some("add `--world dept` to the command".into());
             } else {
                 let suggestion = self.suggestion(&text);
                 self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
@@ -300,14 +312,14 @@ impl<'a> Compiler<'a> {
         self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"))
     }
 
-    fn new_variable(&mut self, name: Symbol, span: Span) -> VarId {
+    fn new_variable(&mut self, name: Symbol) -> VarId {
         let function = self.functions.len() - 1;
-        self.variables.push(Variable { name, span, function, captured: false, assigned: false });
+        self.variables.push(Variable { name, function, captured: false, assigned: false });
         VarId(self.variables.len() as u32 - 1)
     }
 
-    fn bind(&mut self, name: Symbol, span: Span) -> VarId {
-        let variable = self.new_variable(name, span);
+    fn bind(&mut self, name: Symbol) -> VarId {
+        let variable = self.new_variable(name);
         self.bindings.push((name, variable));
         variable
     }
@@ -335,7 +347,9 @@ impl<'a> Compiler<'a> {
 
     fn define_global(&mut self, name: Symbol, kind: GlobalKind, doc: Option<Arc<str>>, span: Option<Span>) -> u32 {
         if let Some(&existing) = self.program.names.get(&name)
-            && (self.undefined.remove(&existing).is_some() || self.purpose == Purpose::Library || !self.is_library(existing))
+            && (self.undefined.remove(&existing).is_some()
+                || self.purpose == Purpose::Library
+                || !self.is_library(existing))
         {
             self.program.globals[existing as usize] = Global { name, kind, doc, span };
             return existing;

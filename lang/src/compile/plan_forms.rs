@@ -85,14 +85,14 @@ impl Compiler<'_> {
         let known = self.functions[root].tags.iter().flatten().find(|(tag, _)| *tag == name).map(|&(_, tag)| tag);
         let variable = match known {
             Some(variable) => variable,
-            None => self.new_tag(root, name, self.tree.span(items[1])),
+            None => self.new_tag(root, name),
         };
         self.variables[variable.0 as usize].assigned = true;
         Some((name, variable, items[2..].to_vec()))
     }
 
-    fn new_tag(&mut self, root: usize, name: Symbol, span: Span) -> VarId {
-        self.variables.push(super::Variable { name, span, function: root, captured: false, assigned: true });
+    fn new_tag(&mut self, root: usize, name: Symbol) -> VarId {
+        self.variables.push(super::Variable { name, function: root, captured: false, assigned: true });
         let variable = VarId(self.variables.len() as u32 - 1);
         if let Some(tags) = &mut self.functions[root].tags {
             tags.push((name, variable));
@@ -118,7 +118,12 @@ impl Compiler<'_> {
 
     pub(super) fn tagged(&mut self, items: &[NodeId], span: Span) -> Ir {
         if self.is_network() {
-            self.error("network-effect", span, "a task cannot be started in a fluent network", "a network may only look");
+            self.error(
+                "network-effect",
+                span,
+                "a task cannot be started in a fluent network",
+                "a network may only look",
+            );
             return self.nil(span);
         }
         let Some((name, variable, body)) = self.tag_parts(items) else {
@@ -170,14 +175,24 @@ impl Compiler<'_> {
                 (before, _) => {
                     let missing = if before.is_none() { names[0] } else { names[1] };
                     let text = self.symbols.name(missing).to_string();
-                    self.error("unknown-step", place, format!("no step of this plan has the tag `{text}`"), "unknown step")
-                        .help = Some(format!("name a step: `(:tag {text} …)`"));
+                    self.error(
+                        "unknown-step",
+                        place,
+                        format!("no step of this plan has the tag `{text}`"),
+                        "unknown step",
+                    )
+                    .help = Some(format!("name a step: `(:tag {text} …)`"));
                 }
             }
         }
         if let Some(step) = cycle_in(children.len(), &order) {
             let name = children[step].name.map_or("a step", |name| self.symbols.name(name)).to_string();
-            self.error("order-cycle", span, format!("the order of these steps is a circle through `{name}`"), "can never start");
+            self.error(
+                "order-cycle",
+                span,
+                format!("the order of these steps is a circle through `{name}`"),
+                "can never start",
+            );
         }
         self.construct(Rule::Plan, children, order, span)
     }
@@ -190,16 +205,14 @@ impl Compiler<'_> {
             return self.malformed(span, &format!("`({name} (NAME LIST) FORM...)`"));
         };
         let list = self.resolve(*list);
-        let place = self.tree.span(header[0]);
         let body_name = self.symbols.intern(name);
         let ((element, body), scope) = self.in_function(CodeKind::Task, false, |compiler| {
-            let element = compiler.bind(variable, place);
+            let element = compiler.bind(variable);
             (element, compiler.body(&rest[1..], span))
         });
         let mut body = thunk(body_name, CodeKind::Task, body, scope, span);
         body.parameters = Parameters { required: 1, ..Parameters::default() };
-        body.bindings =
-            vec![ParameterBinding { variable: element, default: None, given: None, omissible: false }];
+        body.bindings = vec![ParameterBinding { variable: element, default: None, given: None, omissible: false }];
         let construct = ConstructIr {
             rule,
             name: body_name,
@@ -316,7 +329,7 @@ impl Compiler<'_> {
             let mut retried = false;
             let attempt = compiler.in_block(None, span, |compiler, retry| {
                 let failure_name = compiler.symbols.uninterned("failure");
-                let failure = compiler.new_variable(failure_name, span);
+                let failure = compiler.new_variable(failure_name);
                 let body = Box::new(compiler.body(&body_forms, span));
                 compiler.handlers.push(HandlerScope { retry, failure });
                 let clauses = clauses.iter().filter_map(|&clause| compiler.clause(clause, failure)).collect();
@@ -372,11 +385,11 @@ impl Compiler<'_> {
             let text = self.symbols.name(name).to_string();
             let known = self.program.failure_classes.keys().map(|&class| self.symbols.name(class));
             let near = crate::suggest::suggest(&text, known).map(str::to_string);
-            self.error("unknown-failure-class", span, format!("there is no failure class `{text}`"), "unknown class").help =
-                Some(near.map_or_else(
-                    || format!("define it: `(def-failure {text} (failure) ())`"),
-                    |near| format!("did you mean `{near}`?"),
-                ));
+            self.error("unknown-failure-class", span, format!("there is no failure class `{text}`"), "unknown class")
+                .help = Some(near.map_or_else(
+                || format!("define it: `(def-failure {text} (failure) ())`"),
+                |near| format!("did you mean `{near}`?"),
+            ));
         }
         Some(name)
     }
@@ -450,8 +463,13 @@ impl Compiler<'_> {
         let before = self.variables.len();
         let (body, scope) = self.in_function(CodeKind::Network, false, |compiler| compiler.resolve(node));
         if is_constant(&body) {
-            self.error("constant-network", span, "this condition reads no fluent and can never change", "always the same")
-                .help = Some("to wait for a time, use `(wait-time SECONDS)`".into());
+            self.error(
+                "constant-network",
+                span,
+                "this condition reads no fluent and can never change",
+                "always the same",
+            )
+            .help = Some("to wait for a time, use `(wait-time SECONDS)`".into());
         }
         debug_assert!(self.variables.len() >= before);
         let hoisted = scope.hoisted.clone();

@@ -32,8 +32,8 @@ impl Compiler<'_> {
             Kind::Symbol(name) => self.name(name, span),
             Kind::List { len: 0, .. } => self.nil(span),
             Kind::List { dotted: true, .. } => {
-                self.error("dotted-call", span, "a form cannot have a dot", "this is data: quote it")
-                    .help = Some("write `'(…)`".into());
+                self.error("dotted-call", span, "a form cannot have a dot", "this is data: quote it").help =
+                    Some("write `'(…)`".into());
                 self.nil(span)
             }
             Kind::List { .. } => self.form(node, span),
@@ -88,11 +88,7 @@ impl Compiler<'_> {
 
     /// Wraps an expression that may give a fluent, in fluent position.
     fn dereferenced(&self, ir: Ir) -> Ir {
-        if self.is_network() {
-            Ir { span: ir.span, kind: IrKind::Unary(Unary::Deref, Box::new(ir)) }
-        } else {
-            ir
-        }
+        if self.is_network() { Ir { span: ir.span, kind: IrKind::Unary(Unary::Deref, Box::new(ir)) } } else { ir }
     }
 
     /// Whether a name can be bound or assigned: constants and keywords cannot.
@@ -185,8 +181,8 @@ impl Compiler<'_> {
             Kind::List { .. } => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
-                self.error("not-callable", place, "this cannot be called", "expected the name of a function")
-                    .help = Some("quote the list if it is data: `'(…)`".into());
+                self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
+                    Some("quote the list if it is data: `'(…)`".into());
                 self.nil(span)
             }
         }
@@ -278,9 +274,7 @@ impl Compiler<'_> {
         let arguments = self.arguments(nodes);
         match intrinsic(&signature.name, arguments, span) {
             Ok(ir) => ir,
-            Err(arguments) => {
-                self.dereferenced(Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) })
-            }
+            Err(arguments) => self.dereferenced(Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) }),
         }
     }
 
@@ -316,7 +310,7 @@ impl Compiler<'_> {
         let inner: Vec<_> = self.functions.drain(network..).collect();
         let arguments = self.arguments(nodes);
         let name = self.symbols.uninterned("count");
-        let variable = self.new_variable(name, span);
+        let variable = self.new_variable(name);
         self.functions.extend(inner);
         let counter = Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) };
         self.functions[network].hoisted.push((variable, counter));
@@ -363,7 +357,7 @@ impl Compiler<'_> {
             Some(token) => token,
             None => {
                 let name = self.symbols.uninterned("block");
-                self.variables.push(super::Variable { name, span, function, captured: false, assigned: false });
+                self.variables.push(super::Variable { name, function, captured: false, assigned: false });
                 let token = VarId(self.variables.len() as u32 - 1);
                 self.blocks[block].token = Some(token);
                 token
@@ -433,9 +427,7 @@ fn intrinsic(name: &str, mut arguments: Vec<Ir>, span: Span) -> Result<Ir, Vec<I
                 kind: IrKind::Binary(operation, Box::new(left), Box::new(right)),
             }))
         }
-        (_, _, Some(operation), 1) => {
-            Ok(Ir { span, kind: IrKind::Unary(operation, Box::new(arguments.remove(0))) })
-        }
+        (_, _, Some(operation), 1) => Ok(Ir { span, kind: IrKind::Unary(operation, Box::new(arguments.remove(0))) }),
         _ => Err(arguments),
     }
 }

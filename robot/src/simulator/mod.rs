@@ -1,1 +1,52 @@
-//! The simulated robot in its world.
+//! The simulated robot: a B21-like synchro drive with a ring of 24 sonars, a laser range finder,
+//! a bumper, odometry that drifts, and a gripper, in a world with doors, objects and people.
+//!
+//! `SimulatorModel` is everything that never changes (surfaces with their lookup grid, settings);
+//! `SimulatorState` is everything that does. `SimulatorModel::step` carries a state 50 ms on;
+//! `SimulatorModel` also has the experimenter's hands, see `oracle`.
+//!
+//! Read `settings` first, then `step`.
+//!
+//! ```
+//! use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
+//! use rpl_robot::world::World;
+//! use std::sync::Arc;
+//!
+//! let world = World::builtin("test-room").expect("a built-in world");
+//! let model = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
+//! let mut state = model.start(7);
+//! let ahead = Commands { translation_mps: 0.3, sonars_on: true, ..Commands::default() };
+//! for _ in 0..20 {
+//!     let percept = model.step(&mut state, &ahead);
+//!     assert!(percept.sonar_m.is_some());
+//! }
+//! assert!(state.distance_driven_m() > 0.1);
+//! ```
+
+mod candidates;
+mod gripper;
+mod laser;
+mod model;
+mod motion;
+mod odometry;
+mod oracle;
+mod people;
+mod percept;
+mod settings;
+mod sonar;
+mod state;
+mod step;
+mod surface;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+pub use gripper::{Gripper, GripperCommand, GripperMotion, GripperStatus, Item, ItemPlace};
+pub use model::SimulatorModel;
+pub use motion::drive_arc;
+pub use oracle::OracleError;
+pub use people::{PERSON_RADIUS_M, Walker};
+pub use percept::{Commands, LASER_READINGS, Percept, SONARS, laser_direction_rad, sonar_direction_rad};
+pub use settings::SimulatorSettings;
+pub use state::{Contacts, SimulatorState, Streams};
+pub use sweep::Echo;

@@ -1,5 +1,21 @@
 //! A world: what stands where, what the robot's map says of it, and the names people use.
 
+mod builtin;
+mod check;
+mod error;
+mod lookup;
+mod map;
+mod parse;
+mod read;
+mod solid;
+#[cfg(test)]
+mod tests;
+
+pub use check::ROBOT_RADIUS_M;
+pub use error::{Finding, WorldError};
+pub use lookup::UnknownName;
+pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m};
+
 use crate::geometry::{Point, Pose, Vector};
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,153 @@
+//! The gripper, and the things it can take.
+
+use super::settings::SimulatorSettings;
+use crate::geometry::{Point, Pose, distance_m};
+use crate::random::Stream;
+use serde::{Deserialize, Serialize};
+
+/// What the gripper is asked to begin. It can be repeated while the gripper moves.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum GripperCommand {
+    /// Go on as before.
+    #[default]
+    None,
+    /// Take the thing of this name; ignored while something is held.
+    Grasp(String),
+    /// Let go; ignored while open.
+    Release,
+}
+
+/// How the gripper stands, as the robot perceives it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum GripperMotion {
+    /// Open and at rest.
+    Open,
+    /// Closing or opening.
+    Moving,
+    /// Closed: around a thing, or around nothing after a grasp that failed.
+    Closed,
+}
+
+/// What the robot perceives of its gripper.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GripperStatus {
+    /// How it stands.
+    pub motion: GripperMotion,
+    /// The thing in it.
+    pub holding: Option<String>,
+}
+
+/// A thing that can be carried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Item {
+    /// Its name.
+    pub name: String,
+    /// Where it is.
+    pub at: ItemPlace,
+}
+
+/// Where a thing is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ItemPlace {
+    /// At a point of the map.
+    Point(Point),
+    /// In the gripper.
+    Held,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Phase {
+    Open,
+    Grasping { name: String, until_us: u64 },
+    Closed,
+    Releasing { until_us: u64 },
+}
+
+/// The gripper with all things of the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gripper {
+    phase: Phase,
+    /// All things; at most one is held.
+    pub items: Vec<Item>,
+}
+
+impl Default for Gripper {
+    fn default() -> Self {
+        Self { phase: Phase::Open, items: Vec::new() }
+    }
+}
+
+impl Gripper {
+    /// The thing in the gripper.
+    pub fn holding(&self) -> Option<&str> {
+        self.items.iter().find(|item| item.at == ItemPlace::Held).map(|item| item.name.as_str())
+    }
+
+    pub(super) fn status(&self) -> GripperStatus {
+        let motion = match self.phase {
+            Phase::Open => GripperMotion::Open,
+            Phase::Grasping { .. } | Phase::Releasing { .. } => GripperMotion::Moving,
+            Phase::Closed => GripperMotion::Closed,
+        };
+        GripperStatus { motion, holding: self.holding().map(str::to_owned) }
+    }
+
+    pub(super) fn step(
+        &mut self,
+        settings: &SimulatorSettings,
+        stream: &mut Stream,
+        command: &GripperCommand,
+        now_us: u64,
+        robot_in_map: Pose,
+    ) {
+        self.begin(settings, command, now_us);
+        match &self.phase {
+            Phase::Grasping { name, until_us } if *until_us <= now_us => {
+                let name = name.clone();
+                self.phase = Phase::Closed;
+                self.close_on(settings, stream, &name, robot_in_map.point());
+            }
+            Phase::Releasing { until_us } if *until_us <= now_us => {
+                let fails = stream.chance(settings.release_failure_probability);
+                self.phase = if fails { Phase::Closed } else { Phase::Open };
+                if !fails {
+                    self.put_down(settings, robot_in_map);
+                }
+            }
+            Phase::Open | Phase::Closed | Phase::Grasping { .. } | Phase::Releasing { .. } => {}
+        }
+    }
+
+    fn begin(&mut self, settings: &SimulatorSettings, command: &GripperCommand, now_us: u64) {
+        let at_rest = matches!(self.phase, Phase::Open | Phase::Closed);
+        match command {
+            GripperCommand::Grasp(name) if at_rest && self.holding().is_none() => {
+                self.phase = Phase::Grasping { name: name.clone(), until_us: now_us + settings.grasp_us };
+            }
+            GripperCommand::Release if self.phase == Phase::Closed => {
+                self.phase = Phase::Releasing { until_us: now_us + settings.release_us };
+            }
+            GripperCommand::None | GripperCommand::Grasp(_) | GripperCommand::Release => {}
+        }
+    }
+
+    fn close_on(&mut self, settings: &SimulatorSettings, stream: &mut Stream, name: &str, robot: Point) {
+        let fails = stream.chance(settings.grasp_failure_probability);
+        let within_reach = |item: &&mut Item| match item.at {
+            ItemPlace::Point(point) => item.name == name && distance_m(point, robot) <= settings.gripper_reach_m,
+            ItemPlace::Held => false,
+        };
+        if let Some(item) = self.items.iter_mut().find(within_reach)
+            && !fails
+        {
+            item.at = ItemPlace::Held;
+        }
+    }
+
+    fn put_down(&mut self, settings: &SimulatorSettings, robot_in_map: Pose) {
+        let ahead = robot_in_map.transform(Point::new(settings.robot_radius_m + 0.15, 0.0));
+        for item in self.items.iter_mut().filter(|item| item.at == ItemPlace::Held) {
+            item.at = ItemPlace::Point(ahead);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The laser range finder.
+
+use super::model::SimulatorModel;
+use super::percept::LASER_READINGS;
+use super::state::SimulatorState;
+use super::surface::Form;
+use super::sweep::{cross, disc_along};
+use crate::geometry::{Pose, Vector};
+
+impl SimulatorModel {
+    /// One scan; none if the robot has no laser.
+    pub(super) fn scan_laser(&self, state: &mut SimulatorState) -> Option<Vec<f32>> {
+        if !self.settings.laser {
+            return None;
+        }
+        let settings = &self.settings;
+        let ranges_m = self.laser_ranges(state, state.robot_in_map);
+        let stream = &mut state.streams.laser;
+        let readings = ranges_m.into_iter().map(|range_m| {
+            if stream.chance(settings.laser_dropout_probability) || range_m >= settings.laser_max_range_m {
+                return settings.laser_max_range_m as f32;
+            }
+            (range_m + settings.laser_noise_m * stream.normal()).clamp(0.0, settings.laser_max_range_m) as f32
+        });
+        Some(readings.collect())
+    }
+
+    /// Distance to the first surface the laser sees along each reading, at most its range: no
+    /// noise. Only complete if the settings enable the laser.
+    pub fn laser_ranges(&self, state: &SimulatorState, robot_in_map: Pose) -> Vec<f64> {
+        let mut ranges_m = vec![self.settings.laser_max_range_m; LASER_READINGS];
+        self.for_each_visible(state, robot_in_map, |seen_by| seen_by.laser, |form| self.lay(form, &mut ranges_m));
+        ranges_m
+    }
+
+    /// Shortens the readings that meet a surface, given in `base`.
+    fn lay(&self, form: &Form, ranges_m: &mut [f64]) {
+        match *form {
+            Form::Edge { a, b } => {
+                let twice_area_m2 = cross(a.coords, b.coords);
+                if twice_area_m2 >= 0.0 {
+                    return;
+                }
+                let along = b - a;
+                let (from_rad, to_rad) = (libm::atan2(b.y, b.x), libm::atan2(a.y, a.x));
+                self.shorten(ranges_m, from_rad, to_rad, |direction| {
+                    Some(twice_area_m2 / cross(direction, along)).filter(|range_m| *range_m > 0.0)
+                });
+            }
+            Form::Disc { centre, radius_m } => {
+                let distance_m = centre.coords.norm_squared().sqrt();
+                if distance_m <= radius_m {
+                    return;
+                }
+                let middle_rad = libm::atan2(centre.y, centre.x);
+                let half_rad = libm::asin(radius_m / distance_m);
+                let (from_rad, to_rad) = (middle_rad - half_rad, middle_rad + half_rad);
+                self.shorten(ranges_m, from_rad, to_rad, |direction| {
+                    disc_along(direction, centre.coords, radius_m).map(|echo| echo.range_m)
+                });
+            }
+        }
+    }
+
+    /// Applies a hit to all readings between two directions, counter-clockwise.
+    fn shorten(&self, ranges_m: &mut [f64], from_rad: f64, to_rad: f64, hit: impl Fn(Vector) -> Option<f64>) {
+        let reading = |angle_rad: f64| angle_rad.to_degrees() + 90.0;
+        let (from, to) = (reading(from_rad), reading(to_rad));
+        // A surface straight behind runs over ±180°; the scan only covers the front, so it shows
+        // up at the two ends of the scan or not at all.
+        let pieces =
+            if from <= to { [(from, to), (1.0, 0.0)] } else { [(from, f64::INFINITY), (f64::NEG_INFINITY, to)] };
+        for (from, to) in pieces {
+            let first = libm::ceil(from - 1e-9).max(0.0);
+            let last = libm::floor(to + 1e-9).min(ranges_m.len() as f64 - 1.0);
+            if first > last {
+                continue;
+            }
+            let piece = first as usize..=last as usize;
+            for (range_m, direction) in ranges_m[piece.clone()].iter_mut().zip(&self.laser_directions[piece]) {
+                if let Some(hit_m) = hit(*direction) {
+                    *range_m = range_m.min(hit_m);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! What never changes during a simulation.
+
+use super::candidates::Candidates;
+use super::percept::{LASER_READINGS, SONARS, laser_direction_rad};
+use super::settings::SimulatorSettings;
+use super::surface::{Form, Surface, surfaces_of};
+use crate::geometry::{Point, Vector};
+use crate::world::{Origin, SeenBy, Solid, World};
+use std::sync::Arc;
+
+/// A world made ready for simulation: built once, shared by all states that run in it. Building
+/// `dept` takes some milliseconds.
+#[derive(Debug)]
+pub struct SimulatorModel {
+    /// The world.
+    pub world: Arc<World>,
+    /// The robot.
+    pub settings: SimulatorSettings,
+    pub(super) solids: Vec<Solid>,
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) candidates: Candidates,
+    /// Unit vectors, in `base`, between the cones of sonar k and k + 1.
+    pub(super) cone_edges: [Vector; SONARS],
+    /// Unit vectors of the laser readings, in `base`.
+    pub(super) laser_directions: Vec<Vector>,
+}
+
+impl SimulatorModel {
+    /// Makes a world ready. The edge of the world is a wall, in case it has none.
+    pub fn new(world: Arc<World>, settings: SimulatorSettings) -> Self {
+        let solids = world.solids();
+        let surfaces: Vec<Surface> = solids.iter().flat_map(surfaces_of).chain(world_edge(world.size_m)).collect();
+        let laser_m = if settings.laser { settings.laser_max_range_m } else { 0.0 };
+        let range_m = settings.sonar_max_range_m.max(laser_m);
+        let touch_m = settings.robot_radius_m + 2.0 * settings.max_translation_mps * settings.step_s();
+        let candidates = Candidates::new(&surfaces, world.size_m, range_m, touch_m);
+        let direction = |angle_rad: f64| {
+            let (sin, cos) = libm::sincos(angle_rad);
+            Vector::new(cos, sin)
+        };
+        Self {
+            cone_edges: std::array::from_fn(|cone| {
+                direction((cone as f64 + 0.5) * std::f64::consts::TAU / SONARS as f64)
+            }),
+            laser_directions: (0..LASER_READINGS).map(|reading| direction(laser_direction_rad(reading))).collect(),
+            world,
+            settings,
+            solids,
+            surfaces,
+            candidates,
+        }
+    }
+}
+
+fn world_edge(size_m: Vector) -> impl Iterator<Item = Surface> {
+    let corners =
+        [Point::new(0.0, 0.0), Point::new(0.0, size_m.y), Point::new(size_m.x, size_m.y), Point::new(size_m.x, 0.0)];
+    (0..4).map(move |side| Surface {
+        form: Form::Edge { a: corners[side], b: corners[(side + 1) % 4] },
+        origin: Origin::Wall,
+        seen_by: SeenBy { sonar: true, laser: true },
+    })
+}

@@ -1,0 +1,140 @@
+//! Driving, and what stops it.
+
+use super::model::SimulatorModel;
+use super::people::PERSON_RADIUS_M;
+use super::percept::Commands;
+use super::state::SimulatorState;
+use crate::geometry::{Point, Pose, distance_m};
+use crate::world::SeenBy;
+
+/// How far a body may reach into another: the rounding of the bisection below.
+pub(super) const PENETRATION_M: f64 = 1e-9;
+
+/// A touch is over when this much air is between.
+const PARTED_M: f64 = 0.01;
+
+/// The pose after driving `way_m` along a circular arc while turning by `turn_rad`, exact for
+/// any turn: the chord has the length way · sin(turn/2) / (turn/2).
+pub fn drive_arc(pose: Pose, way_m: f64, turn_rad: f64) -> Pose {
+    let half_rad = turn_rad / 2.0;
+    let chord_m = if half_rad.abs() < 1e-4 {
+        way_m * (1.0 - half_rad * half_rad / 6.0)
+    } else {
+        way_m * libm::sin(half_rad) / half_rad
+    };
+    let (sin, cos) = libm::sincos(pose.heading_rad + half_rad);
+    Pose::new(pose.x_m + chord_m * cos, pose.y_m + chord_m * sin, pose.heading_rad + turn_rad)
+}
+
+/// What is nearest to the body.
+#[derive(Clone, Copy)]
+struct Nearest {
+    distance_m: f64,
+    seen_by: SeenBy,
+}
+
+/// What the robot really did in one step.
+#[derive(Clone, Copy)]
+pub(super) struct Driven {
+    pub way_m: f64,
+    pub turn_rad: f64,
+}
+
+impl SimulatorModel {
+    /// Speeds after one step towards the commanded ones.
+    pub(super) fn accelerate(&self, state: &mut SimulatorState, commands: &Commands) {
+        let settings = &self.settings;
+        let step_s = settings.step_s();
+        let limited = |wanted: f64, limit: f64| if wanted.is_finite() { wanted.clamp(-limit, limit) } else { 0.0 };
+        let wanted_mps = limited(commands.translation_mps, settings.max_translation_mps);
+        let wanted_radps = limited(commands.rotation_radps, settings.max_rotation_radps);
+        let speeds_up = wanted_mps.abs() > state.translation_mps.abs() && wanted_mps * state.translation_mps >= 0.0;
+        let change_mps2 =
+            if speeds_up { settings.translation_acceleration_mps2 } else { settings.translation_deceleration_mps2 };
+        state.translation_mps = towards(state.translation_mps, wanted_mps, change_mps2 * step_s);
+        let change_radps = settings.rotation_acceleration_radps2 * step_s;
+        state.rotation_radps = towards(state.rotation_radps, wanted_radps, change_radps);
+    }
+
+    /// Drives one step at the present speeds, up to the first touch.
+    pub(super) fn drive(&self, state: &mut SimulatorState) -> Driven {
+        let step_s = self.settings.step_s();
+        let (way_m, turn_rad) = (state.translation_mps * step_s, state.rotation_radps * step_s);
+        let before = state.robot_in_map;
+        let after = drive_arc(before, way_m, turn_rad);
+        if way_m == 0.0 && !state.touching {
+            state.robot_in_map = after;
+            return Driven { way_m, turn_rad };
+        }
+        let nearest = self.nearest(state, after.point());
+        if nearest.distance_m >= self.settings.robot_radius_m - PENETRATION_M {
+            state.robot_in_map = after;
+            state.distance_driven_m += way_m.abs();
+            state.touching &= nearest.distance_m < self.settings.robot_radius_m + PARTED_M;
+            return Driven { way_m, turn_rad };
+        }
+        let share = self.free_share(state, before, way_m, turn_rad);
+        let stopped = drive_arc(before, share * way_m, share * turn_rad);
+        // A touched body still turns in place: it is round.
+        state.robot_in_map = Pose::new(stopped.x_m, stopped.y_m, after.heading_rad);
+        state.distance_driven_m += share * way_m.abs();
+        state.translation_mps = 0.0;
+        if !state.touching {
+            state.touching = true;
+            self.attribute(state, nearest.seen_by);
+        }
+        Driven { way_m: share * way_m, turn_rad }
+    }
+
+    /// The largest share of an arc that stays free, by bisection.
+    fn free_share(&self, state: &SimulatorState, before: Pose, way_m: f64, turn_rad: f64) -> f64 {
+        let (mut free, mut blocked) = (0.0, 1.0);
+        for _ in 0..30 {
+            let share = (free + blocked) / 2.0;
+            let point = drive_arc(before, share * way_m, share * turn_rad).point();
+            if self.nearest(state, point).distance_m >= self.settings.robot_radius_m {
+                free = share;
+            } else {
+                blocked = share;
+            }
+        }
+        free
+    }
+
+    fn attribute(&self, state: &mut SimulatorState, seen_by: SeenBy) {
+        let sonar_works = state.time_us >= state.sonars_fail_until_us;
+        if seen_by.sonar && sonar_works || seen_by.laser && self.settings.laser {
+            state.contacts.caused += 1;
+        } else {
+            state.contacts.unseen += 1;
+        }
+    }
+
+    /// The body nearest to a point that is in none, as far as the robot could touch it.
+    fn nearest(&self, state: &SimulatorState, point: Point) -> Nearest {
+        let mut nearest = Nearest { distance_m: f64::INFINITY, seen_by: SeenBy { sonar: true, laser: true } };
+        let mut consider = |distance_m: f64, seen_by: SeenBy| {
+            if distance_m < nearest.distance_m {
+                nearest = Nearest { distance_m, seen_by };
+            }
+        };
+        for index in self.candidates.touchable(point) {
+            let surface = &self.surfaces[*index as usize];
+            if state.is_there(surface.origin) {
+                consider(surface.form.distance_m(point), surface.seen_by);
+            }
+        }
+        for object in &state.objects_added {
+            consider(object.outline().distance_m(point), object.seen_by);
+        }
+        for person in &state.people {
+            let distance_m = distance_m(person.at_in_map, point) - PERSON_RADIUS_M;
+            consider(distance_m, SeenBy { sonar: true, laser: true });
+        }
+        nearest
+    }
+}
+
+fn towards(from: f64, to: f64, most: f64) -> f64 {
+    from + (to - from).clamp(-most, most)
+}

@@ -1,0 +1,49 @@
+//! Dead reckoning that drifts.
+
+use super::motion::drive_arc;
+use super::settings::SimulatorSettings;
+use crate::geometry::Pose;
+use crate::random::Stream;
+use serde::{Deserialize, Serialize};
+
+/// The constant errors of one robot, drawn at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct OdometryBias {
+    translation_scale: f64,
+    rotation_scale: f64,
+    heading_radpm: f64,
+}
+
+impl OdometryBias {
+    pub fn draw(settings: &SimulatorSettings, stream: &mut Stream) -> Self {
+        Self {
+            translation_scale: 1.0 + settings.odometry_translation_bias * stream.normal(),
+            rotation_scale: 1.0 + settings.odometry_rotation_bias * stream.normal(),
+            heading_radpm: settings.odometry_heading_bias_radpm * stream.normal(),
+        }
+    }
+
+    /// The odometry after really having driven `distance_m` along an arc of `turn_rad`. A robot at
+    /// rest measures no motion.
+    pub fn measure(
+        &self,
+        settings: &SimulatorSettings,
+        stream: &mut Stream,
+        before_in_odom: Pose,
+        distance_m: f64,
+        turn_rad: f64,
+    ) -> Pose {
+        let (way_m, angle_rad) = (distance_m.abs(), turn_rad.abs());
+        if way_m == 0.0 && angle_rad == 0.0 {
+            return before_in_odom;
+        }
+        let translation_sigma_m = settings.odometry_translation_noise_m_per_sqrt_m * way_m.sqrt();
+        let by_turn_rad = settings.odometry_rotation_noise_rad_per_sqrt_rad;
+        let by_way_rad = settings.odometry_rotation_noise_rad_per_sqrt_m;
+        let rotation_sigma_rad = (by_turn_rad * by_turn_rad * angle_rad + by_way_rad * by_way_rad * way_m).sqrt();
+        let measured_m = self.translation_scale * distance_m + translation_sigma_m * stream.normal();
+        let measured_rad =
+            self.rotation_scale * turn_rad + self.heading_radpm * way_m + rotation_sigma_rad * stream.normal();
+        drive_arc(before_in_odom, measured_m, measured_rad)
+    }
+}

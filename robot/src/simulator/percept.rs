@@ -1,0 +1,59 @@
+//! What goes into a step and what comes out of it.
+
+use super::gripper::{GripperCommand, GripperStatus};
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+
+/// Sonars of the ring.
+pub const SONARS: usize = 24;
+
+/// Readings of a laser scan: the front half turn, one per degree.
+pub const LASER_READINGS: usize = 181;
+
+/// Direction of a sonar's axis in `base`: sonar 0 looks ahead, the others follow counter-clockwise
+/// every 15°; in (−π, π].
+pub fn sonar_direction_rad(sonar: usize) -> f64 {
+    crate::geometry::wrap_angle_rad((sonar as f64 * 15.0).to_radians())
+}
+
+/// Direction of a laser reading in `base`: reading 0 looks to the right (−90°), the last to the left.
+pub fn laser_direction_rad(reading: usize) -> f64 {
+    (reading as f64 - 90.0).to_radians()
+}
+
+/// What the robot is asked to do during one step; the default is to stop.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Commands {
+    /// Wanted speed ahead, negative backwards.
+    pub translation_mps: f64,
+    /// Wanted turning speed, counter-clockwise.
+    pub rotation_radps: f64,
+    /// Whether the sonars fire.
+    pub sonars_on: bool,
+    /// What the gripper is to begin.
+    pub gripper: GripperCommand,
+}
+
+/// What the robot perceives at the end of one step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Percept {
+    /// Time since the start.
+    pub time_us: u64,
+    /// Where dead reckoning says the robot is; the start is the origin.
+    pub odometry_in_odom: Pose,
+    /// Speed ahead, from the wheels.
+    pub translation_mps: f64,
+    /// Turning speed, from the wheels.
+    pub rotation_radps: f64,
+    /// Distance from the *middle of the robot* to the nearest surface in each sonar's cone (the
+    /// radius of the ring is already added); the maximum range where there was no echo. None if the
+    /// sonars are off or failed.
+    pub sonar_m: Option<[f32; SONARS]>,
+    /// Distance from the middle of the robot, `LASER_READINGS` of them; the maximum range where
+    /// nothing came back. None if there is no laser.
+    pub laser_m: Option<Vec<f32>>,
+    /// Whether something presses against the body.
+    pub bumped: bool,
+    /// State of the gripper.
+    pub gripper: GripperStatus,
+}

@@ -1,0 +1,127 @@
+//! Everything that changes during a simulation, as one value.
+
+use super::gripper::Gripper;
+use super::model::SimulatorModel;
+use super::odometry::OdometryBias;
+use super::people::Walker;
+use crate::geometry::Pose;
+use crate::random::Stream;
+use crate::world::{Object, Origin};
+use serde::{Deserialize, Serialize};
+
+/// One random stream per consumer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Streams {
+    /// Noise, cross-talk and drop-outs of the sonars.
+    pub sonar: Stream,
+    /// Noise of the laser.
+    pub laser: Stream,
+    /// Drift of the odometry.
+    pub odometry: Stream,
+    /// Success of the gripper.
+    pub gripper: Stream,
+}
+
+/// Touches so far, each counted once from the first touch until body and thing part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Contacts {
+    /// The robot moved into something one of its sensors could see.
+    pub caused: u32,
+    /// The robot moved into something none of its sensors could see, or its sonars had failed.
+    pub unseen: u32,
+    /// A person ran into the robot.
+    pub run_into: u32,
+}
+
+/// The simulated robot and its world at one moment. It belongs to the model it was started on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SimulatorState {
+    /// Time since the start.
+    pub time_us: u64,
+    /// Where the robot really is.
+    pub robot_in_map: Pose,
+    /// Speed ahead.
+    pub translation_mps: f64,
+    /// Turning speed, counter-clockwise.
+    pub rotation_radps: f64,
+    /// Where dead reckoning says the robot is.
+    pub odometry_in_odom: Pose,
+    pub(super) odometry_bias: OdometryBias,
+    /// Whether each of the world's doors is open.
+    pub doors_open: Vec<bool>,
+    /// Whether each of the world's objects has been taken away.
+    pub objects_removed: Vec<bool>,
+    /// Objects that were put into the world after the start.
+    pub objects_added: Vec<Object>,
+    /// The people, in the order of the world.
+    pub people: Vec<Walker>,
+    /// The gripper and the things it can take.
+    pub gripper: Gripper,
+    /// The sonars have failed until this time.
+    pub sonars_fail_until_us: u64,
+    /// Whether the body rests against something.
+    pub touching: bool,
+    /// Touches so far.
+    pub contacts: Contacts,
+    /// Way the robot has driven.
+    pub distance_driven_m: f64,
+    /// Random streams.
+    pub streams: Streams,
+    /// Decides which surfaces a sonar misses from where.
+    pub(super) specular_seed: u64,
+}
+
+impl SimulatorModel {
+    /// The world as its file says, with the robot at its start.
+    pub fn start(&self, seed: u64) -> SimulatorState {
+        let mut odometry = Stream::new(seed, "odometry");
+        let odometry_bias = OdometryBias::draw(&self.settings, &mut odometry);
+        SimulatorState {
+            time_us: 0,
+            robot_in_map: self.world.start_in_map,
+            translation_mps: 0.0,
+            rotation_radps: 0.0,
+            odometry_in_odom: Pose::default(),
+            odometry_bias,
+            doors_open: self.world.doors.iter().map(|door| door.open).collect(),
+            objects_removed: vec![false; self.world.objects.len()],
+            objects_added: Vec::new(),
+            people: self.world.people.iter().map(Walker::new).collect(),
+            gripper: Gripper::default(),
+            sonars_fail_until_us: 0,
+            touching: false,
+            contacts: Contacts::default(),
+            distance_driven_m: 0.0,
+            streams: Streams {
+                sonar: Stream::new(seed, "sonar"),
+                laser: Stream::new(seed, "laser"),
+                odometry,
+                gripper: Stream::new(seed, "gripper"),
+            },
+            specular_seed: seed,
+        }
+    }
+}
+
+impl SimulatorModel {
+    /// Whether a state belongs to a world like this one. A state that does not must not be stepped;
+    /// a saved one may be older than its world file.
+    pub fn fits(&self, state: &SimulatorState) -> bool {
+        let mut targets = state.people.iter().zip(&self.world.people);
+        state.doors_open.len() == self.world.doors.len()
+            && state.objects_removed.len() == self.world.objects.len()
+            && state.people.len() == self.world.people.len()
+            && targets.all(|(walker, person)| walker.next < person.path.len())
+    }
+}
+
+impl SimulatorState {
+    /// Whether a body of the world file is where the file says.
+    pub(super) fn is_there(&self, origin: Origin) -> bool {
+        match origin {
+            Origin::Wall => true,
+            Origin::Door(index) => !self.doors_open[index],
+            Origin::Object(index) => !self.objects_removed[index],
+        }
+    }
+}

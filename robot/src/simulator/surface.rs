@@ -1,0 +1,54 @@
+//! Surfaces that sensors see and the robot cannot pass.
+
+use crate::geometry::{Point, distance_m};
+use crate::world::{Origin, Outline, SeenBy, Solid, distance_to_segment_m};
+
+/// Geometry of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Form {
+    /// A straight edge with its body on the left of `a` → `b`: only seen from the right.
+    Edge {
+        /// First corner.
+        a: Point,
+        /// Second corner.
+        b: Point,
+    },
+    /// The outside of a disc.
+    Disc {
+        /// Its middle.
+        centre: Point,
+        /// Its radius.
+        radius_m: f64,
+    },
+}
+
+impl Form {
+    /// Distance from a point outside the body.
+    pub fn distance_m(&self, point: Point) -> f64 {
+        match self {
+            Form::Edge { a, b } => distance_to_segment_m(point, *a, *b),
+            Form::Disc { centre, radius_m } => distance_m(*centre, point) - radius_m,
+        }
+    }
+}
+
+/// A surface of the world file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Surface {
+    pub form: Form,
+    pub origin: Origin,
+    pub seen_by: SeenBy,
+}
+
+/// The surfaces of a body.
+pub(super) fn surfaces_of(solid: &Solid) -> impl Iterator<Item = Surface> + '_ {
+    forms_of(&solid.outline).map(|form| Surface { form, origin: solid.origin, seen_by: solid.seen_by })
+}
+
+pub(super) fn forms_of(outline: &Outline) -> impl Iterator<Item = Form> + '_ {
+    let disc = match outline {
+        Outline::Disc { centre, radius_m } => Some(Form::Disc { centre: *centre, radius_m: *radius_m }),
+        Outline::Polygon(_) => None,
+    };
+    disc.into_iter().chain(outline.edges().map(|(a, b)| Form::Edge { a, b }))
+}

@@ -1,0 +1,31 @@
+//! The worlds in the binary.
+
+use super::{World, WorldError};
+
+const WORLDS: [(&str, &str); 3] = [
+    ("dept", include_str!("../../worlds/dept.toml")),
+    ("corridor", include_str!("../../worlds/corridor.toml")),
+    ("test-room", include_str!("../../worlds/test-room.toml")),
+];
+
+impl World {
+    /// A world by its name: `dept`, the department of Beetz, Burgard, Fox and Cremers; `corridor`,
+    /// its corridor with all doors closed; `test-room`, two small rooms for quick trials.
+    pub fn builtin(name: &str) -> Option<World> {
+        Self::parse_builtin(name)?.ok()
+    }
+
+    /// The names `builtin` knows.
+    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+        WORLDS.iter().map(|(name, _)| *name)
+    }
+
+    /// The text of a built-in world, to start one's own from.
+    pub fn builtin_text(name: &str) -> Option<&'static str> {
+        WORLDS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+    }
+
+    fn parse_builtin(name: &str) -> Option<Result<World, WorldError>> {
+        Some(World::parse(Self::builtin_text(name)?, &format!("{name}.toml")))
+    }
+}

@@ -1,0 +1,122 @@
+//! What the values of a world file must agree on with each other.
+
+use super::error::nearest;
+use super::parse::Placed;
+use super::read::{Reader, Table};
+use super::solid::Origin;
+use super::{Door, Object, Place, Rect, Room, Wall, World};
+use crate::geometry::{Point, Pose, Vector};
+use std::ops::Range;
+
+/// Radius of the robot; nothing may stand that near to its start.
+pub const ROBOT_RADIUS_M: f64 = 0.265;
+
+/// No two rooms or places share a name, and the rooms of places exist.
+pub(super) fn names(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], places: &[Placed<'_, '_, Place>]) {
+    let named_rooms = rooms.iter().map(|room| ("room", room.value.name.as_str(), room.table.span_of("name")));
+    let named_places = places.iter().map(|place| ("place", place.value.name.as_str(), place.table.span_of("name")));
+    let all: Vec<_> = named_rooms.chain(named_places).collect();
+    for (index, (kind, name, span)) in all.iter().enumerate() {
+        if let Some((other, _, _)) = all[..index].iter().find(|(_, earlier, _)| earlier == name) {
+            let message = format!("the {kind} `{name}` has the name of a {other} above");
+            reader.note(span.clone(), "name", message, "give each room and each place a name of its own");
+        }
+    }
+    for place in places {
+        if let Some(room) = &place.value.room {
+            room_exists(reader, room, rooms, place.table.span_of("room"), &format!("the place `{}`", place.value.name));
+        }
+    }
+}
+
+fn room_exists(reader: &mut Reader, name: &str, rooms: &[Placed<'_, '_, Room>], span: Range<usize>, owner: &str) {
+    let known = || rooms.iter().map(|room| room.value.name.as_str());
+    if known().any(|room| room == name) {
+        return;
+    }
+    let help = match nearest(name, known()) {
+        Some(suggestion) => format!("did you mean `{suggestion}`?"),
+        None => "add a [[room]] of this name".to_owned(),
+    };
+    reader.note(span, "room", format!("{owner} belongs to the room `{name}`, which does not exist"), help);
+}
+
+/// Doors belong to rooms and stand in walls.
+pub(super) fn doors(
+    reader: &mut Reader,
+    doors: &[Placed<'_, '_, Door>],
+    rooms: &[Placed<'_, '_, Room>],
+    walls: &[Placed<'_, '_, Wall>],
+) {
+    for door in doors {
+        let Door { room, at, .. } = &door.value;
+        room_exists(reader, room, rooms, door.table.span_of("room"), "the door");
+        let in_wall = walls.iter().any(|wall| {
+            let Wall { line, thickness_m } = &wall.value;
+            line.windows(2).any(|ends| door.value.opening_in(ends[0], ends[1], *thickness_m).is_some())
+        });
+        if !in_wall {
+            let message = format!("the door of `{room}` at ({}, {}) stands in no wall", at.x, at.y);
+            let help = "`at` is the middle of the opening, on the line of a wall along `axis` that is wide enough";
+            reader.note(door.table.span_of("at"), "at", message, help);
+        }
+    }
+}
+
+/// Start, doors, objects and places lie within the world.
+pub(super) fn inside(
+    reader: &mut Reader,
+    size_m: Vector,
+    start: Option<&Placed<'_, '_, Pose>>,
+    doors: &[Placed<'_, '_, Door>],
+    objects: &[Placed<'_, '_, Object>],
+    places: &[Placed<'_, '_, Place>],
+) {
+    let bounds = Rect { min: Point::origin(), max: Point::from(size_m) };
+    let mut point = |what: String, key: &str, at: Point, table: &Table| {
+        if !bounds.contains(at) {
+            let message = format!("{what} is at ({}, {}), outside the world", at.x, at.y);
+            let help = format!("the world reaches from (0, 0) to ({}, {})", size_m.x, size_m.y);
+            reader.note(table.span_of(key), key, message, help);
+        }
+    };
+    if let Some(start) = start {
+        point("the start".to_owned(), "start", start.value.point(), &start.table);
+    }
+    for door in doors {
+        point(format!("the door of `{}`", door.value.room), "at", door.value.at, &door.table);
+    }
+    for object in objects {
+        point(
+            format!("the object `{}`", object.value.name),
+            "object",
+            object.value.outline().bounds().centre(),
+            &object.table,
+        );
+    }
+    for place in places {
+        point(format!("the place `{}`", place.value.name), "pose", place.value.pose_in_map.point(), &place.table);
+    }
+}
+
+/// The robot has room to stand at the start.
+pub(super) fn start_is_free(reader: &mut Reader, world: &World, span: Range<usize>) {
+    let start = world.start_in_map.point();
+    let in_the_way = world.solids().into_iter().find(|solid| {
+        let there = match solid.origin {
+            Origin::Door(index) => !world.doors[index].open,
+            Origin::Wall | Origin::Object(_) => true,
+        };
+        there && solid.outline.distance_m(start) < ROBOT_RADIUS_M
+    });
+    if let Some(solid) = in_the_way {
+        let what = match solid.origin {
+            Origin::Wall => "a wall".to_owned(),
+            Origin::Door(index) => format!("the closed door of `{}`", world.doors[index].room),
+            Origin::Object(index) => format!("the object `{}`", world.objects[index].name),
+        };
+        let message = format!("the start is in the way of {what}");
+        let help = format!("leave {ROBOT_RADIUS_M} m around the start free, that is the robot's radius");
+        reader.note(span, "start", message, help);
+    }
+}

@@ -1,0 +1,146 @@
+//! The robot's map of a world.
+
+use super::check::ROBOT_RADIUS_M;
+use super::solid::{Origin, Outline};
+use super::{Rect, World};
+use crate::geometry::{Point, Vector};
+use crate::occupancy::{Cell, OccupancyGrid};
+
+/// A body must reach this far into a cell to occupy it, so that a wall along a cell's edge does
+/// not depend on the last bit of its coordinates.
+const TOUCH_M: f64 = 1e-6;
+
+impl World {
+    /// The robot's map, with the lower left corner of cell (0, 0) at the origin: cells that a wall,
+    /// a mapped object or a door mapped as closed reaches into are occupied, those that cannot be
+    /// reached from the start, a room or a place are unknown. Cost: cells + outline length.
+    pub fn map(&self, resolution_m: f64) -> OccupancyGrid {
+        let (columns, rows) = self.cells(resolution_m);
+        self.draw(OccupancyGrid::filled(Point::origin(), resolution_m, columns, rows, Cell::Free))
+    }
+
+    /// The same map on a grid centred on the middle of the world, so that the pose mirrored by 180°
+    /// falls on the mirrored cell: (column, row) on (columns − 1 − column, rows − 1 − row).
+    pub fn map_centred(&self, resolution_m: f64) -> OccupancyGrid {
+        let (columns, rows) = self.cells(resolution_m);
+        let half = Vector::new(columns as f64, rows as f64) * (resolution_m / 2.0);
+        let origin_in_map = Point::from(self.size_m / 2.0) - half;
+        self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free))
+    }
+
+    fn cells(&self, resolution_m: f64) -> (usize, usize) {
+        assert!(resolution_m > 0.0, "a cell needs a size");
+        let count = |length_m: f64| libm::ceil(length_m / resolution_m - TOUCH_M) as usize;
+        (count(self.size_m.x), count(self.size_m.y))
+    }
+
+    fn draw(&self, mut grid: OccupancyGrid) -> OccupancyGrid {
+        for solid in self.solids() {
+            let mapped = match solid.origin {
+                Origin::Wall => true,
+                Origin::Door(index) => !self.doors[index].mapped_open,
+                Origin::Object(index) => self.objects[index].mapped,
+            };
+            if mapped {
+                occupy(&mut grid, &solid.outline);
+            }
+        }
+        self.forget_outside(&mut grid);
+        grid
+    }
+
+    /// Turns the free cells that nothing the robot knows is connected with into unknown ones.
+    fn forget_outside(&self, grid: &mut OccupancyGrid) {
+        let mut known = vec![false; grid.cells.len()];
+        let mut open: Vec<(usize, usize)> = Vec::new();
+        let points = self.places.iter().map(|place| place.pose_in_map.point()).chain([self.start_in_map.point()]);
+        open.extend(points.flat_map(|point| cells_under_robot(grid, point)));
+        for room in &self.rooms {
+            open.extend(cells_within(grid, room.rect));
+        }
+        while let Some((column, row)) = open.pop() {
+            let index = row * grid.columns + column;
+            if known[index] || grid.cells[index] != Cell::Free {
+                continue;
+            }
+            known[index] = true;
+            let west = column.checked_sub(1).map(|column| (column, row));
+            let south = row.checked_sub(1).map(|row| (column, row));
+            let east = (column + 1 < grid.columns).then_some((column + 1, row));
+            let north = (row + 1 < grid.rows).then_some((column, row + 1));
+            open.extend([west, south, east, north].into_iter().flatten());
+        }
+        for (cell, known) in grid.cells.iter_mut().zip(known) {
+            if *cell == Cell::Free && !known {
+                *cell = Cell::Unknown;
+            }
+        }
+    }
+}
+
+/// The cell around a point and those whose centre the robot standing there covers: the map may
+/// show the cell itself as occupied by a wall close by.
+fn cells_under_robot(grid: &OccupancyGrid, point: Point) -> Vec<(usize, usize)> {
+    let reach = Vector::new(ROBOT_RADIUS_M, ROBOT_RADIUS_M);
+    let mut cells = cells_within(grid, Rect { min: point - reach, max: point + reach });
+    cells.retain(|(column, row)| (grid.centre(*column, *row) - point).norm_squared() < ROBOT_RADIUS_M * ROBOT_RADIUS_M);
+    cells.extend(grid.cell_at(point));
+    cells
+}
+
+fn cells_within(grid: &OccupancyGrid, rect: Rect) -> Vec<(usize, usize)> {
+    let columns = span(grid.origin_in_map.x, grid.resolution_m, grid.columns, rect.min.x, rect.max.x);
+    let rows = span(grid.origin_in_map.y, grid.resolution_m, grid.rows, rect.min.y, rect.max.y);
+    rows.flat_map(|row| columns.clone().map(move |column| (column, row))).collect()
+}
+
+fn span(origin_m: f64, resolution_m: f64, count: usize, from_m: f64, to_m: f64) -> std::ops::Range<usize> {
+    let first = libm::floor((from_m - origin_m - TOUCH_M) / resolution_m).max(0.0);
+    let last = libm::floor((to_m - origin_m + TOUCH_M) / resolution_m).min(count as f64 - 1.0);
+    if last < first { 0..0 } else { first as usize..last as usize + 1 }
+}
+
+fn occupy(grid: &mut OccupancyGrid, outline: &Outline) {
+    for (column, row) in cells_within(grid, outline.bounds()) {
+        let centre = grid.centre(column, row);
+        let half = Vector::new(grid.resolution_m, grid.resolution_m) / 2.0;
+        if reaches_into(outline, Rect { min: centre - half, max: centre + half }) {
+            grid.set(column, row, Cell::Occupied);
+        }
+    }
+}
+
+fn reaches_into(outline: &Outline, cell: Rect) -> bool {
+    match outline {
+        Outline::Disc { centre, radius_m } => {
+            let nearest = centre.sup(&cell.min).inf(&cell.max);
+            (nearest - centre).norm_squared().sqrt() < radius_m - TOUCH_M
+        }
+        Outline::Polygon(corners) => {
+            // A wall without thickness occupies the cells on both sides of an edge it runs along.
+            let margin = if corners.len() < 3 { -TOUCH_M } else { TOUCH_M };
+            let shrink = Vector::new(margin, margin);
+            let inner = Rect { min: cell.min + shrink, max: cell.max - shrink };
+            outline.edges().any(|(a, b)| crosses(a, b, inner)) || outline.contains(inner.centre())
+        }
+    }
+}
+
+/// Whether a segment has a point in the rectangle (Liang and Barsky).
+fn crosses(a: Point, b: Point, rect: Rect) -> bool {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let step = b[axis] - a[axis];
+        let (low, high) = (rect.min[axis] - a[axis], rect.max[axis] - a[axis]);
+        if step == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return false;
+            }
+            continue;
+        }
+        let (enters, leaves) = if step > 0.0 { (low / step, high / step) } else { (high / step, low / step) };
+        from = from.max(enters);
+        to = to.min(leaves);
+    }
+    from <= to
+}

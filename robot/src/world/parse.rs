@@ -1,0 +1,195 @@
+//! Reading a world file.
+
+use super::check;
+use super::read::{Reader, Table};
+use super::{Door, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
+use crate::geometry::{Point, Vector};
+use toml::de::DeTable;
+
+/// Thickness of a wall that states none.
+const WALL_THICKNESS_M: f64 = 0.15;
+
+/// A world may not be larger, along x or y: maps and beliefs are grids over all of it.
+const LARGEST_M: f64 = 1000.0;
+
+/// The keys at the top of a world file.
+const WORLD_KEYS: [&str; 10] = ["name", "size", "start", "wall", "room", "door", "object", "place", "region", "person"];
+
+/// Something read, and the table it stands in.
+pub(super) struct Placed<'t, 'i, T> {
+    pub value: T,
+    pub table: Table<'t, 'i>,
+}
+
+impl World {
+    /// Reads the text of a world file; `file_name` is for the messages only.
+    ///
+    /// # Errors
+    /// All faults of the file at once: text that is not TOML, unknown or missing keys, values of the
+    /// wrong kind or size, names used twice or not at all, things outside the world or in a wall.
+    pub fn parse(text: &str, file_name: &str) -> Result<World, WorldError> {
+        let mut reader = Reader { file: file_name, text, findings: Vec::new() };
+        let (document, errors) = DeTable::parse_recoverable(text);
+        for error in &errors {
+            reader.note(error.span().unwrap_or(0..0), "", error.message(), "world files are TOML, see toml.io");
+        }
+        let top = Table { values: document.get_ref(), span: 0..0, header: String::new() };
+        let world = if errors.is_empty() { read_world(&mut reader, &top) } else { None };
+        let mut findings = reader.findings;
+        findings.sort_by_key(|finding| (finding.line, finding.column));
+        match world {
+            Some(world) if findings.is_empty() => Ok(world),
+            _ => Err(WorldError { findings }),
+        }
+    }
+}
+
+fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World> {
+    reader.only_keys(top, &WORLD_KEYS);
+    let name = reader.text(top, "name", "\"my-lab\"");
+    let size_m = read_size(reader, top);
+    let start = reader.pose(top, "start", "[2.0, 3.0, \"90deg\"]");
+    let start = start.map(|value| Placed { value, table: top.clone() });
+    let walls = read_all(reader, top, "wall", read_wall);
+    let rooms = read_all(reader, top, "room", read_room);
+    let doors = read_all(reader, top, "door", read_door);
+    let objects = read_all(reader, top, "object", read_object);
+    let places = read_all(reader, top, "place", read_place);
+    let regions = read_all(reader, top, "region", read_region);
+    let people = read_all(reader, top, "person", read_person);
+
+    check::names(reader, &rooms, &places);
+    check::doors(reader, &doors, &rooms, &walls);
+    if let Some(size_m) = size_m {
+        check::inside(reader, size_m, start.as_ref(), &doors, &objects, &places);
+    }
+    let world = World {
+        name: name?,
+        size_m: size_m?,
+        start_in_map: start.as_ref().map(|start| start.value)?,
+        walls: values(walls),
+        rooms: values(rooms),
+        doors: values(doors),
+        objects: values(objects),
+        places: values(places),
+        regions: values(regions),
+        people: values(people),
+    };
+    check::start_is_free(reader, &world, top.span_of("start"));
+    Some(world)
+}
+
+fn values<T>(placed: Vec<Placed<'_, '_, T>>) -> Vec<T> {
+    placed.into_iter().map(|placed| placed.value).collect()
+}
+
+fn read_all<'t, 'i, T>(
+    reader: &mut Reader<'i>,
+    top: &Table<'t, 'i>,
+    key: &str,
+    read: impl Fn(&mut Reader<'i>, &Table<'_, 'i>) -> Option<T>,
+) -> Vec<Placed<'t, 'i, T>> {
+    let tables = reader.tables(top, key);
+    tables.iter().filter_map(|table| read(reader, table).map(|value| Placed { value, table: table.clone() })).collect()
+}
+
+fn read_size<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<Vector> {
+    let size = reader.point(top, "size", "[12.0, 8.0]")?;
+    let fine = |length_m: f64| length_m > 0.0 && length_m <= LARGEST_M;
+    if fine(size.x) && fine(size.y) {
+        return Some(size.coords);
+    }
+    let message = format!("`size` must be positive and at most {LARGEST_M} m, found {} by {}", size.x, size.y);
+    reader.note(top.span_of("size"), "size", message, "write width and height in metres, like `size = [12.0, 8.0]`");
+    None
+}
+
+fn read_wall<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Wall> {
+    reader.only_keys(table, &["line", "thickness"]);
+    let line = reader.points(table, "line", 2, "[[0.0, 0.0], [5.0, 0.0]]");
+    let thickness_m = match table.values.get("thickness") {
+        Some(value) => reader.size_value(value, "thickness", true, "0.15"),
+        None => Some(WALL_THICKNESS_M),
+    };
+    Some(Wall { line: line?, thickness_m: thickness_m? })
+}
+
+fn read_room<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Room> {
+    reader.only_keys(table, &["name", "rect"]);
+    let name = reader.text(table, "name", "\"B\"");
+    let rect = reader.rect(table, "rect");
+    Some(Room { name: name?, rect: rect? })
+}
+
+fn read_door<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Door> {
+    reader.only_keys(table, &["room", "at", "width", "axis", "open", "mapped_open"]);
+    let room = reader.text(table, "room", "\"B\"");
+    let at = reader.point(table, "at", "[4.0, 2.5]");
+    let width_m = reader.size(table, "width", false, "0.9");
+    let axis = reader.axis(table);
+    let open = reader.flag(table, "open", true);
+    let mapped_open = reader.flag(table, "mapped_open", open);
+    Some(Door { room: room?, at: at?, width_m: width_m?, axis: axis?, open, mapped_open })
+}
+
+fn read_object<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Object> {
+    reader.only_keys(table, &["name", "rect", "circle", "polygon", "mapped", "seen_by"]);
+    let name = reader.text(table, "name", "\"desk\"");
+    let shape = read_shape(reader, table);
+    let mapped = reader.flag(table, "mapped", true);
+    let seen_by = reader.seen_by(table);
+    Some(Object { name: name?, shape: shape?, mapped, seen_by })
+}
+
+fn read_shape<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Shape> {
+    let given: Vec<&str> =
+        ["rect", "circle", "polygon"].into_iter().filter(|key| table.values.contains_key(*key)).collect();
+    match given[..] {
+        ["rect"] => reader.rect(table, "rect").map(Shape::Rect),
+        ["circle"] => read_circle(reader, table),
+        ["polygon"] => reader.points(table, "polygon", 3, "[[1.0, 1.0], [2.0, 1.0], [1.5, 2.0]]").map(Shape::Polygon),
+        _ => {
+            let found = if given.is_empty() { "none".to_owned() } else { given.join(" and ") };
+            let message = format!("an object has one outline, found {found}");
+            let help = "write `rect = [x0, y0, x1, y1]`, `circle = [x, y, radius]` or `polygon = [[x, y], ...]`";
+            let key = given.get(1).copied().unwrap_or("rect");
+            reader.note(table.span_of(key), key, message, help);
+            None
+        }
+    }
+}
+
+fn read_circle<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Shape> {
+    let [x, y, radius_m] = reader.circle(table, "circle", "[2.0, 1.0, 0.25]")?;
+    if radius_m > 0.0 {
+        return Some(Shape::Circle { centre: Point::new(x, y), radius_m });
+    }
+    let message = format!("the radius of `circle` must be more than 0, found {radius_m}");
+    reader.note(table.span_of("circle"), "circle", message, "write it like `circle = [2.0, 1.0, 0.25]`");
+    None
+}
+
+fn read_place<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Place> {
+    reader.only_keys(table, &["name", "pose", "room"]);
+    let name = reader.text(table, "name", "\"mail-slots\"");
+    let pose = reader.pose(table, "pose", "[2.0, 3.0, \"90deg\"]");
+    let room = match table.values.contains_key("room") {
+        true => Some(reader.text(table, "room", "\"B\"")?),
+        false => None,
+    };
+    Some(Place { name: name?, pose_in_map: pose?, room })
+}
+
+fn read_region<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Region> {
+    reader.only_keys(table, &["mode", "rect"]);
+    let mode = reader.mode(table);
+    let rect = reader.rect(table, "rect");
+    Some(Region { mode: mode?, rect: rect? })
+}
+
+fn read_person<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Person> {
+    reader.only_keys(table, &["path", "speed"]);
+    let path = reader.points(table, "path", 2, "[[2.0, 3.0], [6.0, 3.0]]");
+    let speed_mps = reader.size(table, "speed", false, "0.8");
+    Some(Person { path: path?, speed_mps: speed_mps? })
+}

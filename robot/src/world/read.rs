@@ -1,0 +1,305 @@
+//! Reading values out of a TOML table, noting every fault on the way instead of stopping at it.
+
+use super::error::{Finding, nearest};
+use super::{Axis, Rect, SeenBy, TravelMode};
+use crate::geometry::{Point, Pose};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+type Value<'i> = Spanned<DeValue<'i>>;
+
+/// The text being read, and what was found wrong with it so far.
+pub(super) struct Reader<'i> {
+    pub file: &'i str,
+    pub text: &'i str,
+    pub findings: Vec<Finding>,
+}
+
+/// One table of the file, such as one `[[door]]`.
+#[derive(Clone)]
+pub(super) struct Table<'t, 'i> {
+    pub values: &'t DeTable<'i>,
+    /// Where the table is, for faults that have no key to point at.
+    pub span: Range<usize>,
+    /// How the table is written: "[[door]]"; empty for the top of the file.
+    pub header: String,
+}
+
+impl<'t, 'i> Table<'t, 'i> {
+    pub fn span_of(&self, key: &str) -> Range<usize> {
+        self.values.get(key).map_or(self.span.clone(), Spanned::span)
+    }
+}
+
+impl<'i> Reader<'i> {
+    pub fn note(&mut self, span: Range<usize>, key: &str, message: impl Into<String>, help: impl Into<String>) {
+        self.findings.push(Finding::new(self.file, self.text, span, key, message, help));
+    }
+
+    fn expected(&mut self, value: &Value, key: &str, what: &str, example: &str) {
+        let found = describe(value.get_ref());
+        self.note(value.span(), key, format!("`{key}` must be {what}, found {found}"), example_help(key, example));
+    }
+
+    /// Reports every key that is not one of `known`.
+    pub fn only_keys(&mut self, table: &Table, known: &[&str]) {
+        for key in table.values.keys() {
+            let name: &str = key.get_ref();
+            if known.contains(&name) {
+                continue;
+            }
+            let message = match nearest(name, known.iter().copied()) {
+                Some(suggestion) => format!("unknown key `{name}`, did you mean `{suggestion}`?"),
+                None => format!("unknown key `{name}`"),
+            };
+            let owner = if table.header.is_empty() { "a world" } else { &table.header };
+            self.note(key.span(), name, message, format!("the keys of {owner} are {}", known.join(", ")));
+        }
+    }
+
+    /// The tables of a `[[key]]`.
+    pub fn tables<'t>(&mut self, table: &Table<'t, 'i>, key: &str) -> Vec<Table<'t, 'i>> {
+        let Some(value) = table.values.get(key) else { return Vec::new() };
+        let header = format!("[[{key}]]");
+        let Some(array) = value.get_ref().as_array() else {
+            let found = describe(value.get_ref());
+            let message = format!("`{key}` must be written as {header}, found {found}");
+            self.note(value.span(), key, message, format!("write {header} above its keys"));
+            return Vec::new();
+        };
+        let mut tables = Vec::new();
+        for element in array.iter() {
+            match element.get_ref().as_table() {
+                Some(values) => tables.push(Table { values, span: element.span(), header: header.clone() }),
+                None => self.expected(element, key, "a table", &format!("write {header} above its keys")),
+            }
+        }
+        tables
+    }
+
+    /// The value of a key that must be there.
+    pub fn required<'t>(&mut self, table: &Table<'t, 'i>, key: &str, example: &str) -> Option<&'t Value<'i>> {
+        let value = table.values.get(key);
+        if value.is_none() {
+            let owner = if table.header.is_empty() { "the world" } else { &table.header };
+            self.note(table.span.clone(), key, format!("{owner} has no `{key}`"), example_help(key, example));
+        }
+        value
+    }
+
+    pub fn text(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<String> {
+        let value = self.required(table, key, example)?;
+        let text = value.get_ref().as_str();
+        if text.is_none() || text == Some("") {
+            self.expected(value, key, "a name in quotes", example);
+            return None;
+        }
+        text.map(str::to_owned)
+    }
+
+    pub fn flag(&mut self, table: &Table<'_, 'i>, key: &str, default: bool) -> bool {
+        let Some(value) = table.values.get(key) else { return default };
+        let flag = value.get_ref().as_bool();
+        if flag.is_none() {
+            self.expected(value, key, "true or false", "true");
+        }
+        flag.unwrap_or(default)
+    }
+
+    /// A length or speed above 0, or not below 0 if `zero_is_fine`.
+    pub fn size(&mut self, table: &Table<'_, 'i>, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
+        let value = self.required(table, key, example)?;
+        self.size_value(value, key, zero_is_fine, example)
+    }
+
+    pub fn size_value(&mut self, value: &Value, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
+        let size = self.number_value(value, key, example)?;
+        if size > 0.0 || zero_is_fine && size == 0.0 {
+            return Some(size);
+        }
+        let bound = if zero_is_fine { "0 or more" } else { "more than 0" };
+        self.note(value.span(), key, format!("`{key}` must be {bound}, found {size}"), example_help(key, example));
+        None
+    }
+
+    pub fn number_value(&mut self, value: &Value, key: &str, example: &str) -> Option<f64> {
+        let number = match value.get_ref() {
+            DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|n| n as f64),
+            DeValue::Float(digits) => digits.as_str().parse::<f64>().ok(),
+            _ => None,
+        };
+        match number {
+            Some(finite) if finite.is_finite() => return Some(finite),
+            Some(_) => {
+                let message = format!("`{key}` must be a finite number");
+                self.note(value.span(), key, message, example_help(key, example));
+            }
+            None => self.expected(value, key, "a number", example),
+        }
+        None
+    }
+
+    /// An angle: "90deg", or a number of radians.
+    fn angle_value(&mut self, value: &Value, key: &str) -> Option<f64> {
+        let Some(text) = value.get_ref().as_str() else {
+            return self.number_value(value, key, "\"90deg\"");
+        };
+        let degrees = text.trim().strip_suffix("deg").and_then(|number| number.trim().parse::<f64>().ok());
+        match degrees {
+            Some(degrees) if degrees.is_finite() => Some(degrees.to_radians()),
+            _ => {
+                let message = format!("\"{text}\" is not an angle");
+                self.note(value.span(), key, message, "write degrees as \"90deg\", or radians as a plain number");
+                None
+            }
+        }
+    }
+
+    /// An array of exactly `count` values.
+    fn elements<'t>(
+        &mut self,
+        value: &'t Value<'i>,
+        key: &str,
+        count: usize,
+        example: &str,
+    ) -> Option<&'t [Spanned<DeValue<'i>>]> {
+        let elements = value.get_ref().as_array().map(|array| array.as_ref());
+        match elements {
+            Some(elements) if elements.len() == count => Some(elements),
+            Some(elements) => {
+                let message = format!("`{key}` must have {count} values, found {}", elements.len());
+                self.note(value.span(), key, message, example_help(key, example));
+                None
+            }
+            None => {
+                self.expected(value, key, "an array", example);
+                None
+            }
+        }
+    }
+
+    fn numbers<const COUNT: usize>(&mut self, value: &Value<'i>, key: &str, example: &str) -> Option<[f64; COUNT]> {
+        let elements = self.elements(value, key, COUNT, example)?;
+        let mut numbers = [0.0; COUNT];
+        for (number, element) in numbers.iter_mut().zip(elements) {
+            *number = self.number_value(element, key, example)?;
+        }
+        Some(numbers)
+    }
+
+    pub fn circle(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<[f64; 3]> {
+        let value = self.required(table, key, example)?;
+        self.numbers(value, key, example)
+    }
+
+    pub fn point(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<Point> {
+        let value = self.required(table, key, example)?;
+        self.numbers(value, key, example).map(|[x, y]| Point::new(x, y))
+    }
+
+    /// A line or polygon of at least `fewest` points.
+    pub fn points(&mut self, table: &Table<'_, 'i>, key: &str, fewest: usize, example: &str) -> Option<Vec<Point>> {
+        let value = self.required(table, key, example)?;
+        let Some(elements) = value.get_ref().as_array() else {
+            self.expected(value, key, "an array of points", example);
+            return None;
+        };
+        if elements.len() < fewest {
+            let message = format!("`{key}` must have at least {fewest} points, found {}", elements.len());
+            self.note(value.span(), key, message, example_help(key, example));
+            return None;
+        }
+        let points: Vec<Option<Point>> =
+            elements.iter().map(|element| self.numbers(element, key, example).map(|[x, y]| Point::new(x, y))).collect();
+        points.into_iter().collect()
+    }
+
+    pub fn pose(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<Pose> {
+        let value = self.required(table, key, example)?;
+        let elements = self.elements(value, key, 3, example)?;
+        let x_m = self.number_value(&elements[0], key, example);
+        let y_m = self.number_value(&elements[1], key, example);
+        let heading_rad = self.angle_value(&elements[2], key);
+        Some(Pose::new(x_m?, y_m?, heading_rad?))
+    }
+
+    pub fn rect(&mut self, table: &Table<'_, 'i>, key: &str) -> Option<Rect> {
+        let example = "[2.0, 1.0, 3.5, 1.8]";
+        let value = self.required(table, key, example)?;
+        let [x0, y0, x1, y1] = self.numbers(value, key, example)?;
+        if x0 < x1 && y0 < y1 {
+            return Some(Rect { min: Point::new(x0, y0), max: Point::new(x1, y1) });
+        }
+        let message = format!("`{key}` has no area: it runs from ({x0}, {y0}) to ({x1}, {y1})");
+        self.note(value.span(), key, message, "write [x0, y0, x1, y1] with x0 < x1 and y0 < y1");
+        None
+    }
+
+    /// A word out of a fixed list.
+    pub fn choice<T: Copy>(&mut self, table: &Table<'_, 'i>, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let value = self.required(table, key, &format!("\"{}\"", choices[0].0))?;
+        self.choice_value(value, key, choices)
+    }
+
+    fn choice_value<T: Copy>(&mut self, value: &Value, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let word = value.get_ref().as_str();
+        let chosen = choices.iter().find(|(name, _)| word == Some(*name)).map(|(_, choice)| *choice);
+        if chosen.is_none() {
+            let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+            let meant = word.and_then(|word| nearest(word, choices.iter().map(|(name, _)| *name)));
+            match meant {
+                Some(meant) => {
+                    let message = format!("{} is no `{key}`, did you mean \"{meant}\"?", describe(value.get_ref()));
+                    self.note(value.span(), key, message, format!("`{key}` is {}", names.join(" or ")));
+                }
+                None => self.expected(value, key, &names.join(" or "), &names[0]),
+            }
+        }
+        chosen
+    }
+
+    pub fn axis(&mut self, table: &Table<'_, 'i>) -> Option<Axis> {
+        self.choice(table, "axis", &[("x", Axis::X), ("y", Axis::Y)])
+    }
+
+    pub fn mode(&mut self, table: &Table<'_, 'i>) -> Option<TravelMode> {
+        let modes =
+            [("hallway", TravelMode::Hallway), ("office", TravelMode::Office), ("doorway", TravelMode::Doorway)];
+        self.choice(table, "mode", &modes)
+    }
+
+    pub fn seen_by(&mut self, table: &Table<'_, 'i>) -> SeenBy {
+        let mut seen_by = SeenBy { sonar: true, laser: true };
+        let Some(value) = table.values.get("seen_by") else { return seen_by };
+        let Some(elements) = value.get_ref().as_array() else {
+            self.expected(value, "seen_by", "an array of sensors", "[\"sonar\"]");
+            return seen_by;
+        };
+        seen_by = SeenBy { sonar: false, laser: false };
+        for element in elements.iter() {
+            match self.choice_value(element, "seen_by", &[("sonar", true), ("laser", false)]) {
+                Some(true) => seen_by.sonar = true,
+                Some(false) => seen_by.laser = true,
+                None => {}
+            }
+        }
+        seen_by
+    }
+}
+
+fn example_help(key: &str, example: &str) -> String {
+    format!("write it like `{key} = {example}`")
+}
+
+fn describe(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("\"{text}\""),
+        DeValue::Integer(digits) => digits.to_string(),
+        DeValue::Float(digits) => digits.to_string(),
+        DeValue::Boolean(flag) => flag.to_string(),
+        DeValue::Datetime(_) => "a date".to_owned(),
+        DeValue::Array(_) => "an array".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}

@@ -1,0 +1,384 @@
+//! Behaviours: continuous processes outside the plan, and the seam to the robot that runs them.
+
+use crate::failure::Raise;
+use crate::machine::{Machine, Surroundings};
+use crate::task::{Waiting, Wake};
+use crate::value::{TaskRef, Value};
+use rpl_lang::code::Program;
+use rpl_lang::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+use std::any::Any;
+
+/// A behaviour, as plans see it.
+#[derive(Clone, Copy, Debug)]
+pub struct BehaviourSpec {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does.
+    pub doc: &'static str,
+    /// The valve it needs, if it drives.
+    pub valve: Option<&'static str>,
+    /// Its keyword arguments.
+    pub parameters: &'static str,
+}
+
+/// A fluent the robot sets.
+#[derive(Clone, Copy, Debug)]
+pub struct FluentSpec {
+    /// Its name.
+    pub name: &'static str,
+    /// What it holds, with its unit.
+    pub doc: &'static str,
+}
+
+/// A value the robot gives to a fluent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reading {
+    /// `nil` or `t`.
+    Truth(bool),
+    /// An integer.
+    Int(i64),
+    /// A float.
+    Float(f64),
+    /// A symbol.
+    Symbol(String),
+}
+
+/// Why a behaviour stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stop {
+    /// A plan deactivates it.
+    Deactivated,
+    /// Its valve is lent to somebody else, or its goals are removed: it commands nothing more.
+    Interrupted,
+}
+
+/// How a behaviour ended by itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Ending {
+    /// It has done what it was asked to.
+    Success,
+    /// It cannot: class of failure and one sentence.
+    Failure(String, String),
+}
+
+/// What the robot has to tell after a step, a start or a stop.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outbox {
+    /// New values of fluents, by their number in [`Outside::fluents`]; applied as one.
+    pub fluents: Vec<(usize, Reading)>,
+    /// Behaviours that ended.
+    pub endings: Vec<(u16, Ending)>,
+    /// Things worth a line in the trace: what happened, and details by name.
+    pub events: Vec<(String, Vec<(String, String)>)>,
+}
+
+/// The robot, as the machine sees it.
+pub trait Outside: Any {
+    /// Its behaviours; their number is their place here.
+    fn behaviours(&self) -> &'static [BehaviourSpec];
+
+    /// Its fluents.
+    fn fluents(&self) -> &'static [FluentSpec];
+
+    /// Its valves.
+    fn valves(&self) -> &'static [&'static str];
+
+    /// Starts a behaviour.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments, or why it cannot start.
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise>;
+
+    /// Stops a behaviour.
+    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox);
+
+    /// Microseconds between two steps; none if there is no robot.
+    fn period_us(&self) -> Option<u64> {
+        None
+    }
+
+    /// One step: commands go out, percepts come in, behaviours work.
+    fn step(&mut self, _outbox: &mut Outbox) {}
+
+    /// For native functions of the robot itself.
+    fn as_any(&mut self) -> &mut dyn Any;
+}
+
+/// No robot: nothing to activate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NoRobot;
+
+impl Outside for NoRobot {
+    fn behaviours(&self) -> &'static [BehaviourSpec] {
+        &[]
+    }
+
+    fn fluents(&self) -> &'static [FluentSpec] {
+        &[]
+    }
+
+    fn valves(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn start(&mut self, _: &Machine, _: u16, _: &[(Symbol, Value)], _: &mut Outbox) -> Result<(), Raise> {
+        Err(Raise::new("behaviour-failure", "there is no robot"))
+    }
+
+    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+/// Where a behaviour stands, seen from the plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// Not activated.
+    #[default]
+    Inactive,
+    /// At work.
+    Active,
+    /// It has lost its valve or its goals.
+    Interrupted,
+    /// It has ended by itself.
+    Done,
+}
+
+/// One behaviour's activation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Activation {
+    /// Where it stands.
+    pub phase: Phase,
+    /// Who activated it.
+    pub task: Option<TaskRef>,
+    /// A signal nobody has taken yet: success, or a failure.
+    pub signal: Option<Result<(), Value>>,
+}
+
+impl Machine {
+    /// Lets the robot's news take effect: all fluents as one assignment, then signals.
+    pub fn apply_outbox(&mut self, around: &mut Surroundings<'_>, outbox: Outbox) {
+        for (what, details) in &outbox.events {
+            self.trace_robot(what, details);
+        }
+        let specs = around.outside.fluents();
+        let mut values = Vec::new();
+        for (number, reading) in outbox.fluents {
+            let Some(spec) = specs.get(number) else { continue };
+            let value = match reading {
+                Reading::Truth(truth) => Value::truth(truth),
+                Reading::Int(value) => Value::Int(value),
+                Reading::Float(value) => Value::Float(value),
+                Reading::Symbol(name) => Value::Symbol(self.symbols.intern(&name)),
+            };
+            if let Some(fluent) = self.system_fluent(around.program, spec.name) {
+                values.push((fluent, value));
+            }
+        }
+        self.assign_all(around, &values);
+        for (behaviour, ending) in outbox.endings {
+            self.behaviour_ended(around, behaviour, ending);
+        }
+    }
+
+    fn system_fluent(&mut self, program: &Program, name: &str) -> Option<u32> {
+        let symbol = self.symbols.find(name)?;
+        let global = *program.names.get(&symbol)?;
+        match self.globals.get(global as usize) {
+            Some(Value::Fluent(fluent)) => Some(*fluent),
+            _ => None,
+        }
+    }
+
+    fn behaviour_ended(&mut self, around: &mut Surroundings<'_>, behaviour: u16, ending: Ending) {
+        let signal = match ending {
+            Ending::Success => Ok(()),
+            Ending::Failure(class, message) => Err(self.behaviour_failure(around, behaviour, &class, message)),
+        };
+        self.activation(behaviour).phase = Phase::Done;
+        self.signal(around, behaviour, signal);
+        self.release_activation(around, behaviour);
+    }
+
+    fn behaviour_failure(&mut self, around: &Surroundings<'_>, behaviour: u16, class: &str, message: String) -> Value {
+        let class = self.symbols.intern(class);
+        let slot = self.symbols.intern("behaviour");
+        let failure = self.new_failure(around.program, class, message, vec![(slot, Value::Behaviour(behaviour))]);
+        let task = self.activation(behaviour).task.and_then(|task| self.tasks.find(task));
+        if let (Value::Failure(index), Some(task)) = (failure, task) {
+            self.heap.failures[index].path = self.path(task);
+            self.heap.failures[index].calls = self.plan_calls(task);
+        }
+        failure
+    }
+
+    /// Keeps a signal until somebody takes it, and wakes who waits for it.
+    fn signal(&mut self, around: &mut Surroundings<'_>, behaviour: u16, signal: Result<(), Value>) {
+        self.trace_signal(around, behaviour, &signal);
+        let waiting =
+            self.tasks.iter().find(|(_, task)| task.waiting == Waiting::Signal(behaviour)).map(|(index, _)| index);
+        match waiting {
+            Some(task) => {
+                let wake = match signal {
+                    Ok(()) => Wake::Value(Value::True),
+                    Err(failure) => Wake::Raise(failure),
+                };
+                self.wake(task, wake);
+            }
+            None => self.activation(behaviour).signal = Some(signal),
+        }
+    }
+
+    pub(crate) fn activation(&mut self, behaviour: u16) -> &mut Activation {
+        let at = usize::from(behaviour);
+        if self.activations.len() <= at {
+            self.activations.resize(at + 1, Activation::default());
+        }
+        &mut self.activations[at]
+    }
+
+    pub(crate) fn behaviour_argument(&self, value: Value) -> Result<u16, Raise> {
+        match value {
+            Value::Behaviour(behaviour) => Ok(behaviour),
+            other => Err(self.wrong_type("the argument", "a behaviour", other)),
+        }
+    }
+
+    /// `(activate B :key V...)` by the current task.
+    pub(crate) fn activate(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+    ) -> Result<(), Raise> {
+        let spec = around.outside.behaviours()[usize::from(behaviour)];
+        let task = self.current;
+        let me = self.tasks.reference(task);
+        let entry = self.activation(behaviour).clone();
+        let owner = entry.task.and_then(|owner| self.tasks.find_alive(owner));
+        if let (Phase::Active | Phase::Interrupted, Some(owner)) = (entry.phase, owner)
+            && owner != task
+        {
+            let path = self.path(owner);
+            return Err(Raise::new("behaviour-failure", format!("`{}` is already activated by {path}", spec.name)));
+        }
+        let valve = spec.valve.and_then(|name| self.valve_named(around.program, name));
+        if let Some(valve) = valve
+            && !self.holds_valve(task, valve)
+        {
+            let name = spec.valve.unwrap_or_default();
+            return Err(Raise::new(
+                "valve-error",
+                format!(
+                    "`{}` drives with the valve `{name}`, and this task does not hold it; wrap it in `(with-valve {name} …)`",
+                    spec.name
+                ),
+            ));
+        }
+        if entry.phase == Phase::Active {
+            self.stop_behaviour(around, behaviour, Stop::Deactivated);
+        }
+        let mut outbox = Outbox::default();
+        around.outside.start(self, behaviour, arguments, &mut outbox)?;
+        *self.activation(behaviour) = Activation { phase: Phase::Active, task: Some(me), signal: None };
+        if let Some(valve) = valve {
+            self.hold_for_activation(task, valve, behaviour);
+        }
+        self.trace_behaviour(around, behaviour, "activated");
+        self.apply_outbox(around, outbox);
+        Ok(())
+    }
+
+    fn valve_named(&self, program: &Program, name: &str) -> Option<u32> {
+        let global = *program.names.get(&self.symbols.find(name)?)?;
+        match self.globals.get(global as usize) {
+            Some(Value::Valve(valve)) => Some(*valve),
+            _ => None,
+        }
+    }
+
+    /// `(deactivate B)` by the current task: touches only what it or a descendant activated.
+    pub(crate) fn deactivate(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
+        let entry = self.activation(behaviour).clone();
+        let owner = entry.task.and_then(|owner| self.tasks.find(owner));
+        if entry.phase == Phase::Inactive || !owner.is_some_and(|owner| self.is_within(owner, self.current)) {
+            return;
+        }
+        self.stop_behaviour(around, behaviour, Stop::Deactivated);
+    }
+
+    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16, how: Stop) {
+        let mut outbox = Outbox::default();
+        around.outside.stop(behaviour, how, &mut outbox);
+        match how {
+            Stop::Deactivated => {
+                self.trace_behaviour(around, behaviour, "deactivated");
+                *self.activation(behaviour) = Activation::default();
+                self.release_activation(around, behaviour);
+                self.apply_outbox(around, outbox);
+            }
+            Stop::Interrupted => {
+                self.trace_behaviour(around, behaviour, "interrupted");
+                self.activation(behaviour).phase = Phase::Interrupted;
+                self.apply_outbox(around, outbox);
+                let failure = self.behaviour_failure(
+                    around,
+                    behaviour,
+                    "interrupted",
+                    "the behaviour was interrupted".to_string(),
+                );
+                self.signal(around, behaviour, Err(failure));
+            }
+        }
+    }
+
+    /// A behaviour loses its valve.
+    pub(crate) fn interrupt_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
+        if self.activation(behaviour).phase == Phase::Active {
+            self.stop_behaviour(around, behaviour, Stop::Interrupted);
+        }
+    }
+
+    /// A behaviour loses its goals, if the current task or a descendant activated it.
+    pub fn remove_goals(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
+        let entry = self.activation(behaviour).clone();
+        let owner = entry.task.and_then(|owner| self.tasks.find(owner));
+        if entry.phase == Phase::Active && owner.is_some_and(|owner| self.is_within(owner, self.current)) {
+            self.stop_behaviour(around, behaviour, Stop::Interrupted);
+            self.release_activation(around, behaviour);
+        }
+    }
+
+    /// What a dead task had activated stops.
+    pub(crate) fn end_activations_of(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        let me = self.tasks.reference(task);
+        for behaviour in 0..self.activations.len() as u16 {
+            let entry = &self.activations[usize::from(behaviour)];
+            if entry.task == Some(me) && entry.phase != Phase::Inactive {
+                self.stop_behaviour(around, behaviour, Stop::Deactivated);
+            }
+        }
+    }
+
+    /// `(await-signal B)`: takes the signal, or waits for it.
+    pub(crate) fn await_signal(&mut self, behaviour: u16) -> Result<bool, Raise> {
+        match self.activation(behaviour).signal.take() {
+            Some(Ok(())) => Ok(true),
+            Some(Err(failure)) => Err(Raise::Again(failure)),
+            None => {
+                let task = self.current;
+                self.tasks[task].waiting = Waiting::Signal(behaviour);
+                Ok(false)
+            }
+        }
+    }
+}

@@ -1,0 +1,413 @@
+//! Constructs of concurrent children: one primitive, and a rule that looks at how each child ends.
+
+use crate::failure::Raise;
+use crate::machine::{Machine, Surroundings};
+use crate::scheduler::Alarm;
+use crate::task::{Children, Decision, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
+use crate::value::Value;
+use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
+
+impl Machine {
+    /// A task for code, with the values it captures from registers of the current frame.
+    fn child_task(
+        &mut self,
+        around: &Surroundings<'_>,
+        child: &Child,
+        arguments: &[Value],
+        base: usize,
+        priority: (u32, u16),
+    ) -> Task {
+        let code = &around.program.codes[child.code as usize];
+        let mut registers = vec![Value::Nil; usize::from(code.registers)].into_boxed_slice();
+        registers[..arguments.len()].copy_from_slice(arguments);
+        for (at, &reg) in code.captures.iter().enumerate() {
+            registers[arguments.len() + at] = self.scratch.stack[base + usize::from(reg)];
+        }
+        let mut task = Task::new(child.code, registers, code.name, priority.0);
+        task.priority_depth = priority.1;
+        task
+    }
+
+    /// Uses the record of a tag that was not reached yet, or makes a new one and rebinds the tag.
+    fn place_task(&mut self, child: &Child, task: Task, base: usize) -> u32 {
+        if child.tag == NO_REG {
+            return self.tasks.insert(task);
+        }
+        let register = base + usize::from(child.tag);
+        let holder = self.scratch.stack[register];
+        let known = match holder {
+            Value::Cell(cell) => self.heap.cells[cell],
+            other => other,
+        };
+        if let Value::Task(known) = known
+            && let Some(index) = self.tasks.find_alive(known)
+            && self.tasks[index].state == State::Created
+            && self.tasks[index].parent == NONE
+        {
+            let rare = self.tasks[index].rare.take();
+            self.tasks[index] = Task { exposed: true, rare, ..task };
+            return index;
+        }
+        let index = self.tasks.insert(task);
+        let value = self.expose(index);
+        match holder {
+            Value::Cell(cell) => self.heap.cells[cell] = value,
+            _ => self.scratch.stack[register] = value,
+        }
+        index
+    }
+
+    /// Starts a construct in the current task. `elements` gives one child for each element instead
+    /// of the listed children.
+    ///
+    /// Gives the decision if there is nothing to wait for.
+    pub(crate) fn start_construct(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        construct: &Construct,
+        elements: Option<&[Value]>,
+        result: Reg,
+        base: usize,
+    ) -> Result<Option<Value>, Raise> {
+        let parent = self.current;
+        let total = elements.map_or(construct.children.len(), <[Value]>::len);
+        let seconds = self.construct_argument(construct, base)?;
+        let occurrence = self.count_use(parent, construct.name);
+        if total == 0 {
+            return self.empty_construct(around, construct.rule);
+        }
+        let scope = self.tasks[parent].scopes.len() as u32;
+        let depth = self.scratch.frames.len() as u32;
+        let children = Children {
+            rule: construct.rule,
+            name: construct.name,
+            occurrence,
+            result,
+            alive: total as u32,
+            total: total as u32,
+            decided: None,
+            last_value: Value::Nil,
+            failures: Vec::new(),
+            order: construct.order.clone(),
+            dead: Vec::new(),
+            seconds: seconds.unwrap_or(0.0),
+            timer: 0,
+        };
+        self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
+        for position in 0..total {
+            let (child, arguments) = match elements {
+                Some(elements) => (&construct.children[0], &elements[position..=position]),
+                None => (&construct.children[position], &[][..]),
+            };
+            let priority = self.child_priority(construct, parent, position, seconds);
+            let task = self.child_task(around, child, arguments, base, priority);
+            let index = self.place_task(child, task, base);
+            self.name_child(index, child, construct, position, occurrence);
+            self.adopt(parent, scope, index);
+            let held_back = construct.order.iter().any(|&(_, after)| usize::from(after) == position);
+            if !held_back {
+                self.start_task(around, index);
+            }
+        }
+        if construct.rule == Rule::Timeout {
+            self.set_deadline(parent, scope, seconds.unwrap_or(0.0));
+        }
+        Ok(None)
+    }
+
+    /// Starts a spawned child, which lives at most as long as the plan call around it.
+    pub(crate) fn start_spawned(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        construct: &Construct,
+        base: usize,
+    ) -> Result<Value, Raise> {
+        let child = &construct.children[0];
+        let (mut owner, mut scope) = (self.current, None);
+        while owner != NONE {
+            scope = self.tasks[owner].scopes.iter().rposition(|scope| matches!(scope.kind, ScopeKind::Call(_)));
+            if scope.is_some() {
+                break;
+            }
+            owner = self.tasks[owner].parent;
+        }
+        let Some(scope) = scope else {
+            return Err(Raise::new("control-error", "`spawn` needs a plan around it that the child belongs to"));
+        };
+        let record = &self.tasks[self.current];
+        let task = self.child_task(around, child, &[], base, (record.priority, record.priority_depth));
+        let index = self.place_task(child, task, base);
+        let occurrence = self.count_use(owner, child.name.unwrap_or(construct.name));
+        self.name_child(index, child, construct, 0, occurrence);
+        self.tasks[index].named_by_construct = false;
+        self.adopt(owner, scope as u32, index);
+        if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope].kind {
+            call.spawned += 1;
+        }
+        let value = self.expose(index);
+        self.start_task(around, index);
+        Ok(value)
+    }
+
+    fn start_task(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        self.make_ready(task);
+        self.trace_task_begin(around.program, task);
+        self.update_task_fluents(around, task);
+    }
+
+    fn name_child(&mut self, task: u32, child: &Child, construct: &Construct, position: usize, occurrence: u32) {
+        let record = &mut self.tasks[task];
+        record.position = position as u32;
+        record.name = child.name.unwrap_or(construct.name);
+        record.named_by_construct = child.name.is_none() && !matches!(construct.rule, Rule::Single | Rule::Timeout);
+        record.occurrence = occurrence;
+    }
+
+    fn construct_argument(&self, construct: &Construct, base: usize) -> Result<Option<f64>, Raise> {
+        if construct.argument == NO_REG {
+            return Ok(None);
+        }
+        let value = self.scratch.stack[base + usize::from(construct.argument)];
+        match value.as_f64() {
+            Some(number) if number.is_finite() => Ok(Some(number)),
+            _ => {
+                let what = if construct.with_priority { "a priority" } else { "a time" };
+                Err(self.wrong_type(what, "a number", value))
+            }
+        }
+    }
+
+    fn child_priority(
+        &mut self,
+        construct: &Construct,
+        parent: u32,
+        position: usize,
+        argument: Option<f64>,
+    ) -> (u32, u16) {
+        let (priority, depth) = (self.tasks[parent].priority, self.tasks[parent].priority_depth);
+        let appended = match construct.rule {
+            Rule::Policy => i64::from(position == 0),
+            Rule::Single if construct.with_priority => argument.unwrap_or(0.0) as i64,
+            _ => return (priority, depth),
+        };
+        (self.priorities.appended(priority, usize::from(depth), appended), depth + 1)
+    }
+
+    fn set_deadline(&mut self, parent: u32, scope: u32, seconds: f64) {
+        let deadline = self.now_us.saturating_add(microseconds(seconds));
+        let timer = self.timers.set(deadline, self.tasks.reference(parent), Alarm::Deadline);
+        if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
+            children.timer = timer;
+        }
+    }
+
+    fn empty_construct(&mut self, around: &Surroundings<'_>, rule: Rule) -> Result<Option<Value>, Raise> {
+        match rule {
+            Rule::Pursue | Rule::TryAll => Err(Raise::Again(self.composite(around, Vec::new()))),
+            _ => Ok(Some(Value::Nil)),
+        }
+    }
+
+    pub(crate) fn composite(&mut self, around: &Surroundings<'_>, parts: Vec<Value>) -> Value {
+        let message = match parts.len() {
+            0 => "there was nothing that could succeed".to_string(),
+            1 => "the only way failed".to_string(),
+            count => format!("all {count} ways failed"),
+        };
+        let class = self.symbols.intern("composite-failure");
+        let failure = self.new_failure(around.program, class, message, Vec::new());
+        if let Value::Failure(index) = failure {
+            self.heap.failures[index].parts = parts;
+        }
+        failure
+    }
+
+    /// The deadline of a timeout has come.
+    pub(crate) fn deadline(&mut self, around: &mut Surroundings<'_>, task: u32, timer: u64) {
+        let scope = self.tasks[task]
+            .scopes
+            .iter()
+            .position(|scope| matches!(&scope.kind, ScopeKind::Children(children) if children.timer == timer));
+        let Some(scope) = scope else { return };
+        let ScopeKind::Children(children) = &self.tasks[task].scopes[scope].kind else { return };
+        let seconds = children.seconds;
+        let slot = self.symbols.intern("seconds");
+        let class = self.symbols.intern("timeout");
+        let failure = self.new_failure(
+            around.program,
+            class,
+            format!("not done within {seconds} s"),
+            vec![(slot, Value::Float(seconds))],
+        );
+        if let Value::Failure(index) = failure {
+            self.heap.failures[index].path = self.path(task);
+            self.heap.failures[index].calls = self.plan_calls(task);
+        }
+        self.decide(around, task, scope as u32, Decision::Fail(failure));
+        self.finish_if_done(around, task, scope as u32);
+    }
+
+    /// A child has died: the rule looks at it.
+    pub(crate) fn child_ended(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
+        let (state, result, position) = (self.tasks[child].state, self.tasks[child].result, self.tasks[child].position);
+        self.disown(child);
+        match &mut self.tasks[parent].scopes[scope as usize].kind {
+            ScopeKind::Call(call) => {
+                call.spawned -= 1;
+                self.spawned_ended(around, parent, scope, state, result);
+            }
+            ScopeKind::Children(children) => {
+                children.alive -= 1;
+                if children.rule == Rule::Plan {
+                    children.dead.push(position as u16);
+                }
+                let decided = children.decided;
+                match (decided, verdict(children, state, result, position)) {
+                    (None, Some(decision)) => self.decide(around, parent, scope, decision),
+                    (None, None) => self.start_successors(around, parent, scope),
+                    (Some(decision), _) if state == State::Failed => self.attach_failure(around, decision, result),
+                    (Some(_), _) => {}
+                }
+                self.finish_if_done(around, parent, scope);
+            }
+            other => unreachable!("a child belongs to a construct or a plan call, not to {other:?}"),
+        }
+    }
+
+    /// Fixes the outcome of a construct: from now on its children run nothing but clean-ups.
+    fn decide(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, decision: Decision) {
+        if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
+            if children.decided.is_some() {
+                return;
+            }
+            children.decided = Some(decision);
+        }
+        for child in self.children_of_scope(parent, scope) {
+            self.evaporate(around, child);
+        }
+    }
+
+    /// A failure that comes after the decision is kept beside it.
+    fn attach_failure(&mut self, around: &Surroundings<'_>, decision: Decision, failure: Value) {
+        match (decision, failure) {
+            (Decision::Fail(Value::Failure(index)), failure) if Value::Failure(index) != failure => {
+                self.heap.failures[index].while_cleaning_up.push(failure);
+            }
+            (Decision::Succeed(_), failure) => self.warn_of_failure(around.program, failure, "in a clean-up"),
+            _ => {}
+        }
+    }
+
+    fn start_successors(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32) {
+        let ScopeKind::Children(children) = &self.tasks[parent].scopes[scope as usize].kind else { return };
+        if children.rule != Rule::Plan {
+            return;
+        }
+        let (order, dead) = (children.order.clone(), children.dead.clone());
+        for child in self.children_of_scope(parent, scope) {
+            let position = self.tasks[child].position as u16;
+            let may_start = order.iter().all(|&(before, after)| after != position || dead.contains(&before));
+            if self.tasks[child].state == State::Created && may_start {
+                self.start_task(around, child);
+            }
+        }
+    }
+
+    fn finish_if_done(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32) {
+        let record = &self.tasks[parent];
+        // Its owner may have gone on already: several children can die in one step.
+        let Some(ScopeKind::Children(children)) = record.scopes.get(scope as usize).map(|scope| &scope.kind) else {
+            return;
+        };
+        if children.alive > 0 || record.state != State::Blocked || record.scopes.len() != scope as usize + 1 {
+            return;
+        }
+        if record.leaving.is_some() {
+            self.unwind(around, parent);
+            return;
+        }
+        let Some(Scope { kind: ScopeKind::Children(children), .. }) = self.tasks[parent].scopes.pop() else { return };
+        if children.timer != 0 {
+            self.forget_timer();
+        }
+        self.tasks[parent].wake_register = children.result;
+        let decision = match (children.decided, children.rule) {
+            (Some(decision), _) => decision,
+            (None, Rule::Pursue | Rule::TryAll) => {
+                let failure = self.composite(around, children.failures);
+                if let Value::Failure(index) = failure {
+                    self.heap.failures[index].path = self.path(parent);
+                    self.heap.failures[index].calls = self.plan_calls(parent);
+                }
+                Decision::Fail(failure)
+            }
+            (None, _) => Decision::Succeed(children.last_value),
+        };
+        self.wake(
+            parent,
+            match decision {
+                Decision::Succeed(value) => Wake::Value(value),
+                Decision::Fail(failure) => Wake::Raise(failure),
+            },
+        );
+    }
+
+    /// A spawned child has ended: its failure is that of the plan call it belongs to.
+    fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
+        if state == State::Failed {
+            let record = &self.tasks[owner];
+            if record.is_protected() {
+                match record.leaving.as_deref() {
+                    Some(Leaving::Fail(failure)) => {
+                        self.attach_failure(around, Decision::Fail(*failure), result);
+                    }
+                    _ => self.warn_of_failure(around.program, result, "of a spawned task while its plan was ending"),
+                }
+            } else {
+                self.depart(around, owner, Leaving::FailCall { scope, failure: result });
+                return;
+            }
+        }
+        let record = &self.tasks[owner];
+        let none_left = matches!(&record.scopes[scope as usize].kind, ScopeKind::Call(call) if call.spawned == 0);
+        if none_left && record.state == State::Blocked && record.waiting == Waiting::Spawned {
+            if record.leaving.is_some() {
+                self.unwind(around, owner);
+            } else {
+                self.wake(owner, Wake::Nothing);
+            }
+        }
+    }
+}
+
+/// What the end of one child decides.
+fn verdict(children: &mut Children, state: State, result: Value, position: u32) -> Option<Decision> {
+    let is_last = position + 1 == children.total;
+    match (children.rule, state) {
+        (Rule::Par | Rule::Plan | Rule::Pursue | Rule::Policy | Rule::Single | Rule::Timeout, State::Failed) => {
+            Some(Decision::Fail(result))
+        }
+        (Rule::TryAll, State::Failed) => {
+            children.failures.push(result);
+            None
+        }
+        (Rule::Par | Rule::Plan, State::Succeeded) => {
+            if is_last {
+                children.last_value = result;
+            }
+            None
+        }
+        (Rule::Pursue | Rule::TryAll | Rule::Single | Rule::Timeout, State::Succeeded) => {
+            Some(Decision::Succeed(result))
+        }
+        (Rule::Policy, State::Succeeded) => (position == 1).then_some(Decision::Succeed(result)),
+        (Rule::Policy, State::Evaporated) => (position == 1).then_some(Decision::Succeed(Value::Nil)),
+        (Rule::Single | Rule::Timeout, State::Evaporated) => Some(Decision::Succeed(Value::Nil)),
+        _ => None,
+    }
+}
+
+/// Seconds of a plan as microseconds of virtual time, to the nearest.
+pub(crate) fn microseconds(seconds: f64) -> u64 {
+    libm::round(seconds.max(0.0) * 1e6).min(1e18) as u64
+}

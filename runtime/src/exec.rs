@@ -1,0 +1,1329 @@
+//! The stepper: executes register code of one task until it blocks, ends or is switched out.
+
+use crate::failure::Raise;
+use crate::fluent::{Fluent, Origin};
+use crate::machine::{Machine, SCRATCH_TASK, Surroundings};
+use crate::native::{Call as NativeCall, Effect, Reply};
+use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
+use crate::unwind::{Landing, Unwound};
+use crate::value::Value;
+use rpl_lang::code::{Code, NO_REG, Op, Parameters, Reg};
+
+/// How far the window of one frame reaches.
+const WINDOW: usize = 256;
+
+/// Why the stepper came back.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Exit {
+    /// The outermost frame has ended with a value.
+    Returned(Value),
+    /// The task waits.
+    Blocked,
+    /// A more important task is ready, or the task is suspended.
+    Switched,
+    /// The task is dead.
+    Dead,
+    /// A datum is to be compiled; its code goes on in the register.
+    Execute(Value, Reg),
+}
+
+/// The place of execution; in local variables while the loop runs.
+#[derive(Clone, Copy)]
+struct Place {
+    frame: Frame,
+    fuel: u32,
+}
+
+fn overflow(operation: &str) -> Raise {
+    Raise::new("arithmetic-error", format!("integer overflow in {operation}: the result does not fit 64 bits"))
+}
+
+impl Machine {
+    /// Runs a ready task until it blocks, ends or is switched out. A datum to compile is answered;
+    /// the task then goes on with [`Machine::enter`].
+    pub(crate) fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Option<Value> {
+        self.set_state(task, State::Running);
+        self.current = task;
+        self.scratch.switch = false;
+        let record = &mut self.tasks[task];
+        if record.budget_instant != self.instant {
+            record.budget_instant = self.instant;
+            record.steps = 0;
+            record.runaways = 0;
+        }
+        record.steps = record.steps.saturating_add(1);
+        let needed = record.registers.len() + WINDOW;
+        if self.scratch.stack.len() < needed {
+            self.scratch.stack.resize(needed.max(4 * WINDOW), Value::Nil);
+        }
+        self.scratch.stack[..record.registers.len()].copy_from_slice(&record.registers);
+        self.scratch.frames.clear();
+        self.scratch.frames.extend_from_slice(&record.frames);
+        let mut place = Place { frame: record.frame, fuel: self.limits.steps.saturating_sub(record.steps) };
+        let wake = std::mem::take(&mut record.wake);
+        let register = record.frame.base as usize + usize::from(record.wake_register);
+        let keeps_value = record.wake_register != NO_REG;
+        let is_leaving = record.leaving.is_some();
+        if is_leaving && !self.unwind_running(around, &mut place) {
+            return self.after_exit(around, task, place, Exit::Blocked);
+        }
+        let exit = match wake {
+            Wake::Raise(failure) if !is_leaving => self.raise(around, &mut place, Raise::Again(failure)),
+            Wake::Value(value) if !is_leaving && keeps_value => {
+                self.scratch.stack[register] = value;
+                None
+            }
+            _ => None,
+        };
+        let exit = match exit {
+            Some(exit) => exit,
+            None => self.execute(around, &mut place, 0),
+        };
+        self.after_exit(around, task, place, exit)
+    }
+
+    fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Option<Value> {
+        let mut datum = None;
+        let alive = self.tasks.get(task).is_some_and(|record| !record.state.is_dead());
+        if alive {
+            self.tasks[task].steps = self.limits.steps.saturating_sub(place.fuel);
+        }
+        match exit {
+            Exit::Returned(value) => self.finish(around, task, value),
+            Exit::Dead => {}
+            Exit::Blocked | Exit::Switched | Exit::Execute(..) if alive => {
+                let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
+                self.store(task, place.frame, registers);
+                self.current = NONE;
+                match exit {
+                    Exit::Switched => self.requeue_running(task),
+                    Exit::Execute(value, register) => {
+                        self.tasks[task].wake_register = register;
+                        datum = Some(value);
+                    }
+                    _ => {
+                        if self.tasks[task].state == State::Running {
+                            self.set_state(task, State::Blocked);
+                        }
+                        if std::mem::take(&mut self.scratch.gives_way) {
+                            self.tasks[task].wake = Wake::Value(Value::Nil);
+                            self.make_ready(task);
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+        self.current = NONE;
+        datum
+    }
+
+    /// The task's own code has ended: the children it spawned go first.
+    fn finish(&mut self, around: &mut Surroundings<'_>, task: u32, value: Value) {
+        while let Some(scope) = self.tasks[task].scopes.pop() {
+            if let ScopeKind::Call(call) = scope.kind {
+                self.end_call(around, task, &call.tags);
+            }
+        }
+        self.die(around, task, State::Succeeded, value);
+    }
+
+    /// Lets a task that asked for a datum to be compiled go on in its code.
+    pub(crate) fn enter(&mut self, around: &Surroundings<'_>, task: u32, code: u32) {
+        let record = &self.tasks[task];
+        let register = usize::from(record.wake_register);
+        let frame = record.frame;
+        let base = frame.base as usize + register;
+        let mut registers = record.registers[..base].to_vec();
+        registers.resize(base + usize::from(around.program.codes[code as usize].registers), Value::Nil);
+        let caller_size = record.registers.len();
+        if registers.len() < caller_size {
+            registers.resize(caller_size, Value::Nil);
+        }
+        let mut frames = record.frames.to_vec();
+        frames.push(frame);
+        let record = &mut self.tasks[task];
+        record.registers = registers.into_boxed_slice();
+        record.frames = frames.into_boxed_slice();
+        record.frame = Frame { code, pc: 0, base: base as u32 };
+        record.wake_register = NO_REG;
+        self.requeue_running(task);
+    }
+
+    /// Lets a task that asked for a datum to be compiled fail instead.
+    pub(crate) fn fail_execution(&mut self, task: u32, failure: Value) {
+        self.tasks[task].wake = Wake::Raise(failure);
+        self.requeue_running(task);
+    }
+
+    /// Evaluates the code of a network in the scratch task, above whatever runs now.
+    pub(crate) fn evaluate_code(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        code: u32,
+        arguments: &[Value],
+    ) -> Result<Value, Value> {
+        let outer_task = std::mem::replace(&mut self.current, SCRATCH_TASK);
+        let outer_scopes = std::mem::take(&mut self.tasks[SCRATCH_TASK].scopes);
+        let outer_top = self.scratch.top;
+        let outer_switch = self.scratch.switch;
+        if outer_task == NONE {
+            self.scratch.frames.clear();
+            self.scratch.top = 0;
+        }
+        let base = self.scratch.top;
+        if self.scratch.stack.len() < base + 2 * WINDOW {
+            self.scratch.stack.resize(base + 4 * WINDOW, Value::Nil);
+        }
+        let registers = usize::from(around.program.codes[code as usize].registers);
+        self.scratch.stack[base..base + registers.max(arguments.len())].fill(Value::Nil);
+        self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
+        let entry = self.scratch.frames.len();
+        let frame = Frame { code, pc: 0, base: base as u32 };
+        let mut place = Place { frame, fuel: self.limits.steps / 10 };
+        let exit = self.execute(around, &mut place, entry);
+        self.scratch.frames.truncate(entry);
+        self.scratch.top = outer_top;
+        self.scratch.switch |= outer_switch;
+        self.tasks[SCRATCH_TASK].scopes = outer_scopes;
+        let leaving = self.tasks[SCRATCH_TASK].leaving.take().map(|leaving| *leaving);
+        self.current = outer_task;
+        match (exit, leaving) {
+            (Exit::Returned(value), _) => Ok(value),
+            (_, Some(Leaving::Fail(failure))) => Err(failure),
+            _ => Err(self.failure_from(
+                around.program,
+                Raise::new("network-error", "this cannot be done while a fluent network or a macro is evaluated"),
+            )),
+        }
+    }
+
+    fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Exit {
+        loop {
+            let raise = match self.instructions(around, place, entry) {
+                Ok(Exit::Blocked) if self.is_leaving() => {
+                    if self.unwind_running(around, place) {
+                        continue;
+                    }
+                    return if self.is_alive() { Exit::Blocked } else { Exit::Dead };
+                }
+                Ok(exit) => return exit,
+                Err(raise) => raise,
+            };
+            if let Some(exit) = self.raise(around, place, raise) {
+                return exit;
+            }
+        }
+    }
+
+    fn is_leaving(&self) -> bool {
+        self.tasks.get(self.current).is_some_and(|task| task.leaving.is_some())
+    }
+
+    fn is_alive(&self) -> bool {
+        self.tasks.get(self.current).is_some_and(|task| !task.state.is_dead())
+    }
+
+    /// Raises a failure where the current task stands; answers how it left, if it did.
+    fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Place, raise: Raise) -> Option<Exit> {
+        let code = &around.program.codes[place.frame.code as usize];
+        let span = code.spans.get((place.frame.pc as usize).saturating_sub(1)).copied();
+        let failure = self.failure_from(around.program, raise);
+        if let Value::Failure(index) = failure {
+            let record = &mut self.heap.failures[index];
+            record.span = record.span.or(span);
+        }
+        let task = self.current;
+        if task != SCRATCH_TASK {
+            self.trace_failed(around.program, task, failure);
+        }
+        if self.tasks[task].leaving.is_none() {
+            self.tasks[task].leaving = Some(Box::new(Leaving::Fail(failure)));
+        }
+        if self.unwind_running(around, place) {
+            return None;
+        }
+        Some(if self.is_alive() { Exit::Blocked } else { Exit::Dead })
+    }
+
+    /// Goes on with the current task's departure; tells whether code is to run now.
+    fn unwind_running(&mut self, around: &mut Surroundings<'_>, place: &mut Place) -> bool {
+        let task = self.current;
+        let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
+        self.scratch.top = place.frame.base as usize + registers;
+        match self.unwind_step(around, task, true) {
+            Unwound::Land(landing) => {
+                self.land_at(place, landing);
+                true
+            }
+            Unwound::Waiting | Unwound::Dead => false,
+        }
+    }
+
+    fn land_at(&mut self, place: &mut Place, landing: Landing) {
+        if let Some(&frame) = self.scratch.frames.get(landing.depth as usize) {
+            place.frame = frame;
+            self.scratch.frames.truncate(landing.depth as usize);
+        }
+        place.frame.pc = landing.target;
+        for (register, value) in landing.writes {
+            if value != Value::Unbound {
+                self.scratch.stack[place.frame.base as usize + usize::from(register)] = value;
+            }
+        }
+    }
+
+    fn push_scope(&mut self, kind: ScopeKind) {
+        let depth = self.scratch.frames.len() as u32;
+        let task = self.current;
+        self.tasks[task].scopes.push(Scope { kind, depth });
+    }
+
+    /// Refuses what a network or a macro may not do.
+    fn refuse_in_network(&self, what: &str) -> Result<(), Raise> {
+        if self.current == SCRATCH_TASK {
+            return Err(Raise::new("network-error", format!("{what} while a fluent network or a macro is evaluated")));
+        }
+        Ok(())
+    }
+
+    /// Arranges arguments for a function with optional, rest or key parameters.
+    pub(crate) fn arrange(&mut self, code: &Code, first: usize, count: usize) -> Result<(), Raise> {
+        let parameters: &Parameters = &code.parameters;
+        if !parameters.accepts(count) {
+            let name = self.symbols.name(code.name).to_string();
+            let given = if count == 1 { "1 was given".into() } else { format!("{count} were given") };
+            return Err(Raise::new("arity-error", format!("`{name}` takes {}, and {given}", parameters.describe())));
+        }
+        if parameters.is_simple() {
+            return Ok(());
+        }
+        let required = usize::from(parameters.required);
+        let optional = usize::from(parameters.optional);
+        let given: Vec<Value> = self.scratch.stack[first..first + count].to_vec();
+        let positional = given.len().min(required + optional);
+        let mut arranged = given[..positional].to_vec();
+        arranged.resize(required + optional, Value::Unbound);
+        let rest = &given[positional..];
+        if parameters.rest {
+            arranged.push(self.heap.list(rest));
+        }
+        if !parameters.keys.is_empty() {
+            let keys = arranged.len();
+            arranged.resize(keys + parameters.keys.len(), Value::Unbound);
+            for pair in rest.chunks(2) {
+                let known = match pair[0] {
+                    Value::Keyword(key) => parameters.keys.iter().position(|&known| known == key),
+                    _ => None,
+                };
+                match (known, pair.get(1)) {
+                    (Some(at), Some(&value)) => arranged[keys + at] = value,
+                    _ if parameters.rest => {}
+                    (None, _) => {
+                        let names: Vec<String> =
+                            parameters.keys.iter().map(|&key| format!(":{}", self.symbols.name(key))).collect();
+                        let name = self.symbols.name(code.name);
+                        return Err(Raise::new(
+                            "arity-error",
+                            format!(
+                                "`{name}` takes the keywords {}, not {}",
+                                names.join(" "),
+                                self.describe_key(pair[0])
+                            ),
+                        ));
+                    }
+                    (Some(_), None) => {
+                        return Err(Raise::new("arity-error", format!("{} has no value", self.describe_key(pair[0]))));
+                    }
+                }
+            }
+        }
+        self.scratch.stack[first..first + arranged.len()].copy_from_slice(&arranged);
+        Ok(())
+    }
+
+    fn describe_key(&self, value: Value) -> String {
+        match value {
+            Value::Keyword(key) => format!("`:{}`", self.symbols.name(key)),
+            other => other.type_name().to_string(),
+        }
+    }
+
+    fn wrong_operands(&self, operation: &str, left: Value, right: Value) -> Raise {
+        let culprit = if left.as_f64().is_none() { left } else { right };
+        self.wrong_type(&format!("an operand of `{operation}`"), "a number", culprit)
+    }
+
+    fn not_a_function(&self, value: Value) -> Raise {
+        self.wrong_type("what is called", "a function", value)
+    }
+
+    fn describe_global(&self, around: &Surroundings<'_>, global: u32) -> Raise {
+        let name = self.symbols.name(around.program.globals[global as usize].name);
+        Raise::new("unbound-variable", format!("`{name}` has no value yet: its definition has not run"))
+    }
+
+    /// The loop. Comes back with an exit, or with a failure to raise at `place`.
+    #[allow(
+        clippy::too_many_lines,
+        reason = "one arm an instruction; the loop must be one function to keep its state in registers"
+    )]
+    fn instructions(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Result<Exit, Raise> {
+        let program = around.program;
+        let mut code: &Code = &program.codes[place.frame.code as usize];
+        let mut code_number = place.frame.code;
+        let mut pc = place.frame.pc as usize;
+        let mut base = place.frame.base as usize;
+        let mut fuel = place.fuel;
+
+        macro_rules! save {
+            () => {
+                place.frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                place.fuel = fuel;
+                self.scratch.top = base + usize::from(code.registers);
+            };
+        }
+        macro_rules! fail {
+            ($raise:expr) => {{
+                let raise = $raise;
+                save!();
+                return Err(raise);
+            }};
+        }
+        macro_rules! attempt {
+            ($result:expr) => {
+                match $result {
+                    Ok(value) => value,
+                    Err(raise) => fail!(raise),
+                }
+            };
+        }
+        macro_rules! collect_if_full {
+            () => {
+                if self.heap.is_full() {
+                    self.scratch.top = base + usize::from(code.registers);
+                    // A network under evaluation is not named by anything yet, nor is what it
+                    // was called for.
+                    if self.current != SCRATCH_TASK {
+                        self.collect();
+                    }
+                    if self.heap.used_bytes() > self.limits.bytes {
+                        fail!(Raise::new(
+                            "out-of-memory",
+                            format!("the heap has grown beyond {} bytes", self.limits.bytes)
+                        ));
+                    }
+                }
+            };
+        }
+        // After an instruction that may have made a more important task ready, ended or suspended
+        // this one.
+        macro_rules! check_switch {
+            () => {
+                if self.scratch.switch {
+                    self.scratch.switch = false;
+                    if self.current != SCRATCH_TASK && self.must_switch() {
+                        save!();
+                        return Ok(Exit::Switched);
+                    }
+                }
+            };
+        }
+        macro_rules! check_leaving {
+            () => {
+                if self.tasks[self.current].leaving.is_some() {
+                    save!();
+                    return Ok(Exit::Blocked);
+                }
+            };
+        }
+        macro_rules! block {
+            ($register:expr) => {{
+                save!();
+                let task = self.current;
+                self.tasks[task].wake_register = $register;
+                self.trace_blocked(task);
+                return Ok(Exit::Blocked);
+            }};
+        }
+        macro_rules! burn {
+            () => {
+                match fuel.checked_sub(1) {
+                    Some(rest) => fuel = rest,
+                    None => {
+                        fuel = self.limits.steps;
+                        let task = self.current;
+                        self.tasks[task].runaways = self.tasks[task].runaways.saturating_add(1);
+                        fail!(Raise::new(
+                            "runaway",
+                            format!("{} steps in one instant without blocking", self.limits.steps)
+                        ));
+                    }
+                }
+            };
+        }
+
+        'frame: loop {
+            if self.scratch.stack.len() < base + WINDOW {
+                let size = (base + WINDOW) * 2;
+                self.scratch.stack.resize(size, Value::Nil);
+            }
+            let Some(r) = self.scratch.stack[base..].first_chunk_mut::<WINDOW>() else {
+                unreachable!("the stack reaches a window beyond the base");
+            };
+            macro_rules! r {
+                ($register:expr) => {
+                    r[$register as usize]
+                };
+            }
+            macro_rules! arithmetic {
+                ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
+                    match (r!($a), r!($b)) {
+                        (Value::Int(x), Value::Int(y)) => match x.$checked(y) {
+                            Some(value) => r!($to) = Value::Int(value),
+                            None => fail!(overflow($name)),
+                        },
+                        (Value::Float(x), Value::Float(y)) => r!($to) = Value::Float(x $operator y),
+                        (left, right) => match (left.as_f64(), right.as_f64()) {
+                            (Some(x), Some(y)) => r!($to) = Value::Float(x $operator y),
+                            _ => fail!(self.wrong_operands($name, left, right)),
+                        },
+                    }
+                };
+            }
+            macro_rules! compare {
+                ($a:expr, $b:expr, $name:literal, $operator:tt) => {
+                    match (r!($a), r!($b)) {
+                        (Value::Int(x), Value::Int(y)) => x $operator y,
+                        (left, right) => match (left.as_f64(), right.as_f64()) {
+                            (Some(x), Some(y)) => x $operator y,
+                            _ => fail!(self.wrong_operands($name, left, right)),
+                        },
+                    }
+                };
+            }
+            macro_rules! compare_int {
+                ($a:expr, $value:expr, $name:literal, $operator:tt) => {
+                    match r!($a) {
+                        Value::Int(x) => x $operator i64::from($value),
+                        Value::Float(x) => x $operator f64::from($value),
+                        other => fail!(self.wrong_operands($name, other, other)),
+                    }
+                };
+            }
+            macro_rules! jump {
+                ($distance:expr) => {{
+                    let distance = $distance;
+                    if distance < 0 {
+                        burn!();
+                    }
+                    pc = (pc as i64 + i64::from(distance)) as usize;
+                }};
+            }
+            loop {
+                let op = code.ops[pc];
+                pc += 1;
+                match op {
+                    Op::Nil(a) => r!(a) = Value::Nil,
+                    Op::True(a) => r!(a) = Value::True,
+                    Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
+                    Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
+                    Op::Global(a, global) => {
+                        let value = self.globals[global as usize];
+                        if value == Value::Unbound {
+                            fail!(self.describe_global(around, global));
+                        }
+                        r!(a) = value;
+                    }
+                    Op::SetGlobal(a, global) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a variable cannot be assigned"));
+                        self.globals[global as usize] = value;
+                        continue 'frame;
+                    }
+                    Op::DefFluent(a, global) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a fluent cannot be defined"));
+                        let name = program.globals[global as usize].name;
+                        let fluent = match value {
+                            Value::Fluent(_) => value,
+                            value => self.create_fluent(Fluent::new(Some(name), value, Origin::Plan)),
+                        };
+                        if let Value::Fluent(index) = fluent
+                            && self.fluents[index].name.is_none()
+                        {
+                            self.fluents[index].name = Some(name);
+                        }
+                        self.globals[global as usize] = fluent;
+                        self.scratch.stack[base + usize::from(a)] = fluent;
+                        continue 'frame;
+                    }
+                    Op::Move(a, b) => r!(a) = r!(b),
+                    Op::CellNew(a, b) => {
+                        r!(a) = self.heap.cell(r!(b));
+                        collect_if_full!();
+                        continue 'frame;
+                    }
+                    Op::CellGet(a, b) => {
+                        if let Value::Cell(cell) = r!(b) {
+                            r!(a) = self.heap.cells[cell];
+                        }
+                    }
+                    Op::CellSet(a, b) => {
+                        if let Value::Cell(cell) = r!(a) {
+                            self.heap.cells[cell] = r!(b);
+                        }
+                    }
+                    Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
+                    Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
+                    Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
+                    Op::AddInt(a, b, value) => match r!(b) {
+                        Value::Int(x) => match x.checked_add(i64::from(value)) {
+                            Some(sum) => r!(a) = Value::Int(sum),
+                            None => fail!(overflow("+")),
+                        },
+                        Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
+                        other => fail!(self.wrong_operands("+", other, other)),
+                    },
+                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
+                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
+                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
+                    Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
+                    Op::Not(a, b) => r!(a) = Value::truth(r!(b) == Value::Nil),
+                    Op::Cons(a, b, c) => {
+                        r!(a) = self.heap.cons(r!(b), r!(c));
+                        if self.heap.is_full() {
+                            collect_if_full!();
+                            continue 'frame;
+                        }
+                    }
+                    Op::Car(a, b) => match r!(b) {
+                        Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                        Value::Nil => r!(a) = Value::Nil,
+                        other => fail!(self.wrong_type("the argument of `car`", "a list", other)),
+                    },
+                    Op::Cdr(a, b) => match r!(b) {
+                        Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
+                        Value::Nil => r!(a) = Value::Nil,
+                        other => fail!(self.wrong_type("the argument of `cdr`", "a list", other)),
+                    },
+                    Op::Jump(distance) => jump!(distance),
+                    Op::JumpIfNil(a, distance) => {
+                        if r!(a) == Value::Nil {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpIfTrue(a, distance) => {
+                        if r!(a) != Value::Nil {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpIfGiven(a, distance) => {
+                        if r!(a) != Value::Unbound {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLess(a, b, distance) => {
+                        if !compare!(a, b, "<", <) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLessEq(a, b, distance) => {
+                        if !compare!(a, b, "<=", <=) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessNumEq(a, b, distance) => {
+                        if !compare!(a, b, "=", ==) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLessInt(a, value, distance) => {
+                        if !compare_int!(a, value, "<", <) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLessEqInt(a, value, distance) => {
+                        if !compare_int!(a, value, "<=", <=) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessGreaterInt(a, value, distance) => {
+                        if !compare_int!(a, value, ">", >) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessGreaterEqInt(a, value, distance) => {
+                        if !compare_int!(a, value, ">=", >=) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessNumEqInt(a, value, distance) => {
+                        if !compare_int!(a, value, "=", ==) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::Call(first, count, global) => {
+                        burn!();
+                        match self.globals[global as usize] {
+                            Value::Function(number) => {
+                                let callee: &Code = &program.codes[number as usize];
+                                let first = base + usize::from(first);
+                                if usize::from(callee.parameters.required) != usize::from(count)
+                                    || !callee.parameters.is_simple()
+                                {
+                                    if self.scratch.stack.len() < first + WINDOW {
+                                        self.scratch.stack.resize(first + 2 * WINDOW, Value::Nil);
+                                    }
+                                    attempt!(self.arrange(callee, first, usize::from(count)));
+                                }
+                                if self.scratch.frames.len() >= self.limits.frames as usize {
+                                    fail!(Raise::new(
+                                        "stack-overflow",
+                                        format!("{} calls inside one another", self.limits.frames)
+                                    ));
+                                }
+                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                                (code, code_number, pc, base) = (callee, number, 0, first);
+                                self.clear_frame(callee, base);
+                                continue 'frame;
+                            }
+                            Value::Unbound => fail!(self.describe_global(around, global)),
+                            function => {
+                                save!();
+                                let first = usize::from(first);
+                                let arguments =
+                                    self.scratch.stack[base + first..base + first + usize::from(count)].to_vec();
+                                match self.call_value(
+                                    around,
+                                    place,
+                                    function,
+                                    &arguments,
+                                    first,
+                                    false,
+                                    first as Reg,
+                                )? {
+                                    Some(exit) => return Ok(exit),
+                                    None => {
+                                        (code_number, pc, base) =
+                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                                        code = &program.codes[code_number as usize];
+                                        check_leaving!();
+                                        check_switch!();
+                                        continue 'frame;
+                                    }
+                                }
+                            }
+                        }
+                    }
+                    Op::TailCall(first, count, global) => {
+                        burn!();
+                        match self.globals[global as usize] {
+                            Value::Function(number)
+                                if program.codes[number as usize].kind != rpl_lang::code::CodeKind::Plan =>
+                            {
+                                let callee: &Code = &program.codes[number as usize];
+                                let (from, count) = (usize::from(first), usize::from(count));
+                                r.copy_within(from..from + count, 0);
+                                if usize::from(callee.parameters.required) != count || !callee.parameters.is_simple() {
+                                    attempt!(self.arrange(callee, base, count));
+                                }
+                                (code, code_number, pc) = (callee, number, 0);
+                                self.clear_frame(callee, base);
+                                continue 'frame;
+                            }
+                            Value::Unbound => fail!(self.describe_global(around, global)),
+                            function => {
+                                save!();
+                                let first = usize::from(first);
+                                let arguments =
+                                    self.scratch.stack[base + first..base + first + usize::from(count)].to_vec();
+                                match self.call_value(around, place, function, &arguments, first, true, first as Reg)? {
+                                    Some(exit) => return Ok(exit),
+                                    None => {
+                                        (code_number, pc, base) =
+                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                                        code = &program.codes[code_number as usize];
+                                        check_leaving!();
+                                        check_switch!();
+                                        continue 'frame;
+                                    }
+                                }
+                            }
+                        }
+                    }
+                    Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
+                        burn!();
+                        let tail = matches!(op, Op::TailCallValue(..));
+                        let function = r!(callee);
+                        let first = usize::from(callee) + 1;
+                        let arguments = r[first..first + usize::from(count)].to_vec();
+                        save!();
+                        match self.call_value(around, place, function, &arguments, first, tail, first as Reg)? {
+                            Some(exit) => return Ok(exit),
+                            None => {
+                                (code_number, pc, base) =
+                                    (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                                code = &program.codes[code_number as usize];
+                                check_leaving!();
+                                check_switch!();
+                                continue 'frame;
+                            }
+                        }
+                    }
+                    Op::CallCode(first, number) => {
+                        burn!();
+                        self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                        base += usize::from(first);
+                        (code, code_number, pc) = (&program.codes[number as usize], number, 0);
+                        self.clear_frame(code, base);
+                        continue 'frame;
+                    }
+                    Op::CallNative(to, first, count, native) => {
+                        save!();
+                        let (first, count) = (usize::from(first), usize::from(count));
+                        let mut buffer = [Value::Nil; 8];
+                        let reply = if count <= buffer.len() {
+                            buffer[..count].copy_from_slice(&r[first..first + count]);
+                            self.call_native(around, native, &buffer[..count])
+                        } else {
+                            let arguments = r[first..first + count].to_vec();
+                            self.call_native(around, native, &arguments)
+                        };
+                        match attempt!(reply) {
+                            Reply::Value(value) => {
+                                self.scratch.stack[base + usize::from(to)] = value;
+                                collect_if_full!();
+                                if self.scratch.switch || around.natives[usize::from(native)].effect == Effect::Acts {
+                                    check_leaving!();
+                                    check_switch!();
+                                }
+                            }
+                            Reply::Wait => block!(to),
+                            Reply::Leave => check_leaving!(),
+                            Reply::Execute(datum) => return Ok(Exit::Execute(datum, to)),
+                            Reply::Call(function, arguments) => {
+                                match self.call_value(
+                                    around,
+                                    place,
+                                    function,
+                                    &arguments,
+                                    usize::from(to),
+                                    false,
+                                    to,
+                                )? {
+                                    Some(exit) => return Ok(exit),
+                                    None => {
+                                        (code_number, pc, base) =
+                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                                        code = &program.codes[code_number as usize];
+                                        check_leaving!();
+                                        check_switch!();
+                                    }
+                                }
+                            }
+                        }
+                        continue 'frame;
+                    }
+                    Op::Closure(a, number) => {
+                        let inner = &program.codes[number as usize];
+                        r!(a) = if inner.captures.is_empty() {
+                            Value::Function(number)
+                        } else {
+                            let captured = inner.captures.iter().map(|&register| r!(register)).collect();
+                            self.heap.closure(number, captured)
+                        };
+                        collect_if_full!();
+                        continue 'frame;
+                    }
+                    Op::Return(a) => {
+                        let value = r!(a);
+                        if self.scratch.frames.len() == entry {
+                            save!();
+                            if self.current != SCRATCH_TASK && self.must_wait_for_spawned(around) {
+                                // The instruction runs again when they are dead.
+                                place.frame.pc -= 1;
+                                let task = self.current;
+                                self.tasks[task].wake_register = NO_REG;
+                                return Ok(Exit::Blocked);
+                            }
+                            return Ok(Exit::Returned(value));
+                        }
+                        r!(0) = value;
+                        if let Some(frame) = self.scratch.frames.pop() {
+                            (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
+                            code = &program.codes[code_number as usize];
+                        }
+                        continue 'frame;
+                    }
+                    Op::EnterPlan => {
+                        attempt!(self.refuse_in_network("a plan cannot be called"));
+                        let task = self.current;
+                        let span = self.scratch.frames.last().and_then(|frame| {
+                            program.codes[frame.code as usize].spans.get((frame.pc as usize).saturating_sub(1)).copied()
+                        });
+                        let call = task::Call {
+                            name: code.name,
+                            occurrence: self.count_use(task, code.name),
+                            span,
+                            counters: Vec::new(),
+                            spawned: 0,
+                            tags: Vec::new(),
+                        };
+                        self.push_scope(ScopeKind::Call(Box::new(call)));
+                        self.trace_call(task);
+                        continue 'frame;
+                    }
+                    Op::LeavePlan(a) => {
+                        let value = r!(a);
+                        save!();
+                        if self.must_wait_for_spawned(around) {
+                            place.frame.pc -= 1;
+                            let task = self.current;
+                            self.tasks[task].wake_register = NO_REG;
+                            return Ok(Exit::Blocked);
+                        }
+                        let task = self.current;
+                        self.trace_return(program, task, value);
+                        if let Some(Scope { kind: ScopeKind::Call(call), .. }) = self.tasks[task].scopes.pop() {
+                            self.end_call(around, task, &call.tags);
+                        }
+                        check_switch!();
+                        continue 'frame;
+                    }
+                    Op::TagNew(a, constant) => {
+                        if let Value::Symbol(name) = self.constants[constant as usize] {
+                            let tag = self.new_tag(name);
+                            self.scratch.stack[base + usize::from(a)] = tag;
+                        }
+                        continue 'frame;
+                    }
+                    Op::Parallel(a, number) => {
+                        attempt!(self.refuse_in_network("a task cannot be started"));
+                        save!();
+                        let construct = &code.constructs[number as usize];
+                        match self.start_construct(around, construct, None, a, base)? {
+                            Some(value) => self.scratch.stack[base + usize::from(a)] = value,
+                            None => {
+                                let task = self.current;
+                                self.tasks[task].waiting = Waiting::Children;
+                                block!(a);
+                            }
+                        }
+                        continue 'frame;
+                    }
+                    Op::ParallelMap(a, list, number) => {
+                        let list = r!(list);
+                        attempt!(self.refuse_in_network("a task cannot be started"));
+                        save!();
+                        let elements = match self.heap.elements(list) {
+                            Ok(elements) => elements,
+                            Err(found) => fail!(self.wrong_type("what is mapped over", "a list", found)),
+                        };
+                        let construct = &code.constructs[number as usize];
+                        match self.start_construct(around, construct, Some(&elements), a, base)? {
+                            Some(value) => self.scratch.stack[base + usize::from(a)] = value,
+                            None => {
+                                let task = self.current;
+                                self.tasks[task].waiting = Waiting::Children;
+                                block!(a);
+                            }
+                        }
+                        continue 'frame;
+                    }
+                    Op::Spawn(a, number) => {
+                        attempt!(self.refuse_in_network("a task cannot be started"));
+                        save!();
+                        let value = self.start_spawned(around, &code.constructs[number as usize], base)?;
+                        self.scratch.stack[base + usize::from(a)] = value;
+                        check_switch!();
+                        continue 'frame;
+                    }
+                    Op::PushBlock(a, result, distance) => {
+                        let identity = self.next_identity;
+                        self.next_identity += 1;
+                        r!(a) = Value::Int(identity as i64);
+                        let target = (pc as i64 + i64::from(distance)) as u32;
+                        self.push_scope(ScopeKind::Block { identity, result, target });
+                        continue 'frame;
+                    }
+                    Op::ReturnFrom(a, b) => {
+                        let (identity, value) = (r!(a), r!(b));
+                        save!();
+                        let identity = if let Value::Int(identity) = identity { identity as u64 } else { u64::MAX };
+                        let task = self.current;
+                        let is_here = self.tasks[task].scopes.iter().any(
+                            |scope| matches!(scope.kind, ScopeKind::Block { identity: known, .. } if known == identity),
+                        );
+                        if !is_here {
+                            return Err(Raise::new(
+                                "control-error",
+                                "the block to return from is not around this any more, or belongs to another task",
+                            ));
+                        }
+                        self.tasks[task].leaving = Some(Box::new(Leaving::Block { identity, value }));
+                        return Ok(Exit::Blocked);
+                    }
+                    Op::PushHandler(failure, index, distance) => {
+                        let target = (pc as i64 + i64::from(distance)) as u32;
+                        self.push_scope(ScopeKind::Handler { code: code_number, index, failure, target });
+                        continue 'frame;
+                    }
+                    Op::PushCleanup(distance) => {
+                        let target = (pc as i64 + i64::from(distance)) as u32;
+                        self.push_scope(ScopeKind::Cleanup { target });
+                        continue 'frame;
+                    }
+                    Op::BeginCleanup => {
+                        let task = self.current;
+                        self.tasks[task].scopes.pop();
+                        self.push_scope(ScopeKind::InCleanup(Box::new(Then::Continue)));
+                        continue 'frame;
+                    }
+                    Op::EndCleanup => {
+                        let task = self.current;
+                        if let Some(Scope { kind: ScopeKind::InCleanup(then), .. }) = self.tasks[task].scopes.pop() {
+                            if let Then::Leave(leaving) = *then {
+                                self.tasks[task].leaving = Some(Box::new(leaving));
+                                save!();
+                                return Ok(Exit::Blocked);
+                            }
+                            if self.tasks[task].evaporation_pending && !self.tasks[task].is_cleaning_up() {
+                                self.tasks[task].leaving = Some(Box::new(Leaving::Evaporate));
+                                save!();
+                                return Ok(Exit::Blocked);
+                            }
+                            self.take_up_stop(task);
+                            check_switch!();
+                        }
+                        continue 'frame;
+                    }
+                    Op::PushValve(a) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a valve cannot be requested"));
+                        let Value::Valve(valve) = value else {
+                            fail!(self.wrong_type("what is held", "a valve", value));
+                        };
+                        save!();
+                        let task = self.current;
+                        let granted = self.request_valve(around, task, valve)?;
+                        // The scope is entered when the valve is there: it is pushed now, and a
+                        // release of what is not held does nothing.
+                        self.push_scope(ScopeKind::Valve(valve));
+                        if !granted {
+                            block!(NO_REG);
+                        }
+                        check_switch!();
+                        continue 'frame;
+                    }
+                    Op::PushOnInterrupt(a) => {
+                        let hook = r!(a);
+                        self.push_scope(ScopeKind::OnInterrupt(hook));
+                        continue 'frame;
+                    }
+                    Op::PushOnResume(a) => {
+                        let hook = r!(a);
+                        self.push_scope(ScopeKind::OnResume(hook));
+                        continue 'frame;
+                    }
+                    Op::PushSuspended(a) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a task cannot be suspended"));
+                        let other = attempt!(self.task_argument(value));
+                        save!();
+                        self.push_scope(ScopeKind::Suspended(other));
+                        if let Some(other) = self.tasks.find_alive(other) {
+                            self.suspend(other);
+                            self.update_task_fluents(around, other);
+                        }
+                        check_switch!();
+                        continue 'frame;
+                    }
+                    Op::PushWatch(a, missed, owned) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a fluent cannot be watched"));
+                        let Value::Fluent(fluent) = value else {
+                            fail!(self.wrong_type("the condition of `whenever`", "a fluent", value));
+                        };
+                        let task = self.current;
+                        let watch = self.start_watch(task, fluent, missed, owned);
+                        self.push_scope(ScopeKind::Watch(watch));
+                        continue 'frame;
+                    }
+                    Op::WatchWait => {
+                        let task = self.current;
+                        let watch = self.innermost_watch(task);
+                        save!();
+                        if !self.next_event(watch)? {
+                            place.frame.pc -= 1;
+                            pc -= 1;
+                            block!(NO_REG);
+                        }
+                        continue 'frame;
+                    }
+                    Op::WatchDone => {
+                        let task = self.current;
+                        let watch = self.innermost_watch(task);
+                        self.event_served(watch);
+                        continue 'frame;
+                    }
+                    Op::PopScopes(count) => {
+                        save!();
+                        for _ in 0..count {
+                            self.pop_ended_scope(around);
+                        }
+                        check_leaving!();
+                        check_switch!();
+                        continue 'frame;
+                    }
+                    Op::LeaveScopes(count, distance) => {
+                        let target = (pc as i64 + i64::from(distance)) as u32;
+                        save!();
+                        let task = self.current;
+                        let scopes = self.tasks[task].scopes.len() as u32 - u32::from(count);
+                        let depth = self.scratch.frames.len() as u32;
+                        self.tasks[task].leaving = Some(Box::new(Leaving::Jump { scopes, target, depth }));
+                        return Ok(Exit::Blocked);
+                    }
+                    Op::Network(a, number) => {
+                        let inner = &program.codes[number as usize];
+                        let captured = inner.captures.iter().map(|&register| r!(register)).collect();
+                        save!();
+                        let fluent = self.create_network(around, number, captured);
+                        self.scratch.stack[base + usize::from(a)] = fluent;
+                        collect_if_full!();
+                        continue 'frame;
+                    }
+                    Op::WaitFor(a, condition, seconds, owned) => {
+                        let value = r!(condition);
+                        let timeout = if seconds == NO_REG { None } else { Some(r!(seconds)) };
+                        attempt!(self.refuse_in_network("nothing can be waited for"));
+                        save!();
+                        match self.wait_for(value, timeout, owned)? {
+                            Some(value) => self.scratch.stack[base + usize::from(a)] = value,
+                            None => block!(a),
+                        }
+                        continue 'frame;
+                    }
+                    Op::Deref(a, b) => {
+                        let value = r!(b);
+                        if let Value::Fluent(fluent) = value {
+                            let value = attempt!(self.read_fluent(fluent));
+                            self.scratch.stack[base + usize::from(a)] = value;
+                            continue 'frame;
+                        }
+                        r!(a) = value;
+                    }
+                    Op::Refail(a) => {
+                        let failure = r!(a);
+                        fail!(Raise::Again(failure));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether the running task must give way: something more important is ready, or it is
+    /// suspended itself.
+    fn must_switch(&self) -> bool {
+        let record = &self.tasks[self.current];
+        (record.stop > 0 && !record.is_protected()) || self.priorities.has_higher(self.effective_priority(self.current))
+    }
+
+    fn clear_frame(&mut self, code: &Code, base: usize) {
+        let (from, to) = (code.parameters.registers(), usize::from(code.registers));
+        if self.scratch.stack.len() < base + WINDOW {
+            self.scratch.stack.resize((base + WINDOW) * 2, Value::Nil);
+        }
+        self.scratch.stack[base + from..base + to].fill(Value::Nil);
+    }
+
+    fn call_native(&mut self, around: &mut Surroundings<'_>, native: u16, arguments: &[Value]) -> Result<Reply, Raise> {
+        let entry = around.natives[usize::from(native)];
+        if entry.effect == Effect::Acts {
+            self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
+        }
+        (entry.code)(&mut NativeCall { machine: self, around, arguments })
+    }
+
+    /// Calls any function value. On return `place` tells where to go on; an exit if the task stops.
+    #[allow(clippy::too_many_arguments, reason = "the calling convention in full")]
+    fn call_value(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        function: Value,
+        arguments: &[Value],
+        first: usize,
+        tail: bool,
+        result: Reg,
+    ) -> Result<Option<Exit>, Raise> {
+        let (number, captured) = match function {
+            Value::Function(number) => (number, None),
+            Value::Closure(index) => (self.heap.closures[index].code, Some(self.heap.closures[index].captured.clone())),
+            Value::Native(native) => return self.call_native_value(around, place, native, arguments, tail, result),
+            other => return Err(self.not_a_function(other)),
+        };
+        let callee = &around.program.codes[number as usize];
+        let tail = tail && callee.kind != rpl_lang::code::CodeKind::Plan;
+        let base = place.frame.base as usize + if tail { 0 } else { first };
+        let needed = base + WINDOW.max(arguments.len());
+        if self.scratch.stack.len() < needed {
+            self.scratch.stack.resize(needed * 2, Value::Nil);
+        }
+        self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
+        self.arrange(callee, base, arguments.len())?;
+        if !tail {
+            if self.scratch.frames.len() >= self.limits.frames as usize {
+                return Err(Raise::new("stack-overflow", format!("{} calls inside one another", self.limits.frames)));
+            }
+            self.scratch.frames.push(place.frame);
+        }
+        self.clear_frame(callee, base);
+        if let Some(captured) = captured {
+            let at = base + callee.parameters.registers();
+            self.scratch.stack[at..at + captured.len()].copy_from_slice(&captured);
+        }
+        place.frame = Frame { code: number, pc: 0, base: base as u32 };
+        Ok(None)
+    }
+
+    fn call_native_value(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        native: u16,
+        arguments: &[Value],
+        tail: bool,
+        result: Reg,
+    ) -> Result<Option<Exit>, Raise> {
+        let (min, max) = around.natives[usize::from(native)].arity();
+        let count = arguments.len();
+        if count < usize::from(min) || max.is_some_and(|max| count > usize::from(max)) {
+            let name = around.natives[usize::from(native)].name;
+            return Err(Raise::new("arity-error", format!("`{name}` cannot take {count} arguments")));
+        }
+        let _ = tail;
+        match self.call_native(around, native, arguments)? {
+            Reply::Value(value) => {
+                self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;
+                Ok(None)
+            }
+            Reply::Wait => {
+                let task = self.current;
+                self.tasks[task].wake_register = result;
+                self.trace_blocked(task);
+                Ok(Some(Exit::Blocked))
+            }
+            Reply::Leave => Ok(None),
+            Reply::Execute(datum) => Ok(Some(Exit::Execute(datum, result))),
+            Reply::Call(function, arguments) => {
+                self.call_value(around, place, function, &arguments, usize::from(result), false, result)
+            }
+        }
+    }
+
+    fn new_tag(&mut self, name: rpl_lang::symbol::Symbol) -> Value {
+        let task = self.current;
+        let priority = self.tasks[task].priority;
+        let index = self.tasks.insert(Task::new(0, Box::default(), name, priority));
+        let value = self.expose(index);
+        let reference = self.tasks.reference(index);
+        let mut at = task;
+        while at != NONE {
+            let call = self.tasks[at].scopes.iter_mut().rev().find_map(|scope| match &mut scope.kind {
+                ScopeKind::Call(call) => Some(call),
+                _ => None,
+            });
+            if let Some(call) = call {
+                call.tags.push(reference);
+                break;
+            }
+            at = self.tasks[at].parent;
+        }
+        value
+    }
+
+    /// Evaporates what the innermost plan call spawned; tells whether some of it still lives.
+    fn must_wait_for_spawned(&mut self, around: &mut Surroundings<'_>) -> bool {
+        let task = self.current;
+        let Some(index) = self.tasks[task].scopes.iter().rposition(|scope| matches!(scope.kind, ScopeKind::Call(_)))
+        else {
+            return false;
+        };
+        for child in self.children_of_scope(task, index as u32) {
+            self.evaporate(around, child);
+        }
+        let waits = !self.children_of_scope(task, index as u32).is_empty();
+        if waits {
+            self.tasks[task].waiting = Waiting::Spawned;
+        }
+        waits
+    }
+
+    fn innermost_watch(&self, task: u32) -> u32 {
+        self.tasks[task]
+            .scopes
+            .iter()
+            .rev()
+            .find_map(|scope| match scope.kind {
+                ScopeKind::Watch(watch) => Some(watch),
+                _ => None,
+            })
+            .unwrap_or_else(|| unreachable!("the compiler opens a watch around its waits"))
+    }
+
+    /// Leaves the innermost scope, whose body has ended by itself.
+    fn pop_ended_scope(&mut self, around: &mut Surroundings<'_>) {
+        let task = self.current;
+        match self.tasks[task].scopes.pop().map(|scope| scope.kind) {
+            Some(ScopeKind::Valve(valve)) => self.release_valve(around, task, valve),
+            Some(ScopeKind::Suspended(other)) => {
+                if let Some(other) = self.tasks.find_alive(other) {
+                    self.resume(other);
+                    self.update_task_fluents(around, other);
+                }
+            }
+            Some(ScopeKind::Watch(watch)) => self.end_watch(watch),
+            _ => {}
+        }
+    }
+
+    /// Waits for a fluent to be true: the value at once, or none if the task waits now.
+    fn wait_for(&mut self, condition: Value, timeout: Option<Value>, owned: bool) -> Result<Option<Value>, Raise> {
+        let Value::Fluent(fluent) = condition else {
+            return Err(self.wrong_type("the condition of `wait-for`", "a fluent", condition));
+        };
+        let seconds = match timeout {
+            Some(value) => Some(value.as_f64().ok_or_else(|| self.wrong_type("`:timeout`", "a number", value))?),
+            None => None,
+        };
+        let task = self.current;
+        if let Some(failure) = self.fluents[fluent].failure {
+            return Err(Raise::Again(failure));
+        }
+        let value = self.fluents[fluent].reading();
+        if value.is_true() {
+            if owned {
+                self.free_network(fluent);
+            }
+            return Ok(Some(value));
+        }
+        self.tasks[task].waiting = Waiting::Fluent { fluent, owned };
+        let mut line = self.fluents[fluent].waiters;
+        line.push_back(&mut self.tasks, task);
+        self.fluents[fluent].waiters = line;
+        if let Some(seconds) = seconds {
+            self.set_wake_timer(task, seconds);
+        }
+        Ok(None)
+    }
+
+    /// Sets the timer that ends the current wait of a task.
+    pub(crate) fn set_wake_timer(&mut self, task: u32, seconds: f64) {
+        let deadline = self.now_us.saturating_add(crate::construct::microseconds(seconds));
+        let number = self.tasks[task].wait_number;
+        let reference = self.tasks.reference(task);
+        self.timers.set(deadline, reference, crate::scheduler::Alarm::Wake(number));
+    }
+}

@@ -1,0 +1,292 @@
+//! The heap: pairs, strings, cells, closures and hash tables in slabs of their own.
+
+use crate::failure::Failure;
+use crate::slab::{Marks, Slab};
+use crate::value::Value;
+use rpl_lang::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A function with the values it captured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Closure {
+    /// Its code.
+    pub code: u32,
+    /// Copied behind the parameters at each call.
+    pub captured: Box<[Value]>,
+}
+
+/// A key of a hash table, compared by content: two keys are the same if they are `equal`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Key {
+    /// `nil`
+    Nil,
+    /// `t`
+    True,
+    /// An integer.
+    Int(i64),
+    /// A float, by its bits.
+    Float(u64),
+    /// A symbol.
+    Symbol(Symbol),
+    /// A keyword.
+    Keyword(Symbol),
+    /// A string.
+    Str(Arc<str>),
+    /// A pair.
+    Cons(Box<(Key, Key)>),
+    /// Any other object, by identity.
+    Object(u8, u32, u32),
+}
+
+/// A hash table: entries in the order of their keys, so that walking it is deterministic.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Key and value as the plan gave them.
+    pub entries: BTreeMap<Key, (Value, Value)>,
+}
+
+/// All heap objects of a system.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Heap {
+    /// Pairs; a free one has [`Value::Unbound`] as its first half.
+    pub pairs: Vec<(Value, Value)>,
+    free_pairs: Vec<u32>,
+    /// Strings.
+    pub strings: Slab<Arc<str>>,
+    /// Cells.
+    pub cells: Slab<Value>,
+    /// Closures.
+    pub closures: Slab<Closure>,
+    /// Hash tables.
+    pub tables: Slab<Table>,
+    /// Failures.
+    pub failures: Slab<Failure>,
+    /// Objects allocated since the last collection.
+    pub allocated: usize,
+    /// A collection is due when `allocated` passes this.
+    pub threshold: usize,
+    /// Bytes of strings and closures, roughly; what a limit on memory counts.
+    pub bytes: usize,
+}
+
+/// Nesting that `equal`, printing and keys follow before they give up.
+pub const MAX_DEPTH: usize = 100_000;
+
+impl Heap {
+    /// An empty heap.
+    pub fn new() -> Self {
+        Self { threshold: MIN_THRESHOLD, ..Self::default() }
+    }
+
+    /// A new pair.
+    pub fn cons(&mut self, car: Value, cdr: Value) -> Value {
+        self.allocated += 1;
+        match self.free_pairs.pop() {
+            Some(index) => {
+                self.pairs[index as usize] = (car, cdr);
+                Value::Cons(index)
+            }
+            None => {
+                self.pairs.push((car, cdr));
+                Value::Cons(self.pairs.len() as u32 - 1)
+            }
+        }
+    }
+
+    /// A new string.
+    pub fn string(&mut self, text: &str) -> Value {
+        self.allocated += 1 + text.len() / 32;
+        self.bytes += text.len();
+        Value::Str(self.strings.insert(text.into()))
+    }
+
+    /// A new cell.
+    pub fn cell(&mut self, value: Value) -> Value {
+        self.allocated += 1;
+        Value::Cell(self.cells.insert(value))
+    }
+
+    /// A new closure.
+    pub fn closure(&mut self, code: u32, captured: Box<[Value]>) -> Value {
+        self.allocated += 1 + captured.len() / 2;
+        Value::Closure(self.closures.insert(Closure { code, captured }))
+    }
+
+    /// A new list.
+    pub fn list(&mut self, items: &[Value]) -> Value {
+        self.list_with_tail(items, Value::Nil)
+    }
+
+    /// A new list that ends in `tail`.
+    pub fn list_with_tail(&mut self, items: &[Value], tail: Value) -> Value {
+        items.iter().rev().fold(tail, |tail, &item| self.cons(item, tail))
+    }
+
+    /// The halves of a pair.
+    pub fn pair(&self, index: u32) -> (Value, Value) {
+        self.pairs[index as usize]
+    }
+
+    /// The elements of a proper list.
+    ///
+    /// # Errors
+    /// The value found where a list was expected: the argument itself, or an improper tail.
+    pub fn elements(&self, list: Value) -> Result<Vec<Value>, Value> {
+        let mut items = Vec::new();
+        let mut at = list;
+        loop {
+            match at {
+                Value::Nil => return Ok(items),
+                Value::Cons(index) => {
+                    let (car, cdr) = self.pair(index);
+                    items.push(car);
+                    at = cdr;
+                    // A list longer than there are pairs is a circle.
+                    if items.len() > self.pairs.len() {
+                        return Err(list);
+                    }
+                }
+                other => return Err(other),
+            }
+        }
+    }
+
+    /// Structural equality: same type and same content.
+    pub fn equal(&self, left: Value, right: Value) -> bool {
+        let mut waiting = vec![(left, right)];
+        let mut steps = 0usize;
+        while let Some((left, right)) = waiting.pop() {
+            match (left, right) {
+                (Value::Cons(a), Value::Cons(b)) if a != b => {
+                    steps += 1;
+                    if steps > self.pairs.len().saturating_mul(4).max(MAX_DEPTH) {
+                        return false;
+                    }
+                    let (a, b) = (self.pair(a), self.pair(b));
+                    waiting.push((a.1, b.1));
+                    waiting.push((a.0, b.0));
+                }
+                (Value::Str(a), Value::Str(b)) => {
+                    if self.strings[a] != self.strings[b] {
+                        return false;
+                    }
+                }
+                (Value::Float(a), Value::Float(b)) => {
+                    if a != b && !(a.is_nan() && b.is_nan()) {
+                        return false;
+                    }
+                }
+                (left, right) => {
+                    if left != right {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    /// The key a value is found by; none if it nests too deep.
+    pub fn key(&self, value: Value) -> Option<Key> {
+        self.key_within(value, 1_000)
+    }
+
+    fn key_within(&self, value: Value, depth: usize) -> Option<Key> {
+        Some(match value {
+            Value::Nil | Value::Unbound => Key::Nil,
+            Value::True => Key::True,
+            Value::Int(value) => Key::Int(value),
+            Value::Float(value) => Key::Float(value.to_bits()),
+            Value::Symbol(symbol) => Key::Symbol(symbol),
+            Value::Keyword(symbol) => Key::Keyword(symbol),
+            Value::Str(index) => Key::Str(self.strings[index].clone()),
+            Value::Cons(index) => {
+                let depth = depth.checked_sub(1)?;
+                let (car, cdr) = self.pair(index);
+                Key::Cons(Box::new((self.key_within(car, depth)?, self.key_within(cdr, depth)?)))
+            }
+            Value::Cell(index) => Key::Object(0, index, 0),
+            Value::Function(index) => Key::Object(1, index, 0),
+            Value::Closure(index) => Key::Object(2, index, 0),
+            Value::Native(index) => Key::Object(3, u32::from(index), 0),
+            Value::Fluent(index) => Key::Object(4, index, 0),
+            Value::Task(task) => Key::Object(5, task.index, task.generation),
+            Value::Valve(index) => Key::Object(6, index, 0),
+            Value::Failure(index) => Key::Object(7, index, 0),
+            Value::Table(index) => Key::Object(8, index, 0),
+            Value::Behaviour(index) => Key::Object(9, u32::from(index), 0),
+        })
+    }
+
+    /// Whether a collection is due.
+    pub fn is_full(&self) -> bool {
+        self.allocated >= self.threshold
+    }
+
+    /// Frees what is not marked and sets the next threshold.
+    pub fn sweep(&mut self, marks: &HeapMarks) {
+        let mut live = 0;
+        for index in 0..self.pairs.len() {
+            if marks.pairs.is_set(index as u32) {
+                live += 1;
+            } else if self.pairs[index].0 != Value::Unbound {
+                self.pairs[index] = (Value::Unbound, Value::Nil);
+                self.free_pairs.push(index as u32);
+            }
+        }
+        let mut string_bytes = 0;
+        live += self.strings.sweep(&marks.strings, |_, text| string_bytes += text.len());
+        self.bytes = self.bytes.saturating_sub(string_bytes);
+        live += self.cells.sweep(&marks.cells, |_, _| {});
+        live += self.closures.sweep(&marks.closures, |_, _| {});
+        live += self.tables.sweep(&marks.tables, |_, _| {});
+        live += self.failures.sweep(&marks.failures, |_, _| {});
+        self.allocated = 0;
+        self.threshold = live.max(MIN_THRESHOLD);
+    }
+
+    /// Bytes in use, roughly: what the limit on memory compares.
+    pub fn used_bytes(&self) -> usize {
+        self.bytes
+            + (self.pairs.len() - self.free_pairs.len()) * 32
+            + self.cells.slots() * 24
+            + self.closures.slots() * 32
+            + self.tables.slots() * 64
+    }
+}
+
+/// Collections come at least this many allocations apart.
+pub const MIN_THRESHOLD: usize = 1 << 18;
+
+/// Marks of one collection, and the objects still to be looked into.
+#[derive(Debug)]
+pub struct HeapMarks {
+    /// One bit a pair.
+    pub pairs: Marks,
+    /// One bit a string.
+    pub strings: Marks,
+    /// One bit a cell.
+    pub cells: Marks,
+    /// One bit a closure.
+    pub closures: Marks,
+    /// One bit a table.
+    pub tables: Marks,
+    /// One bit a failure.
+    pub failures: Marks,
+}
+
+impl HeapMarks {
+    /// Nothing marked.
+    pub fn new(heap: &Heap) -> Self {
+        Self {
+            pairs: Marks::new(heap.pairs.len()),
+            strings: Marks::new(heap.strings.slots()),
+            cells: Marks::new(heap.cells.slots()),
+            closures: Marks::new(heap.closures.slots()),
+            tables: Marks::new(heap.tables.slots()),
+            failures: Marks::new(heap.failures.slots()),
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! What every program starts from: natives, prelude and, with a robot, its names.
+
+use crate::behaviour::Outside;
+use crate::failure::base_classes;
+use crate::macro_host::MacroMachine;
+use crate::native::Native;
+use rpl_lang::code::{Global, GlobalKind, Program};
+use rpl_lang::compile::{self, Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose};
+use rpl_lang::diagnostic::{Diagnostic, Severity};
+use rpl_lang::symbol::Symbols;
+use std::sync::Arc;
+
+/// A program that has been compiled and can be started.
+#[derive(Clone)]
+pub struct Loaded {
+    /// All code.
+    pub program: Arc<Program>,
+    /// The names.
+    pub symbols: Symbols,
+    /// Code of the file's forms.
+    pub main: u32,
+    /// Warnings.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// A text that cannot run: what was found, and the texts it was found in.
+#[derive(Clone, Debug)]
+pub struct Rejected {
+    /// At least one error.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The texts.
+    pub program: Arc<Program>,
+}
+
+impl Rejected {
+    /// The findings, drawn into their texts.
+    pub fn render(&self, colour: bool) -> String {
+        rpl_lang::diagnostic::render(&self.diagnostics, &self.program.sources, colour)
+    }
+}
+
+/// The library: natives and prelude, compiled once and shared.
+#[derive(Clone)]
+pub struct Library {
+    /// The native functions, by number.
+    pub natives: Arc<[Native]>,
+    signatures: Arc<[NativeSignature]>,
+    program: Program,
+    symbols: Symbols,
+    robot_names: &'static [&'static str],
+}
+
+impl Library {
+    /// Compiles preludes over native functions, with the names of a robot. `robot_names` are names
+    /// that exist only with a robot, so that a program without one gets a helpful error.
+    ///
+    /// # Errors
+    /// The findings in a prelude.
+    pub fn new(
+        natives: Vec<Native>,
+        preludes: &[(&str, &str)],
+        outside: &dyn Outside,
+        robot_names: &'static [&'static str],
+    ) -> Result<Self, Rejected> {
+        let mut symbols = Symbols::default();
+        let mut program = Program { failure_classes: base_classes(&mut symbols), ..Program::default() };
+        for (number, behaviour) in outside.behaviours().iter().enumerate() {
+            define(&mut program, &mut symbols, behaviour.name, GlobalKind::Behaviour(number as u16), behaviour.doc);
+        }
+        for fluent in outside.fluents() {
+            define(&mut program, &mut symbols, fluent.name, GlobalKind::Fluent, fluent.doc);
+        }
+        for &valve in outside.valves() {
+            define(&mut program, &mut symbols, valve, GlobalKind::Valve, "a valve of the robot");
+        }
+        let signatures = natives.iter().map(Native::signature).collect();
+        let mut library = Self { natives: natives.into(), signatures, program, symbols, robot_names };
+        for &(name, text) in preludes {
+            let source = library.program.sources.add(name, text);
+            let (mut program, mut symbols) =
+                (std::mem::take(&mut library.program), std::mem::take(&mut library.symbols));
+            let compiled = library.compile(&mut program, &mut symbols, source, Purpose::Library, &mut NoFiles);
+            library.program = program;
+            library.symbols = symbols;
+            if has_error(&compiled.diagnostics) {
+                return Err(Rejected { diagnostics: compiled.diagnostics, program: Arc::new(library.program) });
+            }
+        }
+        library.program.library_globals = library.program.globals.len() as u32;
+        Ok(library)
+    }
+
+    fn compile(
+        &self,
+        program: &mut Program,
+        symbols: &mut Symbols,
+        source: rpl_lang::source::SourceId,
+        purpose: Purpose,
+        loader: &mut dyn Loader,
+    ) -> Compiled {
+        let mut macros = MacroMachine::new(program, self.natives.clone());
+        let surroundings = Compilation {
+            program,
+            symbols,
+            natives: &self.signatures,
+            macros: &mut macros,
+            loader,
+            robot_names: self.robot_names,
+        };
+        compile::compile_text(surroundings, source, purpose)
+    }
+
+    /// Compiles a file.
+    ///
+    /// # Errors
+    /// All findings, if one of them is an error.
+    pub fn load(&self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Loaded, Rejected> {
+        let mut program = self.program.clone();
+        let mut symbols = self.symbols.clone();
+        let source = program.sources.add(name, text);
+        let compiled = self.compile(&mut program, &mut symbols, source, Purpose::User, loader);
+        let program = Arc::new(program);
+        if has_error(&compiled.diagnostics) {
+            return Err(Rejected { diagnostics: compiled.diagnostics, program });
+        }
+        Ok(Loaded { program, symbols, main: compiled.main, warnings: compiled.diagnostics })
+    }
+
+    /// Compiles a datum into a program that runs.
+    pub(crate) fn compile_datum(
+        &self,
+        program: &mut Program,
+        symbols: &mut Symbols,
+        tree: rpl_lang::syntax::Tree,
+        root: rpl_lang::syntax::NodeId,
+    ) -> Compiled {
+        let mut macros = MacroMachine::new(program, self.natives.clone());
+        let surroundings = Compilation {
+            program,
+            symbols,
+            natives: &self.signatures,
+            macros: &mut macros,
+            loader: &mut NoFiles,
+            robot_names: self.robot_names,
+        };
+        compile::compile_datum(surroundings, tree, root)
+    }
+}
+
+fn define(program: &mut Program, symbols: &mut Symbols, name: &str, kind: GlobalKind, doc: &str) {
+    let name = symbols.intern(name);
+    program.globals.push(Global { name, kind, doc: Some(doc.into()), span: None });
+    program.names.insert(name, program.globals.len() as u32 - 1);
+}
+
+/// Whether one of the findings keeps the text from running.
+pub fn has_error(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}

@@ -1,0 +1,310 @@
+//! The machine: everything a run consists of, as one value.
+
+use crate::behaviour::{Activation, Outside};
+use crate::failure::{Failure, Raise};
+use crate::fluent::{Fluent, Origin, Watch};
+use crate::heap::Heap;
+use crate::native::Native;
+use crate::print;
+use crate::scheduler::{Priorities, Timers};
+use crate::slab::Slab;
+use crate::task::{Call, Frame, NONE, Scope, ScopeKind, Task, Tasks};
+use crate::trace::Trace;
+use crate::value::{TaskRef, Value};
+use crate::valve::Valve;
+use rpl_lang::code::{Constant, GlobalKind, Program};
+use rpl_lang::symbol::{Symbol, Symbols};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// What a machine runs with and does not own.
+pub struct Surroundings<'a> {
+    /// All code.
+    pub program: &'a Program,
+    /// The native functions, by number.
+    pub natives: &'a [Native],
+    /// The robot, or [`crate::behaviour::NoRobot`].
+    pub outside: &'a mut dyn Outside,
+}
+
+/// Limits that turn endless plans into failures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Calls and loop turns of one task in one instant.
+    pub steps: u32,
+    /// Frames of one task.
+    pub frames: u32,
+    /// Bytes of heap.
+    pub bytes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { steps: 100_000_000, frames: 1_000_000, bytes: 1 << 30 }
+    }
+}
+
+/// A line of output.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Output {
+    /// From `print`: for standard output.
+    Print(String),
+    /// From `log`, and warnings: for standard error.
+    Log(String),
+}
+
+/// What exists only while code runs; empty between two steps, and no part of the state.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// Registers of the running task, and of networks above them.
+    pub(crate) stack: Vec<Value>,
+    /// Frames below the current one.
+    pub(crate) frames: Vec<Frame>,
+    /// One past the registers in use, known before slow instructions.
+    pub(crate) top: usize,
+    /// Fluents the network under evaluation has read.
+    pub(crate) reads: Option<Vec<u32>>,
+    /// Whether it has asked for a pulse or a change.
+    pub(crate) reads_event: bool,
+    /// Networks that asked for a pulse or a change in this propagation.
+    pub(crate) event_readers: BTreeSet<u32>,
+    /// A more important task has become ready.
+    pub(crate) switch: bool,
+    /// The running task goes to the end of its line.
+    pub(crate) gives_way: bool,
+}
+
+/// Scratch is no part of a state.
+impl PartialEq for Scratch {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
+}
+
+/// Everything a run consists of, save the robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Names.
+    pub symbols: Symbols,
+    /// Heap objects.
+    pub heap: Heap,
+    /// Fluents.
+    pub fluents: Slab<Fluent>,
+    /// Watches of `whenever`.
+    pub watches: Slab<Watch>,
+    /// Tasks; task 0 is the scratch task in which networks and macros are evaluated.
+    pub tasks: Tasks,
+    /// Valves, by the order of their definition.
+    pub valves: Vec<Valve>,
+    /// Activations, by the number of the behaviour.
+    pub activations: Vec<Activation>,
+    /// Priorities and the run queue.
+    pub priorities: Priorities,
+    /// Timers.
+    pub timers: Timers,
+    /// Values of the globals.
+    pub globals: Vec<Value>,
+    /// Values of the constants.
+    pub constants: Vec<Value>,
+    /// Virtual time.
+    pub now_us: u64,
+    /// Counts the instants.
+    pub instant: u32,
+    /// The next identity of a block.
+    pub(crate) next_identity: u64,
+    /// The task that runs; [`NONE`] between two steps.
+    pub(crate) current: u32,
+    /// The main task.
+    pub main: u32,
+    /// Events.
+    pub trace: Trace,
+    /// Output not yet taken.
+    pub output: Vec<Output>,
+    /// Limits.
+    pub limits: Limits,
+    #[serde(skip)]
+    pub(crate) scratch: Scratch,
+}
+
+/// The task in which networks and macros are evaluated.
+pub(crate) const SCRATCH_TASK: u32 = 0;
+
+impl Machine {
+    /// A machine at time 0 for a program, before its first step.
+    pub fn new(program: &Program, symbols: Symbols) -> Self {
+        let mut machine = Self {
+            symbols,
+            heap: Heap::new(),
+            fluents: Slab::default(),
+            watches: Slab::default(),
+            tasks: Tasks::default(),
+            valves: Vec::new(),
+            activations: Vec::new(),
+            priorities: Priorities::default(),
+            timers: Timers::default(),
+            globals: Vec::new(),
+            constants: Vec::new(),
+            now_us: 0,
+            instant: 1,
+            next_identity: 0,
+            current: NONE,
+            main: NONE,
+            trace: Trace::default(),
+            output: Vec::new(),
+            limits: Limits::default(),
+            scratch: Scratch::default(),
+        };
+        let name = machine.symbols.intern("network");
+        machine.tasks.insert(Task::new(0, Box::default(), name, 0));
+        machine.bring_up_to(program, &[]);
+        machine
+    }
+
+    /// Makes room for what has been added to the program: constants, globals, valves. `objects`
+    /// are the run-time objects that new constants name.
+    pub fn bring_up_to(&mut self, program: &Program, objects: &[Value]) {
+        for constant in &program.constants[self.constants.len()..] {
+            let value = self.constant(constant, objects);
+            self.constants.push(value);
+        }
+        self.globals.resize(program.globals.len(), Value::Unbound);
+        for (index, global) in program.globals.iter().enumerate() {
+            let known = self.globals[index];
+            self.globals[index] = match global.kind {
+                GlobalKind::Function(code) if code != u32::MAX => Value::Function(code),
+                GlobalKind::Valve => match known {
+                    Value::Valve(_) => known,
+                    _ => {
+                        self.valves.push(Valve::new(global.name));
+                        Value::Valve(self.valves.len() as u32 - 1)
+                    }
+                },
+                GlobalKind::Behaviour(number) => Value::Behaviour(number),
+                _ => known,
+            };
+        }
+    }
+
+    fn constant(&mut self, constant: &Constant, objects: &[Value]) -> Value {
+        match constant {
+            Constant::Int(value) => Value::Int(*value),
+            Constant::Float(value) => Value::Float(*value),
+            Constant::Str(text) => self.heap.string(text),
+            Constant::Symbol(symbol) => Value::Symbol(*symbol),
+            Constant::Keyword(symbol) => Value::Keyword(*symbol),
+            Constant::Nil => Value::Nil,
+            Constant::True => Value::True,
+            Constant::Native(number) => Value::Native(*number),
+            Constant::Object(index) => objects.get(*index as usize).copied().unwrap_or(Value::Nil),
+            Constant::List(items, tail) => {
+                let values: Vec<Value> = items.iter().map(|item| self.constant(item, objects)).collect();
+                let tail = tail.as_ref().map_or(Value::Nil, |tail| self.constant(tail, objects));
+                self.heap.list_with_tail(&values, tail)
+            }
+        }
+    }
+
+    /// Gives a global of the robot its fluent.
+    pub fn define_system_fluent(&mut self, global: u32, name: Symbol, value: Value) -> u32 {
+        let fluent = self.fluents.insert(Fluent::new(Some(name), value, Origin::System));
+        self.globals[global as usize] = Value::Fluent(fluent);
+        fluent
+    }
+
+    /// Starts the main task on code without parameters.
+    pub fn start_main(&mut self, program: &Program, code: u32) {
+        let name = self.symbols.intern("main");
+        let registers = vec![Value::Nil; usize::from(program.codes[code as usize].registers)].into_boxed_slice();
+        let mut task = Task::new(code, registers, name, 0);
+        let call = Call { name, occurrence: 1, span: None, counters: Vec::new(), spawned: 0, tags: Vec::new() };
+        task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });
+        task.exposed = true;
+        self.main = self.tasks.insert(task);
+        self.make_ready(self.main);
+        self.trace_task_begin(program, self.main);
+    }
+
+    /// Seconds of virtual time.
+    pub fn now_s(&self) -> f64 {
+        self.now_us as f64 / 1e6
+    }
+
+    /// A value as `print` shows it.
+    pub fn show(&self, program: &Program, value: Value) -> String {
+        print::display(self, program, value)
+    }
+
+    /// A value as it could be read.
+    pub fn write(&self, program: &Program, value: Value) -> String {
+        print::readable(self, program, value)
+    }
+
+    /// A `type-error` about something that was found where something else was expected.
+    pub fn wrong_type(&self, what: &str, expected: &str, found: Value) -> Raise {
+        let mut message = format!("{what} must be {expected}, and it is {}", found.type_name());
+        if let Value::Fluent(fluent) = found
+            && expected != "a fluent"
+        {
+            let name = self.fluent_name(fluent);
+            message.push_str(&format!("; write `(value {name})` for the fluent's value"));
+        }
+        Raise::type_error(message)
+    }
+
+    /// Makes a failure object.
+    pub(crate) fn failure_from(&mut self, program: &Program, raise: Raise) -> Value {
+        match raise {
+            Raise::Again(failure) => failure,
+            Raise::New { class, message, slots } => {
+                let class = self.symbols.intern(class);
+                let slots = slots.into_iter().map(|(name, value)| (self.symbols.intern(name), value)).collect();
+                self.new_failure(program, class, message, slots)
+            }
+        }
+    }
+
+    /// Makes a failure of a class, raised by the current task.
+    pub(crate) fn new_failure(
+        &mut self,
+        program: &Program,
+        class: Symbol,
+        message: String,
+        slots: Vec<(Symbol, Value)>,
+    ) -> Value {
+        let (path, calls) = match self.current {
+            NONE => (String::new(), Vec::new()),
+            task => (self.path(task), self.plan_calls(task)),
+        };
+        let _ = program;
+        self.heap.allocated += 8;
+        Value::Failure(self.heap.failures.insert(Failure {
+            class,
+            message,
+            slots,
+            span: None,
+            path,
+            calls,
+            parts: Vec::new(),
+            while_cleaning_up: Vec::new(),
+        }))
+    }
+
+    /// A name for a task that a plan can keep.
+    pub(crate) fn expose(&mut self, task: u32) -> Value {
+        self.tasks[task].exposed = true;
+        Value::Task(self.tasks.reference(task))
+    }
+
+    /// Whether no task is ready.
+    pub fn is_idle(&self) -> bool {
+        self.priorities.is_idle()
+    }
+
+    /// The living task a reference names, with an error for what is no task.
+    pub(crate) fn task_argument(&self, value: Value) -> Result<TaskRef, Raise> {
+        match value {
+            Value::Task(task) => Ok(task),
+            other => Err(self.wrong_type("the argument", "a task", other)),
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Runs macros at compile time, in a machine of their own without tasks.
+
+use crate::behaviour::NoRobot;
+use crate::datum::{self, Origins};
+use crate::failure::Raise;
+use crate::machine::{Machine, Surroundings};
+use crate::native::Native;
+use crate::value::Value;
+use rpl_lang::code::Program;
+use rpl_lang::compile::MacroHost;
+use rpl_lang::diagnostic::Diagnostic;
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::{NodeId, Tree};
+use std::sync::Arc;
+
+/// Steps one expansion may take.
+const MAX_STEPS: u32 = 20_000_000;
+
+/// The machine macros run in.
+pub struct MacroMachine {
+    machine: Machine,
+    natives: Arc<[Native]>,
+}
+
+impl MacroMachine {
+    /// A machine for the macros of a program.
+    pub fn new(program: &Program, natives: Arc<[Native]>) -> Self {
+        let mut machine = Machine::new(program, Symbols::default());
+        machine.limits.steps = MAX_STEPS;
+        Self { machine, natives }
+    }
+
+    fn run(
+        &mut self,
+        program: &Program,
+        tree: &Tree,
+        code: u32,
+        form: NodeId,
+        origins: &mut Origins,
+    ) -> Result<Value, Value> {
+        self.machine.bring_up_to(program, &[]);
+        let arguments: Vec<Value> = tree.items(form)[1..]
+            .iter()
+            .map(|&item| datum::to_value(&mut self.machine.heap, &self.machine.symbols, tree, item, origins))
+            .collect();
+        let mut around = Surroundings { program, natives: &self.natives, outside: &mut NoRobot };
+        self.machine.evaluate_function(&mut around, code, &arguments)
+    }
+
+    fn diagnostic(&self, program: &Program, failure: Value, tree: &Tree, form: NodeId) -> Diagnostic {
+        let span = tree.span(form);
+        let text = self.machine.show(program, failure);
+        let mut diagnostic =
+            Diagnostic::error("macro", span, format!("this macro call cannot be expanded: {text}"), "in this call");
+        if let Value::Failure(index) = failure
+            && let Some(place) = self.machine.heap.failures[index].span
+        {
+            diagnostic = diagnostic.related(place, "raised here");
+        }
+        diagnostic
+    }
+}
+
+impl MacroHost for MacroMachine {
+    fn expand(
+        &mut self,
+        program: &Program,
+        symbols: &mut Symbols,
+        tree: &mut Tree,
+        code: u32,
+        form: NodeId,
+    ) -> Result<NodeId, Diagnostic> {
+        // The machine interns into the compiler's own table while it runs.
+        std::mem::swap(&mut self.machine.symbols, symbols);
+        let mut origins = Origins::new();
+        let result = self.run(program, tree, code, form, &mut origins);
+        std::mem::swap(&mut self.machine.symbols, symbols);
+        let span = tree.span(form);
+        let expansion = match result {
+            Ok(value) => {
+                let mut objects = Vec::new();
+                let node = datum::to_node(&self.machine.heap, symbols, tree, value, span, &origins, &mut objects);
+                match (node, objects.first()) {
+                    (Some(node), None) => Ok(node),
+                    (None, _) => {
+                        Err(Diagnostic::error("macro", span, "the expansion is a circular list", "in this call"))
+                    }
+                    (Some(_), Some(object)) => {
+                        let message = format!("the expansion contains {}, which has no text", object.type_name());
+                        Err(Diagnostic::error("macro", span, message, "in this call"))
+                    }
+                }
+            }
+            Err(failure) => {
+                std::mem::swap(&mut self.machine.symbols, symbols);
+                let diagnostic = self.diagnostic(program, failure, tree, form);
+                std::mem::swap(&mut self.machine.symbols, symbols);
+                Err(diagnostic)
+            }
+        };
+        if self.machine.heap.is_full() {
+            self.machine.collect();
+        }
+        expansion
+    }
+}
+
+impl Machine {
+    /// Calls a function by its code, without a task.
+    pub(crate) fn evaluate_function(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        code: u32,
+        arguments: &[Value],
+    ) -> Result<Value, Value> {
+        let callee = &around.program.codes[code as usize];
+        if self.scratch.stack.len() < arguments.len() + 512 {
+            self.scratch.stack.resize(arguments.len() + 1024, Value::Nil);
+        }
+        let top = self.scratch.top;
+        self.scratch.stack[top..top + arguments.len()].copy_from_slice(arguments);
+        let arranged = self.arrange(callee, top, arguments.len());
+        let count = callee.parameters.registers();
+        if let Err(raise) = arranged {
+            let raise = match raise {
+                Raise::New { message, .. } => Raise::new("arity-error", message),
+                again => again,
+            };
+            return Err(self.failure_from(around.program, raise));
+        }
+        let arranged = self.scratch.stack[top..top + count].to_vec();
+        self.evaluate_code(around, code, &arranged)
+    }
+}

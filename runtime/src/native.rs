@@ -1,0 +1,163 @@
+//! Native functions: name, arguments, documentation and code in one place.
+
+use crate::failure::Raise;
+use crate::machine::{Machine, Surroundings};
+use crate::value::Value;
+
+/// What a native function answers.
+pub enum Reply {
+    /// A value.
+    Value(Value),
+    /// The task waits; what wakes it brings the value.
+    Wait,
+    /// Go on in a function of the plan, with these arguments; its value is the answer.
+    Call(Value, Vec<Value>),
+    /// Compile a datum and go on in it.
+    Execute(Value),
+    /// The task itself is leaving.
+    Leave,
+}
+
+/// A call of a native function.
+pub struct Call<'c, 's> {
+    /// The machine.
+    pub machine: &'c mut Machine,
+    /// Program, natives and the robot.
+    pub around: &'c mut Surroundings<'s>,
+    /// The arguments.
+    pub arguments: &'c [Value],
+}
+
+impl Call<'_, '_> {
+    /// The argument at a position; `nil` if it was left out.
+    pub fn argument(&self, at: usize) -> Value {
+        self.arguments.get(at).copied().unwrap_or(Value::Nil)
+    }
+
+    /// The argument at a position as an integer.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn integer(&self, at: usize) -> Result<i64, Raise> {
+        match self.argument(at) {
+            Value::Int(value) => Ok(value),
+            other => Err(self.wrong_type(at, "an integer", other)),
+        }
+    }
+
+    /// The argument at a position as a number.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn number(&self, at: usize) -> Result<f64, Raise> {
+        self.argument(at).as_f64().ok_or_else(|| self.wrong_type(at, "a number", self.argument(at)))
+    }
+
+    /// The argument at a position as a string.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn text(&self, at: usize) -> Result<std::sync::Arc<str>, Raise> {
+        match self.argument(at) {
+            Value::Str(index) => Ok(self.machine.heap.strings[index].clone()),
+            other => Err(self.wrong_type(at, "a string", other)),
+        }
+    }
+
+    /// The argument at a position as the elements of a list.
+    ///
+    /// # Errors
+    /// A `type-error` if it is no proper list.
+    pub fn list(&self, at: usize) -> Result<Vec<Value>, Raise> {
+        self.machine.heap.elements(self.argument(at)).map_err(|found| self.wrong_type(at, "a list", found))
+    }
+
+    /// The argument at a position as a fluent.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn fluent(&self, at: usize) -> Result<u32, Raise> {
+        match self.argument(at) {
+            Value::Fluent(fluent) => Ok(fluent),
+            other => Err(self.wrong_type(at, "a fluent", other)),
+        }
+    }
+
+    /// The name a symbol or string argument spells.
+    ///
+    /// # Errors
+    /// A `type-error` if it is neither.
+    pub fn name(&self, at: usize) -> Result<String, Raise> {
+        match self.argument(at) {
+            Value::Symbol(symbol) | Value::Keyword(symbol) => Ok(self.machine.symbols.name(symbol).to_string()),
+            Value::Str(index) => Ok(self.machine.heap.strings[index].to_string()),
+            other => Err(self.wrong_type(at, "a name", other)),
+        }
+    }
+
+    /// A `type-error` about the argument at a position.
+    pub fn wrong_type(&self, at: usize, expected: &str, found: Value) -> Raise {
+        self.machine.wrong_type(&format!("argument {}", at + 1), expected, found)
+    }
+}
+
+/// The code of a native function.
+pub type NativeCode = fn(&mut Call<'_, '_>) -> Result<Reply, Raise>;
+
+/// A native function.
+#[derive(Clone, Copy)]
+pub struct Native {
+    /// Its name.
+    pub name: &'static str,
+    /// Its parameters, as documentation shows them: `"list &optional start"`.
+    pub parameters: &'static str,
+    /// What it does, in one sentence.
+    pub doc: &'static str,
+    /// Whether it waits, assigns or acts on tasks.
+    pub effect: Effect,
+    /// Its code.
+    pub code: NativeCode,
+}
+
+/// What a native does beside giving a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Nothing.
+    None,
+    /// It waits, assigns or acts on tasks: a network may not call it.
+    Acts,
+    /// It goes on in code of the plan.
+    Calls,
+}
+
+impl Native {
+    /// Fewest and most arguments, read off the parameters.
+    pub fn arity(&self) -> (u8, Option<u8>) {
+        let (mut min, mut max, mut optional, mut rest) = (0, 0, false, false);
+        for word in self.parameters.split_whitespace() {
+            match word {
+                "&optional" => optional = true,
+                "&rest" | "&key" => rest = true,
+                _ if rest => {}
+                _ if optional => max += 1,
+                _ => {
+                    min += 1;
+                    max += 1;
+                }
+            }
+        }
+        (min, (!rest).then_some(max))
+    }
+
+    /// What the compiler needs to know.
+    pub fn signature(&self) -> rpl_lang::compile::NativeSignature {
+        let (min, max) = self.arity();
+        rpl_lang::compile::NativeSignature {
+            name: self.name.to_string(),
+            min,
+            max,
+            effect: self.effect != Effect::None && self.effect != Effect::Calls,
+            calls: self.effect == Effect::Calls,
+        }
+    }
+}

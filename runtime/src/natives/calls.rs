@@ -1,0 +1,68 @@
+//! Calls of function values, plans as data, and output.
+
+use crate::failure::Raise;
+use crate::machine::Output;
+use crate::native::{Call, Effect, Native, Reply};
+
+pub(super) const NATIVES: &[Native] = &[
+    Native {
+        name: "funcall",
+        parameters: "function &rest arguments",
+        doc: "Calls a function with arguments.",
+        effect: Effect::Calls,
+        code: |call| Ok(Reply::Call(call.argument(0), call.arguments[1..].to_vec())),
+    },
+    Native {
+        name: "apply",
+        parameters: "function argument &rest more",
+        doc: "Calls a function with arguments, the last of which is a list of further ones.",
+        effect: Effect::Calls,
+        code: apply,
+    },
+    Native {
+        name: "execute-plan",
+        parameters: "datum",
+        doc: "Compiles a quoted plan and runs it here, in this task.",
+        effect: Effect::Calls,
+        code: |call| Ok(Reply::Execute(call.argument(0))),
+    },
+    Native {
+        name: "print",
+        parameters: "value",
+        doc: "Writes a value and a newline, and returns the value.",
+        effect: Effect::None,
+        code: print,
+    },
+    Native {
+        name: "log",
+        parameters: "value",
+        doc: "Writes a value to the trace and to standard error, and returns it.",
+        effect: Effect::None,
+        code: log,
+    },
+];
+
+fn apply(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let last = call.arguments.len() - 1;
+    let mut arguments = call.arguments[1..last].to_vec();
+    arguments.extend(call.list(last)?);
+    if arguments.len() > 200 {
+        return Err(Raise::new("arity-error", format!("{} arguments are too many for one call", arguments.len())));
+    }
+    Ok(Reply::Call(call.argument(0), arguments))
+}
+
+fn print(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let value = call.argument(0);
+    let text = call.machine.show(call.around.program, value);
+    call.machine.output.push(Output::Print(text));
+    Ok(Reply::Value(value))
+}
+
+fn log(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let value = call.argument(0);
+    let text = call.machine.show(call.around.program, value);
+    call.machine.trace_log(&text);
+    call.machine.output.push(Output::Log(text));
+    Ok(Reply::Value(value))
+}

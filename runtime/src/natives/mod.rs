@@ -1,0 +1,16 @@
+//! Native functions on what the runtime itself keeps: fluents, tasks, time, valves, behaviours,
+//! failures, calls and output.
+
+mod behaviours;
+mod calls;
+mod failures;
+mod fluents;
+mod tasks;
+mod valves;
+
+use crate::native::Native;
+
+/// All of them, in a fixed order.
+pub fn natives() -> Vec<Native> {
+    [fluents::NATIVES, tasks::NATIVES, valves::NATIVES, behaviours::NATIVES, failures::NATIVES, calls::NATIVES].concat()
+}

@@ -1,0 +1,65 @@
+//! Valves, where `with-valve` is not enough.
+
+use crate::failure::Raise;
+use crate::native::{Call, Effect, Native, Reply};
+use crate::task::Waiting;
+use crate::value::Value;
+
+pub(super) const NATIVES: &[Native] = &[
+    Native {
+        name: "request-valve",
+        parameters: "valve",
+        doc: "Waits for a valve and keeps it until `release-valve`; prefer `with-valve`.",
+        effect: Effect::Acts,
+        code: request,
+    },
+    Native {
+        name: "release-valve",
+        parameters: "valve",
+        doc: "Gives a valve back that this task has requested.",
+        effect: Effect::Acts,
+        code: release,
+    },
+    Native {
+        name: "holds-valve?",
+        parameters: "valve",
+        doc: "Whether this task, or one around it, holds a valve now.",
+        effect: Effect::None,
+        code: holds,
+    },
+];
+
+fn valve(call: &Call<'_, '_>) -> Result<u32, Raise> {
+    match call.argument(0) {
+        Value::Valve(valve) => Ok(valve),
+        other => Err(call.wrong_type(0, "a valve", other)),
+    }
+}
+
+fn request(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let valve = valve(call)?;
+    let current = call.machine.current;
+    if call.machine.request_valve(call.around, current, valve)? {
+        return Ok(Reply::Value(Value::Nil));
+    }
+    debug_assert_eq!(call.machine.tasks[current].waiting, Waiting::Valve(valve));
+    Ok(Reply::Wait)
+}
+
+fn release(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let valve = valve(call)?;
+    let current = call.machine.current;
+    let me = call.machine.tasks.reference(current);
+    let entry = &call.machine.valves[valve as usize];
+    if !entry.holds.iter().any(|hold| hold.task == me) {
+        let name = call.machine.symbols.name(entry.name).to_string();
+        return Err(Raise::new("valve-error", format!("this task does not hold the valve `{name}`")));
+    }
+    call.machine.release_valve(call.around, current, valve);
+    Ok(Reply::Value(Value::Nil))
+}
+
+fn holds(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let valve = valve(call)?;
+    Ok(Reply::Value(Value::truth(call.machine.holds_valve(call.machine.current, valve))))
+}

@@ -1,0 +1,119 @@
+//! Slots by number, used again when free.
+
+use serde::{Deserialize, Serialize};
+
+/// A table of values by number. Free slots are used again, the last freed first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Slab<T> {
+    slots: Vec<Option<T>>,
+    free: Vec<u32>,
+}
+
+impl<T> Default for Slab<T> {
+    fn default() -> Self {
+        Self { slots: Vec::new(), free: Vec::new() }
+    }
+}
+
+impl<T> Slab<T> {
+    /// Adds a value.
+    pub fn insert(&mut self, value: T) -> u32 {
+        match self.free.pop() {
+            Some(index) => {
+                self.slots[index as usize] = Some(value);
+                index
+            }
+            None => {
+                self.slots.push(Some(value));
+                self.slots.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Frees a slot.
+    pub fn remove(&mut self, index: u32) -> Option<T> {
+        let value = self.slots.get_mut(index as usize)?.take();
+        if value.is_some() {
+            self.free.push(index);
+        }
+        value
+    }
+
+    /// The value in a slot, if it is used.
+    pub fn get(&self, index: u32) -> Option<&T> {
+        self.slots.get(index as usize)?.as_ref()
+    }
+
+    /// The value in a slot, if it is used.
+    pub fn get_mut(&mut self, index: u32) -> Option<&mut T> {
+        self.slots.get_mut(index as usize)?.as_mut()
+    }
+
+    /// All used slots in the order of their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
+        self.slots.iter().enumerate().filter_map(|(index, slot)| Some((index as u32, slot.as_ref()?)))
+    }
+
+    /// How many slots there are, free ones included.
+    pub fn slots(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Frees every slot whose mark is not set; gives how many remain.
+    pub fn sweep(&mut self, marks: &Marks, mut freed: impl FnMut(u32, T)) -> usize {
+        let mut live = 0;
+        for index in 0..self.slots.len() {
+            if marks.is_set(index as u32) {
+                live += usize::from(self.slots[index].is_some());
+            } else if let Some(value) = self.slots[index].take() {
+                self.free.push(index as u32);
+                freed(index as u32, value);
+            }
+        }
+        live
+    }
+}
+
+impl<T> std::ops::Index<u32> for Slab<T> {
+    type Output = T;
+
+    fn index(&self, index: u32) -> &T {
+        match &self.slots[index as usize] {
+            Some(value) => value,
+            None => panic!("slot {index} is free: a handle has outlived its object"),
+        }
+    }
+}
+
+impl<T> std::ops::IndexMut<u32> for Slab<T> {
+    fn index_mut(&mut self, index: u32) -> &mut T {
+        match &mut self.slots[index as usize] {
+            Some(value) => value,
+            None => panic!("slot {index} is free: a handle has outlived its object"),
+        }
+    }
+}
+
+/// One bit for each slot of a slab.
+#[derive(Debug, Default)]
+pub struct Marks(Vec<u64>);
+
+impl Marks {
+    /// No bit set.
+    pub fn new(slots: usize) -> Self {
+        Self(vec![0; slots.div_ceil(64)])
+    }
+
+    /// Sets a bit; tells whether it was clear.
+    pub fn set(&mut self, index: u32) -> bool {
+        let (word, bit) = (index as usize / 64, 1 << (index % 64));
+        let fresh = self.0[word] & bit == 0;
+        self.0[word] |= bit;
+        fresh
+    }
+
+    /// Whether the bit is set.
+    pub fn is_set(&self, index: u32) -> bool {
+        self.0[index as usize / 64] & (1 << (index % 64)) != 0
+    }
+}

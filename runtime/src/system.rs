@@ -1,0 +1,306 @@
+//! A run as a value: program, machine and robot, stepped from instant to instant.
+
+use crate::behaviour::{NoRobot, Outbox, Outside};
+use crate::datum::{self, Origins};
+use crate::failure::Raise;
+use crate::library::{Library, Loaded, has_error};
+use crate::machine::{Machine, Surroundings};
+use crate::scheduler::Alarm;
+use crate::task::{Leaving, NONE, State, Wake};
+use crate::tree::is_current;
+use crate::value::Value;
+use rpl_lang::code::{GlobalKind, Program};
+use rpl_lang::pretty;
+use rpl_lang::source::{SourceId, Span};
+use rpl_lang::symbol::Symbol;
+use rpl_lang::syntax::Tree;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Whether a run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// There is more to do.
+    Running,
+    /// The main task is dead.
+    Ended,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// With a value.
+    Succeeded(Value),
+    /// With a failure.
+    Failed(Value),
+    /// It was told to stop.
+    Evaporated,
+}
+
+/// Code made at run time, by its text: equal data share it.
+pub(crate) type Units = BTreeMap<String, u32>;
+
+/// A run: cloning it is a fork.
+#[derive(Clone)]
+pub struct System<O> {
+    /// All code; shared between forks until one of them adds to it.
+    pub program: Arc<Program>,
+    pub(crate) units: Arc<Units>,
+    /// Everything else but the robot.
+    pub machine: Machine,
+    /// The robot.
+    pub outside: O,
+    /// What the program was compiled with.
+    pub library: Arc<Library>,
+    /// How much of the program was there at the start.
+    pub(crate) base: ProgramSize,
+    /// When the robot's next step is due.
+    pub(crate) next_step_us: u64,
+}
+
+/// Sizes of a program's tables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ProgramSize {
+    pub(crate) codes: usize,
+    pub(crate) constants: usize,
+    pub(crate) globals: usize,
+    pub(crate) sources: usize,
+}
+
+impl ProgramSize {
+    pub(crate) fn of(program: &Program) -> Self {
+        Self {
+            codes: program.codes.len(),
+            constants: program.constants.len(),
+            globals: program.globals.len(),
+            sources: program.sources.len(),
+        }
+    }
+}
+
+/// Width at which plans made at run time are printed for their errors.
+const PLAN_WIDTH: usize = 100;
+
+/// A datum with more characters than this is not kept for being used again.
+const MAX_SHARED_TEXT: usize = 1 << 16;
+
+impl<O: Outside> System<O> {
+    /// A run at its start: the robot has made one step, no form has run.
+    pub fn new(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        let Loaded { program, symbols, main, .. } = loaded;
+        let mut machine = Machine::new(&program, symbols);
+        for fluent in outside.fluents() {
+            let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
+            if let Some((name, global)) = known {
+                machine.define_system_fluent(global, name, Value::Nil);
+            }
+        }
+        let base = ProgramSize::of(&program);
+        let mut system = Self { program, units: Arc::default(), machine, outside, library, base, next_step_us: 0 };
+        system.step_robot();
+        let program = system.program.clone();
+        system.machine.start_main(&program, main);
+        system
+    }
+
+    /// Calls something of the machine that needs its surroundings.
+    pub fn with_machine<T>(&mut self, act: impl FnOnce(&mut Machine, &mut Surroundings<'_>) -> T) -> T {
+        let natives = self.library.natives.clone();
+        let mut around = Surroundings { program: &self.program, natives: &natives, outside: &mut self.outside };
+        act(&mut self.machine, &mut around)
+    }
+
+    fn step_robot(&mut self) {
+        let Some(period) = self.outside.period_us() else { return };
+        let mut outbox = Outbox::default();
+        self.outside.step(&mut outbox);
+        self.next_step_us = self.machine.now_us + period;
+        self.with_machine(|machine, around| machine.apply_outbox(around, outbox));
+    }
+
+    /// Runs one ready task until it blocks; tells whether there was one.
+    pub fn step_task(&mut self) -> bool {
+        let Some(task) = self.machine.priorities.pop(&mut self.machine.tasks) else { return false };
+        let datum = self.with_machine(|machine, around| machine.run_task(around, task));
+        if let Some(datum) = datum {
+            self.execute_datum(task, datum);
+        }
+        true
+    }
+
+    /// Runs ready tasks until all are blocked.
+    pub fn settle(&mut self) {
+        while self.step_task() {}
+    }
+
+    /// Goes on to the end of the next instant.
+    pub fn advance(&mut self) -> Progress {
+        self.settle();
+        if self.outcome().is_some() {
+            return Progress::Ended;
+        }
+        let tasks = &self.machine.tasks;
+        let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
+        let step = self.outside.period_us().map(|_| self.next_step_us);
+        let next = match (timer, step) {
+            (Some(timer), Some(step)) => timer.min(step),
+            (Some(timer), None) => timer,
+            (None, Some(step)) => step,
+            (None, None) => {
+                self.fail_deadlocked();
+                return Progress::Running;
+            }
+        };
+        self.machine.now_us = self.machine.now_us.max(next);
+        self.machine.instant = self.machine.instant.wrapping_add(1);
+        if step == Some(next) {
+            self.step_robot();
+        }
+        self.fire_timers();
+        self.settle();
+        if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
+    }
+
+    fn fire_timers(&mut self) {
+        let now = self.machine.now_us;
+        loop {
+            let tasks = &self.machine.tasks;
+            let Some(timer) = self.machine.timers.next(|timer| is_current(tasks, timer)) else { return };
+            if timer.deadline_us > now {
+                return;
+            }
+            self.machine.timers.take();
+            let task = timer.task.index;
+            match timer.alarm {
+                Alarm::Wake(_) => self.machine.wake(task, Wake::Value(Value::Nil)),
+                Alarm::Deadline => self.with_machine(|machine, around| machine.deadline(around, task, timer.number)),
+            }
+        }
+    }
+
+    /// Runs to the end, or to a time. Tells how it ended, if it did.
+    pub fn run_until(&mut self, until_us: u64) -> Option<Outcome> {
+        while self.machine.now_us < until_us {
+            if self.advance() == Progress::Ended {
+                return self.outcome();
+            }
+        }
+        self.outcome()
+    }
+
+    /// How the main task ended, once it has.
+    pub fn outcome(&self) -> Option<Outcome> {
+        let main = &self.machine.tasks[self.machine.main];
+        match main.state {
+            State::Succeeded => Some(Outcome::Succeeded(main.result)),
+            State::Failed => Some(Outcome::Failed(main.result)),
+            State::Evaporated => Some(Outcome::Evaporated),
+            _ => None,
+        }
+    }
+
+    /// Tells the main task to stop: its clean-ups still run.
+    pub fn stop(&mut self) {
+        self.with_machine(|machine, around| {
+            let main = machine.main;
+            machine.evaporate(around, main);
+        });
+    }
+
+    /// Nothing can happen any more: the main task fails with what every task waits for.
+    fn fail_deadlocked(&mut self) {
+        self.with_machine(|machine, around| {
+            let waits: Vec<String> = machine
+                .tasks
+                .iter()
+                .filter(|(_, task)| task.state == State::Blocked && task.first_child == NONE)
+                .map(|(index, _)| format!("{} waits for {}", machine.path(index), machine.describe_waiting(index)))
+                .collect();
+            let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
+            let main = machine.main;
+            let failure = machine.failure_from(around.program, Raise::new("deadlock", message));
+            if machine.tasks[main].is_protected() {
+                // Not even its clean-up can go on: there is nothing left to wait for.
+                machine.stop_waiting(main);
+                machine.tasks[main].scopes.clear();
+                machine.die(around, main, State::Failed, failure);
+            } else {
+                machine.depart(around, main, Leaving::Fail(failure));
+            }
+        });
+    }
+
+    /// Compiles a datum for the task that asked for it, and lets the task go on in it.
+    fn execute_datum(&mut self, task: u32, datum: Value) {
+        let outcome = self.compile_datum(datum);
+        self.with_machine(|machine, around| match outcome {
+            Ok(code) => machine.enter(around, task, code),
+            Err(message) => {
+                let raise = Raise::new("error", message);
+                let failure = machine.failure_from(around.program, raise);
+                machine.fail_execution(task, failure);
+            }
+        });
+    }
+
+    fn compile_datum(&mut self, datum: Value) -> Result<u32, String> {
+        let program = Arc::make_mut(&mut self.program);
+        let machine = &mut self.machine;
+        let mut tree = Tree::default();
+        let mut objects = Vec::new();
+        let source = SourceId(program.sources.len() as u32);
+        let span = Span { source, start: 0, end: 0 };
+        let root =
+            datum::to_node(&machine.heap, &mut machine.symbols, &mut tree, datum, span, &Origins::new(), &mut objects)
+                .ok_or("the datum is a circular list and cannot be a plan")?;
+        let text = pretty::pretty(&mut tree, &machine.symbols, root, PLAN_WIDTH, source);
+        let may_share = objects.is_empty() && text.len() <= MAX_SHARED_TEXT;
+        if may_share && let Some(&code) = self.units.get(&text) {
+            return Ok(code);
+        }
+        let name = format!("plan#{}", source.0);
+        program.sources.add(&name, &text);
+        let compiled = self.library.compile_datum(program, &mut machine.symbols, tree, root);
+        machine.bring_up_to(program, &objects);
+        if has_error(&compiled.diagnostics) {
+            let drawn = rpl_lang::diagnostic::render(&compiled.diagnostics, &program.sources, false);
+            return Err(format!("the datum cannot be executed:\n{drawn}"));
+        }
+        if may_share {
+            Arc::make_mut(&mut self.units).insert(text, compiled.main);
+        }
+        Ok(compiled.main)
+    }
+
+    /// Assigns a global variable or fluent of the program before it runs.
+    ///
+    /// # Errors
+    /// Says why the name cannot be set.
+    pub fn set_global(&mut self, name: &str, value: Value) -> Result<(), String> {
+        let global = self.machine.symbols.find(name).and_then(|name| self.program.names.get(&name).copied());
+        let Some(global) = global else { return Err(format!("the plan has no variable `{name}`")) };
+        match self.program.globals[global as usize].kind {
+            GlobalKind::Variable | GlobalKind::Constant => {
+                self.machine.globals[global as usize] = value;
+                Ok(())
+            }
+            _ => Err(format!("`{name}` is not a variable")),
+        }
+    }
+
+    /// The symbol of a name.
+    pub fn symbol(&mut self, name: &str) -> Symbol {
+        self.machine.symbols.intern(name)
+    }
+}
+
+impl System<NoRobot> {
+    /// Compiles and starts a text without a robot.
+    ///
+    /// # Errors
+    /// The findings in the text.
+    pub fn without_robot(library: &Arc<Library>, name: &str, text: &str) -> Result<Self, crate::library::Rejected> {
+        let loaded = library.load(name, text, &mut rpl_lang::compile::NoFiles)?;
+        Ok(Self::new(library.clone(), loaded, NoRobot))
+    }
+}

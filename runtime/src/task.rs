@@ -1,0 +1,484 @@
+//! Tasks as data: registers, frames and scopes, no stack of the machine below.
+//!
+//! States and legal transitions:
+//!
+//! | from | to |
+//! | --- | --- |
+//! | created | ready, evaporated |
+//! | ready | running, evaporated (only before its first step), blocked (when it is parked by a suspension) |
+//! | running | ready (switched out), blocked, succeeded, failed, evaporated |
+//! | blocked | ready, evaporated, failed |
+//! | succeeded, failed, evaporated | – |
+//!
+//! `suspended` is not a state of its own here but a count (`stop`) over any living state: a task
+//! runs when its own suspensions and its ancestors' are zero.
+
+use crate::slab::Slab;
+use crate::value::{TaskRef, Value};
+use rpl_lang::code::{Reg, Rule};
+use rpl_lang::source::Span;
+use rpl_lang::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+
+/// No task, no fluent.
+pub const NONE: u32 = u32::MAX;
+
+/// Where a task is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// Known by its tag or held back by an order; has not started.
+    Created,
+    /// In the run queue, or would be if it were not suspended.
+    Ready,
+    /// Its code is being executed.
+    Running,
+    /// Waits for something.
+    Blocked,
+    /// Ended well.
+    Succeeded,
+    /// Ended with a failure.
+    Failed,
+    /// Was ended from outside.
+    Evaporated,
+}
+
+impl State {
+    /// Whether it never changes again.
+    pub fn is_dead(self) -> bool {
+        matches!(self, State::Succeeded | State::Failed | State::Evaporated)
+    }
+
+    /// The symbol `(status T)` holds.
+    pub fn name(self) -> &'static str {
+        match self {
+            State::Created => "created",
+            State::Ready => "ready",
+            State::Running => "running",
+            State::Blocked => "blocked",
+            State::Succeeded => "succeeded",
+            State::Failed => "failed",
+            State::Evaporated => "evaporated",
+        }
+    }
+
+    /// The table above.
+    pub fn may_become(self, next: State) -> bool {
+        use State::{Blocked, Created, Evaporated, Failed, Ready, Running, Succeeded};
+        match self {
+            Created => matches!(next, Ready | Evaporated),
+            Ready => matches!(next, Running | Evaporated | Blocked),
+            Running => matches!(next, Ready | Blocked | Succeeded | Failed | Evaporated),
+            Blocked => matches!(next, Ready | Evaporated | Failed),
+            Succeeded | Failed | Evaporated => false,
+        }
+    }
+}
+
+/// A call in progress: which code, where in it, and where its registers start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Frame {
+    /// The code.
+    pub code: u32,
+    /// The next instruction.
+    pub pc: u32,
+    /// The first register, counted from the task's own first one.
+    pub base: u32,
+}
+
+/// What a blocked task waits for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Waiting {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// A fluent to be true; `owned` ones die with the wait.
+    Fluent { fluent: u32, owned: bool },
+    /// A watched fluent to become true.
+    Watch(u32),
+    /// A time.
+    Time,
+    /// The children of its innermost construct.
+    Children,
+    /// Children that it spawned in the plan call that is ending.
+    Spawned,
+    /// A valve.
+    Valve(u32),
+    /// The death of another task, which it has evaporated.
+    Death(TaskRef),
+    /// The signal of a behaviour.
+    Signal(u16),
+}
+
+/// What a task finds when it goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Wake {
+    /// It was not woken.
+    #[default]
+    Nothing,
+    /// A value for the register it waits with.
+    Value(Value),
+    /// A failure, raised where it waits.
+    Raise(Value),
+}
+
+/// A departure from the ordinary course of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Leaving {
+    /// Ended from outside.
+    Evaporate,
+    /// A failure looks for its handler.
+    Fail(Value),
+    /// A spawned child failed: the plan call whose scope has this index fails.
+    FailCall { scope: u32, failure: Value },
+    /// To the block with this identity.
+    Block { identity: u64, value: Value },
+    /// To an instruction of the frame at this depth, once only so many scopes are left.
+    Jump { scopes: u32, target: u32, depth: u32 },
+}
+
+/// What follows a clean-up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Then {
+    /// The next instruction: the protected part had ended by itself.
+    Continue,
+    /// What cut the protected part short.
+    Leave(Leaving),
+}
+
+/// A plan call: a node of the task tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Call {
+    /// The plan.
+    pub name: Symbol,
+    /// How many calls of this name its surroundings had before, from 1.
+    pub occurrence: u32,
+    /// Where it was called.
+    pub span: Option<Span>,
+    /// How often each name was used in it.
+    pub counters: Vec<(Symbol, u32)>,
+    /// Spawned children that live.
+    pub spawned: u32,
+    /// Tags that were made for it.
+    pub tags: Vec<TaskRef>,
+}
+
+/// How a construct ends, decided when one of its children does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Decision {
+    /// With a value.
+    Succeed(Value),
+    /// With a failure.
+    Fail(Value),
+}
+
+/// The children of a construct in progress.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Children {
+    /// How the outcome is decided.
+    pub rule: Rule,
+    /// The construct's name.
+    pub name: Symbol,
+    /// How many constructs of this name its surroundings had before, from 1.
+    pub occurrence: u32,
+    /// The register its value goes to.
+    pub result: Reg,
+    /// Children that are not dead.
+    pub alive: u32,
+    /// All children.
+    pub total: u32,
+    /// Once this is set, no child runs anything but clean-ups.
+    pub decided: Option<Decision>,
+    /// Value of the last child by position, once it has succeeded.
+    pub last_value: Value,
+    /// Failures of children, in the order in which they failed.
+    pub failures: Vec<Value>,
+    /// For a partial order: constraints between positions.
+    pub order: Vec<(u16, u16)>,
+    /// For a partial order: positions that are dead.
+    pub dead: Vec<u16>,
+    /// For a timeout: seconds, and the number of its timer.
+    pub seconds: f64,
+    /// The timer of a timeout.
+    pub timer: u64,
+}
+
+/// A dynamic scope of a task, left in the reverse order of entering.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ScopeKind {
+    /// A block that can be left from inside a closure.
+    Block { identity: u64, result: Reg, target: u32 },
+    /// Catches failures: the list of clauses is `codes[code].handlers[index]`.
+    Handler { code: u32, index: u32, failure: Reg, target: u32 },
+    /// A clean-up that runs when the scope is left early.
+    Cleanup { target: u32 },
+    /// A clean-up is running.
+    InCleanup(Box<Then>),
+    /// A plan call.
+    Call(Box<Call>),
+    /// A construct with children.
+    Children(Box<Children>),
+    /// A valve is held.
+    Valve(u32),
+    /// Runs when the subtree is interrupted.
+    OnInterrupt(Value),
+    /// Runs when the subtree gets its valve back.
+    OnResume(Value),
+    /// Another task is suspended.
+    Suspended(TaskRef),
+    /// A fluent is watched.
+    Watch(u32),
+}
+
+/// A scope and the number of frames below the one that opened it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scope {
+    /// What it is.
+    pub kind: ScopeKind,
+    /// Frames below its own.
+    pub depth: u32,
+}
+
+/// Fluents about a task, made when they are asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TaskFluents {
+    /// Its state.
+    pub status: Option<u32>,
+    /// Its value or failure.
+    pub result: Option<u32>,
+    /// Whether it has begun.
+    pub begin: Option<u32>,
+    /// Whether it is dead.
+    pub end: Option<u32>,
+}
+
+/// What few tasks have.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rare {
+    /// Fluents about it.
+    pub fluents: TaskFluents,
+    /// How often each name was used directly in it.
+    pub counters: Vec<(Symbol, u32)>,
+    /// Suspensions that wait for its clean-up to end.
+    pub deferred: u32,
+    /// Suspensions of its own.
+    pub suspensions: u32,
+    /// Tasks that wait for its death.
+    pub mourners: Vec<TaskRef>,
+    /// A requester whose way it blocks: while it does, it runs at least at that priority.
+    pub boost: Option<u32>,
+    /// Valves for which its hooks run.
+    pub hooks_for: Option<u32>,
+}
+
+/// A task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// Registers of all its frames, while it does not run.
+    pub registers: Box<[Value]>,
+    /// The frames below the current one, while it does not run.
+    pub frames: Box<[Frame]>,
+    /// The current frame, while it does not run.
+    pub frame: Frame,
+    /// The register that gets the value it waits for.
+    pub wake_register: Reg,
+    /// Where it is in its life.
+    pub state: State,
+    /// It was evaporated while a clean-up or a departure was under way.
+    pub evaporation_pending: bool,
+    /// A value names it, so its record outlives it.
+    pub exposed: bool,
+    /// Counts suspensions of its own and of its ancestors.
+    pub stop: u32,
+    /// Scopes, innermost last.
+    pub scopes: Vec<Scope>,
+    /// The task around it.
+    pub parent: u32,
+    /// Index of the scope of the parent it belongs to.
+    pub parent_scope: u32,
+    /// Its place among the children of its construct.
+    pub position: u32,
+    /// The name in its path: of a tag, a process, or its construct.
+    pub name: Symbol,
+    /// Whether the path gives its position.
+    pub named_by_construct: bool,
+    /// How often the name was used before, from 1.
+    pub occurrence: u32,
+    /// Children, all constructs together, in order of creation.
+    pub first_child: u32,
+    /// The last child.
+    pub last_child: u32,
+    /// Siblings.
+    pub next_sibling: u32,
+    /// Siblings.
+    pub previous_sibling: u32,
+    /// The line it stands in: run queue or waiters of a fluent.
+    pub next: u32,
+    /// The line it stands in.
+    pub previous: u32,
+    /// What it waits for.
+    pub waiting: Waiting,
+    /// What it finds when it goes on.
+    pub wake: Wake,
+    /// Counts its waits, so that a late timer is recognised.
+    pub wait_number: u32,
+    /// Its priority, by number in the table of priorities.
+    pub priority: u32,
+    /// How many numbers its priority has, trailing zeros included.
+    pub priority_depth: u16,
+    /// A departure that waits for children or for the next run.
+    pub leaving: Option<Box<Leaving>>,
+    /// Value or failure, once dead.
+    pub result: Value,
+    /// Steps in the instant `budget_instant`.
+    pub steps: u32,
+    /// The instant in which `steps` were counted.
+    pub budget_instant: u32,
+    /// How often it ran away in that instant.
+    pub runaways: u8,
+    /// What few tasks have.
+    pub rare: Option<Box<Rare>>,
+}
+
+impl Task {
+    /// A task that has not started.
+    pub fn new(code: u32, registers: Box<[Value]>, name: Symbol, priority: u32) -> Self {
+        Self {
+            registers,
+            frames: Box::default(),
+            frame: Frame { code, pc: 0, base: 0 },
+            wake_register: 0,
+            state: State::Created,
+            evaporation_pending: false,
+            exposed: false,
+            stop: 0,
+            scopes: Vec::new(),
+            parent: NONE,
+            parent_scope: 0,
+            position: 0,
+            name,
+            named_by_construct: false,
+            occurrence: 1,
+            first_child: NONE,
+            last_child: NONE,
+            next_sibling: NONE,
+            previous_sibling: NONE,
+            next: NONE,
+            previous: NONE,
+            waiting: Waiting::Nothing,
+            wake: Wake::Nothing,
+            wait_number: 0,
+            priority,
+            priority_depth: 0,
+            leaving: None,
+            result: Value::Nil,
+            steps: 0,
+            budget_instant: 0,
+            runaways: 0,
+            rare: None,
+        }
+    }
+
+    /// What few tasks have, made if need be.
+    pub fn rare(&mut self) -> &mut Rare {
+        self.rare.get_or_insert_default()
+    }
+
+    /// Whether it runs a clean-up, which nothing from outside stops.
+    pub fn is_cleaning_up(&self) -> bool {
+        self.scopes.iter().any(|scope| matches!(scope.kind, ScopeKind::InCleanup(_)))
+    }
+
+    /// Whether nothing from outside may stop it now: a clean-up runs or is about to.
+    pub fn is_protected(&self) -> bool {
+        self.leaving.is_some() || self.is_cleaning_up()
+    }
+}
+
+/// All tasks.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tasks {
+    slots: Slab<Task>,
+    generations: Vec<u32>,
+}
+
+impl Tasks {
+    /// Adds a task.
+    pub fn insert(&mut self, task: Task) -> u32 {
+        let index = self.slots.insert(task);
+        if self.generations.len() <= index as usize {
+            self.generations.push(0);
+        }
+        index
+    }
+
+    /// Frees a dead task's slot.
+    pub fn free(&mut self, index: u32) {
+        if self.slots.remove(index).is_some() {
+            self.generations[index as usize] += 1;
+        }
+    }
+
+    /// A name for the task that outlives it.
+    pub fn reference(&self, index: u32) -> TaskRef {
+        TaskRef { index, generation: self.generations[index as usize] }
+    }
+
+    /// The task a name means, unless its record is gone.
+    pub fn find(&self, task: TaskRef) -> Option<u32> {
+        (self.generations.get(task.index as usize) == Some(&task.generation) && self.slots.get(task.index).is_some())
+            .then_some(task.index)
+    }
+
+    /// The living task a name means.
+    pub fn find_alive(&self, task: TaskRef) -> Option<u32> {
+        self.find(task).filter(|&index| !self.slots[index].state.is_dead())
+    }
+
+    /// All tasks, by slot.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Task)> {
+        self.slots.iter()
+    }
+
+    /// How many slots there are.
+    pub fn slots(&self) -> usize {
+        self.slots.slots()
+    }
+
+    /// The task in a slot, if it is used.
+    pub fn get(&self, index: u32) -> Option<&Task> {
+        self.slots.get(index)
+    }
+}
+
+impl std::ops::Index<u32> for Tasks {
+    type Output = Task;
+
+    fn index(&self, index: u32) -> &Task {
+        &self.slots[index]
+    }
+}
+
+impl std::ops::IndexMut<u32> for Tasks {
+    fn index_mut(&mut self, index: u32) -> &mut Task {
+        &mut self.slots[index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::State::{self, Blocked, Created, Evaporated, Failed, Ready, Running, Succeeded};
+
+    #[test]
+    fn the_dead_never_change() {
+        let all = [Created, Ready, Running, Blocked, Succeeded, Failed, Evaporated];
+        for from in all {
+            for to in all {
+                if from.is_dead() {
+                    assert!(!from.may_become(to), "{from:?} became {to:?}");
+                }
+                assert!(!State::may_become(from, Created), "nothing becomes created again");
+            }
+        }
+        assert!(!Created.may_become(Running) && !Blocked.may_become(Running));
+    }
+}

@@ -1,0 +1,298 @@
+//! The trace: what happened, in order. Written only while it is switched on.
+
+use crate::machine::{Machine, Surroundings};
+use crate::task::{Leaving, NONE, State, Waiting};
+use crate::value::Value;
+use rpl_lang::code::Program;
+use serde::{Deserialize, Serialize};
+
+/// Kinds of event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EventKind {
+    /// A task began.
+    Begin,
+    /// A task ended: `state`, `value` or `failure`.
+    End,
+    /// A plan was called.
+    Call,
+    /// A plan call ended.
+    Return,
+    /// A task blocked: `on`.
+    Blocked,
+    /// A task was woken.
+    Woken,
+    /// A fluent changed: `fluent`, `value`.
+    Fluent,
+    /// A fluent was pulsed: `fluent`.
+    Pulse,
+    /// A valve was requested, granted, pre-empted, released, returned: `valve`, `what`.
+    Valve,
+    /// A failure was raised: `class`, `message`.
+    Failed,
+    /// A failure was handled.
+    Handled,
+    /// A behaviour was activated, deactivated, interrupted: `behaviour`, `what`.
+    Behaviour,
+    /// A behaviour gave its signal: `behaviour`, `signal`.
+    Signal,
+    /// The robot reports: `what` and its details.
+    Robot,
+    /// `(log …)`.
+    Log,
+    /// Something a person should know.
+    Warning,
+}
+
+impl EventKind {
+    /// The name in traces.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventKind::Begin => "begin",
+            EventKind::End => "end",
+            EventKind::Call => "call",
+            EventKind::Return => "return",
+            EventKind::Blocked => "blocked",
+            EventKind::Woken => "woken",
+            EventKind::Fluent => "fluent",
+            EventKind::Pulse => "pulse",
+            EventKind::Valve => "valve",
+            EventKind::Failed => "failed",
+            EventKind::Handled => "handled",
+            EventKind::Behaviour => "behaviour",
+            EventKind::Signal => "signal",
+            EventKind::Robot => "robot",
+            EventKind::Log => "log",
+            EventKind::Warning => "warning",
+        }
+    }
+}
+
+/// One event.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Event {
+    /// Virtual time.
+    pub time_us: u64,
+    /// Counts the events of a run.
+    pub sequence: u64,
+    /// The path of the task it happened to; empty for the world's events.
+    pub path: String,
+    /// What kind of event it is.
+    pub kind: EventKind,
+    /// Details by name.
+    pub details: Vec<(String, String)>,
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{:10.3}  {:<9} {}", self.time_us as f64 / 1e6, self.kind.name(), self.path)?;
+        for (name, value) in &self.details {
+            write!(out, "  {name}={value}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Events not yet taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Trace {
+    /// Whether events are written.
+    pub enabled: bool,
+    /// Events, oldest first.
+    pub events: Vec<Event>,
+    /// The number of the next event.
+    pub next_sequence: u64,
+    /// Fluents whose every change is too much to write: the robot's continuous ones.
+    pub quiet: Vec<u32>,
+}
+
+impl Trace {
+    /// Takes the events written so far.
+    pub fn take(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+}
+
+impl Machine {
+    fn event(&mut self, path: String, kind: EventKind, details: Vec<(&str, String)>) {
+        let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
+        let sequence = self.trace.next_sequence;
+        self.trace.next_sequence += 1;
+        self.trace.events.push(Event { time_us: self.now_us, sequence, path, kind, details });
+    }
+
+    fn current_path(&self) -> String {
+        if self.current == NONE { String::new() } else { self.path(self.current) }
+    }
+
+    pub(crate) fn trace_task_begin(&mut self, _program: &Program, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Begin, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_task_end(&mut self, program: &Program, task: u32) {
+        if !self.trace.enabled {
+            return;
+        }
+        let (state, result) = (self.tasks[task].state, self.tasks[task].result);
+        let mut details = vec![("state", state.name().to_string())];
+        match state {
+            State::Succeeded => details.push(("value", self.write(program, result))),
+            State::Failed => details.push(("failure", self.show(program, result))),
+            _ => {}
+        }
+        let path = self.path(task);
+        self.event(path, EventKind::End, details);
+    }
+
+    pub(crate) fn trace_call(&mut self, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Call, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_call_end(&mut self, task: u32, leaving: &Leaving) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let how = match leaving {
+                Leaving::Evaporate => "evaporated",
+                Leaving::Fail(_) | Leaving::FailCall { .. } => "failed",
+                Leaving::Block { .. } | Leaving::Jump { .. } => "left",
+            };
+            self.event(path, EventKind::Return, vec![("state", how.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_return(&mut self, program: &Program, task: u32, value: Value) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let details = vec![("state", "succeeded".to_string()), ("value", self.write(program, value))];
+            self.event(path, EventKind::Return, details);
+        }
+    }
+
+    pub(crate) fn trace_blocked(&mut self, task: u32) {
+        if !self.trace.enabled {
+            return;
+        }
+        let on = self.describe_waiting(task);
+        let path = self.path(task);
+        self.event(path, EventKind::Blocked, vec![("on", on)]);
+    }
+
+    /// What a task waits for, in words.
+    pub fn describe_waiting(&self, task: u32) -> String {
+        match self.tasks[task].waiting {
+            Waiting::Nothing => "nothing".into(),
+            Waiting::Fluent { fluent, .. } => match self.fluents[fluent].name {
+                Some(name) => format!("fluent {}", self.symbols.name(name)),
+                None => "condition".into(),
+            },
+            Waiting::Watch(watch) => match self.fluents[self.watches[watch].fluent].name {
+                Some(name) => format!("fluent {}", self.symbols.name(name)),
+                None => "condition".into(),
+            },
+            Waiting::Time => "time".into(),
+            Waiting::Children | Waiting::Spawned => "children".into(),
+            Waiting::Valve(valve) => format!("valve {}", self.symbols.name(self.valves[valve as usize].name)),
+            Waiting::Death(_) => "the end of a task".into(),
+            Waiting::Signal(_) => "signal".into(),
+        }
+    }
+
+    pub(crate) fn trace_woken(&mut self, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Woken, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_fluent(&mut self, program: &Program, fluent: u32) {
+        if self.trace.enabled
+            && let Some(name) = self.fluents[fluent].name
+            && !self.trace.quiet.contains(&fluent)
+        {
+            let details = vec![
+                ("fluent", self.symbols.name(name).to_string()),
+                ("value", self.write(program, self.fluents[fluent].value)),
+            ];
+            let path = self.current_path();
+            self.event(path, EventKind::Fluent, details);
+        }
+    }
+
+    pub(crate) fn trace_pulse(&mut self, _program: &Program, fluent: u32) {
+        if self.trace.enabled {
+            let name = self.fluent_name(fluent);
+            let path = self.current_path();
+            self.event(path, EventKind::Pulse, vec![("fluent", name)]);
+        }
+    }
+
+    pub(crate) fn trace_valve(&mut self, task: u32, valve: u32, what: &str) {
+        if self.trace.enabled {
+            let name = self.symbols.name(self.valves[valve as usize].name).to_string();
+            let path = self.path(task);
+            self.event(path, EventKind::Valve, vec![("valve", name), ("what", what.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_failed(&mut self, program: &Program, task: u32, failure: Value) {
+        if self.trace.enabled {
+            let text = self.show(program, failure);
+            let path = self.path(task);
+            self.event(path, EventKind::Failed, vec![("failure", text)]);
+        }
+    }
+
+    pub(crate) fn trace_handled(&mut self, task: u32, leaving: &Leaving) {
+        if let (true, Leaving::Fail(_)) = (self.trace.enabled, leaving) {
+            let path = self.path(task);
+            self.event(path, EventKind::Handled, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_behaviour(&mut self, around: &Surroundings<'_>, behaviour: u16, what: &str) {
+        if self.trace.enabled {
+            let name = around.outside.behaviours()[usize::from(behaviour)].name.to_string();
+            let path = self.current_path();
+            self.event(path, EventKind::Behaviour, vec![("behaviour", name), ("what", what.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_signal(&mut self, around: &Surroundings<'_>, behaviour: u16, signal: &Result<(), Value>) {
+        if self.trace.enabled {
+            let name = around.outside.behaviours()[usize::from(behaviour)].name.to_string();
+            let text = match signal {
+                Ok(()) => "success".to_string(),
+                Err(failure) => self.show(around.program, *failure),
+            };
+            self.event(String::new(), EventKind::Signal, vec![("behaviour", name), ("signal", text)]);
+        }
+    }
+
+    pub(crate) fn trace_robot(&mut self, what: &str, details: &[(String, String)]) {
+        if self.trace.enabled {
+            let mut all = vec![("what", what.to_string())];
+            all.extend(details.iter().map(|(name, value)| (name.as_str(), value.clone())));
+            self.event(String::new(), EventKind::Robot, all);
+        }
+    }
+
+    pub(crate) fn trace_log(&mut self, text: &str) {
+        if self.trace.enabled {
+            let path = self.current_path();
+            self.event(path, EventKind::Log, vec![("text", text.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_warning(&mut self, text: &str) {
+        if self.trace.enabled {
+            let path = self.current_path();
+            self.event(path, EventKind::Warning, vec![("text", text.to_string())]);
+        }
+    }
+}

@@ -1,0 +1,423 @@
+//! The task tree: links, paths, readiness, waiting and suspension.
+
+use crate::machine::{Machine, Surroundings};
+use crate::task::{Frame, NONE, Rare, ScopeKind, State, Task, Waiting, Wake};
+use crate::value::Value;
+use rpl_lang::source::Span;
+use rpl_lang::symbol::Symbol;
+
+impl Machine {
+    /// Adds a task under a scope of its parent.
+    pub(crate) fn adopt(&mut self, parent: u32, parent_scope: u32, task: u32) {
+        let last = self.tasks[parent].last_child;
+        self.tasks[task].parent = parent;
+        self.tasks[task].parent_scope = parent_scope;
+        self.tasks[task].previous_sibling = last;
+        self.tasks[task].stop = self.stop_for_child(parent);
+        if last == NONE {
+            self.tasks[parent].first_child = task;
+        } else {
+            self.tasks[last].next_sibling = task;
+        }
+        self.tasks[parent].last_child = task;
+    }
+
+    /// A child shares its parent's suspensions, except those that wait for a clean-up.
+    fn stop_for_child(&self, parent: u32) -> u32 {
+        if self.tasks[parent].is_protected() { 0 } else { self.tasks[parent].stop }
+    }
+
+    pub(crate) fn disown(&mut self, task: u32) {
+        let (parent, previous, next) =
+            (self.tasks[task].parent, self.tasks[task].previous_sibling, self.tasks[task].next_sibling);
+        if parent == NONE {
+            return;
+        }
+        if previous == NONE {
+            self.tasks[parent].first_child = next;
+        } else {
+            self.tasks[previous].next_sibling = next;
+        }
+        if next == NONE {
+            self.tasks[parent].last_child = previous;
+        } else {
+            self.tasks[next].previous_sibling = previous;
+        }
+        self.tasks[task].next_sibling = NONE;
+        self.tasks[task].previous_sibling = NONE;
+    }
+
+    /// Living children of one scope, in order of creation.
+    pub(crate) fn children_of_scope(&self, parent: u32, scope: u32) -> Vec<u32> {
+        self.children(parent).into_iter().filter(|&child| self.tasks[child].parent_scope == scope).collect()
+    }
+
+    /// Living children, in order of creation.
+    pub fn children(&self, parent: u32) -> Vec<u32> {
+        let mut children = Vec::new();
+        let mut at = self.tasks[parent].first_child;
+        while at != NONE {
+            children.push(at);
+            at = self.tasks[at].next_sibling;
+        }
+        children
+    }
+
+    /// Whether a task is another or below it.
+    pub(crate) fn is_within(&self, task: u32, ancestor: u32) -> bool {
+        let mut at = task;
+        while at != NONE {
+            if at == ancestor {
+                return true;
+            }
+            at = self.tasks[at].parent;
+        }
+        false
+    }
+
+    /// The path of a task, such as `main/deliver.2/try-all[1]`.
+    pub fn path(&self, task: u32) -> String {
+        self.path_within(task, usize::MAX)
+    }
+
+    /// The path of a task and of its plan calls among the first scopes.
+    pub(crate) fn path_within(&self, task: u32, scopes: usize) -> String {
+        let mut parts = Vec::new();
+        let (mut at, mut upto) = (task, scopes);
+        loop {
+            let Some(record) = self.tasks.get(at) else { break };
+            for (index, scope) in record.scopes.iter().enumerate().take(upto).rev() {
+                if let ScopeKind::Call(call) = &scope.kind
+                    && (index > 0 || record.parent != NONE || at != self.main)
+                {
+                    parts.push(self.counted(call.name, call.occurrence));
+                }
+            }
+            parts.push(self.segment(record));
+            if record.parent == NONE {
+                break;
+            }
+            upto = record.parent_scope as usize + 1;
+            at = record.parent;
+        }
+        parts.reverse();
+        parts.join("/")
+    }
+
+    fn segment(&self, task: &Task) -> String {
+        let name = self.counted(task.name, task.occurrence);
+        if task.named_by_construct { format!("{name}[{}]", task.position) } else { name }
+    }
+
+    fn counted(&self, name: Symbol, occurrence: u32) -> String {
+        let name = self.symbols.name(name);
+        if occurrence > 1 { format!("{name}.{occurrence}") } else { name.to_string() }
+    }
+
+    /// The plan calls around a place in a task, innermost first.
+    pub(crate) fn plan_calls(&self, task: u32) -> Vec<(Symbol, Option<Span>)> {
+        let mut calls = Vec::new();
+        let (mut at, mut upto) = (task, usize::MAX);
+        while at != NONE && calls.len() < 64 {
+            let record = &self.tasks[at];
+            for scope in record.scopes.iter().take(upto).rev() {
+                if let ScopeKind::Call(call) = &scope.kind
+                    && call.span.is_some()
+                {
+                    calls.push((call.name, call.span));
+                }
+            }
+            upto = record.parent_scope as usize + 1;
+            at = record.parent;
+        }
+        calls
+    }
+
+    /// How often a name has been used at this node of the tree, this use included: the innermost
+    /// plan call of the task, or the task itself.
+    pub(crate) fn count_use(&mut self, task: u32, name: Symbol) -> u32 {
+        let record = &mut self.tasks[task];
+        let call = record.scopes.iter_mut().rev().find_map(|scope| match &mut scope.kind {
+            ScopeKind::Call(call) => Some(call),
+            _ => None,
+        });
+        let counters = match call {
+            Some(call) => &mut call.counters,
+            None => &mut record.rare.get_or_insert_default().counters,
+        };
+        match counters.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => {
+                *count += 1;
+                *count
+            }
+            None => {
+                counters.push((name, 1));
+                1
+            }
+        }
+    }
+
+    /// The priority a task runs at: its own, or that of a requester whose way it blocks.
+    pub(crate) fn effective_priority(&self, task: u32) -> u32 {
+        let record = &self.tasks[task];
+        match record.rare.as_ref().and_then(|rare| rare.boost) {
+            Some(boost) => self.priorities.higher(record.priority, boost),
+            None => record.priority,
+        }
+    }
+
+    /// Lets a task run at least at this priority.
+    pub(crate) fn boost(&mut self, task: u32, priority: u32) {
+        let queued = self.is_queued(task);
+        if queued {
+            let line = self.effective_priority(task);
+            self.priorities.withdraw(&mut self.tasks, task, line);
+        }
+        self.tasks[task].rare().boost = Some(priority);
+        if queued {
+            let line = self.effective_priority(task);
+            self.priorities.enqueue(&mut self.tasks, task, line, false);
+        }
+    }
+
+    /// Whether the task stands in the run queue: ready, and not held by a suspension.
+    fn is_queued(&self, task: u32) -> bool {
+        let record = &self.tasks[task];
+        record.state == State::Ready && (record.stop == 0 || record.is_protected())
+    }
+
+    pub(crate) fn set_state(&mut self, task: u32, state: State) {
+        let from = self.tasks[task].state;
+        if from == state {
+            return;
+        }
+        assert!(from.may_become(state), "a task cannot become {} after {}", state.name(), from.name());
+        self.tasks[task].state = state;
+    }
+
+    /// Makes a task ready; unless it is suspended it enters the run queue.
+    pub(crate) fn make_ready(&mut self, task: u32) {
+        self.set_state(task, State::Ready);
+        self.queue(task, false);
+    }
+
+    fn queue(&mut self, task: u32, front: bool) {
+        if !self.is_queued(task) {
+            return;
+        }
+        let priority = self.effective_priority(task);
+        self.priorities.enqueue(&mut self.tasks, task, priority, front);
+        if self.current != NONE && self.priorities.is_higher(priority, self.effective_priority(self.current)) {
+            self.scratch.switch = true;
+        }
+    }
+
+    /// Puts the running task back: at the front of its line, or aside if it is suspended.
+    pub(crate) fn requeue_running(&mut self, task: u32) {
+        self.set_state(task, State::Ready);
+        self.queue(task, true);
+    }
+
+    /// Takes a task out of the run queue, if it stands there.
+    pub(crate) fn unqueue(&mut self, task: u32) {
+        if self.is_queued(task) {
+            let priority = self.effective_priority(task);
+            self.priorities.withdraw(&mut self.tasks, task, priority);
+        }
+    }
+
+    /// Wakes a blocked task with what it waited for. Only the first wake-up of a wait counts.
+    pub(crate) fn wake(&mut self, task: u32, wake: Wake) {
+        if self.tasks[task].state != State::Blocked {
+            return;
+        }
+        self.stop_waiting(task);
+        self.tasks[task].wake = wake;
+        self.trace_woken(task);
+        self.make_ready(task);
+    }
+
+    /// Withdraws a task from whatever it waits for.
+    pub(crate) fn stop_waiting(&mut self, task: u32) {
+        let waiting = std::mem::take(&mut self.tasks[task].waiting);
+        self.tasks[task].wait_number += 1;
+        match waiting {
+            Waiting::Fluent { fluent, owned } => {
+                self.leave_fluent(task, fluent, owned);
+                self.forget_timer();
+            }
+            Waiting::Watch(watch) => {
+                if let Some(entry) = self.watches.get_mut(watch) {
+                    entry.waits = false;
+                }
+            }
+            Waiting::Time => self.forget_timer(),
+            Waiting::Valve(valve) => self.leave_valve_line(task, valve),
+            Waiting::Death(other) => {
+                if let Some(other) = self.tasks.find(other) {
+                    let me = self.tasks.reference(task);
+                    self.tasks[other].rare().mourners.retain(|&mourner| mourner != me);
+                }
+            }
+            Waiting::Nothing | Waiting::Children | Waiting::Spawned | Waiting::Signal(_) => {}
+        }
+    }
+
+    pub(crate) fn forget_timer(&mut self) {
+        let tasks = &self.tasks;
+        self.timers.note_cancelled(|timer| is_current(tasks, timer));
+    }
+
+    /// Suspends a task and what is below it, once more.
+    pub(crate) fn suspend(&mut self, task: u32) {
+        self.tasks[task].rare().suspensions += 1;
+        self.add_stop(task);
+    }
+
+    /// Takes one suspension back; a surplus one does nothing.
+    pub(crate) fn resume(&mut self, task: u32) {
+        let rare: &mut Rare = self.tasks[task].rare();
+        if rare.suspensions > 0 {
+            rare.suspensions -= 1;
+            self.remove_stop(task);
+        }
+    }
+
+    /// Adds one stop to a subtree. A clean-up is not stopped: it notes the suspension for its end.
+    fn add_stop(&mut self, root: u32) {
+        let mut waiting = vec![root];
+        while let Some(task) = waiting.pop() {
+            if self.tasks[task].is_protected() {
+                self.tasks[task].rare().deferred += 1;
+                waiting.extend(self.children_outside_clean_up(task));
+                continue;
+            }
+            self.unqueue(task);
+            self.tasks[task].stop += 1;
+            if task == self.current {
+                self.scratch.switch = true;
+            }
+            waiting.extend(self.children(task).into_iter().rev());
+        }
+    }
+
+    fn remove_stop(&mut self, root: u32) {
+        let mut waiting = vec![root];
+        while let Some(task) = waiting.pop() {
+            let deferred = self.tasks[task].rare.as_ref().map_or(0, |rare| rare.deferred);
+            if deferred > 0 {
+                self.tasks[task].rare().deferred -= 1;
+                waiting.extend(self.children_outside_clean_up(task));
+                continue;
+            }
+            if self.tasks[task].stop > 0 {
+                self.tasks[task].stop -= 1;
+                if self.tasks[task].stop == 0
+                    && self.tasks[task].state == State::Ready
+                    && !self.tasks[task].is_protected()
+                {
+                    self.queue(task, false);
+                }
+            }
+            waiting.extend(self.children(task).into_iter().rev());
+        }
+    }
+
+    /// Children that were there before the clean-up of a task began.
+    fn children_outside_clean_up(&self, task: u32) -> Vec<u32> {
+        let scopes = &self.tasks[task].scopes;
+        let inner =
+            scopes.iter().position(|scope| matches!(scope.kind, ScopeKind::InCleanup(_))).unwrap_or(scopes.len());
+        self.children(task)
+            .into_iter()
+            .filter(|&child| (self.tasks[child].parent_scope as usize) < inner)
+            .rev()
+            .collect()
+    }
+
+    /// A task that begins to clean up keeps its suspensions for later.
+    pub(crate) fn defer_stop(&mut self, task: u32) {
+        let stop = std::mem::take(&mut self.tasks[task].stop);
+        if stop > 0 {
+            self.tasks[task].rare().deferred += stop;
+        }
+    }
+
+    /// A task that has cleaned up and lives on takes its suspensions up again.
+    pub(crate) fn take_up_stop(&mut self, task: u32) {
+        if self.tasks[task].is_protected() {
+            return;
+        }
+        let deferred = self.tasks[task].rare.as_mut().map_or(0, |rare| std::mem::take(&mut rare.deferred));
+        self.tasks[task].stop += deferred;
+        if deferred > 0 && task == self.current {
+            self.scratch.switch = true;
+        }
+    }
+
+    /// Moves the current task's registers and frames into its record.
+    pub(crate) fn store(&mut self, task: u32, frame: Frame, registers: usize) {
+        let record = &mut self.tasks[task];
+        let end = frame.base as usize + registers;
+        if record.registers.len() == end {
+            record.registers.copy_from_slice(&self.scratch.stack[..end]);
+        } else {
+            record.registers = self.scratch.stack[..end].into();
+        }
+        if record.frames.len() != self.scratch.frames.len() || !record.frames.is_empty() {
+            record.frames = self.scratch.frames.as_slice().into();
+        }
+        record.frame = frame;
+    }
+
+    /// The fluents about a task follow its state.
+    pub(crate) fn update_task_fluents(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        let Some(rare) = &self.tasks[task].rare else { return };
+        let fluents = rare.fluents.clone();
+        let record = &self.tasks[task];
+        let (state, result) = (record.state, record.result);
+        let suspended = record.stop > 0 && !record.is_protected() && !state.is_dead();
+        let begun = Value::truth(state != State::Created);
+        let name = if suspended { "suspended" } else { state.name() };
+        let status = Value::Symbol(self.symbols.intern(name));
+        let ended = Value::truth(state.is_dead());
+        let pairs = [
+            (fluents.status, status),
+            (fluents.result, if state.is_dead() { result } else { Value::Nil }),
+            (fluents.begin, begun),
+            (fluents.end, ended),
+        ];
+        let values: Vec<(u32, Value)> =
+            pairs.into_iter().filter_map(|(fluent, value)| Some((fluent?, value))).collect();
+        if !values.is_empty() {
+            self.assign_all(around, &values);
+        }
+    }
+}
+
+/// Whether a timer still has something to do.
+pub(crate) fn is_current(tasks: &crate::task::Tasks, timer: &crate::scheduler::Timer) -> bool {
+    let Some(task) = tasks.find_alive(timer.task) else { return false };
+    let record = &tasks[task];
+    match timer.alarm {
+        crate::scheduler::Alarm::Wake(number) => record.state == State::Blocked && record.wait_number == number,
+        crate::scheduler::Alarm::Deadline => record.scopes.iter().any(|scope| {
+            matches!(&scope.kind, ScopeKind::Children(children)
+                if children.timer == timer.number && children.decided.is_none())
+        }),
+    }
+}
+
+impl Machine {
+    /// Whether a task, or one above it, waits for the death of `other` or of one above it.
+    pub(crate) fn waits_for_death(&self, task: u32, other: u32) -> bool {
+        let Waiting::Death(awaited) = self.tasks[task].waiting else { return false };
+        self.tasks.find(awaited).is_some_and(|awaited| self.is_within(other, awaited))
+    }
+
+    /// Lets a running task go to the end of the line of its priority: its wait is over already.
+    pub(crate) fn give_way(&mut self, task: u32) {
+        self.tasks[task].waiting = Waiting::Nothing;
+        self.scratch.gives_way = true;
+    }
+}

@@ -1,0 +1,100 @@
+//! Values: 16 bytes, copied; what is larger lives in the heap and is named by a handle.
+
+use rpl_lang::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+
+/// Names one run of a task; a dead task's slot can be used again under a new generation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct TaskRef {
+    /// Slot in the task table.
+    pub index: u32,
+    /// Counts the uses of the slot.
+    pub generation: u32,
+}
+
+/// A value. `PartialEq` is bitwise sameness of handles, not `equal`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Value {
+    /// False and the empty list.
+    #[default]
+    Nil,
+    /// `t`
+    True,
+    /// A 64-bit integer.
+    Int(i64),
+    /// A float.
+    Float(f64),
+    /// A symbol other than `nil` and `t`.
+    Symbol(Symbol),
+    /// A keyword.
+    Keyword(Symbol),
+    /// A pair.
+    Cons(u32),
+    /// A string.
+    Str(u32),
+    /// A variable that is captured and assigned; never seen by a plan.
+    Cell(u32),
+    /// A function without captured values: its code.
+    Function(u32),
+    /// A function with captured values.
+    Closure(u32),
+    /// A native function.
+    Native(u16),
+    /// A fluent.
+    Fluent(u32),
+    /// A task.
+    Task(TaskRef),
+    /// A valve.
+    Valve(u32),
+    /// A failure.
+    Failure(u32),
+    /// A hash table.
+    Table(u32),
+    /// A behaviour of the robot.
+    Behaviour(u16),
+    /// No value yet; never seen by a plan.
+    Unbound,
+}
+
+impl Value {
+    /// Whether it counts as true: everything but `nil`.
+    pub fn is_true(self) -> bool {
+        self != Value::Nil
+    }
+
+    /// `t` or `nil`.
+    pub fn truth(condition: bool) -> Value {
+        if condition { Value::True } else { Value::Nil }
+    }
+
+    /// The number as a float, if it is one.
+    pub fn as_f64(self) -> Option<f64> {
+        match self {
+            Value::Int(value) => Some(value as f64),
+            Value::Float(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// The name of its type, as errors say it.
+    pub fn type_name(self) -> &'static str {
+        match self {
+            Value::Nil => "nil",
+            Value::True => "t",
+            Value::Int(_) => "an integer",
+            Value::Float(_) => "a float",
+            Value::Symbol(_) => "a symbol",
+            Value::Keyword(_) => "a keyword",
+            Value::Cons(_) => "a list",
+            Value::Str(_) => "a string",
+            Value::Function(_) | Value::Closure(_) | Value::Native(_) => "a function",
+            Value::Fluent(_) => "a fluent",
+            Value::Task(_) => "a task",
+            Value::Valve(_) => "a valve",
+            Value::Failure(_) => "a failure",
+            Value::Table(_) => "a hash table",
+            Value::Behaviour(_) => "a behaviour",
+            Value::Cell(_) | Value::Unbound => "nothing",
+        }
+    }
+}
