@@ -1,1 +1,46 @@
-//! What plans can call: native pure functions, and the prelude in RPL itself.
+//! What plans can call: native functions without effects on tasks, and the prelude, the derived
+//! constructs and list functions written in RPL itself.
+//!
+//! A native gives its value at once: it never waits, never calls back into a plan and never walks
+//! a circular list without end. Whatever takes a function as an argument stands in the prelude.
+//! Tasks, fluents, time, valves and behaviours belong to the runtime.
+
+mod arguments;
+mod elements;
+mod format;
+mod lists;
+mod numbers;
+mod places;
+mod predicates;
+mod rounding;
+mod sets;
+mod strings;
+mod support;
+mod symbols;
+mod tables;
+mod transcendental;
+
+use rpl_runtime::native::Native;
+
+/// The library in RPL: macros first, then functions. It uses only natives and special forms.
+pub const PRELUDE: &str = include_str!("prelude.rpl");
+
+/// All native functions of the library, in a fixed order.
+pub fn natives() -> Vec<Native> {
+    [
+        numbers::NATIVES,
+        rounding::NATIVES,
+        transcendental::NATIVES,
+        predicates::NATIVES,
+        lists::NATIVES,
+        elements::NATIVES,
+        sets::NATIVES,
+        places::NATIVES,
+        strings::NATIVES,
+        symbols::NATIVES,
+        tables::NATIVES,
+        format::NATIVES,
+        support::NATIVES,
+    ]
+    .concat()
+}

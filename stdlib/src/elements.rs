@@ -1,0 +1,210 @@
+//! Elements of lists and strings: how many, where, all but some, in another order.
+
+use crate::arguments::{
+    Answer, Sequence, Spine, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text,
+    value,
+};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+
+fn length(call: &mut Call<'_, '_>) -> Answer {
+    if let Value::Str(_) = call.argument(0) {
+        return integer(call.text(0)?.chars().count() as i64);
+    }
+    let mut spine = Spine::new(&call.machine.heap, call.argument(0));
+    let length = spine.by_ref().count();
+    match call.argument(0) {
+        Value::Nil | Value::Cons(_) => proper_end(call, 0, spine.rest())?,
+        other => return Err(call.wrong_type(0, "a list or a string", other)),
+    }
+    integer(length as i64)
+}
+
+fn reverse(call: &mut Call<'_, '_>) -> Answer {
+    match sequence(call, 0)? {
+        Sequence::List(mut items) => {
+            items.reverse();
+            list(call, &items)
+        }
+        Sequence::Text(string) => {
+            let reversed: String = string.chars().rev().collect();
+            text(call, &reversed)
+        }
+    }
+}
+
+/// Start and end of a part, both within the length.
+pub(crate) fn part(call: &Call<'_, '_>, length: usize) -> Result<(usize, usize), Raise> {
+    let start = natural(call, 1)?;
+    let end = if count(call) > 2 && call.argument(2).is_true() { natural(call, 2)? } else { length };
+    if start > end {
+        return Err(index_error(format!("a part cannot begin at {start} and end at {end}")));
+    }
+    if end > length {
+        return Err(index_error(format!("a part cannot reach up to {end}: the length is {length}")));
+    }
+    Ok((start, end))
+}
+
+/// The characters from one position to another.
+pub(crate) fn characters(string: &str, start: usize, end: usize) -> &str {
+    if string.is_ascii() {
+        return &string[start..end];
+    }
+    let byte = |position: usize| string.char_indices().nth(position).map_or(string.len(), |(byte, _)| byte);
+    &string[byte(start)..byte(end)]
+}
+
+fn subsequence(call: &mut Call<'_, '_>) -> Answer {
+    match sequence(call, 0)? {
+        Sequence::List(items) => {
+            let (start, end) = part(call, items.len())?;
+            list(call, &items[start..end])
+        }
+        Sequence::Text(string) => {
+            let (start, end) = part(call, string.chars().count())?;
+            text(call, characters(&string, start, end))
+        }
+    }
+}
+
+fn elt(call: &mut Call<'_, '_>) -> Answer {
+    let position = natural(call, 1)?;
+    let outside =
+        |length: usize| index_error(format!("there is no element {position}: the length is {length}"));
+    match sequence(call, 0)? {
+        Sequence::List(items) => value(*items.get(position).ok_or_else(|| outside(items.len()))?),
+        Sequence::Text(string) => {
+            let length = string.chars().count();
+            if position >= length {
+                return Err(outside(length));
+            }
+            text(call, characters(&string, position, position + 1))
+        }
+    }
+}
+
+/// The pair whose first half is `equal` to a value, with its position.
+fn find(call: &Call<'_, '_>, wanted: Value, at: usize) -> Result<Option<(usize, Value)>, Raise> {
+    let heap = &call.machine.heap;
+    let mut spine = Spine::new(heap, call.argument(at));
+    let found = spine.by_ref().enumerate().find(|&(_, (_, item))| heap.equal(item, wanted));
+    match found {
+        Some((position, (pair, _))) => Ok(Some((position, Value::Cons(pair)))),
+        None => proper_end(call, at, spine.rest()).map(|()| None),
+    }
+}
+
+fn member(call: &mut Call<'_, '_>) -> Answer {
+    let found = find(call, call.argument(0), 1)?;
+    value(found.map_or(Value::Nil, |(_, pair)| pair))
+}
+
+fn position(call: &mut Call<'_, '_>) -> Answer {
+    let found = find(call, call.argument(0), 1)?;
+    value(found.map_or(Value::Nil, |(position, _)| Value::Int(position as i64)))
+}
+
+/// The entry of an association list whose half (0 key, 1 value) is `equal` to the first argument.
+fn entry(call: &Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value, Value)>, Raise> {
+    let heap = &call.machine.heap;
+    let wanted = call.argument(0);
+    let mut spine = Spine::new(heap, call.argument(1));
+    for (_, item) in spine.by_ref() {
+        match item {
+            Value::Nil => {}
+            Value::Cons(index) => {
+                let (key, content) = heap.pair(index);
+                if heap.equal(if by_value { content } else { key }, wanted) {
+                    return Ok(Some((item, key, content)));
+                }
+            }
+            other => {
+                let found = other.type_name();
+                return Err(Raise::type_error(format!(
+                    "argument 2 must be a list of pairs, and one of its elements is {found}"
+                )));
+            }
+        }
+    }
+    proper_end(call, 1, spine.rest()).map(|()| None)
+}
+
+fn assoc(call: &Call<'_, '_>, by_value: bool) -> Answer {
+    value(entry(call, by_value)?.map_or(Value::Nil, |(item, _, _)| item))
+}
+
+fn assoc_value(call: &mut Call<'_, '_>) -> Answer {
+    value(entry(call, false)?.map_or(call.argument(2), |(_, _, content)| content))
+}
+
+/// One half of every entry of an association list.
+fn halves(call: &mut Call<'_, '_>, values: bool) -> Answer {
+    let mut found = Vec::new();
+    for item in elements(call, 0)? {
+        match item {
+            Value::Nil => {}
+            Value::Cons(index) => {
+                let (key, content) = call.machine.heap.pair(index);
+                found.push(if values { content } else { key });
+            }
+            other => {
+                let found = other.type_name();
+                return Err(Raise::type_error(format!(
+                    "argument 1 must be a list of pairs, and one of its elements is {found}"
+                )));
+            }
+        }
+    }
+    list(call, &found)
+}
+
+fn remove(call: &mut Call<'_, '_>) -> Answer {
+    let unwanted = call.argument(0);
+    let mut items = elements(call, 1)?;
+    items.retain(|&item| !call.machine.heap.equal(item, unwanted));
+    list(call, &items)
+}
+
+fn substitute(call: &mut Call<'_, '_>) -> Answer {
+    let (new, old) = (call.argument(0), call.argument(1));
+    let mut items = elements(call, 2)?;
+    for item in &mut items {
+        if call.machine.heap.equal(*item, old) {
+            *item = new;
+        }
+    }
+    list(call, &items)
+}
+
+/// Elements of lists and strings.
+pub const NATIVES: &[Native] = &[
+    pure("length", "list-or-string", "How many elements or characters there are.", length),
+    pure("reverse", "list-or-string", "A new list or string in the opposite order.", reverse),
+    pure(
+        "subseq",
+        "list-or-string start &optional end",
+        "A copy of the part from a position up to another that is not in it.",
+        subsequence,
+    ),
+    pure("elt", "list-or-string position", "The element, or string of one character, at a position counted from 0.", elt),
+    pure("member", "value list", "The list from the first element that is equal to the value, or nil.", member),
+    pure("position", "value list", "The position of the first element that is equal to the value, or nil.", position),
+    pure("assoc", "key alist", "The first entry of an association list whose key is equal, or nil.", |call| {
+        assoc(call, false)
+    }),
+    pure("rassoc", "value alist", "The first entry of an association list whose value is equal, or nil.", |call| {
+        assoc(call, true)
+    }),
+    pure(
+        "assoc-value",
+        "key alist &optional default",
+        "The value that belongs to the key in an association list, or the default.",
+        assoc_value,
+    ),
+    pure("alist-keys", "alist", "The keys of an association list.", |call| halves(call, false)),
+    pure("alist-values", "alist", "The values of an association list.", |call| halves(call, true)),
+    pure("remove", "value list", "A copy of the list without the elements that are equal to the value.", remove),
+    pure("substitute", "new old list", "A copy of the list with a new element in place of each that is equal to the old one.", substitute),
+];

@@ -1,0 +1,131 @@
+//! `format`: text with directives that stand for arguments.
+
+use crate::arguments::{Answer, pure, room_for, text};
+use rpl_lang::number::format_float;
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+
+/// Wider columns and more decimals are taken for a mistake.
+const MAX_WIDTH: usize = 1_000;
+
+/// What stands between `~` and the letter: `~WIDTH,DECIMALSf`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Directive {
+    width: usize,
+    decimals: Option<usize>,
+    letter: char,
+}
+
+fn malformed(message: impl Into<String>) -> Raise {
+    Raise::type_error(message)
+}
+
+/// Reads a directive behind its `~`.
+fn directive(characters: &mut std::iter::Peekable<std::str::Chars<'_>>) -> Result<Directive, Raise> {
+    let width = digits(characters)?.unwrap_or(0);
+    let mut decimals = None;
+    if characters.next_if_eq(&',').is_some() {
+        decimals = digits(characters)?;
+    }
+    let Some(letter) = characters.next() else {
+        return Err(malformed("the format ends in the middle of a directive; write `~~` for a tilde"));
+    };
+    Ok(Directive { width, decimals, letter: letter.to_ascii_lowercase() })
+}
+
+fn digits(characters: &mut std::iter::Peekable<std::str::Chars<'_>>) -> Result<Option<usize>, Raise> {
+    let mut number = None;
+    while let Some(digit) = characters.peek().and_then(|character| character.to_digit(10)) {
+        characters.next();
+        let so_far = number.unwrap_or(0usize) * 10 + digit as usize;
+        if so_far > MAX_WIDTH {
+            return Err(malformed(format!("a width or number of decimals in a format is at most {MAX_WIDTH}")));
+        }
+        number = Some(so_far);
+    }
+    Ok(number)
+}
+
+/// An argument as a directive shows it.
+fn shown(call: &Call<'_, '_>, directive: Directive, at: usize) -> Result<String, Raise> {
+    let argument = call.argument(at);
+    let program = call.around.program;
+    Ok(match (directive.letter, argument) {
+        ('a', _) => call.machine.show(program, argument),
+        ('s', _) => call.machine.write(program, argument),
+        ('d', Value::Int(integer)) => integer.to_string(),
+        ('d', Value::Float(float)) => format_float(float),
+        ('f', Value::Int(_) | Value::Float(_)) => {
+            let float = call.number(at)?;
+            match directive.decimals {
+                Some(decimals) if float.is_finite() => format!("{float:.decimals$}"),
+                _ => format_float(float),
+            }
+        }
+        (letter @ ('d' | 'f'), _) => {
+            let name = format!("the argument of `~{letter}`");
+            return Err(call.machine.wrong_type(&name, "a number", argument));
+        }
+        (letter, _) => {
+            return Err(malformed(format!(
+                "`~{letter}` is no directive of a format; there are ~a ~s ~d ~f ~,2f ~% ~~"
+            )));
+        }
+    })
+}
+
+/// Words are filled up on the right, numbers on the left.
+fn pad(out: &mut String, shown: &str, directive: Directive) {
+    let missing = directive.width.saturating_sub(shown.chars().count());
+    let blanks = std::iter::repeat_n(' ', missing);
+    if matches!(directive.letter, 'd' | 'f') {
+        out.extend(blanks);
+        out.push_str(shown);
+    } else {
+        out.push_str(shown);
+        out.extend(blanks);
+    }
+}
+
+fn format(call: &mut Call<'_, '_>) -> Answer {
+    let template = call.text(0)?;
+    let mut characters = template.chars().peekable();
+    let mut out = String::new();
+    let mut next = 1;
+    while let Some(character) = characters.next() {
+        if character != '~' {
+            out.push(character);
+            continue;
+        }
+        let directive = directive(&mut characters)?;
+        match directive.letter {
+            '%' => out.extend(std::iter::repeat_n('\n', directive.width.max(1))),
+            '~' => out.extend(std::iter::repeat_n('~', directive.width.max(1))),
+            // A `~` at the end of a line joins it to the next one, without its indentation.
+            '\n' => while characters.next_if(|character| character.is_whitespace()).is_some() {},
+            letter => {
+                if next >= call.arguments.len() && matches!(letter, 'a' | 's' | 'd' | 'f') {
+                    return Err(malformed(format!("directive {next} of the format, `~{letter}`, has no argument")));
+                }
+                let shown = shown(call, directive, next)?;
+                pad(&mut out, &shown, directive);
+                next += 1;
+            }
+        }
+        room_for(call, out.len())?;
+    }
+    if next < call.arguments.len() {
+        let (given, used) = (call.arguments.len() - 1, next - 1);
+        return Err(malformed(format!("the format has room for {used} arguments, and {given} are given")));
+    }
+    text(call, &out)
+}
+
+/// Formatting.
+pub const NATIVES: &[Native] = &[pure(
+    "format",
+    "template &rest values",
+    "The template with the values in place of ~a (as printed), ~s (as read), ~d, ~f and ~,2f (numbers); ~% is a new line, ~~ a tilde.",
+    format,
+)];

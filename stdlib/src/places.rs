@@ -1,0 +1,80 @@
+//! What `setf` calls: `(setf (ACCESSOR ARG...) VALUE)` is `(%set-ACCESSOR ARG... VALUE)` and gives
+//! the value.
+
+use crate::arguments::{Answer, Spine, changing, index_error, natural, value};
+use crate::lists::follow;
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+
+/// Writes one half of the pair that the letters lead to from the first argument.
+fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> Answer {
+    let pair = follow(call, way)?;
+    let Value::Cons(index) = pair else {
+        return Err(match pair {
+            Value::Nil => index_error("the list is too short: there is no element to set".into()),
+            other => call.wrong_type(0, "a list", other),
+        });
+    };
+    let new = call.argument(1);
+    let pair = &mut call.machine.heap.pairs[index as usize];
+    if letter == b'a' {
+        pair.0 = new;
+    } else {
+        pair.1 = new;
+    }
+    value(new)
+}
+
+/// Writes the element at a position of the list in an argument.
+fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value) -> Answer {
+    let mut spine = Spine::new(&call.machine.heap, call.argument(list));
+    let mut length = 0;
+    for (pair, _) in spine.by_ref() {
+        if length == position {
+            call.machine.heap.pairs[pair as usize].0 = new;
+            return value(new);
+        }
+        length += 1;
+    }
+    Err(match call.argument(list) {
+        Value::Nil | Value::Cons(_) => missing(position, length),
+        other => call.wrong_type(list, "a list", other),
+    })
+}
+
+fn missing(position: usize, length: usize) -> Raise {
+    index_error(format!("there is no element {position} to set: the length is {length}"))
+}
+
+fn set_nth(call: &mut Call<'_, '_>) -> Answer {
+    let position = natural(call, 0)?;
+    set_element(call, 1, position, call.argument(2))
+}
+
+fn set_elt(call: &mut Call<'_, '_>) -> Answer {
+    if let Value::Str(_) = call.argument(0) {
+        return Err(Raise::type_error("a string cannot be changed; build a new one with `string-append`"));
+    }
+    let position = natural(call, 1)?;
+    set_element(call, 0, position, call.argument(2))
+}
+
+/// Setters of list places.
+pub const NATIVES: &[Native] = &[
+    changing("%set-car", "list value", "Sets the first element.", |call| set_half(call, b"", b'a')),
+    changing("%set-cdr", "list value", "Sets what follows the first element.", |call| set_half(call, b"", b'd')),
+    changing("%set-caar", "list value", "Sets the car of the car.", |call| set_half(call, b"a", b'a')),
+    changing("%set-cadr", "list value", "Sets the second element.", |call| set_half(call, b"d", b'a')),
+    changing("%set-cdar", "list value", "Sets the cdr of the car.", |call| set_half(call, b"a", b'd')),
+    changing("%set-cddr", "list value", "Sets what follows the second element.", |call| set_half(call, b"d", b'd')),
+    changing("%set-caddr", "list value", "Sets the third element.", |call| set_half(call, b"dd", b'a')),
+    changing("%set-first", "list value", "Sets the first element.", |call| set_half(call, b"", b'a')),
+    changing("%set-second", "list value", "Sets the second element.", |call| set_half(call, b"d", b'a')),
+    changing("%set-third", "list value", "Sets the third element.", |call| set_half(call, b"dd", b'a')),
+    changing("%set-fourth", "list value", "Sets the fourth element.", |call| set_half(call, b"ddd", b'a')),
+    changing("%set-fifth", "list value", "Sets the fifth element.", |call| set_half(call, b"dddd", b'a')),
+    changing("%set-rest", "list value", "Sets what follows the first element.", |call| set_half(call, b"", b'd')),
+    changing("%set-nth", "position list value", "Sets the element at a position counted from 0.", set_nth),
+    changing("%set-elt", "list position value", "Sets the element at a position counted from 0.", set_elt),
+];

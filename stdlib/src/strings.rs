@@ -1,0 +1,195 @@
+//! Strings. Positions and lengths count characters, not bytes.
+
+use crate::arguments::{Answer, count, elements, list, natural, pure, room_for, show, text, truth, value};
+use crate::elements::{characters, part};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+use std::cmp::Ordering;
+
+/// A pattern that must not be empty.
+fn pattern(call: &Call<'_, '_>, at: usize) -> Result<std::sync::Arc<str>, Raise> {
+    let pattern = call.text(at)?;
+    if pattern.is_empty() {
+        return Err(Raise::type_error(format!("argument {} must not be an empty string", at + 1)));
+    }
+    Ok(pattern)
+}
+
+fn string_append(call: &mut Call<'_, '_>) -> Answer {
+    let parts: Vec<_> = (0..count(call)).map(|at| call.text(at)).collect::<Result<_, _>>()?;
+    room_for(call, parts.iter().map(|part| part.len()).sum())?;
+    text(call, &parts.concat())
+}
+
+/// The arguments as `print` shows them, one after the other.
+fn concat(call: &mut Call<'_, '_>) -> Answer {
+    let mut joined = String::new();
+    for &argument in call.arguments {
+        joined.push_str(&show(call, argument));
+        room_for(call, joined.len())?;
+    }
+    text(call, &joined)
+}
+
+/// Whether an order holds between all neighbours; symbols count as their names.
+fn chain(call: &Call<'_, '_>, holds: fn(Ordering) -> bool) -> Answer {
+    let names: Vec<String> = (0..count(call)).map(|at| call.name(at)).collect::<Result<_, _>>()?;
+    truth(names.windows(2).all(|pair| holds(pair[0].cmp(&pair[1]))))
+}
+
+fn substring(call: &mut Call<'_, '_>) -> Answer {
+    let string = call.text(0)?;
+    let (start, end) = part(call, string.chars().count())?;
+    text(call, characters(&string, start, end))
+}
+
+fn search(call: &mut Call<'_, '_>) -> Answer {
+    let (wanted, string) = (call.text(0)?, call.text(1)?);
+    let start = if count(call) > 2 { natural(call, 2)? } else { 0 };
+    let Some(from) = string.char_indices().map(|(byte, _)| byte).chain([string.len()]).nth(start) else {
+        return value(Value::Nil);
+    };
+    value(match string[from..].find(&*wanted) {
+        Some(byte) => Value::Int((start + string[from..from + byte].chars().count()) as i64),
+        None => Value::Nil,
+    })
+}
+
+fn starts(call: &mut Call<'_, '_>) -> Answer {
+    truth(call.text(1)?.starts_with(&*call.text(0)?))
+}
+
+fn ends(call: &mut Call<'_, '_>) -> Answer {
+    truth(call.text(1)?.ends_with(&*call.text(0)?))
+}
+
+/// Without a separator the words between spaces, which are never empty.
+fn split(call: &mut Call<'_, '_>) -> Answer {
+    let string = call.text(0)?;
+    if count(call) == 1 {
+        return list_of_strings(call, string.split_whitespace());
+    }
+    let separator = pattern(call, 1)?;
+    list_of_strings(call, string.split(&*separator))
+}
+
+fn list_of_strings<'s>(call: &mut Call<'_, '_>, parts: impl Iterator<Item = &'s str>) -> Answer {
+    let parts: Vec<Value> = parts.map(|part| call.machine.heap.string(part)).collect();
+    list(call, &parts)
+}
+
+fn join(call: &mut Call<'_, '_>) -> Answer {
+    let separator = if count(call) > 1 { call.text(1)?.to_string() } else { String::new() };
+    let mut joined = String::new();
+    for (position, item) in elements(call, 0)?.into_iter().enumerate() {
+        if position > 0 {
+            joined.push_str(&separator);
+        }
+        joined.push_str(&show(call, item));
+        room_for(call, joined.len())?;
+    }
+    text(call, &joined)
+}
+
+/// `(string-trim STRING)` or, as in Common Lisp, `(string-trim CHARACTERS STRING)`.
+fn trim(call: &mut Call<'_, '_>) -> Answer {
+    if count(call) == 1 {
+        let string = call.text(0)?;
+        return text(call, string.trim());
+    }
+    let (unwanted, string) = (call.text(0)?, call.text(1)?);
+    text(call, string.trim_matches(|character| unwanted.contains(character)))
+}
+
+fn replace(call: &mut Call<'_, '_>) -> Answer {
+    let (string, old, new) = (call.text(0)?, pattern(call, 1)?, call.text(2)?);
+    room_for(call, string.matches(&*old).count().saturating_mul(new.len()).saturating_add(string.len()))?;
+    text(call, &string.replace(&*old, &new))
+}
+
+fn repeat(call: &mut Call<'_, '_>) -> Answer {
+    let (string, times) = (call.text(0)?, natural(call, 1)?);
+    room_for(call, string.len().saturating_mul(times))?;
+    // An empty string can be asked for any number of times.
+    text(call, &string.repeat(if string.is_empty() { 0 } else { times }))
+}
+
+fn upcase(call: &mut Call<'_, '_>) -> Answer {
+    let string = call.text(0)?.to_uppercase();
+    text(call, &string)
+}
+
+fn downcase(call: &mut Call<'_, '_>) -> Answer {
+    let string = call.text(0)?.to_lowercase();
+    text(call, &string)
+}
+
+fn to_characters(call: &mut Call<'_, '_>) -> Answer {
+    let string = call.text(0)?;
+    let mut buffer = [0; 4];
+    let parts: Vec<Value> =
+        string.chars().map(|character| call.machine.heap.string(character.encode_utf8(&mut buffer))).collect();
+    list(call, &parts)
+}
+
+fn to_string(call: &mut Call<'_, '_>) -> Answer {
+    if let Value::Str(_) = call.argument(0) {
+        return value(call.argument(0));
+    }
+    let shown = match call.argument(0) {
+        Value::Keyword(name) => call.machine.symbols.name(name).to_string(),
+        other => show(call, other),
+    };
+    text(call, &shown)
+}
+
+fn write_to_string(call: &mut Call<'_, '_>) -> Answer {
+    let written = call.machine.write(call.around.program, call.argument(0));
+    text(call, &written)
+}
+
+/// Strings.
+pub const NATIVES: &[Native] = &[
+    pure("string-append", "&rest strings", "The strings one after the other.", string_append),
+    pure("concat", "&rest values", "The values, as they are printed, one after the other in a string.", concat),
+    pure("string", "value", "The value as a string: the name of a symbol or keyword, else what is printed.", to_string),
+    pure("write-to-string", "value", "The value as it could be read again.", write_to_string),
+    pure("string=", "string &rest strings", "Whether all strings, or names of symbols, are the same.", |call| {
+        chain(call, Ordering::is_eq)
+    }),
+    pure("string<", "string &rest strings", "Whether each string comes before the next.", |call| {
+        chain(call, Ordering::is_lt)
+    }),
+    pure("string>", "string &rest strings", "Whether each string comes behind the next.", |call| {
+        chain(call, Ordering::is_gt)
+    }),
+    pure("string<=", "string &rest strings", "Whether no string comes behind the next.", |call| {
+        chain(call, Ordering::is_le)
+    }),
+    pure("string>=", "string &rest strings", "Whether no string comes before the next.", |call| {
+        chain(call, Ordering::is_ge)
+    }),
+    pure("string-upcase", "string", "The string in capitals.", upcase),
+    pure("string-downcase", "string", "The string in small letters.", downcase),
+    pure("substring", "string start &optional end", "The characters from a position up to another that is not in it.", substring),
+    pure(
+        "string-search",
+        "pattern string &optional start",
+        "The position where the pattern first occurs in the string, or nil.",
+        search,
+    ),
+    pure("string-prefix-p", "prefix string", "Whether the string begins with the prefix.", starts),
+    pure("string-suffix-p", "suffix string", "Whether the string ends with the suffix.", ends),
+    pure(
+        "string-split",
+        "string &optional separator",
+        "The parts of the string between separators, or the words between spaces.",
+        split,
+    ),
+    pure("string-join", "values &optional separator", "The values, as they are printed, with a separator between them.", join),
+    pure("string-trim", "characters-or-string &optional string", "The string without spaces, or such characters, at its ends.", trim),
+    pure("string-replace", "string old new", "The string with a new part in place of each old one.", replace),
+    pure("string-repeat", "string times", "The string so many times in a row.", repeat),
+    pure("string->list", "string", "The characters of the string, each a string.", to_characters),
+];

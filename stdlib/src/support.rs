@@ -1,0 +1,95 @@
+//! What the prelude is built on: steps of list functions that would be slow, or checks that would
+//! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
+
+use crate::arguments::{Answer, elements, list, natural, pure, value};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+
+/// Turns a list round in place. The prelude does so only with lists nobody else has seen.
+fn reverse_in_place(call: &mut Call<'_, '_>) -> Answer {
+    let mut turned = Value::Nil;
+    let mut at = call.argument(0);
+    while let Value::Cons(index) = at {
+        let pair = &mut call.machine.heap.pairs[index as usize];
+        (at, pair.1, turned) = (pair.1, turned, at);
+    }
+    value(turned)
+}
+
+/// Links the second list to the first pair of the first one.
+fn link(call: &mut Call<'_, '_>) -> Answer {
+    if let Value::Cons(index) = call.argument(0) {
+        call.machine.heap.pairs[index as usize].1 = call.argument(1);
+    }
+    value(call.argument(1))
+}
+
+/// Cuts a list behind so many pairs and gives the rest.
+fn cut(call: &mut Call<'_, '_>) -> Answer {
+    let mut at = call.argument(0);
+    for _ in 1..natural(call, 1)? {
+        let Value::Cons(index) = at else { return value(Value::Nil) };
+        at = call.machine.heap.pair(index).1;
+    }
+    let Value::Cons(index) = at else { return value(Value::Nil) };
+    let pair = &mut call.machine.heap.pairs[index as usize];
+    value(std::mem::replace(&mut pair.1, Value::Nil))
+}
+
+/// The first elements of all lists, then the second ones, up to the end of the shortest.
+fn transpose(call: &mut Call<'_, '_>) -> Answer {
+    let mut columns = Vec::new();
+    for column in elements(call, 0)? {
+        match call.machine.heap.elements(column) {
+            Ok(items) => columns.push(items),
+            Err(found) => return Err(call.machine.wrong_type("each argument behind the function", "a list", found)),
+        }
+    }
+    let length = columns.iter().map(Vec::len).min().unwrap_or(0);
+    let rows: Vec<Value> = (0..length)
+        .map(|row| {
+            let row: Vec<Value> = columns.iter().map(|column| column[row]).collect();
+            call.machine.heap.list(&row)
+        })
+        .collect();
+    list(call, &rows)
+}
+
+/// The list in the first argument; the others name the function and the position for the error.
+fn checked_list(call: &mut Call<'_, '_>) -> Answer {
+    match call.argument(0) {
+        Value::Nil | Value::Cons(_) => value(call.argument(0)),
+        other => {
+            let what = format!("argument {} of `{}`", call.integer(2)?, call.name(1)?);
+            Err(call.machine.wrong_type(&what, "a list", other))
+        }
+    }
+}
+
+/// The function in the first argument.
+fn checked_function(call: &mut Call<'_, '_>) -> Answer {
+    match call.argument(0) {
+        Value::Function(_) | Value::Closure(_) | Value::Native(_) => value(call.argument(0)),
+        other => {
+            let what = format!("argument {} of `{}`", call.integer(2)?, call.name(1)?);
+            Err(call.machine.wrong_type(&what, "a function", other))
+        }
+    }
+}
+
+/// What a macro raises when its form is not of the right shape.
+fn malformed(call: &mut Call<'_, '_>) -> Answer {
+    Err(Raise::type_error(format!("this is not of the form {}", call.text(0)?)))
+}
+
+/// Support of the prelude.
+pub const NATIVES: &[Native] = &[
+    pure("%nreverse", "list", "The pairs of a new list in the opposite order.", reverse_in_place),
+    pure("%link", "pair list", "Makes the list follow a new pair.", link),
+    pure("%cut", "list count", "Cuts a new list behind so many pairs and gives the rest.", cut),
+    pure("%transpose", "lists", "Rows of columns.", transpose),
+    pure("%checked-list", "value name position", "The value if it is a list, else an error.", checked_list),
+    pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
+    pure("%malformed", "form", "The error of a macro whose form is malformed.", malformed),
+];

@@ -1,0 +1,58 @@
+//! Symbols and keywords from names and back.
+
+use crate::arguments::{Answer, count, pure, text, value};
+use rpl_lang::reader::fold_name;
+use rpl_lang::symbol::Symbol;
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+
+fn symbol_name(call: &mut Call<'_, '_>) -> Answer {
+    let name = match call.argument(0) {
+        Value::Nil => "nil".to_string(),
+        Value::True => "t".to_string(),
+        Value::Symbol(name) | Value::Keyword(name) => call.machine.symbols.name(name).to_string(),
+        other => return Err(call.wrong_type(0, "a symbol", other)),
+    };
+    text(call, &name)
+}
+
+/// The symbol a reader would make of the name in the first argument.
+fn folded(call: &mut Call<'_, '_>) -> Result<Symbol, Raise> {
+    let name = call.name(0)?;
+    let name = fold_name(&name);
+    // Names that begin so are those of `gensym`, which no text may reach.
+    if name.is_empty() || name.starts_with("#:") {
+        return Err(Raise::type_error(format!("argument 1 must be the name of a symbol, and it is \"{name}\"")));
+    }
+    Ok(call.machine.symbols.intern(&name))
+}
+
+fn intern(call: &mut Call<'_, '_>) -> Answer {
+    if let Value::Nil | Value::True | Value::Symbol(_) = call.argument(0) {
+        return value(call.argument(0));
+    }
+    let symbol = folded(call)?;
+    value(match call.machine.symbols.name(symbol) {
+        "nil" => Value::Nil,
+        "t" => Value::True,
+        _ => Value::Symbol(symbol),
+    })
+}
+
+fn make_keyword(call: &mut Call<'_, '_>) -> Answer {
+    value(Value::Keyword(folded(call)?))
+}
+
+fn gensym(call: &mut Call<'_, '_>) -> Answer {
+    let stem = if count(call) > 0 { call.name(0)? } else { "g".to_string() };
+    value(Value::Symbol(call.machine.symbols.uninterned(&stem)))
+}
+
+/// Symbols and keywords.
+pub const NATIVES: &[Native] = &[
+    pure("symbol-name", "symbol", "The name of a symbol, or of a keyword without its colon.", symbol_name),
+    pure("intern", "name", "The symbol of this name, in small letters.", intern),
+    pure("make-keyword", "name", "The keyword of this name, in small letters.", make_keyword),
+    pure("gensym", "&optional stem", "A new symbol that no text can name.", gensym),
+];

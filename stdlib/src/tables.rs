@@ -1,0 +1,128 @@
+//! Hash tables: keys are compared as by `equal`, entries stand in the order of their keys.
+
+use crate::arguments::{Answer, changing, elements, integer, list, pure, truth, value};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::heap::{Key, Table};
+use rpl_runtime::native::{Call, Native};
+use rpl_runtime::value::Value;
+
+/// The table in an argument.
+fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
+    match call.argument(at) {
+        Value::Table(table) => Ok(table),
+        other => Err(call.wrong_type(at, "a hash table", other)),
+    }
+}
+
+/// The key of the first argument.
+fn key(call: &Call<'_, '_>, of: Value) -> Result<Key, Raise> {
+    call.machine.heap.key(of).ok_or_else(|| Raise::type_error("this nests too deep to be the key of a hash table"))
+}
+
+fn new_table(call: &mut Call<'_, '_>, table: Table) -> Value {
+    call.machine.heap.allocated += 1 + table.entries.len();
+    Value::Table(call.machine.heap.tables.insert(table))
+}
+
+/// Common Lisp's `:test` is taken and means nothing: every table compares by `equal`.
+fn make_hash_table(call: &mut Call<'_, '_>) -> Answer {
+    if let Some(&option) = call.arguments.first() {
+        let is_test = matches!(option, Value::Keyword(name) if call.machine.symbols.name(name) == "test");
+        if !is_test || call.arguments.len() != 2 {
+            return Err(Raise::new("arity-error", "`make-hash-table` takes no arguments"));
+        }
+    }
+    let table = new_table(call, Table::default());
+    value(table)
+}
+
+fn from_alist(call: &mut Call<'_, '_>) -> Answer {
+    let mut table = Table::default();
+    for item in elements(call, 0)? {
+        let Value::Cons(index) = item else {
+            return Err(call.wrong_type(0, "a list of pairs", item));
+        };
+        let (of, content) = call.machine.heap.pair(index);
+        // The first entry of a key counts, as for `assoc`.
+        table.entries.entry(key(call, of)?).or_insert((of, content));
+    }
+    let table = new_table(call, table);
+    value(table)
+}
+
+fn gethash(call: &mut Call<'_, '_>) -> Answer {
+    let table = table(call, 1)?;
+    let key = key(call, call.argument(0))?;
+    let found = call.machine.heap.tables[table].entries.get(&key).map(|&(_, content)| content);
+    value(found.unwrap_or(call.argument(2)))
+}
+
+/// The value is the last argument; a default before it, as in `(incf (gethash k h 0))`, is passed
+/// over.
+fn set_gethash(call: &mut Call<'_, '_>) -> Answer {
+    let table = table(call, 1)?;
+    let of = call.argument(0);
+    let key = key(call, of)?;
+    let content = call.arguments.last().copied().unwrap_or_default();
+    call.machine.heap.allocated += 2;
+    call.machine.heap.tables[table].entries.insert(key, (of, content));
+    value(content)
+}
+
+fn contains(call: &mut Call<'_, '_>) -> Answer {
+    let table = table(call, 1)?;
+    let key = key(call, call.argument(0))?;
+    truth(call.machine.heap.tables[table].entries.contains_key(&key))
+}
+
+fn remhash(call: &mut Call<'_, '_>) -> Answer {
+    let table = table(call, 1)?;
+    let key = key(call, call.argument(0))?;
+    truth(call.machine.heap.tables[table].entries.remove(&key).is_some())
+}
+
+fn clrhash(call: &mut Call<'_, '_>) -> Answer {
+    let table = table(call, 0)?;
+    call.machine.heap.tables[table].entries.clear();
+    value(call.argument(0))
+}
+
+fn count_entries(call: &mut Call<'_, '_>) -> Answer {
+    let table = table(call, 0)?;
+    integer(call.machine.heap.tables[table].entries.len() as i64)
+}
+
+fn entries(call: &Call<'_, '_>) -> Result<Vec<(Value, Value)>, Raise> {
+    Ok(call.machine.heap.tables[table(call, 0)?].entries.values().copied().collect())
+}
+
+fn keys(call: &mut Call<'_, '_>) -> Answer {
+    let keys: Vec<Value> = entries(call)?.into_iter().map(|(key, _)| key).collect();
+    list(call, &keys)
+}
+
+fn values(call: &mut Call<'_, '_>) -> Answer {
+    let values: Vec<Value> = entries(call)?.into_iter().map(|(_, content)| content).collect();
+    list(call, &values)
+}
+
+fn to_alist(call: &mut Call<'_, '_>) -> Answer {
+    let pairs: Vec<Value> =
+        entries(call)?.into_iter().map(|(key, content)| call.machine.heap.cons(key, content)).collect();
+    list(call, &pairs)
+}
+
+/// Hash tables.
+pub const NATIVES: &[Native] = &[
+    pure("make-hash-table", "&key test", "A new, empty hash table; its keys are compared as by `equal`.", make_hash_table),
+    pure("gethash", "key table &optional default", "The value of a key in a hash table, or the default.", gethash),
+    changing("%set-gethash", "key table value &optional value-after-default", "Sets the value of a key.", set_gethash),
+    pure("hash-table-contains-p", "key table", "Whether the hash table has an entry for the key.", contains),
+    changing("remhash", "key table", "Removes the entry of a key; tells whether there was one.", remhash),
+    changing("clrhash", "table", "Removes all entries.", clrhash),
+    pure("hash-table-count", "table", "How many entries the hash table has.", count_entries),
+    pure("hash-table-keys", "table", "The keys of the hash table, in a fixed order.", keys),
+    pure("hash-table-values", "table", "The values of the hash table, in the order of their keys.", values),
+    pure("hash-table->alist", "table", "The entries of the hash table as an association list.", to_alist),
+    pure("alist->hash-table", "alist", "A hash table with the entries of an association list.", from_alist),
+];
