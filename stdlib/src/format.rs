@@ -122,10 +122,13 @@ fn format(call: &mut Call<'_, '_>) -> Answer {
     text(call, &out)
 }
 
-/// Formatting.
-pub const NATIVES: &[Native] = &[pure(
-    "format",
-    "template &rest values",
-    "The template with the values in place of ~a (as printed), ~s (as read), ~d, ~f and ~,2f (numbers); ~% is a new line, ~~ a tilde.",
-    format,
-)];
+/// Formatting; `%format` is the same for expansions of macros.
+pub const NATIVES: &[Native] = &[
+    pure(
+        "format",
+        "template &rest values",
+        "The template with the values in place of ~a (as printed), ~s (as read), ~d, ~f and ~,2f (numbers); ~% is a new line, ~~ a tilde.",
+        format,
+    ),
+    pure("%format", "template &rest values", "The same as `format`.", format),
+];
