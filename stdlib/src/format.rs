@@ -117,7 +117,7 @@ fn format(call: &mut Call<'_, '_>) -> Answer {
     }
     if next < call.arguments.len() {
         let (given, used) = (call.arguments.len() - 1, next - 1);
-        return Err(malformed(format!("the format has room for {used} arguments, and {given} are given")));
+        return Err(malformed(format!("the format has {used} directives, and there are {given} values for them")));
     }
     text(call, &out)
 }

@@ -97,7 +97,7 @@ fn formats() {
     ]);
     check_failures(&[
         ("(format \"~a ~a\" 1)", "type-error: directive 2 of the format, `~a`, has no argument"),
-        ("(format \"~a\" 1 2)", "type-error: the format has room for 1 arguments, and 2 are given"),
+        ("(format \"~a\" 1 2)", "type-error: the format has 1 directives, and there are 2 values for them"),
         ("(format \"~q\" 1)", "type-error: `~q` is no directive of a format"),
         ("(format \"x~\")", "type-error: the format ends in the middle of a directive"),
         ("(format \"~,2f\" 'x)", "type-error: the argument of `~f` must be a number, and it is a symbol"),
