@@ -15,7 +15,10 @@ fn conditions() {
         ("(list (case 1 (2 3)) (case 1 (t 5)) (case 1) (case 1 (1)))", "(nil 5 nil nil)"),
         ("(let ((n 0)) (case (incf n) (2 'two) (1 (list 'one n))))", "(one 1)"),
         ("(when t (let () 1))", "1"),
+        // An empty list passes through a macro.
         ("(when t ((lambda () 2)))", "2"),
+        ("(when t (with-failure-handling ((failure () 3)) (fail)))", "3"),
+        ("(when t (with-failure-handling () 4))", "4"),
     ]);
     check_failures(&[
         ("(cond (t 1) (nil 2))", "only the last test may be `t` or `else`"),
@@ -33,12 +36,18 @@ fn loops() {
         ("(dolist (x '(1 2 3)) x)", "nil"),
         ("(let ((sum 0)) (dolist (x '(1 2 3) (list sum x)) (incf sum x)))", "(6 nil)"),
         ("(dolist (x '(1 2 3) 'none) (when (evenp x) (return x)))", "2"),
-        ("(map (lambda (f) (f)) (let ((all nil)) (dolist (x '(1 2 3) (reverse all)) (push (lambda () x) all))))", "(1 2 3)"),
+        (
+            "(map (lambda (f) (f)) (let ((all nil)) (dolist (x '(1 2 3) (reverse all)) (push (lambda () x) all))))",
+            "(1 2 3)",
+        ),
         ("(let ((l nil)) (dotimes (i 3) (push i l)) l)", "(2 1 0)"),
         ("(let ((n 2) (l nil)) (dotimes (i (incf n) (list i l n)) (push i l)))", "(3 (2 1 0) 3)"),
         ("(dotimes (i 10 'none) (when (= i 4) (return i)))", "4"),
         ("(dotimes (i -1 'done))", "done"),
-        ("(map (lambda (f) (f)) (let ((all nil)) (dotimes (i 3 all) (push (lambda () (incf i 10)) all))))", "(12 11 10)"),
+        (
+            "(map (lambda (f) (f)) (let ((all nil)) (dotimes (i 3 all) (push (lambda () (incf i 10)) all))))",
+            "(12 11 10)",
+        ),
         ("(let ((n 0)) (n-times 4 (incf n)) n)", "4"),
         ("(let ((n 0)) (n-times 4 (incf n) until (= n 2)) n)", "2"),
         ("(let ((rest '(1 2)) (list 'x) (n 0)) (dolist (e rest n) (incf n e)))", "3"),
@@ -47,6 +56,8 @@ fn loops() {
         ("(dolist (x) x)", "this is not of the form `(dolist (NAME LIST [RESULT]) FORM...)`"),
         ("(dotimes 5 1)", "this is not of the form `(dotimes (NAME COUNT [RESULT]) FORM...)`"),
         ("(dolist (x 5) x)", "type-error"),
+        // A macro that fails does not keep the next one from being expanded.
+        ("(dolist 5) (dotimes 5)", "`(dotimes (NAME COUNT [RESULT]) FORM...)`"),
     ]);
 }
 
@@ -61,7 +72,6 @@ fn changing_places() {
         ("(let ((n -1) (l (list (list 1 2)))) (list (pop (nth (incf n) l)) n l))", "(1 0 ((2)))"),
         ("(let ((l '(1))) (pushnew 1 l) (pushnew 2 l) l)", "(2 1)"),
         ("(let ((n 0)) (list (prog1 n (incf n)) n))", "(0 1)"),
-        ("(destructuring-bind (a (b c) &rest more) '(1 (2 3) 4) nil)", "nil"),
         ("(destructuring-bind (a &optional (b 9) &rest more) '(1 2 3 4) (list a b more))", "(1 2 (3 4))"),
         ("(destructuring-bind (a &optional (b 9)) '(1) (list a b))", "(1 9)"),
     ]);
@@ -99,18 +109,26 @@ fn trying() {
     check(&[
         ("(try-in-order (fail \"a\") 2 (fail \"c\"))", "2"),
         ("(try-in-order nil 2)", "nil"),
-        ("(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f)))) (try-in-order (fail \"a\") (/ 1 0)))",
-         "(\"a\" \"division by zero\")"),
+        (
+            "(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f)))) (try-in-order (fail \"a\") (/ 1 0)))",
+            "(\"a\" \"division by zero\")",
+        ),
         ("(with-failure-handling ((composite-failure (f) (failure-parts f))) (try-in-order))", "nil"),
         ("(try-each-in-order (x '(1 2 3)) (if (evenp x) (* x 10) (fail \"odd\")))", "20"),
-        ("(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f))))
-            (try-each-in-order (x '(1 2)) (fail \"not ~a\" x)))", "(\"not 1\" \"not 2\")"),
+        (
+            "(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f))))
+            (try-each-in-order (x '(1 2)) (fail \"not ~a\" x)))",
+            "(\"not 1\" \"not 2\")",
+        ),
         ("(with-failure-handling ((composite-failure (f) (failure-parts f))) (try-each-in-order (x nil) x))", "nil"),
         ("(let ((tries 0)) (dolist (y '(1)) (try-each-in-order (x '(1 2 3)) (incf tries) (return))) tries)", "1"),
         // `retry` inside an alternative belongs to the handler around the whole.
-        ("(let ((n 0))
+        (
+            "(let ((n 0))
             (with-failure-handling ((timeout (f) (try-in-order (if (< (incf n) 3) (retry) (list 'done n)))))
-              (fail timeout \"x\")))", "(done 3)"),
+              (fail timeout \"x\")))",
+            "(done 3)",
+        ),
         ("(let ((clean nil)) (list (try-in-order (unwind-protect (fail \"a\") (push 'x clean)) 2) clean))", "(2 (x))"),
     ]);
 }
@@ -119,16 +137,22 @@ fn trying() {
 fn retrying() {
     check(&[
         // Three retries are four tries.
-        ("(let ((tries 0))
+        (
+            "(let ((tries 0))
             (with-retry-counters ((again 3))
               (with-failure-handling ((plan-failure (f) (do-retry again (retry)) (list 'gave-up tries)))
                 (incf tries)
-                (fail \"no\"))))", "(gave-up 4)"),
-        ("(let ((tries 0))
+                (fail \"no\"))))",
+            "(gave-up 4)",
+        ),
+        (
+            "(let ((tries 0))
             (with-retry-counters ((again 3))
               (with-failure-handling ((plan-failure (f) (do-retry again (retry))))
                 (when (< (incf tries) 3) (fail \"no\"))
-                tries)))", "3"),
+                tries)))",
+            "3",
+        ),
         ("(with-retry-counters ((c 0)) (do-retry c 5))", "nil"),
         ("(with-retry-counters ((c 1)) (list (do-retry c 5) (do-retry c 5)))", "(5 nil)"),
     ]);
@@ -147,9 +171,10 @@ fn policies() {
 
 #[test]
 fn goals() {
-    check(&[
-        ("(def-goal (achieve (at-place ?robot ?place)) \"Drives.\" (list ?robot 'at ?place)) (achieve (at-place 'r1 (+ 1 2)))", "(r1 at 3)"),
-    ]);
+    check(&[(
+        "(def-goal (achieve (at-place ?robot ?place)) \"Drives.\" (list ?robot 'at ?place)) (achieve (at-place 'r1 (+ 1 2)))",
+        "(r1 at 3)",
+    )]);
     check_failures(&[
         ("(achieve (no-such-goal 1))", "`achieve-no-such-goal` is not defined anywhere"),
         ("(def-goal wrong 1)", "this is not of the form `(def-goal (achieve (NAME PARAMETER...)) FORM...)`"),

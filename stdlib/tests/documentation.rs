@@ -31,7 +31,10 @@ fn prelude_definitions() -> Vec<(String, String, Option<String>)> {
 #[test]
 fn every_definition_of_the_prelude_is_documented() {
     for (kind, name, doc) in prelude_definitions() {
-        assert!(matches!(kind.as_str(), "defun" | "defmacro"), "{kind} {name}: the prelude only defines, it does not run");
+        assert!(
+            matches!(kind.as_str(), "defun" | "defmacro"),
+            "{kind} {name}: the prelude only defines, it does not run"
+        );
         let doc = doc.unwrap_or_else(|| panic!("`{name}` has no documentation"));
         assert!(doc.ends_with('.'), "the documentation of `{name}` is no sentence: {doc}");
     }
@@ -40,7 +43,12 @@ fn every_definition_of_the_prelude_is_documented() {
 #[test]
 fn every_native_is_documented() {
     for native in rpl_stdlib::natives() {
-        assert!(native.doc.ends_with('.') && native.doc.len() > 10, "the documentation of `{}`: {}", native.name, native.doc);
+        assert!(
+            native.doc.ends_with('.') && native.doc.len() > 10,
+            "the documentation of `{}`: {}",
+            native.name,
+            native.doc
+        );
         let (min, max) = native.arity();
         assert!(max.is_none_or(|max| min <= max), "{}", native.name);
     }

@@ -14,9 +14,14 @@ fn building_and_taking_apart() {
         ("(append)", "nil"),
         ("(append '(1) nil '(2 3) '(4))", "(1 2 3 4)"),
         ("(append '(1) 2)", "(1 . 2)"),
-        ("(let ((l '((1 2) (3 4) 5 6 7))) (list (caar l) (cadr l) (cdar l) (cddr l) (caddr l) (cdddr l) (cadddr l)))",
-         "(1 (3 4) (2) (5 6 7) 5 (6 7) 6)"),
-        ("(let ((l '(1 2 3 4 5))) (list (first l) (second l) (third l) (fourth l) (fifth l) (rest l)))", "(1 2 3 4 5 (2 3 4 5))"),
+        (
+            "(let ((l '((1 2) (3 4) 5 6 7))) (list (caar l) (cadr l) (cdar l) (cddr l) (caddr l) (cdddr l) (cadddr l)))",
+            "(1 (3 4) (2) (5 6 7) 5 (6 7) 6)",
+        ),
+        (
+            "(let ((l '(1 2 3 4 5))) (list (first l) (second l) (third l) (fourth l) (fifth l) (rest l)))",
+            "(1 2 3 4 5 (2 3 4 5))",
+        ),
         ("(list (car nil) (cdr nil) (third '(1 2)) (fifth nil))", "(nil nil nil nil)"),
         ("(map car '((1) (2)))", "(1 2)"),
         ("(list (nth 1 '(a b)) (nth 5 '(a b)) (nthcdr 1 '(a b)) (nthcdr 9 '(a)))", "(b nil (b) nil)"),
@@ -42,18 +47,29 @@ fn elements() {
     check(&[
         ("(list (length nil) (length '(1 2)) (length \"äb\"))", "(0 2 2)"),
         ("(list (reverse '(1 2 3)) (reverse \"aé\"))", "((3 2 1) \"éa\")"),
-        ("(list (subseq '(1 2 3) 1) (subseq '(1 2 3) 0 2) (subseq \"hello\" 1 3) (subseq '(1) 1))", "((2 3) (1 2) \"el\" nil)"),
+        (
+            "(list (subseq '(1 2 3) 1) (subseq '(1 2 3) 0 2) (subseq \"hello\" 1 3) (subseq '(1) 1))",
+            "((2 3) (1 2) \"el\" nil)",
+        ),
         ("(list (elt '(1 2) 1) (elt \"éa\" 0))", "(2 \"é\")"),
-        ("(list (member 2 '(1 2 3)) (member \"b\" '(\"a\" \"b\")) (member 9 '(1)) (member 1.0 '(1)))", "((2 3) (\"b\") nil nil)"),
+        (
+            "(list (member 2 '(1 2 3)) (member \"b\" '(\"a\" \"b\")) (member 9 '(1)) (member 1.0 '(1)))",
+            "((2 3) (\"b\") nil nil)",
+        ),
         ("(list (position 'b '(a b)) (position 'c '(a b)))", "(1 nil)"),
-        ("(list (assoc 'b '((a . 1) (b . 2))) (assoc \"x\" '((\"x\" 1))) (assoc 1 nil) (rassoc 2 '((a . 1) (b . 2))))",
-         "((b . 2) (\"x\" 1) nil (b . 2))"),
+        (
+            "(list (assoc 'b '((a . 1) (b . 2))) (assoc \"x\" '((\"x\" 1))) (assoc 1 nil) (rassoc 2 '((a . 1) (b . 2))))",
+            "((b . 2) (\"x\" 1) nil (b . 2))",
+        ),
         ("(list (assoc-value 'a '((a . 1))) (assoc-value 'b '((a . 1)) 7))", "(1 7)"),
         ("(list (alist-keys '((a . 1) (b . 2))) (alist-values '((a . 1) (b . 2))))", "((a b) (1 2))"),
         ("(remove 1 '(1 2 1 1.0))", "(2 1.0)"),
         ("(substitute 9 1 '(1 2 1))", "(9 2 9)"),
         ("(remove-duplicates '(1 2 1 \"a\" \"a\" (x) (x) 1.0))", "(1 2 \"a\" (x) 1.0)"),
-        ("(list (union '(1 2) '(2 3)) (intersection '(1 2 3) '(3 1)) (set-difference '(1 2 3) '(2)))", "((1 2 3) (1 3) (1 3))"),
+        (
+            "(list (union '(1 2) '(2 3)) (intersection '(1 2 3) '(3 1)) (set-difference '(1 2 3) '(2)))",
+            "((1 2 3) (1 3) (1 3))",
+        ),
         ("(list (subsetp '(1) '(2 1)) (subsetp '(3) '(1)) (adjoin 1 '(1)) (adjoin 2 '(1)))", "(t nil (1) (2 1))"),
     ]);
 }
@@ -78,14 +94,20 @@ fn functions_over_functions() {
         ("(list (find evenp '(1 2 4)) (find evenp '(1)) (find-if oddp '(2 3)))", "(2 nil 3)"),
         ("(list (position-if evenp '(1 2)) (position-if evenp nil) (count-if evenp '(2 3 4)))", "(1 nil 2)"),
         ("(list (every plusp '(1 2)) (every plusp '(1 -2)) (every plusp nil) (every < '(1 2) '(2 3)))", "(t nil t t)"),
-        ("(list (some plusp '(-1 2)) (some plusp nil) (some (lambda (x) (member x '(2 3))) '(1 2)) (some = '(1 2) '(3 2)))", "(t nil (2 3) t)"),
+        (
+            "(list (some plusp '(-1 2)) (some plusp nil) (some (lambda (x) (member x '(2 3))) '(1 2)) (some = '(1 2) '(3 2)))",
+            "(t nil (2 3) t)",
+        ),
         ("(list (notany plusp '(-1)) (notany plusp '(1)))", "(t nil)"),
         ("(list (min-by abs '(-3 2 -2)) (max-by abs '(-3 2 3)) (min-by abs nil))", "(2 -3 nil)"),
         ("(sort < '(3 1 2))", "(1 2 3)"),
         ("(sort > nil)", "nil"),
         ("(sort string< '(\"b\" \"a\"))", "(\"a\" \"b\")"),
         ("(sort < '((2 . a) (1 . b) (2 . c) (1 . d)) :key car)", "((1 . b) (1 . d) (2 . a) (2 . c))"),
-        ("(sort (lambda (a b) (< (car a) (car b))) '((2 . a) (1 . b) (2 . c) (1 . d)))", "((1 . b) (1 . d) (2 . a) (2 . c))"),
+        (
+            "(sort (lambda (a b) (< (car a) (car b))) '((2 . a) (1 . b) (2 . c) (1 . d)))",
+            "((1 . b) (1 . d) (2 . a) (2 . c))",
+        ),
         ("(let ((l (list 3 1 2))) (sort < l) l)", "(3 1 2)"),
         ("(group-by evenp '(1 2 3 4))", "((nil 1 3) (t 2 4))"),
         ("(list (identity 1) ((complement evenp) 1) ((constantly 7) 1 2) ((compose 1+ *) 2 3))", "(1 t 7 7)"),
@@ -95,8 +117,14 @@ fn functions_over_functions() {
 #[test]
 fn places() {
     check(&[
-        ("(let ((l (list 1 2 3 4 5 6))) (setf (first l) 'a (second l) 'b (third l) 'c (fourth l) 'd (fifth l) 'e (nth 5 l) 'f) l)", "(a b c d e f)"),
-        ("(let ((l (list (list 1 2) 3 4))) (setf (caar l) 'x (cdar l) 'y (cadr l) 'z (caddr l) 'w) l)", "((x . y) z w)"),
+        (
+            "(let ((l (list 1 2 3 4 5 6))) (setf (first l) 'a (second l) 'b (third l) 'c (fourth l) 'd (fifth l) 'e (nth 5 l) 'f) l)",
+            "(a b c d e f)",
+        ),
+        (
+            "(let ((l (list (list 1 2) 3 4))) (setf (caar l) 'x (cdar l) 'y (cadr l) 'z (caddr l) 'w) l)",
+            "((x . y) z w)",
+        ),
         ("(let ((l (list 1 2 3))) (setf (cddr l) '(9)) l)", "(1 2 9)"),
         ("(let ((l (list 1 2))) (setf (rest l) nil) l)", "(1)"),
         ("(let ((l (list 1 2))) (setf (elt l 1) 5))", "5"),
@@ -134,18 +162,32 @@ fn what_is_no_list_fails() {
 #[test]
 fn a_circular_list_fails_and_does_not_hang() {
     for form in [
-        "(length l)", "(reverse l)", "(append l nil)", "(member 9 l)", "(position 9 l)", "(assoc 9 l)", "(remove 1 l)",
-        "(last l)", "(butlast l)", "(subseq l 0 1)", "(copy-list l)", "(remove-duplicates l)", "(getf l :a)",
-        "(string-join l)", "(sort < l)", "(alist-keys l)",
+        "(length l)",
+        "(reverse l)",
+        "(append l nil)",
+        "(member 9 l)",
+        "(position 9 l)",
+        "(assoc 9 l)",
+        "(remove 1 l)",
+        "(last l)",
+        "(butlast l)",
+        "(subseq l 0 1)",
+        "(copy-list l)",
+        "(remove-duplicates l)",
+        "(getf l :a)",
+        "(string-join l)",
+        "(sort < l)",
+        "(alist-keys l)",
     ] {
         let text = format!("(let ((l (list (cons 1 2)))) (setf (cdr l) l) {form})");
         let failure = evaluate(&text).expect_err(form);
         assert!(failure.contains("runs in a circle"), "{form}: {failure}");
     }
     // These stop at what they look for, which a circle has too.
-    check(&[
-        ("(let ((l (list 1 2))) (setf (cddr l) l) (list (nth 4 l) (car (nthcdr 5 l)) (car (member 2 l))))", "(1 2 2)"),
-    ]);
+    check(&[(
+        "(let ((l (list 1 2))) (setf (cddr l) l) (list (nth 4 l) (car (nthcdr 5 l)) (car (member 2 l))))",
+        "(1 2 2)",
+    )]);
 }
 
 fn printed(items: &[i64]) -> String {

@@ -13,10 +13,16 @@ fn strings() {
         ("(list (string 'abc) (string :key) (string \"s\") (string 1.0))", "(\"abc\" \"key\" \"s\" \"1.0\")"),
         ("(write-to-string '(\"a\" b))", "\"(\\\"a\\\" b)\""),
         ("(list (string= \"a\" \"a\") (string= \"a\" \"b\") (string= 'abc \"abc\"))", "(t nil t)"),
-        ("(list (string< \"a\" \"b\" \"c\") (string> \"a\" \"b\") (string<= \"a\" \"a\") (string>= \"a\" \"b\"))", "(t nil t nil)"),
+        (
+            "(list (string< \"a\" \"b\" \"c\") (string> \"a\" \"b\") (string<= \"a\" \"a\") (string>= \"a\" \"b\"))",
+            "(t nil t nil)",
+        ),
         ("(list (string-upcase \"aé\") (string-downcase \"AÉ\"))", "(\"AÉ\" \"aé\")"),
         ("(list (substring \"hello\" 1) (substring \"héllo\" 1 3) (substring \"abc\" 3))", "(\"ello\" \"él\" \"\")"),
-        ("(list (string-search \"l\" \"héllo\") (string-search \"l\" \"hello\" 3) (string-search \"l\" \"hello\" 9) (string-search \"\" \"\"))", "(2 3 nil 0)"),
+        (
+            "(list (string-search \"l\" \"héllo\") (string-search \"l\" \"hello\" 3) (string-search \"l\" \"hello\" 9) (string-search \"\" \"\"))",
+            "(2 3 nil 0)",
+        ),
         ("(list (string-prefix-p \"he\" \"hello\") (string-suffix-p \"he\" \"hello\"))", "(t nil)"),
         ("(string-split \"a,b,,c\" \",\")", "(\"a\" \"b\" \"\" \"c\")"),
         ("(string-split \"  two  words \")", "(\"two\" \"words\")"),
@@ -38,7 +44,10 @@ fn strings() {
 fn symbols() {
     check(&[
         ("(list (symbol-name 'Abc) (symbol-name :k) (symbol-name nil))", "(\"abc\" \"k\" \"nil\")"),
-        ("(list (intern \"ABC\") (eq (intern \"abc\") 'abc) (intern \"nil\") (intern \"T\") (make-keyword \"Goal\"))", "(abc t nil t :goal)"),
+        (
+            "(list (intern \"ABC\") (eq (intern \"abc\") 'abc) (intern \"nil\") (intern \"T\") (make-keyword \"Goal\"))",
+            "(abc t nil t :goal)",
+        ),
         ("(eq (gensym) (gensym))", "nil"),
         ("(eq (intern (symbol-name 'x)) 'x)", "t"),
     ]);
@@ -52,13 +61,28 @@ fn symbols() {
 #[test]
 fn predicates() {
     check(&[
-        ("(list (eq 'a 'a) (eq \"a\" \"a\") (eql 1 1) (eql 1 1.0) (equal \"a\" \"a\") (equal '(1 (2)) '(1 (2))) (equal 1 1.0))", "(t nil t nil t t nil)"),
-        ("(list (not nil) (null '(1)) (consp nil) (consp '(1)) (listp nil) (listp 1) (atom nil) (atom '(1)))", "(t nil nil t t nil t nil)"),
+        (
+            "(list (eq 'a 'a) (eq \"a\" \"a\") (eql 1 1) (eql 1 1.0) (equal \"a\" \"a\") (equal '(1 (2)) '(1 (2))) (equal 1 1.0))",
+            "(t nil t nil t t nil)",
+        ),
+        (
+            "(list (not nil) (null '(1)) (consp nil) (consp '(1)) (listp nil) (listp 1) (atom nil) (atom '(1)))",
+            "(t nil nil t t nil t nil)",
+        ),
         ("(map symbolp '(a :a nil t \"a\" 1))", "(t t t t nil nil)"),
         ("(map keywordp '(a :a))", "(nil t)"),
-        ("(list (numberp 1) (numberp 1.5) (numberp 'a) (integerp 1) (integerp 1.0) (floatp 1.0) (floatp 1))", "(t t nil t nil t nil)"),
-        ("(list (stringp \"a\") (stringp 'a) (functionp car) (functionp map) (functionp (lambda (x) x)) (functionp 'car))", "(t nil t t t nil)"),
-        ("(list (fluentp (create-fluent 1)) (fluentp 1) (taskp (this-task)) (taskp 1) (tablep (make-hash-table)) (tablep nil))", "(t nil t nil t nil)"),
+        (
+            "(list (numberp 1) (numberp 1.5) (numberp 'a) (integerp 1) (integerp 1.0) (floatp 1.0) (floatp 1))",
+            "(t t nil t nil t nil)",
+        ),
+        (
+            "(list (stringp \"a\") (stringp 'a) (functionp car) (functionp map) (functionp (lambda (x) x)) (functionp 'car))",
+            "(t nil t t t nil)",
+        ),
+        (
+            "(list (fluentp (create-fluent 1)) (fluentp 1) (taskp (this-task)) (taskp 1) (tablep (make-hash-table)) (tablep nil))",
+            "(t nil t nil t nil)",
+        ),
         ("(failurep (with-failure-handling ((failure (f) f)) (fail \"x\")))", "t"),
     ]);
 }
@@ -66,20 +90,47 @@ fn predicates() {
 #[test]
 fn hash_tables() {
     check(&[
-        ("(let ((h (make-hash-table))) (setf (gethash \"k\" h) 1) (list (gethash \"k\" h) (gethash 'x h) (gethash 'x h 9) (hash-table-count h)))", "(1 nil 9 1)"),
+        (
+            "(let ((h (make-hash-table))) (setf (gethash \"k\" h) 1) (list (gethash \"k\" h) (gethash 'x h) (gethash 'x h 9) (hash-table-count h)))",
+            "(1 nil 9 1)",
+        ),
         ("(let ((h (make-hash-table :test equal))) (setf (gethash '(1 2) h) 'a) (gethash (list 1 2) h))", "a"),
-        ("(let ((h (make-hash-table))) (setf (gethash 1 h) 'int (gethash 1.0 h) 'float) (list (gethash 1 h) (gethash 1.0 h)))", "(int float)"),
+        (
+            "(let ((h (make-hash-table))) (setf (gethash 1 h) 'int (gethash 1.0 h) 'float) (list (gethash 1 h) (gethash 1.0 h)))",
+            "(int float)",
+        ),
         ("(let ((h (make-hash-table))) (incf (gethash 'a h 0)) (incf (gethash 'a h 0) 5) (gethash 'a h))", "6"),
-        ("(let ((h (make-hash-table))) (push 1 (gethash 'a h)) (push 2 (gethash 'a h)) (list (pop (gethash 'a h)) (gethash 'a h)))", "(2 (1))"),
-        ("(let ((h (alist->hash-table '((b . 2) (a . 1) (b . 3))))) (list (sort string< (hash-table-keys h)) (gethash 'b h) (hash-table-count h)))", "((a b) 2 2)"),
-        ("(let ((h (alist->hash-table '((3 . c) (1 . a))))) (list (hash-table-keys h) (hash-table-values h) (hash-table->alist h)))", "((1 3) (a c) ((1 . a) (3 . c)))"),
-        ("(let ((h (alist->hash-table '((1 . a))))) (list (remhash 1 h) (remhash 1 h) (hash-table-contains-p 1 h)))", "(t nil nil)"),
-        ("(let ((h (alist->hash-table '((1 . nil))))) (list (hash-table-contains-p 1 h) (hash-table-count (clrhash h))))", "(t 0)"),
-        ("(let ((found nil)) (maphash (lambda (k v) (push (list k v) found)) (alist->hash-table '((1 . a) (2 . b)))) found)", "((2 b) (1 a))"),
+        (
+            "(let ((h (make-hash-table))) (push 1 (gethash 'a h)) (push 2 (gethash 'a h)) (list (pop (gethash 'a h)) (gethash 'a h)))",
+            "(2 (1))",
+        ),
+        (
+            "(let ((h (alist->hash-table '((b . 2) (a . 1) (b . 3))))) (list (sort string< (hash-table-keys h)) (gethash 'b h) (hash-table-count h)))",
+            "((a b) 2 2)",
+        ),
+        (
+            "(let ((h (alist->hash-table '((3 . c) (1 . a))))) (list (hash-table-keys h) (hash-table-values h) (hash-table->alist h)))",
+            "((1 3) (a c) ((1 . a) (3 . c)))",
+        ),
+        (
+            "(let ((h (alist->hash-table '((1 . a))))) (list (remhash 1 h) (remhash 1 h) (hash-table-contains-p 1 h)))",
+            "(t nil nil)",
+        ),
+        (
+            "(let ((h (alist->hash-table '((1 . nil))))) (list (hash-table-contains-p 1 h) (hash-table-count (clrhash h))))",
+            "(t 0)",
+        ),
+        (
+            "(let ((found nil)) (maphash (lambda (k v) (push (list k v) found)) (alist->hash-table '((1 . a) (2 . b)))) found)",
+            "((2 b) (1 a))",
+        ),
     ]);
     check_failures(&[
         ("(gethash 1 2)", "type-error: argument 2 must be a hash table, and it is an integer"),
-        ("(setf (gethash (iota 5000) (make-hash-table)) 1)", "type-error: this nests too deep to be the key of a hash table"),
+        (
+            "(setf (gethash (iota 5000) (make-hash-table)) 1)",
+            "type-error: this nests too deep to be the key of a hash table",
+        ),
         ("(make-hash-table :size 5)", "arity-error: `make-hash-table` takes no arguments"),
     ]);
 }
