@@ -180,3 +180,62 @@ fn goals() {
         ("(def-goal wrong 1)", "this is not of the form `(def-goal (achieve (NAME PARAMETER...)) FORM...)`"),
     ]);
 }
+
+#[test]
+fn networks_use_the_library() {
+    check(&[
+        (
+            "(let ((a (create-fluent 1)) (b (create-fluent -1)))
+            (par (wait-for (every plusp (list a b)))
+                 (seq (wait-time 1) (setf (value b) 2)))
+            (now))",
+            "1.0",
+        ),
+        (
+            "(let ((f (create-fluent 'off)))
+            (par (wait-for (case f ((on half) t) (otherwise nil))) (seq (wait-time 2) (setf (value f) 'on)))
+            (now))",
+            "2.0",
+        ),
+        (
+            "(let ((f (create-fluent nil)))
+            (par (wait-for (equal (sort < (map abs f)) '(1 2))) (seq (wait-time 1) (setf (value f) '(-2 1))))
+            (now))",
+            "1.0",
+        ),
+        // A network that fails does so for those that wait for it, each time.
+        (
+            "(let ((f (create-fluent 0)))
+            (list (ignore-failures (error) (wait-for (/ 1 f)))
+                  (ignore-failures (error) (wait-for (/ 2 f)))
+                  (progn (setf (value f) 2) (wait-for (/ 4 f)))))",
+            "(nil nil 2)",
+        ),
+    ]);
+    check_failures(&[
+        ("(let ((f (create-fluent 0))) (wait-for (let ((x f)) (incf x))))", "a fluent network cannot assign"),
+        (
+            "(let ((f (create-fluent 0)) (h (make-hash-table))) (wait-for (remhash f h)))",
+            "`remhash` cannot stand in a fluent network",
+        ),
+    ]);
+}
+
+#[test]
+fn the_library_keeps_its_own_meaning() {
+    check(&[
+        (
+            "(defun filter (l) 'mine) (defun reverse (l) 'mine) (list (filter 1) (remove-if-not evenp '(1 2)) (cond (nil 1) (t 2)))",
+            "(mine (2) 2)",
+        ),
+        // Names of plans that are functions elsewhere do not reach into expansions.
+        (
+            "(let ((list '(1)) (reverse 1) (first 2) (length 3) (append 4) (format 5))
+            (push 5 list)
+            (dolist (x list) (incf length (cond ((= x 1) first) (t 0))))
+            (ignore-failures (plan-failure) (fail plan-failure \"~a\" format))
+            (cons length list))",
+            "(5 5 1)",
+        ),
+    ]);
+}

@@ -108,6 +108,12 @@ fn functions_over_functions() {
             "(sort (lambda (a b) (< (car a) (car b))) '((2 . a) (1 . b) (2 . c) (1 . d)))",
             "((1 . b) (1 . d) (2 . a) (2 . c))",
         ),
+        ("(sort > '((2 . a) (1 . b) (2 . c)) :key car)", "((2 . a) (2 . c) (1 . b))"),
+        (
+            "(list (sort > '(1.5 -0.5 2.5)) (sort < '(2 1.5 1)) (sort string> '(\"a\" \"b\")) (sort string< '(b \"a\")))",
+            "((2.5 1.5 -0.5) (1 1.5 2) (\"b\" \"a\") (\"a\" b))",
+        ),
+        ("(sort <= '((1 . a) (1 . b)) :key car)", "((1 . b) (1 . a))"),
         ("(let ((l (list 3 1 2))) (sort < l) l)", "(3 1 2)"),
         ("(group-by evenp '(1 2 3 4))", "((nil 1 3) (t 2 4))"),
         ("(list (identity 1) ((complement evenp) 1) ((constantly 7) 1 2) ((compose 1+ *) 2 3))", "(1 t 7 7)"),
@@ -146,6 +152,7 @@ fn what_is_no_list_fails() {
         ("(reverse 'x)", "type-error: argument 1 must be a list or a string, and it is a symbol"),
         ("(append '(1 . 2) nil)", "type-error: argument 1 must be a proper list, and it ends in an integer"),
         ("(map 1+ 5)", "type-error: argument 2 of `map` must be a list, and it is an integer"),
+        ("(sort < '(1 a))", "type-error"),
         ("(sort '(1 2) <)", "type-error: argument 1 of `sort` must be a function, and it is a list"),
         ("(nth -1 '(1))", "index-error: argument 1 must not be negative, and it is -1"),
         ("(subseq '(1 2) 1 3)", "index-error: a part cannot reach up to 3: the length is 2"),
@@ -210,8 +217,10 @@ proptest! {
         let expected = if expected.is_empty() { "nil".to_string() } else { format!("({})", expected.join(" ")) };
         let text = format!("(sort (lambda (a b) (< (car a) (car b))) '({}))", pairs.join(" "));
         prop_assert_eq!(evaluate(&text), Ok(expected.clone()));
-        let text = format!("(sort < '({}) :key car)", pairs.join(" "));
-        prop_assert_eq!(evaluate(&text), Ok(expected));
+        for less in ["<", "(lambda (a b) (< a b))"] {
+            let text = format!("(sort {less} '({}) :key car)", pairs.join(" "));
+            prop_assert_eq!(evaluate(&text), Ok(expected.clone()));
+        }
     }
 
     #[test]
