@@ -1,8 +1,6 @@
 //! Strings, symbols, formats, predicates, hash tables.
 
-mod common;
-
-use common::{check, check_failures, evaluate};
+use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
 
 #[test]

@@ -1,8 +1,6 @@
 //! Every name is documented, and means one thing.
 
-mod common;
-
-use common::library;
+use crate::evaluate::library;
 use rpl_lang::reader;
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;

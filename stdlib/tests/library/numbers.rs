@@ -1,8 +1,6 @@
 //! Numbers: arithmetic, rounding, transcendental functions.
 
-mod common;
-
-use common::{check, check_failures, evaluate};
+use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
 
 #[test]

@@ -1,8 +1,6 @@
 //! The prelude's macros.
 
-mod common;
-
-use common::{check, check_failures};
+use crate::evaluate::{check, check_failures};
 
 #[test]
 fn conditions() {
