@@ -94,7 +94,7 @@ fn failing() {
     check_failures(&[
         ("(assert (= 1 2))", "plan-failure: this should be true: (= 1 2)"),
         ("(assert nil \"~a is wrong\" 5)", "plan-failure: 5 is wrong"),
-        ("(fail)", "plan-failure: no reason is given"),
+        ("(fail)", "plan-failure: failed"),
         ("(fail timeout \"late\")", "timeout: late"),
         ("(fail no-such-class \"x\")", "there is no failure class `no-such-class`"),
         ("(fail timeout \"late\" :colour 1)", "the class `timeout` has no slot `colour`"),
