@@ -97,6 +97,7 @@ fn hash_tables() {
             "(let ((h (make-hash-table))) (setf (gethash 1 h) 'int (gethash 1.0 h) 'float) (list (gethash 1 h) (gethash 1.0 h)))",
             "(int float)",
         ),
+        ("(let ((h (make-hash-table))) (setf (gethash 0.0 h) 'zero) (gethash -0.0 h))", "zero"),
         ("(let ((h (make-hash-table))) (incf (gethash 'a h 0)) (incf (gethash 'a h 0) 5) (gethash 'a h))", "6"),
         (
             "(let ((h (make-hash-table))) (push 1 (gethash 'a h)) (push 2 (gethash 'a h)) (list (pop (gethash 'a h)) (gethash 'a h)))",
@@ -128,6 +129,11 @@ fn hash_tables() {
         (
             "(setf (gethash (iota 5000) (make-hash-table)) 1)",
             "type-error: this nests too deep to be the key of a hash table",
+        ),
+        // Sixty pairs that make a tree of 2^60 leaves.
+        (
+            "(let ((x (list 1))) (dotimes (i 60) (setq x (cons x x))) (gethash x (make-hash-table)))",
+            "type-error: this nests too deep",
         ),
         ("(make-hash-table :size 5)", "arity-error: `make-hash-table` takes no arguments"),
     ]);
