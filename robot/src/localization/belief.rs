@@ -1,10 +1,11 @@
 //! The belief and its two updates.
 
 use super::grid::State;
-use super::kernel::{self, Beam};
+use super::kernel;
 use super::model::LocalizationModel;
 use super::parameters::{SONARS, Spread};
 use super::plane::{Activity, Plane};
+use super::weigh::{PLANES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -12,9 +13,6 @@ use std::sync::Arc;
 
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
 const HEADING_BLUR_AT: f64 = 0.1;
-
-/// With fewer active planes than this, handing them to other threads costs more than it gains.
-const PLANES_FOR_THREADS: usize = 32;
 
 /// P(l) over all states: one plane per heading. Its mass is 1 after every operation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -191,22 +189,7 @@ impl Belief {
         let readings: Vec<(usize, u8)> =
             scan.iter().enumerate().filter_map(|(sonar, bin)| bin.map(|bin| (sonar, bin))).collect();
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
-        let threshold = model.threshold() as f32;
-        update_planes(&mut self.planes, |heading, plane| {
-            if !plane.is_active() {
-                return;
-            }
-            let beams: Vec<Beam> = readings
-                .iter()
-                .map(|&(sonar, bin)| Beam {
-                    expected: model.expected_plane(model.grid.direction(heading, sonar)),
-                    costs: model.sensor.costs(bin),
-                })
-                .collect();
-            let weights = model.sensor.weights();
-            plane.stored_mass =
-                kernel::weigh(plane.cells_mut(), &model.admissible, &beams, weights, average as f32, threshold);
-        });
+        weigh_planes(&mut self.planes, model, &readings, average);
         let evidence: f64 =
             self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { average }).sum();
         let mixed = if readings.is_empty() { 0.0 } else { model.parameters.mixing };

@@ -7,7 +7,7 @@
 //! moves the robot.
 //!
 //! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
-//! `plane`, `belief`, `summary` (the belief), and `filter` (the state others use).
+//! `plane`, `belief`, `weigh`, `summary` (the belief), and `filter` (the state others use).
 
 mod belief;
 mod filter;
@@ -21,6 +21,7 @@ mod sensor;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod weigh;
 
 pub use belief::Belief;
 pub use filter::{Estimate, Localization};

@@ -5,6 +5,8 @@ use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::occupancy::{Cell, OccupancyGrid};
 use crate::random::Stream;
+use crate::simulator::{Commands, SimulatorModel, SimulatorSettings};
+use crate::world::World;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -301,4 +303,43 @@ fn parameters_that_describe_no_grid_are_errors() {
     assert_eq!(error(LocalizationParameters { angle_step_deg: 7, ..parameters() }), Some(ModelError::AngleStep(7)));
     assert!(matches!(error(LocalizationParameters { cell_m: 0.05, ..parameters() }), Some(ModelError::CellSize(_))));
     assert_eq!(error(LocalizationParameters { clearance_m: 3.0, ..parameters() }), Some(ModelError::NoFreeCell));
+}
+
+#[test]
+fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
+    let world = Arc::new(World::builtin("corridor").expect("it is built in"));
+    let coarse = LocalizationParameters { cell_m: 0.3, angle_step_deg: 6, ..LocalizationParameters::default() };
+    let model = LocalizationModel::new(&world.map_centred(0.05), coarse).expect("the corridor is a map");
+    let centre = world.size_m / 2.0;
+    let mirrored = |pose: Pose| Pose::new(2.0 * centre.x - pose.x_m, 2.0 * centre.y - pose.y_m, pose.heading_rad + PI);
+    let simulator = SimulatorModel::new(world, SimulatorSettings::default());
+    for seed in 10_000..10_002 {
+        let mut state = simulator.start(seed);
+        let start = |pose| Localization::start_at(&model, pose, Spread::default());
+        let mut localization = start(state.true_pose()).merged(&model, &start(mirrored(state.true_pose())));
+        let mut ahead = 1.0;
+        while state.distance_driven_m() < 50.0 {
+            let pose = state.true_pose();
+            // Up and down the corridor, at its middle, turning at 2 m from its ends.
+            ahead = if pose.x_m < 4.0 {
+                -1.0
+            } else if pose.x_m > 23.0 {
+                1.0
+            } else {
+                ahead
+            };
+            let off_course = wrap_angle_rad(pose.heading_rad - PI) + (pose.y_m - 10.0) * ahead * -0.5;
+            let commands = Commands {
+                translation_mps: 0.9 * ahead,
+                rotation_radps: -off_course,
+                sonars_on: true,
+                ..Commands::default()
+            };
+            let percept = simulator.step(&mut state, &commands);
+            localization.observe(&model, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        }
+        let mass = |pose: Pose| localization.belief().mass_near(&model, pose);
+        let share = mass(state.true_pose()) / (mass(state.true_pose()) + mass(mirrored(state.true_pose())));
+        assert!((0.2..=0.8).contains(&share), "{share}");
+    }
 }
