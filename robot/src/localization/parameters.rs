@@ -8,12 +8,12 @@ pub const SONARS: usize = 24;
 /// Everything that can be set about the filter.
 ///
 /// # Deviation
-/// The defaults depart from the papers in four ways, each switchable, because the literal
+/// The defaults depart from the papers in five ways, each switchable, because the literal
 /// equations lose a robot turned by hand: 24 overlapping cones of one scan are not independent
 /// evidence, so a scan is *tempered*; an update waits for some motion, so that a standing robot
 /// does not count the same evidence again; a little of the uniform distribution is *mixed* in, so
 /// that no hypothesis is beyond recall; and readings clearly shorter than expected are *gated*,
-/// because they are usually people and furniture outside the map.
+/// because they are usually people and furniture outside the map; and θ is lower.
 /// [`LocalizationParameters::literal`] has none of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LocalizationParameters {
@@ -34,7 +34,8 @@ pub struct LocalizationParameters {
     /// Readings to leave out; none leaves out none.
     pub gating: Option<Gating>,
     /// θ of Beetz et al. Eqs. (3)–(4) as a share of the prior probability of a cell; 0 updates
-    /// every cell every time.
+    /// every cell every time. With the papers' 1 %, one of two mirror poses can lose the edge of its
+    /// peak before the other does and then falls behind; well above `mixing`, or nothing ever sleeps.
     pub activity_threshold: f64,
     /// An update is due after this distance ...
     pub update_distance_m: f64,
@@ -55,9 +56,9 @@ impl Default for LocalizationParameters {
             sensor: SensorParameters::default(),
             odometry: OdometryError::default(),
             tempering: 0.15,
-            mixing: 1e-3,
+            mixing: 5e-4,
             gating: Some(Gating::default()),
-            activity_threshold: 0.01,
+            activity_threshold: 0.003,
             update_distance_m: 0.15,
             update_angle_rad: 10f64.to_radians(),
             standing_observations: 20,
@@ -73,6 +74,7 @@ impl LocalizationParameters {
             tempering: 1.0,
             mixing: 0.0,
             gating: None,
+            activity_threshold: 0.01,
             update_distance_m: 0.0,
             update_angle_rad: 0.0,
             ..Self::default()
