@@ -54,11 +54,15 @@ impl Candidates {
         };
         let seen_from = |cell: &Rect| -> Vec<u32> {
             let mut near = within(cell, range_m);
-            let walls: Vec<u32> =
-                near.iter().copied().filter(|index| surfaces[*index as usize].origin == Origin::Wall).collect();
+            let walls: Vec<Form> = near
+                .iter()
+                .map(|index| &surfaces[*index as usize])
+                .filter(|wall| may_hide(wall))
+                .map(|wall| wall.form)
+                .collect();
             near.retain(|index| {
                 let form = &surfaces[*index as usize].form;
-                faces(form, cell) && !walls.iter().any(|wall| hides(&surfaces[*wall as usize].form, form, cell))
+                faces(form, cell) && !walls.iter().any(|wall| hides(wall, form, cell))
             });
             near
         };
@@ -100,6 +104,16 @@ fn faces(form: &Form, cell: &Rect) -> bool {
         Form::Edge { a, b } => corners(cell).iter().any(|corner| cross(b - a, corner - a) < 0.0),
         Form::Disc { .. } => true,
     }
+}
+
+/// Whether it is worth asking what a surface hides: only walls never go away, and one much shorter
+/// than a cell hides next to nothing from all of the cell.
+fn may_hide(surface: &Surface) -> bool {
+    let length2 = match surface.form {
+        Form::Edge { a, b } => (b - a).norm_squared(),
+        Form::Disc { .. } => 0.0,
+    };
+    surface.origin == Origin::Wall && length2 >= CELL_M * CELL_M / 4.0
 }
 
 /// Whether a wall's edge hides the whole surface from the whole cell. If every corner of the cell

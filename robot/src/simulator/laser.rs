@@ -76,9 +76,10 @@ impl SimulatorModel {
             if first > last {
                 continue;
             }
-            for index in first as usize..=last as usize {
-                if let Some(range_m) = hit(self.laser_directions[index]) {
-                    ranges_m[index] = ranges_m[index].min(range_m);
+            let piece = first as usize..=last as usize;
+            for (range_m, direction) in ranges_m[piece.clone()].iter_mut().zip(&self.laser_directions[piece]) {
+                if let Some(hit_m) = hit(*direction) {
+                    *range_m = range_m.min(hit_m);
                 }
             }
         }

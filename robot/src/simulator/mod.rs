@@ -6,6 +6,22 @@
 //! `SimulatorModel` also has the experimenter's hands, see `oracle`.
 //!
 //! Read `settings` first, then `step`.
+//!
+//! ```
+//! use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
+//! use rpl_robot::world::World;
+//! use std::sync::Arc;
+//!
+//! let world = World::builtin("test-room").expect("a built-in world");
+//! let model = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
+//! let mut state = model.start(7);
+//! let ahead = Commands { translation_mps: 0.3, sonars_on: true, ..Commands::default() };
+//! for _ in 0..20 {
+//!     let percept = model.step(&mut state, &ahead);
+//!     assert!(percept.sonar_m.is_some());
+//! }
+//! assert!(state.distance_driven_m() > 0.1);
+//! ```
 
 mod candidates;
 mod gripper;

@@ -62,7 +62,7 @@ impl SimulatorModel {
         let (way_m, turn_rad) = (state.translation_mps * step_s, state.rotation_radps * step_s);
         let before = state.robot_in_map;
         let after = drive_arc(before, way_m, turn_rad);
-        if way_m == 0.0 {
+        if way_m == 0.0 && !state.touching {
             state.robot_in_map = after;
             return Driven { way_m, turn_rad };
         }

@@ -5,7 +5,7 @@ use super::model::SimulatorModel;
 use super::people::PERSON_RADIUS_M;
 use super::state::{Contacts, SimulatorState};
 use crate::geometry::{Point, Pose, distance_m};
-use crate::world::{Object, Outline, UnknownName};
+use crate::world::{Object, Origin, Outline, UnknownName};
 
 /// Why the experimenter cannot do that.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -92,7 +92,6 @@ impl SimulatorModel {
 
     /// What a disc at a point would touch, if anything.
     pub fn in_the_way(&self, state: &SimulatorState, point_in_map: Point, radius_m: f64) -> Option<String> {
-        use crate::world::Origin;
         let inside = radius_m <= point_in_map.x
             && point_in_map.x <= self.world.size_m.x - radius_m
             && radius_m <= point_in_map.y
@@ -138,13 +137,7 @@ impl SimulatorModel {
         self.world.door_of(room)?;
         let doors = || self.world.doors.iter().enumerate().filter(|(_, door)| door.room == room);
         for (_, door) in doors() {
-            let leaf = door.leaf();
-            let outline = Outline::Polygon(vec![
-                leaf.min,
-                Point::new(leaf.max.x, leaf.min.y),
-                leaf.max,
-                Point::new(leaf.min.x, leaf.max.y),
-            ]);
+            let outline = Outline::of_rect(door.leaf());
             self.nobody_in(state, &outline, || format!("the door of `{room}`"))?;
         }
         for (index, _) in doors() {

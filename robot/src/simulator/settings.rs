@@ -44,7 +44,7 @@ pub struct SimulatorSettings {
     /// The same for turning.
     pub specular_coherence_rad: f64,
     /// How likely a sonar hears another sonar's pulse and reads too short. The ring fires its
-    /// sonars in turn, so this is rare.
+    /// sonars in turn, so this is rare: here once in about 40 scans.
     pub crosstalk_probability: f64,
     /// How likely a single reading is lost.
     pub dropout_probability: f64,
@@ -76,6 +76,8 @@ pub struct SimulatorSettings {
     /// How near to a person's path the robot makes the person wait. At 0 people walk on until they
     /// touch it, and run into it.
     pub person_stop_distance_m: f64,
+    /// How long a person waits for the robot before turning back.
+    pub person_patience_us: u64,
 
     /// How far from the robot's middle the gripper reaches.
     pub gripper_reach_m: f64,
@@ -108,7 +110,7 @@ impl Default for SimulatorSettings {
             specular_silence_probability: 0.7,
             specular_coherence_m: 0.1,
             specular_coherence_rad: 5.0_f64.to_radians(),
-            crosstalk_probability: 0.003,
+            crosstalk_probability: 0.001,
             dropout_probability: 0.01,
             laser: false,
             laser_max_range_m: 8.0,
@@ -121,6 +123,7 @@ impl Default for SimulatorSettings {
             odometry_rotation_bias: 0.01,
             odometry_heading_bias_radpm: 0.2_f64.to_radians(),
             person_stop_distance_m: 0.3,
+            person_patience_us: 5_000_000,
             gripper_reach_m: 0.8,
             grasp_us: 3_000_000,
             release_us: 2_000_000,

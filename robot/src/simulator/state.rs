@@ -103,6 +103,18 @@ impl SimulatorModel {
     }
 }
 
+impl SimulatorModel {
+    /// Whether a state belongs to a world like this one. A state that does not must not be stepped;
+    /// a saved one may be older than its world file.
+    pub fn fits(&self, state: &SimulatorState) -> bool {
+        let mut targets = state.people.iter().zip(&self.world.people);
+        state.doors_open.len() == self.world.doors.len()
+            && state.objects_removed.len() == self.world.objects.len()
+            && state.people.len() == self.world.people.len()
+            && targets.all(|(walker, person)| walker.next < person.path.len())
+    }
+}
+
 impl SimulatorState {
     /// Whether a body of the world file is where the file says.
     pub(super) fn is_there(&self, origin: Origin) -> bool {

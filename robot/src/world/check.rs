@@ -2,7 +2,7 @@
 
 use super::error::nearest;
 use super::parse::Placed;
-use super::read::Reader;
+use super::read::{Reader, Table};
 use super::solid::Origin;
 use super::{Door, Object, Place, Rect, Room, Wall, World};
 use crate::geometry::{Point, Pose, Vector};
@@ -12,24 +12,24 @@ use std::ops::Range;
 pub const ROBOT_RADIUS_M: f64 = 0.265;
 
 /// No two rooms or places share a name, and the rooms of places exist.
-pub(super) fn names(reader: &mut Reader, rooms: &[Placed<Room>], places: &[Placed<Place>]) {
-    let named_rooms = rooms.iter().map(|room| ("room", room.value.name.as_str(), &room.span));
-    let named_places = places.iter().map(|place| ("place", place.value.name.as_str(), &place.span));
+pub(super) fn names(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], places: &[Placed<'_, '_, Place>]) {
+    let named_rooms = rooms.iter().map(|room| ("room", room.value.name.as_str(), room.table.span_of("name")));
+    let named_places = places.iter().map(|place| ("place", place.value.name.as_str(), place.table.span_of("name")));
     let all: Vec<_> = named_rooms.chain(named_places).collect();
     for (index, (kind, name, span)) in all.iter().enumerate() {
         if let Some((other, _, _)) = all[..index].iter().find(|(_, earlier, _)| earlier == name) {
             let message = format!("the {kind} `{name}` has the name of a {other} above");
-            reader.note((*span).clone(), "name", message, "give each room and each place a name of its own");
+            reader.note(span.clone(), "name", message, "give each room and each place a name of its own");
         }
     }
     for place in places {
         if let Some(room) = &place.value.room {
-            room_exists(reader, room, rooms, &place.span, &format!("the place `{}`", place.value.name));
+            room_exists(reader, room, rooms, place.table.span_of("room"), &format!("the place `{}`", place.value.name));
         }
     }
 }
 
-fn room_exists(reader: &mut Reader, name: &str, rooms: &[Placed<Room>], span: &Range<usize>, owner: &str) {
+fn room_exists(reader: &mut Reader, name: &str, rooms: &[Placed<'_, '_, Room>], span: Range<usize>, owner: &str) {
     let known = || rooms.iter().map(|room| room.value.name.as_str());
     if known().any(|room| room == name) {
         return;
@@ -38,14 +38,19 @@ fn room_exists(reader: &mut Reader, name: &str, rooms: &[Placed<Room>], span: &R
         Some(suggestion) => format!("did you mean `{suggestion}`?"),
         None => "add a [[room]] of this name".to_owned(),
     };
-    reader.note(span.clone(), "room", format!("{owner} belongs to the room `{name}`, which does not exist"), help);
+    reader.note(span, "room", format!("{owner} belongs to the room `{name}`, which does not exist"), help);
 }
 
 /// Doors belong to rooms and stand in walls.
-pub(super) fn doors(reader: &mut Reader, doors: &[Placed<Door>], rooms: &[Placed<Room>], walls: &[Placed<Wall>]) {
+pub(super) fn doors(
+    reader: &mut Reader,
+    doors: &[Placed<'_, '_, Door>],
+    rooms: &[Placed<'_, '_, Room>],
+    walls: &[Placed<'_, '_, Wall>],
+) {
     for door in doors {
         let Door { room, at, .. } = &door.value;
-        room_exists(reader, room, rooms, &door.span, "the door");
+        room_exists(reader, room, rooms, door.table.span_of("room"), "the door");
         let in_wall = walls.iter().any(|wall| {
             let Wall { line, thickness_m } = &wall.value;
             line.windows(2).any(|ends| door.value.opening_in(ends[0], ends[1], *thickness_m).is_some())
@@ -53,7 +58,7 @@ pub(super) fn doors(reader: &mut Reader, doors: &[Placed<Door>], rooms: &[Placed
         if !in_wall {
             let message = format!("the door of `{room}` at ({}, {}) stands in no wall", at.x, at.y);
             let help = "`at` is the middle of the opening, on the line of a wall along `axis` that is wide enough";
-            reader.note(door.span.clone(), "at", message, help);
+            reader.note(door.table.span_of("at"), "at", message, help);
         }
     }
 }
@@ -62,35 +67,35 @@ pub(super) fn doors(reader: &mut Reader, doors: &[Placed<Door>], rooms: &[Placed
 pub(super) fn inside(
     reader: &mut Reader,
     size_m: Vector,
-    start: Option<&Placed<Pose>>,
-    doors: &[Placed<Door>],
-    objects: &[Placed<Object>],
-    places: &[Placed<Place>],
+    start: Option<&Placed<'_, '_, Pose>>,
+    doors: &[Placed<'_, '_, Door>],
+    objects: &[Placed<'_, '_, Object>],
+    places: &[Placed<'_, '_, Place>],
 ) {
     let bounds = Rect { min: Point::origin(), max: Point::from(size_m) };
-    let mut point = |what: String, key: &str, at: Point, span: &Range<usize>| {
+    let mut point = |what: String, key: &str, at: Point, table: &Table| {
         if !bounds.contains(at) {
             let message = format!("{what} is at ({}, {}), outside the world", at.x, at.y);
             let help = format!("the world reaches from (0, 0) to ({}, {})", size_m.x, size_m.y);
-            reader.note(span.clone(), key, message, help);
+            reader.note(table.span_of(key), key, message, help);
         }
     };
     if let Some(start) = start {
-        point("the start".to_owned(), "start", start.value.point(), &start.span);
+        point("the start".to_owned(), "start", start.value.point(), &start.table);
     }
     for door in doors {
-        point(format!("the door of `{}`", door.value.room), "at", door.value.at, &door.span);
+        point(format!("the door of `{}`", door.value.room), "at", door.value.at, &door.table);
     }
     for object in objects {
         point(
             format!("the object `{}`", object.value.name),
             "object",
             object.value.outline().bounds().centre(),
-            &object.span,
+            &object.table,
         );
     }
     for place in places {
-        point(format!("the place `{}`", place.value.name), "pose", place.value.pose_in_map.point(), &place.span);
+        point(format!("the place `{}`", place.value.name), "pose", place.value.pose_in_map.point(), &place.table);
     }
 }
 

@@ -64,8 +64,8 @@ impl fmt::Display for Finding {
         writeln!(out, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
         let gutter = self.line.to_string();
         writeln!(out, "  {gutter} | {}", self.source_line.replace('\t', " "))?;
-        let margin = gutter.len() + 2;
-        write!(out, "{:margin$} | {:2$}{:^<3$}", "", "", self.column - 1, self.marked)?;
+        let margin = 2 + gutter.len();
+        write!(out, "{:margin$} | {}{}", "", " ".repeat(self.column - 1), "^".repeat(self.marked))?;
         if !self.help.is_empty() {
             write!(out, "\n{:margin$} = {}", "", self.help)?;
         }

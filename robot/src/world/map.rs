@@ -1,5 +1,6 @@
 //! The robot's map of a world.
 
+use super::check::ROBOT_RADIUS_M;
 use super::solid::{Origin, Outline};
 use super::{Rect, World};
 use crate::geometry::{Point, Vector};
@@ -53,7 +54,7 @@ impl World {
         let mut known = vec![false; grid.cells.len()];
         let mut open: Vec<(usize, usize)> = Vec::new();
         let points = self.places.iter().map(|place| place.pose_in_map.point()).chain([self.start_in_map.point()]);
-        open.extend(points.filter_map(|point| grid.cell_at(point)));
+        open.extend(points.flat_map(|point| cells_under_robot(grid, point)));
         for room in &self.rooms {
             open.extend(cells_within(grid, room.rect));
         }
@@ -75,6 +76,16 @@ impl World {
             }
         }
     }
+}
+
+/// The cell around a point and those whose centre the robot standing there covers: the map may
+/// show the cell itself as occupied by a wall close by.
+fn cells_under_robot(grid: &OccupancyGrid, point: Point) -> Vec<(usize, usize)> {
+    let reach = Vector::new(ROBOT_RADIUS_M, ROBOT_RADIUS_M);
+    let mut cells = cells_within(grid, Rect { min: point - reach, max: point + reach });
+    cells.retain(|(column, row)| (grid.centre(*column, *row) - point).norm_squared() < ROBOT_RADIUS_M * ROBOT_RADIUS_M);
+    cells.extend(grid.cell_at(point));
+    cells
 }
 
 fn cells_within(grid: &OccupancyGrid, rect: Rect) -> Vec<(usize, usize)> {

@@ -4,19 +4,21 @@ use super::check;
 use super::read::{Reader, Table};
 use super::{Door, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
 use crate::geometry::{Point, Vector};
-use std::ops::Range;
 use toml::de::DeTable;
 
 /// Thickness of a wall that states none.
 const WALL_THICKNESS_M: f64 = 0.15;
 
-/// The keys of a world file, table by table; the first row is the top of the file.
+/// A world may not be larger, along x or y: maps and beliefs are grids over all of it.
+const LARGEST_M: f64 = 1000.0;
+
+/// The keys at the top of a world file.
 const WORLD_KEYS: [&str; 10] = ["name", "size", "start", "wall", "room", "door", "object", "place", "region", "person"];
 
-/// Something read, and where it stands in the text.
-pub(super) struct Placed<T> {
+/// Something read, and the table it stands in.
+pub(super) struct Placed<'t, 'i, T> {
     pub value: T,
-    pub span: Range<usize>,
+    pub table: Table<'t, 'i>,
 }
 
 impl World {
@@ -47,7 +49,7 @@ fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World>
     let name = reader.text(top, "name", "\"my-lab\"");
     let size_m = read_size(reader, top);
     let start = reader.pose(top, "start", "[2.0, 3.0, \"90deg\"]");
-    let start = start.map(|value| Placed { value, span: top.span_of("start") });
+    let start = start.map(|value| Placed { value, table: top.clone() });
     let walls = read_all(reader, top, "wall", read_wall);
     let rooms = read_all(reader, top, "room", read_room);
     let doors = read_all(reader, top, "door", read_door);
@@ -73,33 +75,31 @@ fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World>
         regions: values(regions),
         people: values(people),
     };
-    check::start_is_free(reader, &world, start?.span);
+    check::start_is_free(reader, &world, top.span_of("start"));
     Some(world)
 }
 
-fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {
+fn values<T>(placed: Vec<Placed<'_, '_, T>>) -> Vec<T> {
     placed.into_iter().map(|placed| placed.value).collect()
 }
 
-fn read_all<'i, T>(
+fn read_all<'t, 'i, T>(
     reader: &mut Reader<'i>,
-    top: &Table<'_, 'i>,
+    top: &Table<'t, 'i>,
     key: &str,
     read: impl Fn(&mut Reader<'i>, &Table<'_, 'i>) -> Option<T>,
-) -> Vec<Placed<T>> {
+) -> Vec<Placed<'t, 'i, T>> {
     let tables = reader.tables(top, key);
-    tables
-        .iter()
-        .filter_map(|table| read(reader, table).map(|value| Placed { value, span: table.span.clone() }))
-        .collect()
+    tables.iter().filter_map(|table| read(reader, table).map(|value| Placed { value, table: table.clone() })).collect()
 }
 
 fn read_size<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<Vector> {
     let size = reader.point(top, "size", "[12.0, 8.0]")?;
-    if size.x > 0.0 && size.y > 0.0 {
+    let fine = |length_m: f64| length_m > 0.0 && length_m <= LARGEST_M;
+    if fine(size.x) && fine(size.y) {
         return Some(size.coords);
     }
-    let message = format!("`size` must be positive, found {} by {}", size.x, size.y);
+    let message = format!("`size` must be positive and at most {LARGEST_M} m, found {} by {}", size.x, size.y);
     reader.note(top.span_of("size"), "size", message, "write width and height in metres, like `size = [12.0, 8.0]`");
     None
 }

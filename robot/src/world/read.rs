@@ -247,7 +247,14 @@ impl<'i> Reader<'i> {
         let chosen = choices.iter().find(|(name, _)| word == Some(*name)).map(|(_, choice)| *choice);
         if chosen.is_none() {
             let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-            self.expected(value, key, &names.join(" or "), &names[0]);
+            let meant = word.and_then(|word| nearest(word, choices.iter().map(|(name, _)| *name)));
+            match meant {
+                Some(meant) => {
+                    let message = format!("{} is no `{key}`, did you mean \"{meant}\"?", describe(value.get_ref()));
+                    self.note(value.span(), key, message, format!("`{key}` is {}", names.join(" or ")));
+                }
+                None => self.expected(value, key, &names.join(" or "), &names[0]),
+            }
         }
         chosen
     }

@@ -115,7 +115,8 @@ impl Object {
 }
 
 impl Outline {
-    fn of_rect(rect: Rect) -> Self {
+    /// The outline of an axis-parallel box.
+    pub fn of_rect(rect: Rect) -> Self {
         let Rect { min, max } = rect;
         Self::Polygon(vec![min, Point::new(max.x, min.y), max, Point::new(min.x, max.y)])
     }

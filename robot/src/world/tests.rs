@@ -1,10 +1,275 @@
 use super::*;
+use crate::occupancy::Cell;
+
+fn dept() -> World {
+    World::builtin("dept").expect("dept is built in")
+}
+
+/// The findings of a text, as "line:column key: message".
+fn faults(text: &str) -> Vec<String> {
+    let error = World::parse(text, "w.toml").expect_err("the text has faults");
+    let short = |finding: &Finding| format!("{}:{} {}: {}", finding.line, finding.column, finding.key, finding.message);
+    error.findings.iter().map(short).collect()
+}
+
+const SMALL: &str = "name = \"small\"\nsize = [4.0, 3.0]\nstart = [2.0, 1.5, \"90deg\"]\n";
 
 #[test]
 fn builtin_worlds_have_no_faults() {
     for name in World::builtin_names() {
-        let text = World::builtin_text(name).unwrap();
+        let text = World::builtin_text(name).expect("every name has a text");
         let world = World::parse(text, name).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(world.name, name);
     }
+    assert!(World::builtin("no-such-world").is_none());
+}
+
+#[test]
+fn angles_are_degrees_in_quotes_or_radians() {
+    let world = World::parse(SMALL, "w.toml").expect("fine");
+    assert!((world.start_in_map.heading_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    let radians = World::parse(&SMALL.replace("\"90deg\"", "1.5"), "w.toml").expect("fine");
+    assert_eq!(radians.start_in_map.heading_rad, 1.5);
+}
+
+#[test]
+fn a_misspelt_key_is_shown_in_its_line() {
+    let text = format!(
+        "{SMALL}[[wall]]\nline = [[0, 2], [4, 2]]\n[[room]]\nname = \"B\"\nrect = [0, 2, 4, 3]\n\
+         [[door]]\nroom = \"B\"\nat = [2.0, 2.0]\nwidth = 0.9\nwidht = 0.9\naxis = \"x\"\n"
+    );
+    let error = World::parse(&text, "w.toml").expect_err("a key is misspelt");
+    let shown = error.to_string();
+    assert!(shown.starts_with("w.toml:13:1: unknown key `widht`, did you mean `width`?\n"), "{shown}");
+    assert!(shown.contains("\n  13 | widht = 0.9\n     | ^^^^^\n"), "{shown}");
+}
+
+#[test]
+fn all_faults_are_reported_at_once_and_in_order() {
+    let text = "name = \"w\"\nsize = [4.0, nan]\nstart = [1.0, 1.0, \"north\"]\n\
+                [[object]]\nname = \"o\"\npolygon = [[0, 0], [1, 1]]\n[[place]]\nname = \"p\"\n";
+    assert_eq!(
+        faults(text),
+        [
+            "2:14 size: `size` must be a finite number",
+            "3:20 start: \"north\" is not an angle",
+            "6:11 polygon: `polygon` must have at least 3 points, found 2",
+            "7:1 pose: [[place]] has no `pose`",
+        ]
+    );
+}
+
+#[test]
+fn values_out_of_bounds_are_faults() {
+    let one = |text: &str| {
+        let found = faults(&format!("{SMALL}{text}"));
+        assert_eq!(found.len(), 1, "{found:?}");
+        found[0].clone()
+    };
+    assert!(one("[[person]]\npath = [[1, 1], [2, 2]]\nspeed = -1").contains("must be more than 0, found -1"));
+    assert!(one("[[wall]]\nline = [[1, 1], [2, 2]]\nthickness = inf").contains("finite"));
+    assert!(one("[[object]]\nname = \"o\"\ncircle = [1, 1, 0]").contains("radius"));
+    assert!(one("[[object]]\nname = \"o\"").contains("one outline, found none"));
+    assert!(one("[[object]]\nname = \"o\"\ncircle = [1, 1, 1]\nrect = [0, 0, 1, 1]").contains("rect and circle"));
+    assert!(one("[[room]]\nname = \"r\"\nrect = [2, 0, 1, 1]").contains("no area"));
+    assert!(one("[[region]]\nmode = \"fast\"\nrect = [0, 0, 1, 1]").contains("\"hallway\" or"));
+    assert!(one("[[region]]\nmode = \"halway\"\nrect = [0, 0, 1, 1]").ends_with("did you mean \"hallway\"?"));
+    assert!(one("[[place]]\nname = \"p\"\npose = [9, 1, 0]").contains("outside the world"));
+    assert!(one("[[wall]]\nline = [[0, 1.4], [4, 1.4]]").contains("the start is in the way of a wall"));
+    assert!(one("[[wall]]\nline = 3").contains("must be an array of points, found 3"));
+    assert!(one("wall = 3").contains("must be written as [[wall]]"));
+}
+
+#[test]
+fn names_must_fit_together() {
+    let room = "[[room]]\nname = \"B\"\nrect = [0, 2, 4, 3]\n";
+    let wall = "[[wall]]\nline = [[0, 2], [4, 2]]\n";
+    let door = "[[door]]\nroom = \"b\"\nat = [2.0, 2.0]\nwidth = 0.9\naxis = \"x\"\n";
+    let found = faults(&format!("{SMALL}{room}{wall}{door}"));
+    assert_eq!(found, ["10:8 room: the door belongs to the room `b`, which does not exist"]);
+    let found = faults(&format!("{SMALL}{room}{}", door.replace("\"b\"", "\"B\"")));
+    assert_eq!(found, ["9:6 at: the door of `B` at (2, 2) stands in no wall"]);
+    let place = "[[place]]\nname = \"B\"\npose = [1, 1, 0]\n";
+    let found = faults(&format!("{SMALL}{room}{place}"));
+    assert_eq!(found, ["8:8 name: the place `B` has the name of a room above"]);
+}
+
+#[test]
+fn text_that_is_not_toml_has_a_place() {
+    let found = faults("name = \"w\nsize = [4.0, 3.0]\n");
+    assert!(found[0].starts_with("1:"), "{found:?}");
+}
+
+#[test]
+fn any_cut_of_a_world_file_is_read_or_refused_in_words() {
+    let text = World::builtin_text("test-room").expect("test-room is built in");
+    for end in 0..text.len() {
+        if let Err(error) = World::parse(&text[..end], "cut.toml") {
+            assert!(!error.findings.is_empty() && error.to_string().starts_with("cut.toml:"));
+        }
+    }
+}
+
+#[test]
+fn an_unknown_place_gets_a_suggestion() {
+    let error = dept().place("wolframs-shlef").expect_err("misspelt");
+    assert_eq!(error.to_string(), "place `wolframs-shlef` is not in world `dept`; did you mean `wolframs-shelf`?");
+    assert!(dept().place("mail-slots").is_ok());
+}
+
+#[test]
+fn where_regions_overlap_the_doorway_wins() {
+    let world = dept();
+    assert_eq!(world.mode_at(Point::new(18.1, 12.0)), Some(TravelMode::Doorway));
+    assert_eq!(world.mode_at(Point::new(18.1, 12.8)), Some(TravelMode::Doorway));
+    assert_eq!(world.mode_at(Point::new(18.1, 15.0)), Some(TravelMode::Office));
+    assert_eq!(world.mode_at(Point::new(13.5, 10.0)), Some(TravelMode::Hallway));
+    assert_eq!(world.mode_at(Point::new(1.0, 10.0)), None);
+    assert_eq!(world.room_at(Point::new(18.1, 15.0)).map(|room| room.name.as_str()), Some("B"));
+    assert!(world.room_at(Point::new(13.5, 10.0)).is_none());
+}
+
+/// Half a turn about the middle of the corridor.
+fn mirrored(point: Point) -> Point {
+    Point::new(27.0 - point.x, 20.0 - point.y)
+}
+
+#[test]
+fn the_corridor_of_dept_looks_the_same_after_half_a_turn() {
+    let world = dept();
+    for door in &world.doors {
+        let twin = world.doors.iter().find(|other| (other.at - mirrored(door.at)).norm_squared() < 1e-18);
+        let twin = twin.unwrap_or_else(|| panic!("the door of {} has no twin", door.room));
+        assert_eq!(
+            (twin.width_m, twin.axis, twin.open, twin.mapped_open),
+            (door.width_m, door.axis, door.open, door.mapped_open)
+        );
+    }
+    let outlines: Vec<Vec<Point>> = world
+        .solids()
+        .into_iter()
+        .filter(|solid| solid.origin == Origin::Wall)
+        .map(|solid| solid.outline.edges().map(|(a, _)| a).collect())
+        .collect();
+    for outline in &outlines {
+        let twin = outlines.iter().find(|other| {
+            let has = |point: &Point| other.iter().any(|corner| (corner - mirrored(*point)).norm_squared() < 1e-18);
+            other.len() == outline.len() && outline.iter().all(has)
+        });
+        assert!(twin.is_some(), "the wall {outline:?} has no twin");
+    }
+}
+
+#[test]
+fn mirrored_points_of_the_corridor_fall_on_mirrored_cells() {
+    for resolution_m in [0.05, 0.1, 0.15, 0.2, 0.33] {
+        let grid = dept().map_centred(resolution_m);
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                let centre = grid.centre(column, row);
+                if (centre.x - 13.5).abs() > 11.9 || (centre.y - 10.0).abs() > 2.4 {
+                    continue;
+                }
+                let (mirror_column, mirror_row) = (grid.columns - 1 - column, grid.rows - 1 - row);
+                assert_eq!(grid.get(column, row), grid.get(mirror_column, mirror_row), "{resolution_m} {column} {row}");
+                let mirror = grid.centre(mirror_column, mirror_row);
+                assert!((mirror - mirrored(centre)).norm_squared() < 1e-18);
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_reached_by_a_body_are_occupied_and_no_others() {
+    for name in World::builtin_names() {
+        let world = World::builtin(name).expect("built in");
+        let bodies: Vec<Solid> = world
+            .solids()
+            .into_iter()
+            .filter(|solid| match solid.origin {
+                Origin::Door(index) => !world.doors[index].mapped_open,
+                Origin::Object(index) => world.objects[index].mapped,
+                Origin::Wall => true,
+            })
+            .collect();
+        let grid = world.map(0.15);
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                // A body that comes within half an edge of the centre is in the cell; one that stays
+                // farther off than half a diagonal is not.
+                let centre = grid.centre(column, row);
+                let distance_m =
+                    bodies.iter().map(|body| body.outline.distance_m(centre)).fold(f64::INFINITY, f64::min);
+                let occupied = grid.get(column, row) == Cell::Occupied;
+                assert!(occupied || distance_m > 0.075 - 1e-5, "{name} {centre} {distance_m}");
+                assert!(!occupied || distance_m < 0.075 * std::f64::consts::SQRT_2, "{name} {centre} {distance_m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_map_shows_what_the_robot_was_told() {
+    let text = World::builtin_text("test-room").expect("built in");
+    let unmapped = text.replace("name = \"bin\"", "name = \"bin\"\nmapped = false");
+    let closed = text.replace("open = true", "open = true\nmapped_open = false");
+    let at = |text: &str, x: f64, y: f64| World::parse(text, "w.toml").expect("fine").map(0.1).at(Point::new(x, y));
+    assert_eq!(at(text, 7.4, 0.6), Cell::Occupied);
+    assert_eq!(at(&unmapped, 7.4, 0.6), Cell::Free);
+    assert_eq!(at(text, 5.0, 3.0), Cell::Free);
+    assert_eq!(at(&closed, 5.0, 3.0), Cell::Occupied);
+    assert_eq!(dept().map(0.1).at(Point::new(1.0, 10.0)), Cell::Unknown);
+    assert_eq!(dept().map(0.1).at(Point::new(8.9, 16.0)), Cell::Free);
+}
+
+#[test]
+fn a_wall_without_thickness_occupies_both_sides() {
+    let text = format!("{SMALL}[[wall]]\nline = [[0, 2], [4, 2]]\nthickness = 0\n").replace("1.5", "1.2");
+    let grid = World::parse(&text, "w.toml").expect("fine").map(0.5);
+    assert_eq!(grid.at(Point::new(1.1, 1.9)), Cell::Occupied);
+    assert_eq!(grid.at(Point::new(1.1, 2.1)), Cell::Occupied);
+    assert_eq!(grid.at(Point::new(1.1, 1.4)), Cell::Free);
+}
+
+#[test]
+fn every_place_is_free_and_can_be_reached_with_room_to_spare() {
+    const CLEARANCE_M: f64 = 0.3;
+    for name in World::builtin_names() {
+        let world = World::builtin(name).expect("built in");
+        let bodies: Vec<Solid> = world
+            .solids()
+            .into_iter()
+            .filter(|solid| !matches!(solid.origin, Origin::Door(index) if world.doors[index].open))
+            .collect();
+        let free = |point: Point| bodies.iter().all(|body| body.outline.distance_m(point) >= CLEARANCE_M);
+        let grid = world.map(0.1);
+        let mut reached = vec![false; grid.cells.len()];
+        let mut open: Vec<_> = grid.cell_at(world.start_in_map.point()).into_iter().collect();
+        while let Some((column, row)) = open.pop() {
+            if reached[row * grid.columns + column] || !free(grid.centre(column, row)) {
+                continue;
+            }
+            reached[row * grid.columns + column] = true;
+            open.extend([(column + 1, row), (column, row + 1), (column - 1, row), (column, row - 1)]);
+        }
+        for place in &world.places {
+            let (column, row) = grid.cell_at(place.pose_in_map.point()).expect("inside");
+            assert!(free(place.pose_in_map.point()), "{} of {name} is not free", place.name);
+            assert!(reached[row * grid.columns + column], "{} of {name} cannot be reached", place.name);
+            let room = world.room_at(place.pose_in_map.point()).map(|room| room.name.as_str());
+            assert_eq!(place.room.as_deref(), room, "{} of {name}", place.name);
+        }
+    }
+}
+
+#[test]
+fn a_door_cuts_its_wall_and_nothing_else() {
+    let world = World::builtin("test-room").expect("built in");
+    let distance_m = |y: f64| {
+        let walls = world.solids().into_iter().filter(|solid| solid.origin == Origin::Wall);
+        walls.map(|wall| wall.outline.distance_m(Point::new(5.0, y))).fold(f64::INFINITY, f64::min)
+    };
+    assert!((distance_m(3.0) - 0.45).abs() < 1e-9);
+    assert!((distance_m(2.65) - 0.1).abs() < 1e-9);
+    assert_eq!(distance_m(2.5), 0.0);
 }
