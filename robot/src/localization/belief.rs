@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
 const HEADING_BLUR_AT: f64 = 0.1;
 
-/// P(l) over all states: one plane per heading. Its mass is 1 after every operation.
+/// P(l) over all states: one plane per heading. Its mass is 1 after every operation but
+/// [`Belief::advance`], which a normalizing one must follow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
     /// Plane `k` has heading `(k + heading_offset) · angle_step`.
@@ -67,7 +68,7 @@ impl Belief {
         belief
     }
 
-    /// Half of this belief and half of another one, cell by cell.
+    /// Half of this belief and half of another one, cell by cell: places are exact to half a cell.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
         let mut merged = Self::uniform(model);
         for (heading, plane) in merged.planes.iter_mut().enumerate() {
@@ -111,7 +112,7 @@ impl Belief {
     /// A motion moves planes by whole cells and headings by whole steps; the rest is kept beside
     /// each plane as the true place of its cells, and noise is kept until it amounts to something.
     /// Interpolating at each step instead would blur by up to a quarter of a squared cell, far
-    /// more than odometry errs. The belief is left without a normalizer; [`Belief::sense`] follows.
+    /// more than odometry errs. What moves into walls is lost until the next normalization.
     pub fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
         let (grid, error) = (&model.grid, &model.parameters.odometry);
         let distance_m = libm::hypot(motion.x_m, motion.y_m);

@@ -88,7 +88,7 @@ impl Localization {
         self.rest = Rest::default();
     }
 
-    /// Half of this belief and half of another one.
+    /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
         Self::of(model, self.belief.merged(model, &other.belief))
     }
