@@ -1,5 +1,6 @@
 //! Everything about localization that never changes during a mission.
 
+use super::belief::Scan;
 use super::grid::{BeliefGrid, State};
 use super::parameters::{LocalizationParameters, SONARS};
 use super::ray::DistanceField;
@@ -114,6 +115,18 @@ impl LocalizationModel {
     pub fn expected_scan(&self, state: State) -> [u8; SONARS] {
         let cell = state.row * self.grid.columns + state.column;
         std::array::from_fn(|sonar| self.expected_plane(self.grid.direction(state.heading, sonar))[cell])
+    }
+
+    /// The costs of a scan at one cell for every heading.
+    pub(super) fn costs_by_heading(&self, scan: &Scan, column: usize, row: usize) -> Vec<usize> {
+        let cell = row * self.grid.columns + column;
+        let around: Vec<u8> = (0..self.grid.directions).map(|direction| self.expected_plane(direction)[cell]).collect();
+        let cost = |heading: usize, (sonar, bin): (usize, &Option<u8>)| {
+            let expected = usize::from(around[self.grid.direction(heading, sonar)]);
+            bin.map_or(0, |bin| usize::from(self.sensor.costs(bin)[expected]))
+        };
+        let headings = 0..self.grid.headings;
+        headings.map(|heading| scan.iter().enumerate().map(|reading| cost(heading, reading)).sum()).collect()
     }
 
     /// The state around a pose, if it is on the grid.
