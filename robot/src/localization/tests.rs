@@ -25,6 +25,20 @@ fn room() -> OccupancyGrid {
     map
 }
 
+/// A walled corridor of 12 × 3 m with a cupboard on one side.
+fn corridor() -> OccupancyGrid {
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 120, 30, Cell::Free);
+    for column in 0..120 {
+        for row in 0..30 {
+            let wall = column == 0 || column == 119 || row == 0 || row == 29;
+            if wall || (40..45).contains(&column) && row < 12 {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+    }
+    map
+}
+
 fn parameters() -> LocalizationParameters {
     LocalizationParameters { cell_m: 0.3, angle_step_deg: 15, gating: None, ..LocalizationParameters::default() }
 }
@@ -194,16 +208,7 @@ fn a_selective_update_stays_close_to_the_full_one() {
 
 #[test]
 fn planes_that_slept_come_back_when_the_robot_was_turned() {
-    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 120, 30, Cell::Free);
-    for column in 0..120 {
-        for row in 0..30 {
-            let wall = column == 0 || column == 119 || row == 0 || row == 29;
-            if wall || (40..45).contains(&column) && row < 12 {
-                map.set(column, row, Cell::Occupied);
-            }
-        }
-    }
-    let model = LocalizationModel::new(&map, fine()).expect("the corridor is a map");
+    let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
     let mut localization = Localization::start_at(&model, Pose::new(8.0, 1.5, 0.0), Spread::default());
     assert!(localization.belief().active_planes() < 15);
     // Turned by hand: odometry goes on as if nothing had happened.
@@ -216,6 +221,25 @@ fn planes_that_slept_come_back_when_the_robot_was_turned() {
     }
     let estimate = localization.estimate(&model);
     assert!(estimate.pose_in_map.distance_m(truth) < 0.5 && estimate.certainty > 0.8, "{estimate:?} {truth:?}");
+}
+
+#[test]
+fn a_turn_by_hand_is_noticed_at_once_and_a_turn_by_wheel_is_not() {
+    let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
+    let start = Pose::new(8.0, 1.5, 0.0);
+    let mut lowest = [1f64; 2];
+    for (by_hand, lowest) in [false, true].into_iter().zip(&mut lowest) {
+        let mut localization = Localization::start_at(&model, start, Spread::default());
+        let turn = Pose::new(0.0, 0.0, 70f64.to_radians());
+        for step in 0..6 {
+            let motion = Pose::new(0.0, 0.0, f64::from(step) * 0.2);
+            let turned = if step >= 2 { motion.compose(turn) } else { motion };
+            let odometry = if by_hand { motion } else { turned };
+            localization.observe(&model, odometry, Some(&scan_at(&model, start.compose(turned))));
+            *lowest = lowest.min(localization.estimate(&model).certainty);
+        }
+    }
+    assert!(lowest[0] > 0.8 && lowest[1] < 0.8, "{lowest:?}");
 }
 
 #[test]
