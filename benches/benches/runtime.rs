@@ -105,11 +105,15 @@ fn to_the_end(mut system: System<NoRobot>) -> System<NoRobot> {
 fn run_ms(library: &Arc<Library>, text: &str, value: i64) -> f64 {
     let expected = Some(Outcome::Succeeded(Value::Int(value)));
     let system = settled(library, text);
-    median_ms(RUNS, || system.fork(), |system| {
-        let system = to_the_end(system);
-        assert_eq!(system.outcome(), expected, "{}", describe(&system));
-        system
-    })
+    median_ms(
+        RUNS,
+        || system.fork(),
+        |system| {
+            let system = to_the_end(system);
+            assert_eq!(system.outcome(), expected, "{}", describe(&system));
+            system
+        },
+    )
 }
 
 fn describe(system: &System<NoRobot>) -> String {
@@ -162,22 +166,21 @@ fn language(report: &Report, library: &Arc<Library>) {
     report.row(read, || {
         let text = rpl_stdlib::PRELUDE.repeat(1_000_000 / rpl_stdlib::PRELUDE.len() + 1);
         let text = &text[..text[..1_000_000].rfind("\n\n").unwrap_or(1_000_000)];
-        median_ms(RUNS, || (Symbols::default(), Tree::default()), |(mut symbols, mut tree)| {
-            let (forms, diagnostics) = rpl_lang::reader::read(text, SourceId(0), &mut symbols, &mut tree);
-            assert!(forms.len() > 1_000 && diagnostics.is_empty());
-            (tree, symbols)
-        })
+        median_ms(
+            RUNS,
+            || (Symbols::default(), Tree::default()),
+            |(mut symbols, mut tree)| {
+                let (forms, diagnostics) = rpl_lang::reader::read(text, SourceId(0), &mut symbols, &mut tree);
+                assert!(forms.len() > 1_000 && diagnostics.is_empty());
+                (tree, symbols)
+            },
+        )
     });
 }
 
 fn tasks(report: &Report, library: &Arc<Library>) {
-    let spawn = question(
-        "spawn",
-        "spawn, run and join 100,000 tasks",
-        "ms",
-        15.0,
-        "tokio 42, Wren 52, Erlang 125, Lua 156",
-    );
+    let spawn =
+        question("spawn", "spawn, run and join 100,000 tasks", "ms", 15.0, "tokio 42, Wren 52, Erlang 125, Lua 156");
     report.row(anchored(spawn, "spawn", 1.0), || run_ms(library, &with_count(SPAWN, 100_000), 100_000));
     let million = question("million", "spawn, run and join a million tasks", "ms", 150.0, "ten times the above");
     report.row(million, || run_ms(library, &with_count(SPAWN, 1_000_000), 1_000_000));
@@ -190,22 +193,30 @@ fn tasks(report: &Report, library: &Arc<Library>) {
     );
     report.row(anchored(switch, "switch", 400_000e-6), || {
         let system = settled(library, SWITCH);
-        let ms = median_ms(RUNS, || system.fork(), |system| {
-            let system = to_the_end(system);
-            assert!(matches!(system.outcome(), Some(Outcome::Succeeded(_))), "{}", describe(&system));
-            system
-        });
+        let ms = median_ms(
+            RUNS,
+            || system.fork(),
+            |system| {
+                let system = to_the_end(system);
+                assert!(matches!(system.outcome(), Some(Outcome::Succeeded(_))), "{}", describe(&system));
+                system
+            },
+        );
         ms * 1e6 / 400_000.0
     });
     let pulse = question("pulse", "one pulse wakes 100,000 waiters", "ms", 5.0, "Lua 16; CRAM 45 for 1,000");
     report.row(anchored(pulse, "pulse", 1.0), || {
         let system = settled(library, WAITERS);
-        median_ms(RUNS, || system.fork(), |mut system| {
-            system.advance();
-            let woken = system.machine.tasks.iter().filter(|(_, task)| task.steps > 0).count();
-            assert!(woken > 100_000);
-            system
-        })
+        median_ms(
+            RUNS,
+            || system.fork(),
+            |mut system| {
+                system.advance();
+                let woken = system.machine.tasks.iter().filter(|(_, task)| task.steps > 0).count();
+                assert!(woken > 100_000);
+                system
+            },
+        )
     });
     let timers = question("timers", "100,000 timers", "ms", 60.0, "LuaJIT 404");
     report.row(anchored(timers, "timers", 1.0), || run_ms(library, TIMERS, 100_000));
@@ -218,23 +229,21 @@ fn tasks(report: &Report, library: &Arc<Library>) {
     );
     report.row(react, || {
         let system = settled(library, MONITORS);
-        let ms = median_ms(RUNS, || system.fork(), |system| {
-            let system = to_the_end(system);
-            assert_eq!(system.outcome(), Some(Outcome::Succeeded(Value::Int(100_000))), "{}", describe(&system));
-            system
-        });
+        let ms = median_ms(
+            RUNS,
+            || system.fork(),
+            |system| {
+                let system = to_the_end(system);
+                assert_eq!(system.outcome(), Some(Outcome::Succeeded(Value::Int(100_000))), "{}", describe(&system));
+                system
+            },
+        );
         ms * 1e3 / 100_000.0
     });
 }
 
 fn state(report: &Report, library: &Arc<Library>) {
-    let bytes = question(
-        "bytes",
-        "bytes a blocked task",
-        "bytes",
-        160.0,
-        "Guile 275, Lua 1,253; CRAM 314,000",
-    );
+    let bytes = question("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
     report.row(anchored(bytes, "bytes", 1.0), || {
         const COUNT: usize = 200_000;
         let mut system = settled(library, &with_count(BLOCKED, COUNT));
@@ -244,16 +253,21 @@ fn state(report: &Report, library: &Arc<Library>) {
         assert!(system.machine.tasks.iter().count() > COUNT);
         (after - before) / COUNT as f64
     });
-    let idle = question("idle", "what 100,000 blocked tasks add to an instant", "ns", 50.0, "CRAM: 1,000 take 1.6 cores");
+    let idle =
+        question("idle", "what 100,000 blocked tasks add to an instant", "ns", 50.0, "CRAM: 1,000 take 1.6 cores");
     report.row(idle, || {
         let per_instant = |count| {
             let system = with_blocked(library, count);
-            median_ms(RUNS, || system.fork(), |mut system| {
-                for _ in 0..900 {
-                    system.advance();
-                }
-                system
-            }) * 1e6
+            median_ms(
+                RUNS,
+                || system.fork(),
+                |mut system| {
+                    for _ in 0..900 {
+                        system.advance();
+                    }
+                    system
+                },
+            ) * 1e6
                 / 900.0
         };
         per_instant(100_000) - per_instant(1)

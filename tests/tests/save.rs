@@ -96,7 +96,7 @@ const PROGRAMS: &[(&str, &str)] = &[
     (
         "deadlock",
         "(def-fluent never nil)
-         (par (seq (wait-time 1) (print (quote waited))) (wait-for never))",
+         (unwind-protect (par (wait-for never) (wait-time 1)) (par (print 'clean) (wait-time 1) (print 'gone)))",
     ),
 ];
 
