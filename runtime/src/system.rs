@@ -138,18 +138,36 @@ impl<O: Outside> System<O> {
     /// Moves the clock to the next timer or robot step and lets that take effect, while all tasks
     /// are blocked; no task runs yet. If nothing can come any more, the main task fails.
     pub fn next_instant(&mut self) {
+        match self.next_instant_us() {
+            Some(next_us) => self.enter_instant(next_us),
+            None => self.fail_deadlocked(),
+        }
+    }
+
+    /// Goes through all instants up to a time, as long as the main task lives.
+    pub fn advance_to(&mut self, time_us: u64) {
+        self.settle();
+        while self.outcome().is_none()
+            && let Some(next_us) = self.next_instant_us()
+            && next_us <= time_us
+        {
+            self.enter_instant(next_us);
+            self.settle();
+        }
+    }
+
+    /// When something happens next: a timer is due, or the robot makes a step.
+    fn next_instant_us(&mut self) -> Option<u64> {
         let tasks = &self.machine.tasks;
         let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
         let step = self.outside.period_us().map(|_| self.next_step_us);
-        let next = match (timer, step) {
-            (Some(timer), Some(step)) => timer.min(step),
-            (Some(timer), None) => timer,
-            (None, Some(step)) => step,
-            (None, None) => return self.fail_deadlocked(),
-        };
-        self.machine.now_us = self.machine.now_us.max(next);
+        [timer, step].into_iter().flatten().min()
+    }
+
+    fn enter_instant(&mut self, time_us: u64) {
+        self.machine.now_us = self.machine.now_us.max(time_us);
         self.machine.instant = self.machine.instant.wrapping_add(1);
-        if step == Some(next) {
+        if self.outside.period_us().is_some() && self.next_step_us <= time_us {
             self.step_robot();
         }
         self.fire_timers();
