@@ -87,8 +87,18 @@ const MAX_SHARED_TEXT: usize = 1 << 16;
 impl<O: Outside> System<O> {
     /// A run at its start: the robot has made one step, no form has run.
     pub fn new(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, false)
+    }
+
+    /// The same with the trace switched on from the first event.
+    pub fn traced(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, true)
+    }
+
+    fn start(library: Arc<Library>, loaded: Loaded, outside: O, traced: bool) -> Self {
         let Loaded { program, symbols, main, .. } = loaded;
         let mut machine = Machine::new(&program, symbols);
+        machine.trace.enabled = traced;
         for fluent in outside.fluents() {
             let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
             if let Some((name, global)) = known {
@@ -139,18 +149,11 @@ impl<O: Outside> System<O> {
         if self.outcome().is_some() {
             return Progress::Ended;
         }
-        let tasks = &self.machine.tasks;
-        let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
-        let step = self.outside.period_us().map(|_| self.next_step_us);
-        let next = match (timer, step) {
-            (Some(timer), Some(step)) => timer.min(step),
-            (Some(timer), None) => timer,
-            (None, Some(step)) => step,
-            (None, None) => {
-                self.fail_deadlocked();
-                return Progress::Running;
-            }
+        let Some(next) = self.next_instant_us() else {
+            self.fail_deadlocked();
+            return Progress::Running;
         };
+        let step = self.outside.period_us().map(|_| self.next_step_us);
         self.machine.now_us = self.machine.now_us.max(next);
         self.machine.instant = self.machine.instant.wrapping_add(1);
         if step == Some(next) {
@@ -159,6 +162,15 @@ impl<O: Outside> System<O> {
         self.fire_timers();
         self.settle();
         if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
+    }
+
+    /// When the next instant is, once all tasks are blocked: the next timer or the robot's next step.
+    /// None if neither will ever come.
+    pub fn next_instant_us(&mut self) -> Option<u64> {
+        let tasks = &self.machine.tasks;
+        let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
+        let step = self.outside.period_us().map(|_| self.next_step_us);
+        [timer, step].into_iter().flatten().min()
     }
 
     fn fire_timers(&mut self) {

@@ -10,12 +10,7 @@ use std::sync::Arc;
 pub(crate) type Answer = Result<Reply, Raise>;
 
 /// A native without effect.
-pub(crate) const fn pure(
-    name: &'static str,
-    parameters: &'static str,
-    doc: &'static str,
-    code: NativeCode,
-) -> Native {
+pub(crate) const fn pure(name: &'static str, parameters: &'static str, doc: &'static str, code: NativeCode) -> Native {
     Native { name, parameters, doc, effect: Effect::None, code }
 }
 

@@ -71,8 +71,7 @@ fn subsequence(call: &mut Call<'_, '_>) -> Answer {
 
 fn elt(call: &mut Call<'_, '_>) -> Answer {
     let position = natural(call, 1)?;
-    let outside =
-        |length: usize| index_error(format!("there is no element {position}: the length is {length}"));
+    let outside = |length: usize| index_error(format!("there is no element {position}: the length is {length}"));
     match sequence(call, 0)? {
         Sequence::List(items) => value(*items.get(position).ok_or_else(|| outside(items.len()))?),
         Sequence::Text(string) => {
@@ -188,7 +187,12 @@ pub const NATIVES: &[Native] = &[
         "A copy of the part from a position up to another that is not in it.",
         subsequence,
     ),
-    pure("elt", "list-or-string position", "The element, or string of one character, at a position counted from 0.", elt),
+    pure(
+        "elt",
+        "list-or-string position",
+        "The element, or string of one character, at a position counted from 0.",
+        elt,
+    ),
     pure("member", "value list", "The list from the first element that is equal to the value, or nil.", member),
     pure("position", "value list", "The position of the first element that is equal to the value, or nil.", position),
     pure("assoc", "key alist", "The first entry of an association list whose key is equal, or nil.", |call| {
@@ -206,5 +210,10 @@ pub const NATIVES: &[Native] = &[
     pure("alist-keys", "alist", "The keys of an association list.", |call| halves(call, false)),
     pure("alist-values", "alist", "The values of an association list.", |call| halves(call, true)),
     pure("remove", "value list", "A copy of the list without the elements that are equal to the value.", remove),
-    pure("substitute", "new old list", "A copy of the list with a new element in place of each that is equal to the old one.", substitute),
+    pure(
+        "substitute",
+        "new old list",
+        "A copy of the list with a new element in place of each that is equal to the old one.",
+        substitute,
+    ),
 ];

@@ -232,7 +232,12 @@ pub const NATIVES: &[Native] = &[
     pure("nth", "position list", "The element at a position counted from 0; nil behind the end.", nth),
     pure("nthcdr", "count list", "The list without so many of its first elements.", nthcdr),
     pure("last", "list &optional count", "The last pair of a list, or so many of its last pairs.", last),
-    pure("butlast", "list &optional count", "A copy of the list without its last element, or so many of them.", butlast),
+    pure(
+        "butlast",
+        "list &optional count",
+        "A copy of the list without its last element, or so many of them.",
+        butlast,
+    ),
     pure("list", "&rest values", "A list of the values.", list_of),
     pure("list*", "value &rest values", "A list of the values that ends in the last one.", list_with_tail),
     pure("make-list", "length &optional value", "A list that holds the value so many times.", make_list),

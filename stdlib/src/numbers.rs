@@ -144,9 +144,10 @@ fn all_different(call: &mut Call<'_, '_>) -> Answer {
     for at in 0..count(call) {
         numbers.push(number(call, at)?);
     }
-    let different = numbers.iter().enumerate().all(|(at, &left)| {
-        numbers[at + 1..].iter().all(|&right| compare(left, right) != Some(Ordering::Equal))
-    });
+    let different = numbers
+        .iter()
+        .enumerate()
+        .all(|(at, &left)| numbers[at + 1..].iter().all(|&right| compare(left, right) != Some(Ordering::Equal)));
     truth(different)
 }
 
@@ -241,9 +242,12 @@ pub const NATIVES: &[Native] = &[
     ),
     pure("1+", "number", "The number and one.", |call| value(add(number(call, 0)?, Number::Int(1))?.value())),
     pure("1-", "number", "The number less one.", |call| value(subtract(number(call, 0)?, Number::Int(1))?.value())),
-    pure("=", "number &rest numbers", "Whether all numbers are the same; an integer can be the same as a float.", |call| {
-        chain(call, |order| order == Some(Ordering::Equal))
-    }),
+    pure(
+        "=",
+        "number &rest numbers",
+        "Whether all numbers are the same; an integer can be the same as a float.",
+        |call| chain(call, |order| order == Some(Ordering::Equal)),
+    ),
     pure("/=", "number &rest numbers", "Whether no two of the numbers are the same.", all_different),
     pure("<", "number &rest numbers", "Whether each number is less than the next.", |call| {
         chain(call, |order| order == Some(Ordering::Less))
@@ -261,7 +265,12 @@ pub const NATIVES: &[Native] = &[
     pure("signum", "number", "-1, 0 or 1 with the number's sign, a float for a float.", signum),
     pure("min", "number &rest numbers", "The least of the numbers.", |call| extreme(call, Ordering::Less)),
     pure("max", "number &rest numbers", "The greatest of the numbers.", |call| extreme(call, Ordering::Greater)),
-    pure("clamp", "number low high", "The number, or the end of the range from low to high that it lies beyond.", clamp),
+    pure(
+        "clamp",
+        "number low high",
+        "The number, or the end of the range from low to high that it lies beyond.",
+        clamp,
+    ),
     pure("evenp", "integer", "Whether the integer is even.", |call| parity(call, false)),
     pure("oddp", "integer", "Whether the integer is odd.", |call| parity(call, true)),
     pure("zerop", "number", "Whether the number is zero.", |call| sign_is(call, Ordering::Equal)),

@@ -39,7 +39,9 @@ pub const NATIVES: &[Native] = &[
     pure("numberp", "value", "Whether the value is a number.", |call| {
         is(call, |value| matches!(value, Value::Int(_) | Value::Float(_)))
     }),
-    pure("integerp", "value", "Whether the value is an integer.", |call| is(call, |value| matches!(value, Value::Int(_)))),
+    pure("integerp", "value", "Whether the value is an integer.", |call| {
+        is(call, |value| matches!(value, Value::Int(_)))
+    }),
     pure("floatp", "value", "Whether the value is a float.", |call| is(call, |value| matches!(value, Value::Float(_)))),
     pure("stringp", "value", "Whether the value is a string.", |call| is(call, |value| matches!(value, Value::Str(_)))),
     pure("functionp", "value", "Whether the value is a function or plan.", |call| {

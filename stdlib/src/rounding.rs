@@ -24,11 +24,7 @@ enum Toward {
 fn to_integer(value: f64) -> Result<i64, Raise> {
     // 2^63 is a float, i64::MAX is none.
     const LIMIT: f64 = 9_223_372_036_854_775_808.0;
-    if (-LIMIT..LIMIT).contains(&value) {
-        Ok(value as i64)
-    } else {
-        Err(overflow(&format_float(value)))
-    }
+    if (-LIMIT..LIMIT).contains(&value) { Ok(value as i64) } else { Err(overflow(&format_float(value))) }
 }
 
 fn round_float(value: f64, toward: Toward) -> f64 {
@@ -148,12 +144,18 @@ fn integer_square_root(call: &mut Call<'_, '_>) -> Answer {
 
 /// From floats to integers and back.
 pub const NATIVES: &[Native] = &[
-    pure("floor", "number &optional divisor", "The greatest integer that is not above the number or quotient.", |call| {
-        rounded(call, Toward::Floor)
-    }),
-    pure("ceiling", "number &optional divisor", "The least integer that is not below the number or quotient.", |call| {
-        rounded(call, Toward::Ceiling)
-    }),
+    pure(
+        "floor",
+        "number &optional divisor",
+        "The greatest integer that is not above the number or quotient.",
+        |call| rounded(call, Toward::Floor),
+    ),
+    pure(
+        "ceiling",
+        "number &optional divisor",
+        "The least integer that is not below the number or quotient.",
+        |call| rounded(call, Toward::Ceiling),
+    ),
     pure("truncate", "number &optional divisor", "The integer part of the number or quotient.", |call| {
         rounded(call, Toward::Zero)
     }),

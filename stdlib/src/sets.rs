@@ -84,9 +84,16 @@ fn adjoin(call: &mut Call<'_, '_>) -> Answer {
 
 /// Lists as sets.
 pub const NATIVES: &[Native] = &[
-    pure("remove-duplicates", "list", "A copy of the list with the first of all equal elements only.", remove_duplicates),
+    pure(
+        "remove-duplicates",
+        "list",
+        "A copy of the list with the first of all equal elements only.",
+        remove_duplicates,
+    ),
     pure("union", "list other", "The elements of both lists, each once.", union),
-    pure("intersection", "list other", "The elements of the list that are in the other too.", |call| select(call, true)),
+    pure("intersection", "list other", "The elements of the list that are in the other too.", |call| {
+        select(call, true)
+    }),
     pure("set-difference", "list other", "The elements of the list that are not in the other.", |call| {
         select(call, false)
     }),

@@ -114,7 +114,12 @@ fn to_alist(call: &mut Call<'_, '_>) -> Answer {
 
 /// Hash tables.
 pub const NATIVES: &[Native] = &[
-    pure("make-hash-table", "&key test", "A new, empty hash table; its keys are compared as by `equal`.", make_hash_table),
+    pure(
+        "make-hash-table",
+        "&key test",
+        "A new, empty hash table; its keys are compared as by `equal`.",
+        make_hash_table,
+    ),
     pure("gethash", "key table &optional default", "The value of a key in a hash table, or the default.", gethash),
     changing("%set-gethash", "key table value &optional value-after-default", "Sets the value of a key.", set_gethash),
     pure("hash-table-contains-p", "key table", "Whether the hash table has an entry for the key.", contains),

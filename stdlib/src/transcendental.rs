@@ -92,12 +92,7 @@ pub const NATIVES: &[Native] = &[
     pure("sqrt", "number", "The square root, a float.", |call| {
         within(call, "real square root: it is negative", 0.0, f64::INFINITY, f64::sqrt)
     }),
-    pure(
-        "expt",
-        "base exponent",
-        "The power; an integer for integers with an exponent that is not negative.",
-        power,
-    ),
+    pure("expt", "base exponent", "The power; an integer for integers with an exponent that is not negative.", power),
     pure("exp", "number", "The power of e.", |call| of_one(call, libm::exp)),
     pure("log", "number &optional base", "The natural logarithm, or that to the base.", logarithm),
     pure("sin", "angle", "The sine of an angle in radians.", |call| of_one(call, libm::sin)),
