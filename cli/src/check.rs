@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::files::{self, PlanText};
-use crate::mission::{self, Robot, Setting};
+use crate::mission::Site;
 use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
@@ -13,7 +13,7 @@ use rpl_runtime::library::Library;
 /// # Errors
 /// Standard output is closed.
 pub fn run(names: &[String], console: &mut Console) -> Result<Status> {
-    let library = mission::library(&Robot::new(Setting::default())?)?;
+    let library = Site::for_checking()?.library;
     let mut status = Status::Succeeded;
     for name in names {
         match files::plan(name) {

@@ -1,7 +1,7 @@
 //! `rpl doc [NAME]`: documentation from the tables the compiler works with.
 
 use crate::console::Console;
-use crate::mission::{self, Robot, Setting};
+use crate::mission::{self, Site};
 use crate::special_forms::SPECIAL_FORMS;
 use crate::status::Status;
 use anyhow::{Result, bail};
@@ -10,7 +10,7 @@ use rpl_lang::compile::NoFiles;
 use rpl_lang::reader::fold_name;
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
-use rpl_runtime::behaviour::Outside;
+use rpl_robot::office::{BEHAVIOURS, FLUENTS};
 
 /// What is known of a name.
 struct Entry {
@@ -48,11 +48,10 @@ impl Group {
 /// # Errors
 /// Nothing has the name.
 pub fn run(name: Option<&str>, console: &mut Console) -> Result<Status> {
-    let robot = Robot::new(Setting::default())?;
     match name {
-        None => list(&entries(&robot)?, console)?,
-        Some("behaviours") => behaviours(&robot, console)?,
-        Some(name) => one(&entries(&robot)?, name, console)?,
+        None => list(&entries()?, console)?,
+        Some("behaviours") => behaviours(console)?,
+        Some(name) => one(&entries()?, name, console)?,
     }
     Ok(Status::Succeeded)
 }
@@ -89,23 +88,21 @@ fn first_sentence(doc: &str) -> &str {
     doc.lines().next().and_then(|line| line.split_inclusive(". ").next()).unwrap_or_default().trim_end()
 }
 
-fn behaviours(robot: &Robot, console: &mut Console) -> Result<()> {
-    if robot.behaviours().is_empty() {
-        console.print("this program brings no robot along")?;
+fn behaviours(console: &mut Console) -> Result<()> {
+    for behaviour in BEHAVIOURS {
+        let valve = behaviour.valve.map_or(String::new(), |valve| format!("\n  Drives with the valve `{valve}`."));
+        let call = format!("activate {} {}", behaviour.name, behaviour.parameters);
+        console.print(&format!("({})\n  {}{valve}", call.trim_end(), behaviour.doc))?;
     }
-    for behaviour in robot.behaviours() {
-        let valve = behaviour.valve.map_or(String::new(), |valve| format!("; drives with the valve `{valve}`"));
-        console
-            .print(&format!("(activate {} {})\n  {}{valve}", behaviour.name, behaviour.parameters, behaviour.doc))?;
-    }
-    for fluent in robot.fluents() {
-        console.print(&format!("{}\n  {}", fluent.name, fluent.doc))?;
+    console.print("")?;
+    for fluent in FLUENTS {
+        console.print(&format!("{:20} {}", fluent.name, fluent.doc))?;
     }
     Ok(())
 }
 
 /// Everything that has a name, chapter by chapter, each in alphabetical order.
-fn entries(robot: &Robot) -> Result<Vec<Entry>> {
+fn entries() -> Result<Vec<Entry>> {
     let mut entries = Vec::new();
     for special in SPECIAL_FORMS {
         entries.extend(special.names.iter().map(|name| Entry {
@@ -125,7 +122,7 @@ fn entries(robot: &Robot) -> Result<Vec<Entry>> {
         });
     }
     // A text without forms compiles to nothing but the library.
-    let library = mission::library(robot)?;
+    let library = Site::for_checking()?.library;
     if let Ok(loaded) = library.load("", "", &mut NoFiles) {
         add_library(&loaded.program, &loaded.symbols, &mut entries);
     }

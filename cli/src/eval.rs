@@ -5,7 +5,7 @@ use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::Reporter;
 use crate::files::{self, Folder};
 use crate::interrupt;
-use crate::mission::{self, Robot, Setting};
+use crate::mission::Site;
 use crate::run::status;
 use crate::status::Status;
 use anyhow::{Context, Result, anyhow};
@@ -22,17 +22,16 @@ pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
         "-" => ("<stdin>", standard_input()?),
         text => ("<eval>", text.to_string()),
     };
-    let robot = Robot::new(Setting::default())?;
-    let library = mission::library(&robot)?;
+    let site = Site::without_robot()?;
     let mut folder = Folder::Disk(".".into());
-    let loaded = match library.load(name, &text, &mut folder) {
+    let loaded = match site.library.load(name, &text, &mut folder) {
         Ok(loaded) => loaded,
         Err(rejected) => {
             console.note(rejected.render(console.colour).trim_end());
             return Ok(Status::Wrong);
         }
     };
-    let mut system = System::new(library, loaded, robot);
+    let mut system = System::new(site.library.clone(), loaded, site.robot(0));
     let ending = drive(&mut system, Pace::default(), console, &mut Records::default())?;
     match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => {

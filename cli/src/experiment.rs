@@ -6,7 +6,7 @@ mod trials;
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
 use crate::files;
-use crate::mission::{self, Robot, Setting};
+use crate::mission::{self, Robot, Site};
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use anyhow::{Context, Result, bail};
@@ -35,6 +35,9 @@ pub struct Arguments {
     /// The world, for a plan of your own
     #[arg(long, value_name = "W")]
     world: Option<String>,
+    /// What happens on the way: a plan with hands in the world
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<String>,
     /// A run that takes longer, in the plan's time, counts as failed
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
     until: u64,
@@ -45,9 +48,10 @@ struct Experiment {
     name: &'static str,
     plan: &'static str,
     world: &'static str,
+    scenario: Option<&'static str>,
 }
 
-const EXPERIMENTS: &[Experiment] = &[Experiment { name: "rotated", plan: "delivery.rpl", world: "dept" }];
+const EXPERIMENTS: &[Experiment] = &[Experiment { name: "rotated", plan: "delivery.rpl", world: "dept", scenario: Some("rotated.rpl") }];
 
 /// Runs the experiment.
 ///
@@ -66,8 +70,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
     })?;
     let world = world.map(mission::world).transpose()?;
-    let library = mission::library(&Robot::new(Setting { world: world.clone(), ..Setting::default() })?)?;
-    let loaded = match library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+    let scenario_name = arguments.scenario.as_deref().or(experiment.and_then(|experiment| experiment.scenario));
+    let scenario = scenario_name.map(files::plan).transpose()?;
+    let site = Site::new(world, scenario)?;
+    let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
         Ok(loaded) => loaded,
         Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
     };
@@ -76,8 +82,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let jobs = arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
     let bar = progress(seeds.len() as u64, console);
     let one = |seed: u64| -> Result<Trial> {
-        let robot = Robot::new(Setting { world: world.clone(), seed, ..Setting::default() })?;
-        let system = System::new(library.clone(), loaded.clone(), robot);
+        let system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
         one_trial(system, seed, arguments.until)
     };
     let trials = run_all(&seeds, jobs, one, || bar.inc(1));
@@ -102,8 +107,8 @@ fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64) -> Result<Tria
     let mut measures = vec![("time [s]", system.machine.now_s())];
     if let Some(account) = account {
         measures.push(("distance [m]", account.distance_m));
-        measures.push(("contacts", account.contacts as f64));
-        measures.push(("relocalizations", account.relocalizations as f64));
+        measures.push(("contacts", f64::from(account.contacts)));
+        measures.push(("relocalizations", records.relocalizations as f64));
     }
     Ok(Trial { seed, succeeded: matches!(ending, Ending::Outcome(Outcome::Succeeded(_))), measures })
 }

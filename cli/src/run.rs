@@ -6,13 +6,12 @@ use crate::failure_report::{FailureRecord, Reporter};
 use crate::figures;
 use crate::files::{self, PlanText};
 use crate::interrupt;
-use crate::mission::{self, Account, Robot, Setting};
+use crate::mission::{self, Account, Robot, Site};
 use crate::overrides::{Overrides, OverridingLoader};
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use crate::trace_file::TraceFile;
-use anyhow::{Context, Result, anyhow};
-use rpl_robot::world::World;
+use anyhow::{Context, Result};
 use rpl_runtime::library::Loaded;
 use rpl_runtime::system::{Outcome, System};
 use serde::Serialize;
@@ -31,9 +30,9 @@ pub struct Arguments {
     /// Seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// What happens on the way, from a file
+    /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
     #[arg(long, value_name = "FILE")]
-    pub scenario: Option<PathBuf>,
+    pub scenario: Option<String>,
     /// Another first value for a variable of the plan
     #[arg(long, value_name = "NAME=EXPR")]
     pub set: Vec<String>,
@@ -74,8 +73,8 @@ struct Summary {
     value: Option<String>,
     time_s: f64,
     failure: Option<FailureRecord>,
-    contacts: u64,
-    distance_m: f64,
+    #[serde(flatten)]
+    account: Account,
     relocalizations: u64,
     wall_s: f64,
     seed: u64,
@@ -90,16 +89,19 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let plan = files::plan(&arguments.file)?;
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
-    let robot = Robot::new(setting(arguments, world.clone())?)?;
+    let scenario = arguments.scenario.as_deref().map(files::plan).transpose()?;
     let mut overrides = Overrides::parse(&arguments.set)?;
-    let library = mission::library(&robot)?;
-    let Some(loaded) = load(&library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
+    let site = Site::new(world.clone(), scenario)?;
+    let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
     let mut records = Records { trace: create_trace(arguments.trace.as_deref())?, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
-    let mut system =
-        if wants_events { System::traced(library, loaded, robot) } else { System::new(library, loaded, robot) };
+    let (library, robot) = (site.library.clone(), site.robot(arguments.seed));
+    let mut system = match wants_events {
+        true => System::traced(library, loaded, robot),
+        false => System::new(library, loaded, robot),
+    };
     if let Some(steps) = arguments.max_steps {
         system.machine.limits.steps = steps;
     }
@@ -118,13 +120,6 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     }
     console.flush()?;
     Ok(status(ending))
-}
-
-fn setting(arguments: &Arguments, world: Option<World>) -> Result<Setting> {
-    let scenario = arguments.scenario.as_deref().map(|path| {
-        files::read_text(path).map_err(|reason| anyhow!("cannot read the scenario `{}`: {reason}", path.display()))
-    });
-    Ok(Setting { world, seed: arguments.seed, scenario: scenario.transpose()? })
 }
 
 /// Compiles a plan, and shows what was found. None if it cannot run.
@@ -173,7 +168,6 @@ fn reporter<'a>(system: &'a System<Robot>, console: &Console) -> Reporter<'a> {
 }
 
 fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u64, began: Instant) -> Summary {
-    let account = system.outside.account().unwrap_or_default();
     let value = match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => Some(system.machine.write(&system.program, value)),
         _ => None,
@@ -194,9 +188,8 @@ fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u6
         value,
         time_s: system.machine.now_s(),
         failure,
-        contacts: account.contacts,
-        distance_m: account.distance_m,
-        relocalizations: account.relocalizations.max(records.relocalizations),
+        account: system.outside.account().unwrap_or_default(),
+        relocalizations: records.relocalizations,
         wall_s: (began.elapsed().as_secs_f64() * 1e3).round() / 1e3,
         seed,
     }
@@ -234,7 +227,7 @@ fn describe(account: Account, relocalizations: u64) -> String {
     format!(
         ", {:.1} m driven, {}, {}",
         account.distance_m,
-        plural(account.contacts, "contact"),
+        plural(u64::from(account.contacts), "contact"),
         plural(relocalizations, "relocalization")
     )
 }

@@ -12,6 +12,7 @@ pub mod geometry;
 pub mod localization;
 pub mod navigation;
 pub mod occupancy;
+pub mod office;
 pub mod random;
 pub mod simulator;
 pub mod world;

@@ -184,7 +184,7 @@ impl Machine {
     }
 
     /// The value of a fluent as code reads it, noted as an input of the network under evaluation.
-    pub(crate) fn read_fluent(&mut self, fluent: u32) -> Result<Value, Raise> {
+    pub fn read_fluent(&mut self, fluent: u32) -> Result<Value, Raise> {
         if let Some(reads) = &mut self.scratch.reads {
             reads.push(fluent);
         }

@@ -149,28 +149,40 @@ impl<O: Outside> System<O> {
         if self.outcome().is_some() {
             return Progress::Ended;
         }
-        let Some(next) = self.next_instant_us() else {
-            self.fail_deadlocked();
-            return Progress::Running;
-        };
-        let step = self.outside.period_us().map(|_| self.next_step_us);
-        self.machine.now_us = self.machine.now_us.max(next);
-        self.machine.instant = self.machine.instant.wrapping_add(1);
-        if step == Some(next) {
-            self.step_robot();
+        match self.next_instant_us() {
+            Some(next_us) => self.enter_instant(next_us),
+            None => self.fail_deadlocked(),
         }
-        self.fire_timers();
-        self.settle();
         if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
     }
 
-    /// When the next instant is, once all tasks are blocked: the next timer or the robot's next step.
-    /// None if neither will ever come.
+    /// Goes through all instants up to a time, as long as the main task lives.
+    pub fn advance_to(&mut self, time_us: u64) {
+        self.settle();
+        while self.outcome().is_none()
+            && let Some(next_us) = self.next_instant_us()
+            && next_us <= time_us
+        {
+            self.enter_instant(next_us);
+        }
+    }
+
+    /// When something happens next: a timer is due, or the robot makes a step.
     pub fn next_instant_us(&mut self) -> Option<u64> {
         let tasks = &self.machine.tasks;
         let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
         let step = self.outside.period_us().map(|_| self.next_step_us);
         [timer, step].into_iter().flatten().min()
+    }
+
+    fn enter_instant(&mut self, time_us: u64) {
+        self.machine.now_us = self.machine.now_us.max(time_us);
+        self.machine.instant = self.machine.instant.wrapping_add(1);
+        if self.outside.period_us().is_some() && self.next_step_us <= time_us {
+            self.step_robot();
+        }
+        self.fire_timers();
+        self.settle();
     }
 
     fn fire_timers(&mut self) {

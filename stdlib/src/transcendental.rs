@@ -94,7 +94,7 @@ pub const NATIVES: &[Native] = &[
     }),
     pure("expt", "base exponent", "The power; an integer for integers with an exponent that is not negative.", power),
     pure("exp", "number", "The power of e.", |call| of_one(call, libm::exp)),
-    pure("log", "number &optional base", "The natural logarithm, or that to the base.", logarithm),
+    pure("ln", "number &optional base", "The natural logarithm, or that to the base.", logarithm),
     pure("sin", "angle", "The sine of an angle in radians.", |call| of_one(call, libm::sin)),
     pure("cos", "angle", "The cosine of an angle in radians.", |call| of_one(call, libm::cos)),
     pure("tan", "angle", "The tangent of an angle in radians.", |call| of_one(call, libm::tan)),

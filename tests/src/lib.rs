@@ -1,1 +1,56 @@
-//! Placeholder for the workspace member.
+//! What the end-to-end tests share: running a text to its end.
+
+use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::library::Library;
+use rpl_runtime::machine::Output;
+use rpl_runtime::system::{Outcome, Progress, System};
+use std::sync::{Arc, OnceLock};
+
+/// The library without a robot, compiled once.
+pub fn library() -> &'static Arc<Library> {
+    static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat();
+        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &NoRobot, &[]) {
+            Ok(library) => Arc::new(library),
+            Err(rejected) => panic!("the prelude does not compile:\n{}", rejected.render(false)),
+        }
+    })
+}
+
+/// A run of a text without a robot, at its start.
+pub fn system(text: &str) -> System<NoRobot> {
+    match System::without_robot(library(), "test.rpl", text) {
+        Ok(system) => system,
+        Err(rejected) => panic!("{}", rejected.render(false)),
+    }
+}
+
+/// What a text does, in lines: its output, then its value or failure.
+pub fn run(text: &str) -> String {
+    let mut system = match System::without_robot(library(), "test.rpl", text) {
+        Ok(system) => system,
+        Err(rejected) => return rejected.render(false),
+    };
+    while system.advance() == Progress::Running {}
+    transcript(&mut system)
+}
+
+/// The output of an ended run, then its value or failure.
+pub fn transcript(system: &mut System<NoRobot>) -> String {
+    let mut lines: Vec<String> = std::mem::take(&mut system.machine.output)
+        .into_iter()
+        .map(|output| match output {
+            Output::Print(text) => text,
+            Output::Log(text) => format!("log: {text}"),
+        })
+        .collect();
+    let program = &system.program;
+    lines.push(match system.outcome() {
+        Some(Outcome::Succeeded(value)) => format!("=> {}", system.machine.write(program, value)),
+        Some(Outcome::Failed(failure)) => format!("failed: {}", system.machine.show(program, failure)),
+        Some(Outcome::Evaporated) => "evaporated".to_string(),
+        None => "still running".to_string(),
+    });
+    lines.join("\n")
+}

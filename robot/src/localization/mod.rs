@@ -1,1 +1,33 @@
-//! Markov localization on a position probability grid.
+//! Position probability grids (Beetz et al. §2.1; Fox, Burgard, Thrun §3): where the robot is, as
+//! a probability for every cell of (x, y, heading).
+//!
+//! A [`LocalizationModel`] is built once from a map: which cells can be stood in, the expected
+//! distance for every cell and direction, and the sensor model as byte tables. A [`Localization`]
+//! is the state: the belief, and the odometry at its last update. It never reads a clock and never
+//! moves the robot.
+//!
+//! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
+//! `plane`, `belief`, `summary` (the belief), and `filter` (the state others use).
+
+mod belief;
+mod filter;
+mod grid;
+mod kernel;
+mod model;
+mod parameters;
+mod plane;
+mod ray;
+mod sensor;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+pub use belief::Belief;
+pub use filter::{Estimate, Localization};
+pub use grid::{BeliefGrid, State};
+pub use model::{LocalizationModel, ModelError};
+pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread};
+pub use plane::{Activity, Plane};
+pub use ray::DistanceField;
+pub use sensor::{NO_ECHO, SensorModel};
+pub use summary::Maximum;

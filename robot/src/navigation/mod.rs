@@ -1,1 +1,31 @@
 //! Path planning, collision avoidance, topological plans.
+//!
+//! Read in this order: `distance` (how far the obstacles are), `planner` (what each cell costs),
+//! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
+//! sensors saw lately), `alignment` (where that fits the map), `clearance` (how far an arc is free),
+//! `dynamic_window` (safe speeds), `topological` (target points through doors
+//! and corridors), `navigation` (the state machine that drives them), `drive` (following and
+//! wandering without a map). Nothing here knows the plan language or the simulator.
+
+pub mod alignment;
+pub mod clearance;
+pub mod distance;
+pub mod drive;
+pub mod dynamic_window;
+#[allow(clippy::module_inception)]
+pub mod navigation;
+pub mod obstacle_memory;
+pub mod planner;
+pub mod topological;
+pub mod value_field;
+
+#[cfg(test)]
+mod tests;
+
+pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
+pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
+pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
+pub use obstacle_memory::ObstacleMemory;
+pub use planner::{PlannerModel, PlannerParameters};
+pub use topological::{NavigationPlan, Target, TopologicalModel, Unreachable};
+pub use value_field::{ValueField, path_length_m};

@@ -1,0 +1,141 @@
+//! E_a[H]: the entropy expected at a target point.
+
+use super::parameters::ActiveParameters;
+use crate::geometry::{Point, Pose};
+use crate::localization::{LocalizationModel, Maximum, SONARS};
+
+/// How likely the robot gets to a point the map shows as occupied, or the other way round.
+const MAP_IS_WRONG: f64 = 0.02;
+
+const BINS: usize = 256;
+
+/// Computes expected entropies for one set of maxima.
+///
+/// # Deviation
+/// Eq. (6) sums over all sensings; with few maxima the noise-free scans at the target, one for
+/// each maximum, stand for them. The whole tempered scan is one sensing: entropies of single beams
+/// cannot be added, they would go below 0. A target keeps the heading the robot has now: turning by
+/// 15° only renames the sonars, for all maxima alike. If the target is occupied as seen from some
+/// maxima and free from others, finding out whether it can be reached is a sensing as well.
+pub(super) struct EntropyForecast<'m> {
+    model: &'m LocalizationModel,
+    parameters: &'m ActiveParameters,
+    maxima: &'m [Maximum],
+    /// Masses of the maxima, as shares.
+    shares: Vec<f64>,
+    /// `[measured][expected]` in units of the sensor model, forgiving small differences.
+    costs: Vec<u8>,
+}
+
+impl<'m> EntropyForecast<'m> {
+    pub fn new(model: &'m LocalizationModel, maxima: &'m [Maximum], parameters: &'m ActiveParameters) -> Self {
+        let total: f64 = maxima.iter().map(|maximum| maximum.mass).sum();
+        let tolerance = usize::from(model.sensor.bin(parameters.tolerance_m));
+        Self {
+            model,
+            parameters,
+            maxima,
+            shares: maxima.iter().map(|maximum| maximum.mass / total).collect(),
+            costs: forgiving_costs(model, tolerance),
+        }
+    }
+
+    /// Entropy of the shares now.
+    pub fn current(&self) -> f64 {
+        entropy(&self.shares)
+    }
+
+    /// Entropy of the shares expected after moving to a point and sensing there. At most the
+    /// logarithm of the number of maxima, at least 0.
+    pub fn expected(&self, target_in_base: Point) -> f64 {
+        let views: Vec<View> =
+            self.maxima.iter().map(|maximum| self.view(maximum.pose_in_map, target_in_base)).collect();
+        let unreached =
+            posterior_entropy(self.shares.iter().zip(&views).map(|(share, view)| share * (1.0 - view.reach)));
+        self.shares
+            .iter()
+            .zip(&views)
+            .map(|(share, truth)| {
+                let weights =
+                    self.shares.iter().zip(&views).map(|(share, view)| {
+                        share * view.reach * self.likelihood(truth.scan.as_ref(), view.scan.as_ref())
+                    });
+                share * (truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached)
+            })
+            .sum()
+    }
+
+    /// The target as seen from a maximum.
+    fn view(&self, robot_in_map: Pose, target_in_base: Point) -> View {
+        let target_in_map = robot_in_map.transform(target_in_base);
+        let pose = Pose::new(target_in_map.x, target_in_map.y, robot_in_map.heading_rad);
+        let radius_m = self.parameters.robot_radius_m;
+        let clearance_m = self.model.distances.clearance_m(target_in_map);
+        let reach = (0.5 + (clearance_m - radius_m) / (2.0 * self.parameters.tolerance_m))
+            .clamp(MAP_IS_WRONG, 1.0 - MAP_IS_WRONG);
+        let state = self.model.state_at(pose).filter(|state| self.model.is_admissible(state.column, state.row));
+        View { reach, scan: state.map(|state| self.model.expected_scan(state)) }
+    }
+
+    /// How likely a scan is where another one is expected; a place without scans tells nothing.
+    fn likelihood(&self, sensed: Option<&[u8; SONARS]>, expected: Option<&[u8; SONARS]>) -> f64 {
+        let (Some(sensed), Some(expected)) = (sensed, expected) else { return 1.0 };
+        let cost = |(s, o): (&u8, &u8)| usize::from(self.costs[usize::from(*s) * BINS + usize::from(*o)]);
+        let once = self.model.sensor.weight(sensed.iter().zip(expected).map(cost).sum());
+        (1..self.parameters.scans).fold(once, |product, _| product * once)
+    }
+}
+
+/// What a target would be, were the robot at one of the maxima.
+struct View {
+    /// How probably the robot gets there: maxima are known to the tolerance, and so is the clearance.
+    reach: f64,
+    /// The noise-free scan there; none where the robot cannot stand.
+    scan: Option<[u8; SONARS]>,
+}
+
+/// The sensor model's costs, each the least within `tolerance` bins of the expected one, less what
+/// measuring exactly the expected distance costs.
+fn forgiving_costs(model: &LocalizationModel, tolerance: usize) -> Vec<u8> {
+    let mut costs = vec![0; BINS * BINS];
+    for (measured, row) in costs.chunks_exact_mut(BINS).enumerate() {
+        let exact = model.sensor.costs(measured as u8);
+        for (expected, cost) in row.iter_mut().enumerate() {
+            let window = &exact[expected.saturating_sub(tolerance)..=(expected + tolerance).min(BINS - 1)];
+            *cost = window.iter().copied().fold(u8::MAX, u8::min);
+        }
+    }
+    costs
+}
+
+/// Entropy of weights, once normalized: ln W − (Σ w ln w) / W.
+fn posterior_entropy(weights: impl Iterator<Item = f64>) -> f64 {
+    let (mut total, mut sum) = (0.0, 0.0);
+    for weight in weights.filter(|&weight| weight > 0.0) {
+        total += weight;
+        sum += weight * libm::log(weight);
+    }
+    if total > 0.0 { (libm::log(total) - sum / total).max(0.0) } else { 0.0 }
+}
+
+/// −Σ p ln p, in nats.
+fn entropy(shares: &[f64]) -> f64 {
+    shares.iter().filter(|&&share| share > 0.0).map(|&share| -share * libm::log(share)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entropy_of_equal_shares_is_the_logarithm_of_their_number() {
+        for count in [1usize, 2, 7] {
+            let shares = vec![1.0 / count as f64; count];
+            assert!((entropy(&shares) - libm::log(count as f64)).abs() < 1e-12);
+        }
+        assert_eq!(entropy(&[1.0, 0.0]), 0.0);
+        let weights = [0.2, 0.6, 0.0];
+        let exact = entropy(&[0.25, 0.75]);
+        assert!((posterior_entropy(weights.into_iter()) - exact).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,80 @@
+//! What can be set about active localization.
+
+use serde::{Deserialize, Serialize};
+
+/// Everything that can be set about active localization.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ActiveParameters {
+    /// Edge of a cell of the action grid; half the free width of a door at most.
+    pub resolution_m: f64,
+    /// Actions reach this far ahead, back, left and right.
+    pub reach_m: f64,
+    /// Every how many cells, in each direction, an action's entropy is computed.
+    pub target_step: usize,
+    /// Targets nearer than this do not move the robot to anything new.
+    pub min_target_m: f64,
+    /// Radius of the robot, with a margin: nearer to a surface is occupied.
+    pub robot_radius_m: f64,
+    /// From the radius to this clearance the occupancy falls from one quarter to 0, so that paths
+    /// keep off walls where there is room.
+    pub comfortable_m: f64,
+    /// Cost of a metre through something certainly occupied, in metres of free way.
+    pub occupied_cost: f64,
+    /// Points more probably occupied than this are neither targets nor passed.
+    pub blocked_probability: f64,
+    /// α of Eq. (9): nats per metre of way.
+    pub alpha_per_m: f64,
+    /// Tempered scans an arrival is worth: the robot senses on its way as well.
+    pub scans: usize,
+    /// Expected distances that differ by less than this are not told apart, because maxima are
+    /// known no better.
+    pub tolerance_m: f64,
+    /// Most maxima taken into account.
+    pub max_maxima: usize,
+    /// Maxima lighter than this are ignored.
+    pub min_mass: f64,
+    /// Wandering ends when the maxima hold this much of the belief ...
+    pub concentrated_mass: f64,
+    /// ... or after this way.
+    pub max_wander_m: f64,
+    /// The pose is known when the certainty exceeds this ...
+    pub certainty: f64,
+    /// ... at so many updates in a row.
+    pub confirmations: u32,
+    /// A target is reached within this distance.
+    pub arrival_m: f64,
+    /// The choice is made anew when so much mass lies at maxima that were not there.
+    pub changed_mass: f64,
+    /// Updates between two looks at the maxima.
+    pub look_every: u32,
+    /// Failure after this time.
+    pub timeout_s: f64,
+}
+
+impl Default for ActiveParameters {
+    fn default() -> Self {
+        Self {
+            resolution_m: 0.15,
+            reach_m: 21.0,
+            target_step: 3,
+            min_target_m: 1.0,
+            robot_radius_m: 0.29,
+            comfortable_m: 0.55,
+            occupied_cost: 10.0,
+            blocked_probability: 0.95,
+            alpha_per_m: 0.02,
+            scans: 3,
+            tolerance_m: 0.2,
+            max_maxima: 10,
+            min_mass: 0.01,
+            concentrated_mass: 0.6,
+            max_wander_m: 20.0,
+            certainty: 0.8,
+            confirmations: 3,
+            arrival_m: 0.4,
+            changed_mass: 0.3,
+            look_every: 5,
+            timeout_s: 600.0,
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! The belief and its two updates.
+
+use super::grid::State;
+use super::kernel::{self, Beam};
+use super::model::LocalizationModel;
+use super::parameters::{SONARS, Spread};
+use super::plane::{Activity, Plane};
+use crate::geometry::{Pose, wrap_angle_rad};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Noise of the heading is applied once it reaches this variance, in squared angle steps.
+const HEADING_BLUR_AT: f64 = 0.1;
+
+/// With fewer active planes than this, handing them to other threads costs more than it gains.
+const PLANES_FOR_THREADS: usize = 32;
+
+/// P(l) over all states: one plane per heading. Its mass is 1 after every operation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Belief {
+    /// Plane `k` has heading `(k + heading_offset) · angle_step`.
+    pub(super) planes: Vec<Plane>,
+    /// Rotation that is not yet applied, in angle steps, at most one half.
+    pub(super) heading_offset: f64,
+    /// Variance of the rotation that is not yet applied, in squared angle steps.
+    heading_variance: f64,
+}
+
+/// The bins of one scan; none for a reading that is missing or left out.
+pub(super) type Scan = [Option<u8>; SONARS];
+
+impl Belief {
+    /// Every admissible state alike.
+    pub fn uniform(model: &LocalizationModel) -> Self {
+        let prior = model.prior() as f32;
+        let plane = Plane::active(Arc::new(model.admissible.iter().map(|cell| cell * prior).collect()));
+        Self { planes: vec![plane; model.grid.headings], heading_offset: 0.0, heading_variance: 0.0 }
+    }
+
+    /// A normal distribution around a pose; the uniform one if nothing around it is admissible.
+    pub fn around(model: &LocalizationModel, pose_in_map: Pose, spread: Spread) -> Self {
+        let grid = &model.grid;
+        let (x, y) = grid.fractional(pose_in_map.point());
+        // Cells are laid through the pose itself, so that a belief without spread is exact.
+        let offset = [x - libm::round(x), y - libm::round(y)];
+        let heading_steps = pose_in_map.heading_rad / grid.angle_step_rad();
+        let heading_offset = heading_steps - libm::round(heading_steps);
+        let sigma = (spread.position_m / grid.cell_m).max(1e-3);
+        let heading_sigma = (spread.heading_rad / grid.angle_step_rad()).max(1e-3);
+        let along = |count: usize, middle: f64| -> Vec<f64> {
+            (0..count).map(|i| normal((i as f64 - middle) / sigma)).collect()
+        };
+        let (along_x, along_y) = (along(grid.columns, libm::round(x)), along(grid.rows, libm::round(y)));
+        let nearest = grid.heading_at(pose_in_map.heading_rad) as i64;
+        let mut belief = Self::uniform(model);
+        for (heading, plane) in belief.planes.iter_mut().enumerate() {
+            let half = grid.headings as i64 / 2;
+            let away = (heading as i64 - nearest + half).rem_euclid(grid.headings as i64) - half;
+            let share = normal(away as f64 / heading_sigma);
+            let mut cells = vec![0f32; grid.plane_len()];
+            for (cell, value) in cells.iter_mut().take(grid.cells()).enumerate() {
+                *value = (share * along_x[cell % grid.columns] * along_y[cell / grid.columns]) as f32;
+            }
+            *plane = Plane { offset_cells: offset, ..Plane::active(Arc::new(cells)) };
+        }
+        belief.heading_offset = heading_offset;
+        belief.sense(model, &[None; SONARS]);
+        belief
+    }
+
+    /// Half of this belief and half of another one, cell by cell.
+    pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
+        let mut merged = Self::uniform(model);
+        for (heading, plane) in merged.planes.iter_mut().enumerate() {
+            let both = |cell: usize| 0.5 * (self.planes[heading].value(cell) + other.planes[heading].value(cell));
+            let cells = (0..model.grid.plane_len()).map(|cell| (both(cell) * f64::from(model.admissible[cell])) as f32);
+            *plane = Plane::active(Arc::new(cells.collect()));
+        }
+        merged.sense(model, &[None; SONARS]);
+        merged
+    }
+
+    /// The planes, by heading.
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
+    /// Planes that take part in updates.
+    pub fn active_planes(&self) -> usize {
+        self.planes.iter().filter(|plane| plane.is_active()).count()
+    }
+
+    /// The sum of the belief, 1 but for rounding. Reads what the last update summed.
+    pub fn mass(&self, model: &LocalizationModel) -> f64 {
+        self.planes.iter().map(|plane| plane.mass(model)).sum()
+    }
+
+    /// Heading of a plane, with the rotation not yet applied.
+    pub fn heading_rad(&self, model: &LocalizationModel, heading: usize) -> f64 {
+        wrap_angle_rad((heading as f64 + self.heading_offset) * model.grid.angle_step_rad())
+    }
+
+    /// Probability of one state; 0 where the robot cannot stand.
+    pub fn probability(&self, model: &LocalizationModel, state: State) -> f64 {
+        let cell = state.row * model.grid.columns + state.column;
+        if model.admissible[cell] == 0.0 { 0.0 } else { self.planes[state.heading].value(cell) }
+    }
+
+    /// Eq. (1) for a motion measured in the frame of the robot before it.
+    ///
+    /// # Deviation
+    /// A motion moves planes by whole cells and headings by whole steps; the rest is kept beside
+    /// each plane as the true place of its cells, and noise is kept until it amounts to something.
+    /// Interpolating at each step instead would blur by up to a quarter of a squared cell, far
+    /// more than odometry errs. The belief is left without a normalizer; [`Belief::sense`] follows.
+    pub fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
+        let (grid, error) = (&model.grid, &model.parameters.odometry);
+        let distance_m = libm::hypot(motion.x_m, motion.y_m);
+        let forward = error.forward_m * error.forward_m * distance_m / (grid.cell_m * grid.cell_m);
+        let sideward = error.sideward_m * error.sideward_m * distance_m / (grid.cell_m * grid.cell_m);
+        let headings: Vec<f64> = (0..grid.headings).map(|heading| self.heading_rad(model, heading)).collect();
+        update_planes(&mut self.planes, |heading, plane| {
+            if plane.cells.is_empty() {
+                return;
+            }
+            let (sin, cos) = libm::sincos(headings[heading]);
+            plane.offset_cells[0] += (cos * motion.x_m - sin * motion.y_m) / grid.cell_m;
+            plane.offset_cells[1] += (sin * motion.x_m + cos * motion.y_m) / grid.cell_m;
+            plane.variance_cells[0] += cos * cos * forward + sin * sin * sideward;
+            plane.variance_cells[1] += sin * sin * forward + cos * cos * sideward;
+            if plane.is_active() {
+                plane.apply_motion(grid);
+            }
+        });
+        self.rotate(model, motion.heading_rad);
+        let step = grid.angle_step_rad();
+        let per_metre = error.turn_per_metre_rad / step;
+        let per_radian = error.turn_per_radian_rad / step;
+        self.heading_variance +=
+            per_metre * per_metre * distance_m + per_radian * per_radian * libm::fabs(motion.heading_rad);
+        while self.heading_variance >= HEADING_BLUR_AT {
+            let variance = self.heading_variance.min(0.5);
+            self.heading_variance -= variance;
+            self.blur_headings(model, variance / 2.0);
+        }
+    }
+
+    /// Turns every hypothesis alike: planes change places.
+    fn rotate(&mut self, model: &LocalizationModel, turn_rad: f64) {
+        self.heading_offset += turn_rad / model.grid.angle_step_rad();
+        let whole = libm::round(self.heading_offset);
+        self.heading_offset -= whole;
+        self.planes.rotate_right((whole as i64).rem_euclid(model.grid.headings as i64) as usize);
+    }
+
+    /// Spreads every plane by `[g, 1 − 2g, g]` over its neighbours in heading.
+    fn blur_headings(&mut self, model: &LocalizationModel, spread: f64) {
+        let count = self.planes.len();
+        let neighbours = |heading: usize| [(heading + count - 1) % count, (heading + 1) % count];
+        let wakes = |planes: &[Plane], heading: usize| {
+            neighbours(heading)
+                .iter()
+                .any(|&next| planes[next].is_active() && planes[next].peak() * spread >= model.threshold())
+        };
+        let waking: Vec<usize> =
+            (0..count).filter(|&heading| !self.planes[heading].is_active() && wakes(&self.planes, heading)).collect();
+        for heading in waking {
+            self.planes[heading].activate(model);
+        }
+        let before = self.planes.clone();
+        update_planes(&mut self.planes, |heading, plane| {
+            if !plane.is_active() {
+                return;
+            }
+            let own = &before[heading];
+            let mut cells: Vec<f32> = own.cells.iter().map(|cell| cell * (1.0 - 2.0 * spread) as f32).collect();
+            for next in neighbours(heading) {
+                add_neighbour(model, &mut cells, own, &before[next], spread);
+            }
+            plane.cells = Arc::new(cells);
+            plane.stored_peak = own.stored_peak.max(before[neighbours(heading)[0]].stored_peak);
+        });
+    }
+
+    /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes; missing readings count for nothing.
+    ///
+    /// # Deviation
+    /// After a scan a share of the uniform distribution is mixed in.
+    pub(super) fn sense(&mut self, model: &LocalizationModel, scan: &Scan) {
+        let readings: Vec<(usize, u8)> =
+            scan.iter().enumerate().filter_map(|(sonar, bin)| bin.map(|bin| (sonar, bin))).collect();
+        let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
+        let threshold = model.threshold() as f32;
+        update_planes(&mut self.planes, |heading, plane| {
+            if !plane.is_active() {
+                return;
+            }
+            let beams: Vec<Beam> = readings
+                .iter()
+                .map(|&(sonar, bin)| Beam {
+                    expected: model.expected_plane(model.grid.direction(heading, sonar)),
+                    costs: model.sensor.costs(bin),
+                })
+                .collect();
+            let weights = model.sensor.weights();
+            plane.stored_mass =
+                kernel::weigh(plane.cells_mut(), &model.admissible, &beams, weights, average as f32, threshold);
+        });
+        let evidence: f64 =
+            self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { average }).sum();
+        let mixed = if readings.is_empty() { 0.0 } else { model.parameters.mixing };
+        if evidence > 1e-60 {
+            self.normalize(model, evidence, average, mixed);
+        } else {
+            *self = Self::uniform(model);
+        }
+    }
+
+    /// Eq. (2) for a scan in metres, every finite reading of it.
+    pub fn sense_ranges(&mut self, model: &LocalizationModel, sonar_m: &[f32; SONARS]) {
+        self.sense(model, &sonar_m.map(|range_m| range_m.is_finite().then(|| model.sensor.bin(f64::from(range_m)))));
+    }
+
+    /// Mixes a share of the uniform distribution into the belief.
+    pub fn mix(&mut self, model: &LocalizationModel, share: f64) {
+        let mass = self.mass(model);
+        self.normalize(model, mass, 1.0, share);
+    }
+
+    /// Divides by the evidence, mixes, and lets planes fall asleep or wake up.
+    fn normalize(&mut self, model: &LocalizationModel, evidence: f64, average: f64, mixed: f64) {
+        let scale = (1.0 - mixed) / evidence;
+        let add = mixed * model.prior();
+        let threshold = model.threshold();
+        update_planes(&mut self.planes, |_, plane| match &mut plane.activity {
+            Activity::Active => {
+                plane.stored_mass = plane.stored_mass * scale + add * model.admissible_cells as f64;
+                plane.stored_peak = kernel::rescale(plane.cells_mut(), &model.admissible, scale as f32, add as f32);
+                if plane.peak() < threshold {
+                    plane.deactivate();
+                }
+            }
+            Activity::Inactive { factor, floor } => {
+                *factor *= average * scale;
+                *floor = *floor * average * scale + add;
+                if plane.peak() >= threshold {
+                    plane.activate(model);
+                } else {
+                    plane.forget_if_negligible();
+                }
+            }
+        });
+    }
+}
+
+/// Adds a neighbour's share to the cells of a plane, aligned by where their cells really are. Of
+/// an inactive neighbour, whose cells are all below θ, the average is taken.
+fn add_neighbour(model: &LocalizationModel, cells: &mut [f32], own: &Plane, next: &Plane, spread: f64) {
+    let grid = &model.grid;
+    if next.is_active() {
+        let aligned = [0, 1].map(|axis| libm::round(next.offset_cells[axis] - own.offset_cells[axis]) as i64);
+        let size = (grid.columns, grid.rows);
+        kernel::add_shifted(cells, &next.cells, size, (aligned[0], aligned[1]), spread as f32);
+    } else {
+        let share = (spread * next.mass(model) / model.admissible_cells as f64) as f32;
+        for (cell, admissible) in cells.iter_mut().zip(model.admissible.iter()) {
+            *cell += share * admissible;
+        }
+    }
+}
+
+fn normal(sigmas: f64) -> f64 {
+    libm::exp(-0.5 * sigmas * sigmas)
+}
+
+/// Visits every plane, on several threads if many are active. A plane never looks at another one,
+/// so the threads do not change the result.
+fn update_planes(planes: &mut [Plane], update: impl Fn(usize, &mut Plane) + Sync) {
+    let active = planes.iter().filter(|plane| plane.is_active()).count();
+    if active >= PLANES_FOR_THREADS && rayon::current_num_threads() > 1 {
+        planes.par_iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane));
+    } else {
+        planes.iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane));
+    }
+}

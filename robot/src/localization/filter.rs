@@ -1,0 +1,210 @@
+//! The state of localization: belief, odometry, and what was last concluded from them.
+
+use super::belief::{Belief, Scan};
+use super::model::LocalizationModel;
+use super::parameters::{LocalizationParameters, SONARS, Spread};
+use super::summary::Maximum;
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+
+/// Where the robot is, as far as it knows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The mode of the belief, carried on by odometry since the last update.
+    pub pose_in_map: Pose,
+    /// Probability within 0.5 m and 15° of the mode.
+    pub certainty: f64,
+}
+
+/// A reading that differs by more than this has changed; far beyond the noise.
+const CHANGED_M: f32 = 0.5;
+
+/// Changed readings that make a changed scan; a person walking by changes fewer.
+const CHANGED_READINGS: usize = 8;
+
+/// What was taken in since the robot last moved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Rest {
+    /// Observations since the last update.
+    waited: u32,
+    /// Scans that were used.
+    scans: u32,
+}
+
+fn has_changed(before_m: &[f32; SONARS], now_m: &[f32; SONARS]) -> bool {
+    let changed = |(before, now): &(&f32, &f32)| (**before - **now).abs() > CHANGED_M;
+    before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
+}
+
+/// Share of the old belief kept when relocalization starts.
+const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
+
+/// The state of the filter. Cloning it shares the planes of the belief until one is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Localization {
+    belief: Belief,
+    /// Odometry at the last update; none before the first observation.
+    updated_at_in_odom: Option<Pose>,
+    /// Odometry at the last observation.
+    observed_at_in_odom: Option<Pose>,
+    /// The last scan that was used.
+    last_scan_m: Option<[f32; SONARS]>,
+    rest: Rest,
+    /// The mode at the last update.
+    mode: Maximum,
+    /// Updates so far.
+    updates: u64,
+}
+
+impl Localization {
+    /// At a known pose.
+    pub fn start_at(model: &LocalizationModel, pose_in_map: Pose, spread: Spread) -> Self {
+        Self::of(model, Belief::around(model, pose_in_map, spread))
+    }
+
+    /// Anywhere.
+    pub fn start_uniform(model: &LocalizationModel) -> Self {
+        Self::of(model, Belief::uniform(model))
+    }
+
+    fn of(model: &LocalizationModel, belief: Belief) -> Self {
+        let mode = belief.mode(model);
+        Self {
+            belief,
+            updated_at_in_odom: None,
+            observed_at_in_odom: None,
+            last_scan_m: None,
+            rest: Rest::default(),
+            mode,
+            updates: 0,
+        }
+    }
+
+    /// Gives up most of the belief: 90 % uniform, so that the true pose is found wherever it is,
+    /// and 10 % of what was believed, so that a false alarm heals in place.
+    pub fn reset_for_relocalization(&mut self, model: &LocalizationModel) {
+        self.belief.mix(model, 1.0 - KEPT_FOR_RELOCALIZATION);
+        self.mode = self.belief.mode(model);
+        self.rest = Rest::default();
+    }
+
+    /// Half of this belief and half of another one.
+    pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
+        Self::of(model, self.belief.merged(model, &other.belief))
+    }
+
+    /// Takes in odometry and, if there is one, a scan; readings that are not finite are missing.
+    /// Returns whether the belief was updated.
+    ///
+    /// # Deviation
+    /// The belief is updated only after some motion, by `update_distance_m` and
+    /// `update_angle_rad`: scans from one place repeat the same evidence. A robot at rest takes a
+    /// few scans and no more, unless the scan changes: somebody may have turned it.
+    pub fn observe(
+        &mut self,
+        model: &LocalizationModel,
+        odometry_in_odom: Pose,
+        sonar_m: Option<&[f32; SONARS]>,
+    ) -> bool {
+        self.observed_at_in_odom = Some(odometry_in_odom);
+        let since = odometry_in_odom.relative_to(*self.updated_at_in_odom.get_or_insert(odometry_in_odom));
+        let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
+            || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
+        if !moved && !sonar_m.is_some_and(|sonar_m| self.is_due_at_rest(&model.parameters, sonar_m)) {
+            return false;
+        }
+        self.belief.advance(model, since);
+        let scan = self.scan(model, self.mode.pose_in_map.compose(since), sonar_m);
+        self.belief.sense(model, &scan);
+        self.mode = self.belief.mode(model);
+        self.updated_at_in_odom = Some(odometry_in_odom);
+        self.updates += 1;
+        if moved {
+            self.rest = Rest::default();
+        }
+        self.rest.waited = 0;
+        if let Some(sonar_m) = sonar_m {
+            self.rest.scans += 1;
+            self.last_scan_m = Some(*sonar_m);
+        }
+        true
+    }
+
+    /// Counts an observation at rest and tells whether it is to be used.
+    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, sonar_m: &[f32; SONARS]) -> bool {
+        self.rest.waited += 1;
+        let changed = self.last_scan_m.is_none_or(|last_m| has_changed(&last_m, sonar_m));
+        if changed {
+            self.rest.scans = 0;
+        }
+        self.rest.scans == 0
+            || self.rest.waited >= parameters.standing_observations && self.rest.scans < parameters.standing_updates
+    }
+
+    /// The bins of a scan, without the readings that gating leaves out.
+    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, sonar_m: Option<&[f32; SONARS]>) -> Scan {
+        let Some(sonar_m) = sonar_m else { return [None; SONARS] };
+        let mut scan = sonar_m.map(|range_m| range_m.is_finite().then(|| model.sensor.bin(f64::from(range_m))));
+        let Some(gating) = &model.parameters.gating else { return scan };
+        let Some(state) = model.state_at(predicted_in_map) else { return scan };
+        if self.mode.mass < gating.min_certainty || !model.is_admissible(state.column, state.row) {
+            return scan;
+        }
+        let expected = model.expected_scan(state);
+        let short = |sonar: usize| f64::from(sonar_m[sonar]) < model.sensor.range_m(expected[sonar]) - gating.margin_m;
+        let gated: Vec<usize> = (0..SONARS).filter(|&sonar| scan[sonar].is_some() && short(sonar)).collect();
+        if gated.len() <= gating.max_readings {
+            for sonar in gated {
+                scan[sonar] = None;
+            }
+        }
+        scan
+    }
+
+    /// Where the robot is; costs nothing, the mode is found at each update.
+    pub fn estimate(&self, _model: &LocalizationModel) -> Estimate {
+        let pose_in_map = match (self.updated_at_in_odom, self.observed_at_in_odom) {
+            (Some(updated), Some(observed)) => self.mode.pose_in_map.compose(observed.relative_to(updated)),
+            _ => self.mode.pose_in_map,
+        };
+        Estimate { pose_in_map, certainty: self.mode.mass }
+    }
+
+    /// How often the belief was updated.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// The local maxima, the heaviest first, as of the last update and carried on by odometry.
+    pub fn maxima(&self, model: &LocalizationModel, max_count: usize, min_mass: f64) -> Vec<Maximum> {
+        let since = match (self.updated_at_in_odom, self.observed_at_in_odom) {
+            (Some(updated), Some(observed)) => observed.relative_to(updated),
+            _ => Pose::default(),
+        };
+        let mut maxima = self.belief.maxima(model, max_count, min_mass);
+        for maximum in &mut maxima {
+            maximum.pose_in_map = maximum.pose_in_map.compose(since);
+        }
+        maxima
+    }
+
+    /// Entropy of the belief, in nats. O(states that are not known to be uniform).
+    pub fn entropy(&self, model: &LocalizationModel) -> f64 {
+        self.belief.entropy(model)
+    }
+
+    /// Probability of each cell of (x, y), `[row][column]`, for pictures.
+    pub fn belief_xy(&self, model: &LocalizationModel) -> Vec<f64> {
+        self.belief.xy(model)
+    }
+
+    /// The sum of the belief, 1 but for rounding.
+    pub fn mass(&self, model: &LocalizationModel) -> f64 {
+        self.belief.mass(model)
+    }
+
+    /// The belief itself.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
+    }
+}

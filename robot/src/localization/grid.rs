@@ -1,0 +1,158 @@
+//! Where the cells of the belief lie.
+
+use super::parameters::SONARS;
+use crate::geometry::{Point, wrap_angle_rad};
+use crate::occupancy::OccupancyGrid;
+
+/// Cells per block: planes are padded to whole blocks, and likelihoods are skipped block by block.
+pub(super) const BLOCK: usize = 64;
+
+/// One cell of the belief.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct State {
+    /// Index of the heading plane.
+    pub heading: usize,
+    /// Along y.
+    pub row: usize,
+    /// Along x.
+    pub column: usize,
+}
+
+/// The belief's cells: planes of equal heading, each `[row][column]` row-major, row 0 at the
+/// smallest y. Cell (row, column) has its middle at `origin_in_map` plus whole cells.
+///
+/// # Deviation
+/// The grid is centred on the map and not on a corner of it, so that a pose turned by 180° about
+/// the middle of a symmetric building falls on a cell again; otherwise a symmetric corridor looks
+/// asymmetric and one of two mirror poses wins without evidence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeliefGrid {
+    /// Edge of a cell.
+    pub cell_m: f64,
+    /// Middle of cell (0, 0).
+    pub origin_in_map: Point,
+    /// Cells along x.
+    pub columns: usize,
+    /// Cells along y.
+    pub rows: usize,
+    /// Heading planes; plane `k` has heading `k · angle_step`.
+    pub headings: usize,
+    /// Directions of the table of expected distances: the coarsest step that meets every sonar at
+    /// every heading.
+    pub directions: usize,
+}
+
+impl BeliefGrid {
+    /// The grid over a map; `angle_step_deg` must divide 360.
+    pub(super) fn over(map: &OccupancyGrid, cell_m: f64, angle_step_deg: u32) -> Self {
+        let cells_along = |map_cells: usize| {
+            let exact = map_cells as f64 * map.resolution_m / cell_m;
+            libm::ceil(exact - 1e-9).max(1.0) as usize
+        };
+        let (columns, rows) = (cells_along(map.columns), cells_along(map.rows));
+        let middle = |origin: f64, map_cells: usize| origin + map_cells as f64 * map.resolution_m / 2.0;
+        let first = |middle: f64, count: usize| middle - (count as f64 - 1.0) / 2.0 * cell_m;
+        Self {
+            cell_m,
+            origin_in_map: Point::new(
+                first(middle(map.origin_in_map.x, map.columns), columns),
+                first(middle(map.origin_in_map.y, map.rows), rows),
+            ),
+            columns,
+            rows,
+            headings: (360 / angle_step_deg) as usize,
+            directions: (360 / greatest_common_divisor(angle_step_deg, 360 / SONARS as u32)) as usize,
+        }
+    }
+
+    /// Cells of one plane, without padding.
+    pub fn cells(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Cells of the whole belief.
+    pub fn states(&self) -> usize {
+        self.cells() * self.headings
+    }
+
+    /// Length of a stored plane, a whole number of blocks.
+    pub(super) fn plane_len(&self) -> usize {
+        self.cells().next_multiple_of(BLOCK)
+    }
+
+    /// Angle between two headings.
+    pub fn angle_step_rad(&self) -> f64 {
+        std::f64::consts::TAU / self.headings as f64
+    }
+
+    /// Heading of a plane, in (−π, π].
+    pub fn heading_rad(&self, heading: usize) -> f64 {
+        wrap_angle_rad(heading as f64 * self.angle_step_rad())
+    }
+
+    /// Middle of a cell, in the map frame.
+    pub fn centre(&self, column: usize, row: usize) -> Point {
+        Point::new(self.origin_in_map.x + column as f64 * self.cell_m, self.origin_in_map.y + row as f64 * self.cell_m)
+    }
+
+    /// Column and row, in fractions of a cell, of a point in the map frame.
+    pub(super) fn fractional(&self, point_in_map: Point) -> (f64, f64) {
+        ((point_in_map.x - self.origin_in_map.x) / self.cell_m, (point_in_map.y - self.origin_in_map.y) / self.cell_m)
+    }
+
+    /// Column and row of the cell around a point, if the point is on the grid.
+    pub fn cell_at(&self, point_in_map: Point) -> Option<(usize, usize)> {
+        let (x, y) = self.fractional(point_in_map);
+        let (column, row) = (libm::floor(x + 0.5), libm::floor(y + 0.5));
+        let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
+        inside.then_some((column as usize, row as usize))
+    }
+
+    /// The plane nearest to a heading.
+    pub fn heading_at(&self, heading_rad: f64) -> usize {
+        (libm::round(heading_rad / self.angle_step_rad()) as i64).rem_euclid(self.headings as i64) as usize
+    }
+
+    /// Which direction of the table sonar `sonar` reads at heading `heading`.
+    pub fn direction(&self, heading: usize, sonar: usize) -> usize {
+        let per_heading = self.directions / self.headings;
+        let per_sonar = self.directions / SONARS;
+        (heading * per_heading + sonar * per_sonar) % self.directions
+    }
+}
+
+fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::occupancy::Cell;
+
+    fn grid(step_deg: u32) -> BeliefGrid {
+        let map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.05, 540, 401, Cell::Free);
+        BeliefGrid::over(&map, 0.15, step_deg)
+    }
+
+    #[test]
+    fn a_mirror_pose_falls_on_a_cell() {
+        let grid = grid(2);
+        let (a, b) = (grid.centre(3, 5), grid.centre(grid.columns - 4, grid.rows - 6));
+        assert!((a.x + b.x - 27.0).abs() < 1e-9 && (a.y + b.y - 20.05).abs() < 1e-9);
+        assert_eq!(grid.headings % 2, 0);
+    }
+
+    #[test]
+    fn every_sonar_at_every_heading_has_its_own_exact_direction() {
+        for step_deg in [1, 2, 3, 5, 6, 8, 10, 12, 15] {
+            let grid = grid(step_deg);
+            for heading in 0..grid.headings {
+                for sonar in 0..SONARS {
+                    let degrees = grid.direction(heading, sonar) * 360 / grid.directions;
+                    assert_eq!(degrees, (heading * step_deg as usize + sonar * 15) % 360);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! One plane of the belief: all cells of equal heading.
+
+use super::grid::BeliefGrid;
+use super::kernel;
+use super::model::LocalizationModel;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Pending noise is applied once it reaches this variance, in cells².
+const BLUR_AT: f64 = 0.04;
+
+/// Largest variance one pass of the three-point blur adds without overshooting.
+const BLUR_MOST: f64 = 0.5;
+
+/// Whether a plane takes part in updates (Beetz et al. §2.1).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Activity {
+    /// Its cells are the belief.
+    Active,
+    /// All its cells are below θ; a cell is worth `factor · stored + floor`.
+    ///
+    /// # Deviation
+    /// The paper keeps the factor α_π alone and brings a part back when α_π > 1. Mixing adds the
+    /// same amount to every cell, which stays exact as the second term; the plane comes back when
+    /// its largest cell reaches θ, which for a floor of 0 is the paper's rule.
+    Inactive {
+        /// α_π: the product of the normalization factors since it was deactivated.
+        factor: f64,
+        /// What mixing has added to each admissible cell since.
+        floor: f64,
+    },
+}
+
+/// The cells of one heading. Clones share the cells until one of them is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plane {
+    /// `[row][column]`, padded to whole blocks; empty for a plane with factor 0.
+    pub(super) cells: Arc<Vec<f32>>,
+    /// Whether the cells are the belief.
+    pub(super) activity: Activity,
+    /// Where cells really are, relative to their middles, in cells along x and y: motion that is
+    /// not yet applied. At most half a cell for an active plane; a_π for an inactive one.
+    pub(super) offset_cells: [f64; 2],
+    /// Variance of motion that is not yet applied, along x and y.
+    pub(super) variance_cells: [f64; 2],
+    /// Sum of the stored cells.
+    pub(super) stored_mass: f64,
+    /// Largest stored cell.
+    pub(super) stored_peak: f32,
+}
+
+impl Plane {
+    /// An active plane of these cells.
+    pub(super) fn active(cells: Arc<Vec<f32>>) -> Self {
+        let (stored_mass, stored_peak) = (kernel::sum(&cells), kernel::peak(&cells));
+        let activity = Activity::Active;
+        Self { cells, activity, offset_cells: [0.0; 2], variance_cells: [0.0; 2], stored_mass, stored_peak }
+    }
+
+    /// Whether the plane takes part in updates.
+    pub fn is_active(&self) -> bool {
+        self.activity == Activity::Active
+    }
+
+    /// The stored cells, `[row][column]`; planes of a fork are the same allocation until written.
+    pub fn shared_cells(&self) -> &Arc<Vec<f32>> {
+        &self.cells
+    }
+
+    /// Factor and floor by which stored cells are read.
+    fn terms(&self) -> (f64, f64) {
+        match self.activity {
+            Activity::Active => (1.0, 0.0),
+            Activity::Inactive { factor, floor } => (factor, floor),
+        }
+    }
+
+    /// Probability of one admissible cell.
+    pub(super) fn value(&self, cell: usize) -> f64 {
+        let (factor, floor) = self.terms();
+        factor * self.cells.get(cell).copied().map_or(0.0, f64::from) + floor
+    }
+
+    /// Probability of the whole plane.
+    pub(super) fn mass(&self, model: &LocalizationModel) -> f64 {
+        let (factor, floor) = self.terms();
+        factor * self.stored_mass + floor * model.admissible_cells as f64
+    }
+
+    /// Largest probability of a cell.
+    pub(super) fn peak(&self) -> f64 {
+        let (factor, floor) = self.terms();
+        factor * f64::from(self.stored_peak) + floor
+    }
+
+    /// Where a cell's middle really is, in fractions of a cell.
+    pub(super) fn position_cells(&self, grid: &BeliefGrid, cell: usize) -> (f64, f64) {
+        let (column, row) = (cell % grid.columns, cell / grid.columns);
+        (column as f64 + self.offset_cells[0], row as f64 + self.offset_cells[1])
+    }
+
+    /// Brings motion into the cells: whole cells of the offset, and noise once there is enough.
+    pub(super) fn apply_motion(&mut self, grid: &BeliefGrid) {
+        let whole = self.offset_cells.map(libm::round);
+        if whole != [0.0; 2] {
+            kernel::shift(self.cells_mut(), grid.columns, grid.rows, whole[0] as i64, whole[1] as i64);
+            self.offset_cells[0] -= whole[0];
+            self.offset_cells[1] -= whole[1];
+        }
+        while self.variance_cells[0].max(self.variance_cells[1]) >= BLUR_AT {
+            let [x, y] = self.variance_cells.map(|variance| variance.min(BLUR_MOST));
+            kernel::blur(self.cells_mut(), grid.columns, grid.rows, (x / 2.0) as f32, (y / 2.0) as f32);
+            self.variance_cells[0] -= x;
+            self.variance_cells[1] -= y;
+        }
+    }
+
+    /// The cells, copied first if a fork shares them.
+    pub(super) fn cells_mut(&mut self) -> &mut Vec<f32> {
+        Arc::make_mut(&mut self.cells)
+    }
+
+    /// Stops updating the plane.
+    pub(super) fn deactivate(&mut self) {
+        self.activity = Activity::Inactive { factor: 1.0, floor: 0.0 };
+    }
+
+    /// Applies factor, floor and motion to the cells and updates the plane from now on.
+    pub(super) fn activate(&mut self, model: &LocalizationModel) {
+        let Activity::Inactive { factor, floor } = self.activity else { return };
+        self.activity = Activity::Active;
+        if self.cells.is_empty() {
+            self.cells = Arc::new(vec![0.0; model.grid.plane_len()]);
+            self.offset_cells = [0.0; 2];
+            self.variance_cells = [0.0; 2];
+        }
+        self.apply_motion(&model.grid);
+        self.stored_peak = kernel::rescale(self.cells_mut(), &model.admissible, factor as f32, floor as f32);
+        self.stored_mass = kernel::sum(&self.cells);
+    }
+
+    /// Drops stored cells that no longer matter beside the floor.
+    pub(super) fn forget_if_negligible(&mut self) {
+        let Activity::Inactive { factor, floor } = &mut self.activity else { return };
+        if *floor > 0.0 && *factor * f64::from(self.stored_peak) < 1e-3 * *floor {
+            *factor = 0.0;
+            self.cells = Arc::default();
+            self.stored_mass = 0.0;
+            self.stored_peak = 0.0;
+        }
+    }
+}

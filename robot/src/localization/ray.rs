@@ -1,0 +1,183 @@
+//! Distances in a map: to the nearest surface, and along a ray.
+
+use crate::geometry::Point;
+use crate::occupancy::{Cell, OccupancyGrid};
+
+/// The Euclidean distance from every cell of a map to the nearest occupied cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceField {
+    resolution_m: f64,
+    origin_in_map: Point,
+    columns: usize,
+    rows: usize,
+    /// `rows · columns`, from middle to middle, in cells.
+    distance_cells: Vec<f32>,
+}
+
+impl DistanceField {
+    /// Exact; O(cells) (Felzenszwalb and Huttenlocher, one pass along each axis).
+    pub fn new(map: &OccupancyGrid) -> Self {
+        let (columns, rows) = (map.columns, map.rows);
+        let far = ((columns + rows) * (columns + rows)) as f64;
+        let mut squared: Vec<f64> =
+            map.cells.iter().map(|&cell| if cell == Cell::Occupied { 0.0 } else { far }).collect();
+        let mut envelope = Envelope::default();
+        for row in squared.chunks_exact_mut(columns.max(1)) {
+            envelope.transform(row);
+        }
+        let mut column = vec![0.0; rows];
+        for x in 0..columns {
+            for (y, value) in column.iter_mut().enumerate() {
+                *value = squared[y * columns + x];
+            }
+            envelope.transform(&mut column);
+            for (y, value) in column.iter().enumerate() {
+                squared[y * columns + x] = *value;
+            }
+        }
+        Self {
+            resolution_m: map.resolution_m,
+            origin_in_map: map.origin_in_map,
+            columns,
+            rows,
+            distance_cells: squared.iter().map(|&square| square.sqrt() as f32).collect(),
+        }
+    }
+
+    fn index(&self, x_cells: f64, y_cells: f64) -> Option<usize> {
+        let inside = x_cells >= 0.0 && y_cells >= 0.0;
+        let (column, row) = (x_cells as usize, y_cells as usize);
+        (inside && column < self.columns && row < self.rows).then(|| row * self.columns + column)
+    }
+
+    /// Distance from the cell around a point to the nearest surface, to half a map cell; 0 outside
+    /// the map.
+    pub fn clearance_m(&self, point_in_map: Point) -> f64 {
+        let x = (point_in_map.x - self.origin_in_map.x) / self.resolution_m;
+        let y = (point_in_map.y - self.origin_in_map.y) / self.resolution_m;
+        let cells = self.index(x, y).map_or(0.0, |index| f64::from(self.distance_cells[index]));
+        (cells - 0.5).max(0.0) * self.resolution_m
+    }
+
+    /// Distance from a point to the first occupied cell along a ray, at most `max_m`, to half a
+    /// map cell; space outside the map is empty. `(cos, sin)` is the direction.
+    pub fn cast_m(&self, from_in_map: Point, (cos, sin): (f64, f64), max_m: f64) -> f64 {
+        let x = (from_in_map.x - self.origin_in_map.x) / self.resolution_m;
+        let y = (from_in_map.y - self.origin_in_map.y) / self.resolution_m;
+        let max = max_m / self.resolution_m;
+        let mut travelled = 0.0;
+        while travelled < max {
+            let Some(index) = self.index(x + cos * travelled, y + sin * travelled) else { return max_m };
+            let free = f64::from(self.distance_cells[index]);
+            if free == 0.0 {
+                break;
+            }
+            // Within a cell of a surface the middle-to-middle distance says too little, so the ray
+            // feels its way; farther off it may go as far as the field guarantees.
+            travelled += (free - 1.0).max(0.5);
+        }
+        travelled.min(max) * self.resolution_m
+    }
+}
+
+/// Scratch of the lower envelope of parabolas.
+#[derive(Default)]
+struct Envelope {
+    apex: Vec<usize>,
+    start: Vec<f64>,
+    input: Vec<f64>,
+}
+
+impl Envelope {
+    /// Replaces `f(q)` by `min over p of (q − p)² + f(p)`.
+    fn transform(&mut self, line: &mut [f64]) {
+        let Self { apex, start, input } = self;
+        apex.clear();
+        start.clear();
+        input.clear();
+        input.extend_from_slice(line);
+        for q in 0..line.len() {
+            let mut begin = f64::NEG_INFINITY;
+            while let (Some(&p), Some(&s)) = (apex.last(), start.last()) {
+                let (pf, qf) = (p as f64, q as f64);
+                begin = ((input[q] + qf * qf) - (input[p] + pf * pf)) / (2.0 * (qf - pf));
+                if begin > s {
+                    break;
+                }
+                apex.pop();
+                start.pop();
+                begin = f64::NEG_INFINITY;
+            }
+            apex.push(q);
+            start.push(begin);
+        }
+        let mut piece = 0;
+        for (q, value) in line.iter_mut().enumerate() {
+            while piece + 1 < start.len() && start[piece + 1] < q as f64 {
+                piece += 1;
+            }
+            let away = q as f64 - apex[piece] as f64;
+            *value = away * away + input[apex[piece]];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    fn random_map(seed: u64) -> OccupancyGrid {
+        let mut stream = Stream::new(seed, "map");
+        let mut map = OccupancyGrid::filled(Point::new(-1.0, 2.0), 0.1, 37, 23, Cell::Free);
+        for _ in 0..20 {
+            map.set(stream.index(37), stream.index(23), Cell::Occupied);
+        }
+        map
+    }
+
+    #[test]
+    fn the_field_is_the_distance_to_the_nearest_occupied_cell() {
+        let map = random_map(10_001);
+        let field = DistanceField::new(&map);
+        for row in 0..map.rows {
+            for column in 0..map.columns {
+                let nearest = (0..map.cells.len())
+                    .filter(|&index| map.cells[index] == Cell::Occupied)
+                    .map(|index| {
+                        let (x, y) = (index % map.columns, index / map.columns);
+                        libm::hypot(x as f64 - column as f64, y as f64 - row as f64)
+                    })
+                    .fold(f64::INFINITY, f64::min);
+                let found = f64::from(field.distance_cells[row * map.columns + column]);
+                assert!((found - nearest).abs() < 1e-5, "{column} {row}: {found} {nearest}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_ends_within_a_cell_of_where_small_steps_end() {
+        let map = random_map(10_002);
+        let field = DistanceField::new(&map);
+        let from = (0..map.cells.len())
+            .map(|i| (i % map.columns, i / map.columns))
+            .find(|&(x, y)| x > 10 && y > 10 && map.get(x, y) == Cell::Free);
+        let (column, row) = from.expect("a free cell");
+        let from = map.centre(column, row);
+        for degrees in 0..360 {
+            let (sin, cos) = libm::sincos(f64::from(degrees).to_radians());
+            let mut small = 0.0;
+            while small < 3.0 && map.at(Point::new(from.x + cos * small, from.y + sin * small)) != Cell::Occupied {
+                small += 0.002;
+            }
+            let cast = field.cast_m(from, (cos, sin), 3.0);
+            // A ray that grazes a corner may pass it; such rays are seen longer, never shorter.
+            assert!(cast > small - 0.01 && (cast < small + 0.06 || grazes(&map, from, (cos, sin), small)));
+        }
+    }
+
+    fn grazes(map: &OccupancyGrid, from: Point, (cos, sin): (f64, f64), at_m: f64) -> bool {
+        let deep = at_m + 0.05;
+        map.at(Point::new(from.x + cos * deep, from.y + sin * deep)) != Cell::Occupied
+    }
+}

@@ -1,0 +1,164 @@
+//! P(s | o): how likely a sonar reading is where a distance is expected, as byte tables.
+
+use super::kernel::WEIGHTS;
+use super::parameters::{SONARS, SensorParameters};
+
+/// The bin of a reading, or an expected distance, without an echo in range.
+pub const NO_ECHO: u8 = 255;
+
+/// Distance bins: 255 for distances in range, and [`NO_ECHO`].
+pub(super) const BINS: usize = 256;
+
+/// Negative log-likelihoods are stored in units of 1/32 nat: rounding errs by at most 1/64 nat a
+/// beam, and the clip at 255 is 8 nats, beyond what the uniform part of the mixture allows.
+const UNITS_PER_NAT: f64 = 32.0;
+
+/// Every sum of the table's bytes over one scan has a weight.
+const _: () = assert!(SONARS * (u8::MAX as usize) < WEIGHTS);
+
+/// Smallest weight of a scan: keeps products of floats out of the denormal range.
+const MIN_WEIGHT: f64 = 1e-30;
+
+/// The sensor model, quantised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorModel {
+    max_range_m: f64,
+    /// `[measured][expected]`: −ln P(measured | expected), less its smallest value over expected.
+    costs: Vec<[u8; BINS]>,
+    /// Tempered weight of a scan by the sum of its bytes.
+    weights: Box<[f32; WEIGHTS]>,
+}
+
+impl SensorModel {
+    /// Tables for a mixture; `tempering` is the exponent of a scan's likelihood.
+    pub fn new(parameters: &SensorParameters, tempering: f64) -> Self {
+        let likelihood: Vec<Vec<f64>> = (0..BINS).map(|expected| mixture(parameters, expected)).collect();
+        let costs = (0..BINS)
+            .map(|measured| {
+                let nats: Vec<f64> = likelihood.iter().map(|given| -libm::log(given[measured])).collect();
+                let best = nats.iter().copied().fold(f64::INFINITY, f64::min);
+                std::array::from_fn(|expected| {
+                    libm::round((nats[expected] - best) * UNITS_PER_NAT).min(f64::from(u8::MAX)) as u8
+                })
+            })
+            .collect();
+        let mut weights = Box::new([MIN_WEIGHT as f32; WEIGHTS]);
+        for (sum, weight) in weights.iter_mut().enumerate() {
+            *weight = tempered(tempering, sum).max(MIN_WEIGHT) as f32;
+        }
+        Self { max_range_m: parameters.max_range_m, costs, weights }
+    }
+
+    /// The bin of a distance.
+    pub fn bin(&self, range_m: f64) -> u8 {
+        bin(range_m, self.max_range_m)
+    }
+
+    /// The middle of a bin, in metres; the maximal range for [`NO_ECHO`].
+    pub fn range_m(&self, bin: u8) -> f64 {
+        if bin == NO_ECHO { self.max_range_m } else { (f64::from(bin) + 0.5) * self.max_range_m / 255.0 }
+    }
+
+    /// Costs of one measured bin, by expected bin, in 1/32 nat.
+    pub fn costs(&self, measured: u8) -> &[u8; BINS] {
+        &self.costs[usize::from(measured)]
+    }
+
+    /// Tempered weights of a scan, by the sum of its costs.
+    pub(super) fn weights(&self) -> &[f32; WEIGHTS] {
+        &self.weights
+    }
+
+    /// Tempered weight of a scan whose costs have this sum.
+    pub fn weight(&self, sum: usize) -> f64 {
+        f64::from(self.weights[sum.min(WEIGHTS - 1)])
+    }
+}
+
+fn tempered(tempering: f64, sum: usize) -> f64 {
+    libm::exp(-tempering * sum as f64 / UNITS_PER_NAT)
+}
+
+/// The bin of a distance under a maximal range.
+pub(super) fn bin(range_m: f64, max_range_m: f64) -> u8 {
+    if range_m >= max_range_m { NO_ECHO } else { (range_m.max(0.0) / max_range_m * 255.0) as u8 }
+}
+
+/// P(measured | expected) over the measured bins; sums to 1.
+pub(super) fn mixture(parameters: &SensorParameters, expected: usize) -> Vec<f64> {
+    let width_m = parameters.max_range_m / 255.0;
+    let centre_m = |bin: usize| (bin as f64 + 0.5) * width_m;
+    let no_echo = usize::from(NO_ECHO);
+    let mut density = vec![parameters.uniform / BINS as f64; BINS];
+    density[no_echo] += parameters.missed;
+    if expected == no_echo {
+        density[no_echo] += parameters.hit;
+    } else {
+        let sigma_m = parameters.sigma_m + parameters.sigma_per_m * centre_m(expected);
+        let gauss = (0..no_echo).map(|bin| {
+            let away = (centre_m(bin) - centre_m(expected)) / sigma_m;
+            libm::exp(-0.5 * away * away)
+        });
+        add_scaled(&mut density, gauss.collect(), parameters.hit);
+    }
+    let short = (0..expected).map(|bin| libm::exp(-centre_m(bin) / parameters.short_mean_m));
+    add_scaled(&mut density, short.collect(), parameters.short);
+    let total: f64 = density.iter().sum();
+    density.iter().map(|value| value / total).collect()
+}
+
+/// Adds `part`, brought to the sum `weight`.
+fn add_scaled(density: &mut [f64], part: Vec<f64>, weight: f64) {
+    let total: f64 = part.iter().sum();
+    if total > 0.0 {
+        for (sum, value) in density.iter_mut().zip(&part) {
+            *sum += weight * value / total;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_expected_distance_gives_a_distribution_with_its_peak_there() {
+        let parameters = SensorParameters { missed: 0.01, ..SensorParameters::default() };
+        for expected in [20, 100, 200] {
+            let density = mixture(&parameters, expected);
+            assert!((density.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let peak = (0..255).max_by(|&a, &b| density[a].total_cmp(&density[b]));
+            assert!(peak.is_some_and(|peak| peak.abs_diff(expected) <= 1));
+        }
+    }
+
+    #[test]
+    fn a_short_reading_is_likelier_than_a_long_one() {
+        let density = mixture(&SensorParameters::default(), 128);
+        assert!(density[64] > density[192]);
+    }
+
+    #[test]
+    fn bytes_err_by_at_most_half_a_unit() {
+        let parameters = SensorParameters::default();
+        let model = SensorModel::new(&parameters, 1.0);
+        for measured in [0u8, 77, 254, 255] {
+            let exact: Vec<f64> =
+                (0..BINS).map(|o| -libm::log(mixture(&parameters, o)[usize::from(measured)])).collect();
+            let best = exact.iter().copied().fold(f64::INFINITY, f64::min);
+            for (nats, &cost) in exact.iter().zip(model.costs(measured)) {
+                assert!(((nats - best) - f64::from(cost) / 32.0).abs() <= 1.0 / 64.0 + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn bins_cover_the_range_in_order() {
+        let model = SensorModel::new(&SensorParameters::default(), 0.1);
+        assert_eq!(model.bin(5.0), NO_ECHO);
+        assert_eq!(model.bin(-0.1), 0);
+        for bin in 0..NO_ECHO {
+            assert_eq!(model.bin(model.range_m(bin)), bin);
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Facts about the whole filter, on maps small enough to compute everything by hand.
+
+use super::sensor::mixture;
+use super::*;
+use crate::geometry::{Point, Pose, wrap_angle_rad};
+use crate::occupancy::{Cell, OccupancyGrid};
+use crate::random::Stream;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+/// A walled room of 6 × 4 m with a box in one corner.
+fn room() -> OccupancyGrid {
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 60, 40, Cell::Free);
+    for row in 0..40 {
+        for column in 0..60 {
+            let wall = row == 0 || row == 39 || column == 0 || column == 59;
+            let shelf = row < 8 && column > 40;
+            if wall || shelf {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+    }
+    map
+}
+
+fn parameters() -> LocalizationParameters {
+    LocalizationParameters { cell_m: 0.3, angle_step_deg: 15, gating: None, ..LocalizationParameters::default() }
+}
+
+fn fine() -> LocalizationParameters {
+    LocalizationParameters { cell_m: 0.2, angle_step_deg: 5, ..parameters() }
+}
+
+fn model(parameters: LocalizationParameters) -> LocalizationModel {
+    LocalizationModel::new(&room(), parameters).expect("the room is a map")
+}
+
+/// What a noise-free robot at a pose measures.
+fn scan_at(model: &LocalizationModel, pose_in_map: Pose) -> [f32; SONARS] {
+    let state = model.state_at(pose_in_map).expect("a pose on the map");
+    model.expected_scan(state).map(|bin| model.sensor.range_m(bin) as f32)
+}
+
+fn states(model: &LocalizationModel) -> Vec<State> {
+    let grid = &model.grid;
+    let rows = |heading| {
+        (0..grid.rows).flat_map(move |row| (0..grid.columns).map(move |column| State { heading, row, column }))
+    };
+    (0..grid.headings).flat_map(rows).collect()
+}
+
+fn probabilities(model: &LocalizationModel, belief: &Belief) -> Vec<f64> {
+    states(model).into_iter().map(|state| belief.probability(model, state)).collect()
+}
+
+fn total_variation(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>() / 2.0
+}
+
+/// A drive around the room: odometry and scans, the first pose first.
+fn drive(model: &LocalizationModel, seed: u64, steps: usize) -> Vec<(Pose, [f32; SONARS])> {
+    let mut noise = Stream::new(seed, "noise");
+    let start = Pose::new(2.0, 2.0, 0.0);
+    let mut odometry = Pose::default();
+    (0..steps)
+        .map(|step| {
+            let turn_rad = if step % 8 < 4 { 0.0 } else { 0.4 };
+            odometry = odometry.compose(Pose::new(0.12, 0.0, turn_rad));
+            let mut scan_m = scan_at(model, start.compose(odometry));
+            scan_m.iter_mut().for_each(|range_m| *range_m += 0.03 * noise.normal() as f32);
+            (odometry, scan_m)
+        })
+        .collect()
+}
+
+#[test]
+fn the_belief_sums_to_one_after_every_operation() {
+    let model = model(parameters());
+    let mut localization = Localization::start_at(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
+    let check = |localization: &Localization| {
+        let sum: f64 = probabilities(&model, localization.belief()).iter().sum();
+        assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+        assert!((localization.mass(&model) - 1.0).abs() < 1e-4);
+    };
+    check(&localization);
+    check(&Localization::start_uniform(&model));
+    for (step, (odometry, scan_m)) in drive(&model, 10_000, 40).iter().enumerate() {
+        let sonar_m = (step % 5 != 0).then_some(scan_m);
+        localization.observe(&model, *odometry, sonar_m);
+        check(&localization);
+        if step == 20 {
+            localization.reset_for_relocalization(&model);
+            check(&localization);
+        }
+    }
+    let picture: f64 = localization.belief_xy(&model).iter().sum();
+    assert!((picture - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_point_mass_lands_where_pose_arithmetic_says() {
+    let exact = OdometryError { forward_m: 0.0, sideward_m: 0.0, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0 };
+    let model = model(LocalizationParameters { odometry: exact, mixing: 0.0, ..parameters() });
+    let point = Spread { position_m: 0.0, heading_rad: 0.0 };
+    let start = Pose::new(2.07, 1.93, 0.3);
+    let mut belief = Belief::around(&model, start, point);
+    let mut pose = start;
+    for motion in [Pose::new(0.4, 0.05, 0.5), Pose::new(0.33, 0.0, 0.9), Pose::new(0.71, 0.0, -0.2)] {
+        belief.advance(&model, motion);
+        pose = pose.compose(motion);
+        belief.mix(&model, 0.0);
+        let mode = belief.mode(&model).pose_in_map;
+        assert!(mode.distance_m(pose) < 1e-6, "{mode:?} {pose:?}");
+        assert!(wrap_angle_rad(mode.heading_rad - pose.heading_rad).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
+    let error = OdometryError { forward_m: 0.3, sideward_m: 0.1, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0 };
+    let model = model(LocalizationParameters { odometry: error, mixing: 0.0, activity_threshold: 0.0, ..parameters() });
+    let point = Spread { position_m: 0.0, heading_rad: 0.0 };
+    let mut belief = Belief::around(&model, Pose::new(2.25, 2.25, 0.0), point);
+    belief.advance(&model, Pose::new(1.0, 0.0, 0.0));
+    let plane = &belief.planes()[0];
+    let columns = model.grid.columns;
+    let position = |cell: usize| {
+        let centre = model.grid.centre(cell % columns, cell / columns);
+        (centre.x + plane.offset_cells[0] * 0.3 - 3.25, centre.y + plane.offset_cells[1] * 0.3 - 2.25)
+    };
+    let moment = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        let cells = plane.cells.iter().take(model.grid.cells()).enumerate();
+        cells.map(|(cell, &value)| f64::from(value) * of(position(cell).0, position(cell).1)).sum()
+    };
+    let mass = moment(&|_, _| 1.0);
+    assert!((moment(&|x, _| x) / mass).abs() < 1e-5 && (moment(&|_, y| y) / mass).abs() < 1e-5);
+    let applied = [moment(&|x, _| x * x) / mass, moment(&|_, y| y * y) / mass];
+    let pending = plane.variance_cells.map(|variance| variance * 0.09);
+    assert!((applied[0] + pending[0] - 0.09).abs() < 1e-5 && (applied[1] + pending[1] - 0.01).abs() < 1e-5);
+}
+
+#[test]
+fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
+    let tempering = 0.7;
+    let full = LocalizationParameters { tempering, mixing: 0.0, activity_threshold: 0.0, ..parameters() };
+    let model = model(full);
+    let mut belief = Belief::around(&model, Pose::new(2.5, 2.0, 1.0), Spread { position_m: 1.0, heading_rad: 1.0 });
+    let mut posterior = probabilities(&model, &belief);
+    let mut scan_m = scan_at(&model, Pose::new(2.4, 2.1, 0.8));
+    let used = 10;
+    scan_m[used..].fill(f32::NAN);
+    belief.sense_ranges(&model, &scan_m);
+    let likelihoods: Vec<Vec<f64>> = (0..256).map(|bin| mixture(&model.parameters.sensor, bin)).collect();
+    for (state, probability) in states(&model).into_iter().zip(&mut posterior) {
+        let expected = model.expected_scan(state);
+        for sonar in 0..used {
+            let measured = usize::from(model.sensor.bin(f64::from(scan_m[sonar])));
+            *probability *= libm::pow(likelihoods[usize::from(expected[sonar])][measured], tempering);
+        }
+    }
+    let evidence: f64 = posterior.iter().sum();
+    // Each byte errs by 1/64 nat, and so does the evidence, an average over such products.
+    let bound = 2.0 * used as f64 / 64.0 * tempering + 1e-3;
+    for (found, exact) in probabilities(&model, &belief).iter().zip(posterior.iter().map(|p| p / evidence)) {
+        assert!(exact < 1e-20 || libm::fabs(libm::log(found / exact)) <= bound, "{found} {exact}");
+    }
+}
+
+#[test]
+fn a_selective_update_stays_close_to_the_full_one() {
+    let selective = model(fine());
+    let full = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
+    let mut belief = Belief::uniform(&selective);
+    let (mut before, mut slept) = (Pose::default(), 0);
+    for (odometry, scan_m) in drive(&selective, 10_001, 60) {
+        let mut other = belief.clone();
+        for plane in &mut other.planes {
+            plane.activate(&full);
+        }
+        for (model, belief) in [(&selective, &mut belief), (&full, &mut other)] {
+            belief.advance(model, odometry.relative_to(before));
+            belief.sense_ranges(model, &scan_m);
+        }
+        let apart = total_variation(&probabilities(&selective, &belief), &probabilities(&full, &other));
+        assert!(apart < 1e-3, "{apart}");
+        assert_eq!(other.active_planes(), full.grid.headings);
+        slept += full.grid.headings - belief.active_planes();
+        before = odometry;
+    }
+    assert!(slept > 0);
+}
+
+#[test]
+fn planes_that_slept_come_back_when_the_robot_was_turned() {
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 120, 30, Cell::Free);
+    for column in 0..120 {
+        for row in 0..30 {
+            let wall = column == 0 || column == 119 || row == 0 || row == 29;
+            if wall || (40..45).contains(&column) && row < 12 {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+    }
+    let model = LocalizationModel::new(&map, fine()).expect("the corridor is a map");
+    let mut localization = Localization::start_at(&model, Pose::new(8.0, 1.5, 0.0), Spread::default());
+    assert!(localization.belief().active_planes() < 15);
+    // Turned by hand: odometry goes on as if nothing had happened.
+    let mut truth = Pose::new(8.0, 1.5, FRAC_PI_2);
+    let mut odometry = Pose::default();
+    for step in 0..30 {
+        let motion = if step < 10 { Pose::new(0.0, 0.0, FRAC_PI_2 / 10.0) } else { Pose::new(0.15, 0.0, 0.0) };
+        (truth, odometry) = (truth.compose(motion), odometry.compose(motion));
+        localization.observe(&model, odometry, Some(&scan_at(&model, truth)));
+    }
+    let estimate = localization.estimate(&model);
+    assert!(estimate.pose_in_map.distance_m(truth) < 0.5 && estimate.certainty > 0.8, "{estimate:?} {truth:?}");
+}
+
+#[test]
+fn entropy_has_its_closed_forms() {
+    let model = model(parameters());
+    let states = (model.admissible_cells() * model.grid.headings) as f64;
+    assert!((Belief::uniform(&model).entropy(&model) - libm::log(states)).abs() < 1e-4);
+    let exact = Spread { position_m: 0.0, heading_rad: 0.0 };
+    let at = |x_m: f64, heading_rad: f64| Belief::around(&model, Pose::new(x_m, 2.0, heading_rad), exact);
+    assert!(at(2.0, 0.0).entropy(&model) < 1e-4);
+    let two = at(2.0, 0.0).merged(&model, &at(4.0, PI));
+    assert!((two.entropy(&model) - std::f64::consts::LN_2).abs() < 1e-4);
+}
+
+#[test]
+fn two_peaks_are_two_maxima_with_their_masses() {
+    let model = model(parameters());
+    let spread = Spread { position_m: 0.2, heading_rad: 0.15 };
+    let poses = [Pose::new(1.5, 2.0, 0.0), Pose::new(4.2, 2.4, PI / 2.0)];
+    let [a, b] = poses.map(|pose| Belief::around(&model, pose, spread));
+    let belief = a.merged(&model, &b);
+    let maxima = belief.maxima(&model, 5, 0.1);
+    assert_eq!(maxima.len(), 2);
+    for pose in poses {
+        let found = maxima.iter().find(|maximum| maximum.is_near(pose, Pose::default()));
+        assert!(found.is_some_and(|maximum| {
+            maximum.pose_in_map.distance_m(pose) < 0.25 && (0.4..=0.5).contains(&maximum.mass)
+        }));
+    }
+    assert_eq!(Belief::uniform(&model).maxima(&model, 5, 0.1), []);
+}
+
+#[test]
+fn a_saved_filter_goes_on_like_the_one_it_was_saved_from() {
+    let model = model(parameters());
+    let mut localization = Localization::start_at(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
+    for (odometry, scan_m) in drive(&model, 10_002, 15) {
+        let bytes = postcard::to_allocvec(&localization).expect("it can be written");
+        let mut loaded: Localization = postcard::from_bytes(&bytes).expect("and read");
+        assert_eq!(loaded, localization);
+        localization.observe(&model, odometry, Some(&scan_m));
+        loaded.observe(&model, odometry, Some(&scan_m));
+        assert_eq!(postcard::to_allocvec(&loaded), postcard::to_allocvec(&localization));
+    }
+}
+
+#[test]
+fn forks_share_planes_until_one_writes() {
+    let model = model(parameters());
+    let mut localization = Localization::start_at(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
+    let fork = localization.clone();
+    let shared = |a: &Localization, b: &Localization| {
+        let pairs = a.belief().planes().iter().zip(b.belief().planes());
+        pairs.filter(|(a, b)| Arc::ptr_eq(a.shared_cells(), b.shared_cells())).count()
+    };
+    assert_eq!(shared(&localization, &fork), model.grid.headings);
+    let before = fork.clone();
+    localization.observe(&model, Pose::default(), Some(&scan_at(&model, Pose::new(2.0, 2.0, 0.0))));
+    assert!(shared(&localization, &fork) < model.grid.headings);
+    assert_eq!(fork, before);
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let model = model(fine());
+            let mut localization = Localization::start_uniform(&model);
+            let mut bytes = Vec::new();
+            for (odometry, scan_m) in drive(&model, 10_003, 12) {
+                localization.observe(&model, odometry, Some(&scan_m));
+                bytes.push(postcard::to_allocvec(&localization).expect("it can be written"));
+                bytes.push(localization.entropy(&model).to_bits().to_le_bytes().to_vec());
+            }
+            (bytes, localization.maxima(&model, 10, 0.0))
+        })
+    };
+    assert!(run(1) == run(2));
+}
+
+#[test]
+fn parameters_that_describe_no_grid_are_errors() {
+    let error = |parameters| LocalizationModel::new(&room(), parameters).err();
+    assert_eq!(error(LocalizationParameters { angle_step_deg: 7, ..parameters() }), Some(ModelError::AngleStep(7)));
+    assert!(matches!(error(LocalizationParameters { cell_m: 0.05, ..parameters() }), Some(ModelError::CellSize(_))));
+    assert_eq!(error(LocalizationParameters { clearance_m: 3.0, ..parameters() }), Some(ModelError::NoFreeCell));
+}

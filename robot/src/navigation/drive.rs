@@ -1,0 +1,172 @@
+//! Driving without a map: along a path given in `odom`, or about at random. Both go through the
+//! dynamic window like any other motion.
+
+use super::clearance::open_distance_m;
+use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput, WindowStatus};
+use super::navigation::NavigationInput;
+use super::obstacle_memory::{ObstacleMemory, SONARS, Transform, direction_rad};
+use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::random::Stream;
+use serde::{Deserialize, Serialize};
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum DriveTask {
+    /// Pass these points in order and stop at the last.
+    Follow {
+        /// Points not yet reached, in `odom`.
+        path_in_odom: Vec<Point>,
+    },
+    /// Go straight where there is room, turning away from obstacles, and at random now and then.
+    Wander {
+        /// Where the choices come from.
+        stream: Stream,
+        /// The way taken at present.
+        heading_in_odom_rad: Option<f64>,
+        /// For how much longer.
+        left_s: f64,
+    },
+}
+
+/// How a step went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DriveStatus {
+    /// On the way.
+    Driving,
+    /// At the end of the path. Wandering never ends.
+    Arrived,
+    /// Has not got on for several seconds; goes on trying.
+    Stuck,
+}
+
+/// What a step decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveOutput {
+    /// To command.
+    pub speeds: Speeds,
+    /// How it went.
+    pub status: DriveStatus,
+}
+
+/// State of a drive without a map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// What is to be done.
+    pub task: DriveTask,
+    memory: ObstacleMemory,
+    window: DynamicWindow,
+}
+
+/// A point before the last counts as reached from here.
+const PASSING_M: f64 = 0.3;
+/// The last point counts as reached from here.
+const ARRIVAL_M: f64 = 0.15;
+/// With less room ahead than this a wandering robot looks for another way.
+const WANDER_ROOM_M: f64 = 0.6;
+/// How far a wandering robot looks.
+const WANDER_HORIZON_M: f64 = 2.0;
+/// A wandering robot keeps its way for between so many seconds.
+const WANDER_S: (f64, f64) = (5.0, 15.0);
+
+impl Drive {
+    /// Will follow a path.
+    pub fn follow(path_in_odom: Vec<Point>) -> Self {
+        Self::new(DriveTask::Follow { path_in_odom })
+    }
+
+    /// Will wander.
+    pub fn wander(stream: Stream) -> Self {
+        Self::new(DriveTask::Wander { stream, heading_in_odom_rad: None, left_s: 0.0 })
+    }
+
+    fn new(task: DriveTask) -> Self {
+        Self { task, memory: ObstacleMemory::default(), window: DynamicWindow::default() }
+    }
+
+    /// One step of `limits.step_s`.
+    pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, speed_limit_mps: f64) -> DriveOutput {
+        self.memory.update(input.odometry_in_odom, input.sonar_m, limits.sonar_max_range_m, limits.step_s);
+        if input.bumped {
+            self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
+        }
+        let mut obstacles_in_base = Vec::new();
+        self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        let Some((target_in_odom, remaining_m)) = self.target(limits, input, &obstacles_in_base) else {
+            return DriveOutput { speeds: Speeds::default(), status: DriveStatus::Arrived };
+        };
+        let choice = self.window.step(
+            limits,
+            &WindowInput {
+                odometry_in_odom: input.odometry_in_odom,
+                speeds: input.speeds,
+                obstacles_in_base: &obstacles_in_base,
+                target_in_base: Transform::new(input.odometry_in_odom.inverse()).apply(target_in_odom),
+                speed_limit_mps,
+                remaining_m,
+            },
+        );
+        let status = match choice.status {
+            WindowStatus::Driving | WindowStatus::Escaping => DriveStatus::Driving,
+            WindowStatus::Stuck => DriveStatus::Stuck,
+        };
+        DriveOutput { speeds: choice.speeds, status }
+    }
+
+    /// The point to head for and how far it is to where the robot is to stand.
+    fn target(
+        &mut self,
+        limits: &DriveLimits,
+        input: &NavigationInput<'_>,
+        obstacles_in_base: &[Point],
+    ) -> Option<(Point, f64)> {
+        match &mut self.task {
+            DriveTask::Follow { path_in_odom } => next_on_path(path_in_odom, input.odometry_in_odom.point()),
+            DriveTask::Wander { stream, heading_in_odom_rad, left_s } => {
+                *left_s -= limits.step_s;
+                let here = input.odometry_in_odom;
+                let room_m = |heading_rad: f64| {
+                    let direction_rad = wrap_angle_rad(heading_rad - here.heading_rad);
+                    open_distance_m(limits, obstacles_in_base, direction_rad, WANDER_HORIZON_M)
+                };
+                let kept =
+                    heading_in_odom_rad.filter(|&heading_rad| *left_s > 0.0 && room_m(heading_rad) > WANDER_ROOM_M);
+                let heading_rad = kept.unwrap_or_else(|| {
+                    *left_s = stream.uniform_in(WANDER_S.0, WANDER_S.1);
+                    open_heading_rad(stream, here, room_m)
+                });
+                *heading_in_odom_rad = Some(heading_rad);
+                Some((Pose::new(here.x_m, here.y_m, heading_rad).transform(Point::new(1.0, 0.0)), WANDER_HORIZON_M))
+            }
+        }
+    }
+}
+
+fn next_on_path(path_in_odom: &mut Vec<Point>, here: Point) -> Option<(Point, f64)> {
+    while let [current, rest @ ..] = &path_in_odom[..] {
+        let reach_m = if rest.is_empty() { ARRIVAL_M } else { PASSING_M };
+        if distance_m(here, *current) > reach_m {
+            break;
+        }
+        path_in_odom.remove(0);
+    }
+    let mut remaining_m = 0.0;
+    let mut from = here;
+    for &point in path_in_odom.iter() {
+        remaining_m += distance_m(from, point);
+        from = point;
+    }
+    path_in_odom.first().map(|&point| (point, remaining_m))
+}
+
+/// The most open of the sonars' directions, chance deciding among nearly equal ones.
+fn open_heading_rad(stream: &mut Stream, here: Pose, room_m: impl Fn(f64) -> f64) -> f64 {
+    let mut best = (f64::NEG_INFINITY, here.heading_rad);
+    for sonar in 0..SONARS {
+        let heading_rad = wrap_angle_rad(here.heading_rad + direction_rad(sonar));
+        let score = room_m(heading_rad) + stream.uniform();
+        if score > best.0 {
+            best = (score, heading_rad);
+        }
+    }
+    best.1
+}

@@ -1,0 +1,506 @@
+//! The behaviour `navigation`: drives from target point to target point, whatever stands in the way.
+
+use super::alignment::aligned;
+use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
+use super::obstacle_memory::{ObstacleMemory, SONARS, Transform};
+use super::planner::PlannerModel;
+use super::topological::{Target, is_passed};
+use super::value_field::{ValueField, path_length_m};
+use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::world::TravelMode;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What navigation needs to know of the world and the robot. Immutable; share it.
+#[derive(Clone, Debug)]
+pub struct NavigationModel {
+    /// The map.
+    pub planner: PlannerModel,
+    /// The robot.
+    pub limits: DriveLimits,
+}
+
+/// What one step gets to know.
+#[derive(Clone, Copy, Debug)]
+pub struct NavigationInput<'a> {
+    /// Dead reckoning.
+    pub odometry_in_odom: Pose,
+    /// As measured.
+    pub speeds: Speeds,
+    /// Distances from the robot's centre, sonar i at i · 15°; `None` while the sonars are off.
+    pub sonar_m: Option<&'a [f32; SONARS]>,
+    /// Whether something touches the robot.
+    pub bumped: bool,
+}
+
+/// Something that happened in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NavigationEvent {
+    /// A target was passed, and there are more.
+    TargetReached,
+    /// The robot stands at the last target and looks the way it was to.
+    Arrived,
+    /// The map shows no way to the target.
+    Unreachable,
+    /// There is a way in the map, but for long the robot has not got on.
+    Blocked,
+}
+
+/// What a step decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavigationOutput {
+    /// To command.
+    pub speeds: Speeds,
+    /// Targets not yet reached.
+    pub remaining_targets: usize,
+    /// Whether the robot is held up and must see, even in a doorway.
+    ///
+    /// # Deviation
+    /// The paper's robot drives through doorways with its sonars off. So does this one while it gets
+    /// on; a door found closed or a wrong estimate can only be seen.
+    pub needs_sonars: bool,
+    /// What happened, if anything.
+    pub event: Option<NavigationEvent>,
+}
+
+/// An unmapped obstacle the planner is to avoid for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Blockage {
+    /// On a grid of 10 cm in the map, by which blockages are kept apart and in order.
+    cell: (i32, i32),
+    until_s: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+enum Phase {
+    #[default]
+    Idle,
+    Driving,
+    /// At the last target, turning to its heading.
+    Turning,
+}
+
+/// State of the navigation.
+///
+/// The value field of the current target is kept beside the state, but is no part of it: it follows
+/// from target and blockages, is not saved, and does not count in comparisons.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Navigation {
+    phase: Phase,
+    /// Targets not yet reached.
+    targets: Vec<Target>,
+    now_s: f64,
+    memory: ObstacleMemory,
+    window: DynamicWindow,
+    /// Sorted by cell.
+    blockages: Vec<Blockage>,
+    /// Until then no blockages are planned around: with them there was no way.
+    trusting_map_until_s: f64,
+    next_look_s: f64,
+    /// Until then the robot must see where it is.
+    sonars_until_s: f64,
+    progress: Progress,
+    /// Estimate and odometry of the step before.
+    last: Option<(Pose, Pose)>,
+    without_way_s: f64,
+    #[serde(skip)]
+    cache: FieldCache,
+}
+
+/// The nearest the robot has come, by the cost of the way left.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Progress {
+    least_cost_m: Option<f64>,
+    at_s: f64,
+    /// Whether the robot has forgotten what it saw and begun anew since.
+    anew: bool,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self { least_cost_m: None, at_s: 0.0, anew: false }
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+struct FieldCache(Option<CachedFields>);
+
+#[derive(Clone, Debug)]
+struct CachedFields {
+    target_in_map: Point,
+    blocked_in_map: Vec<Point>,
+    fields: Fields,
+}
+
+/// The value of every cell for the current target.
+#[derive(Clone, Debug)]
+struct Fields {
+    /// As the map has it.
+    mapped: Arc<ValueField>,
+    /// With the blockages.
+    around: Arc<ValueField>,
+}
+
+impl PartialEq for FieldCache {
+    /// A cache is what it was computed from, which is compared elsewhere.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// An intermediate target counts as reached from here.
+const PASSING_M: f64 = 0.3;
+/// The last target counts as reached from here.
+const ARRIVAL_M: f64 = 0.15;
+/// Something stands so near to the last target that the robot gets no nearer: after so long it
+/// counts as reached from here.
+const CROWDED_ARRIVAL_M: f64 = 0.3;
+const CROWDED_S: f64 = 5.0;
+/// After being held up or touched the robot wants its sonars for so long.
+const LOOK_AROUND_S: f64 = 5.0;
+/// Carried farther than this by braking and turning, the robot drives again.
+const LEFT_AGAIN_M: f64 = 0.4;
+/// The robot stops turning this near to the wanted heading; 10° would do.
+const HEADING_TOLERANCE_RAD: f64 = 0.1;
+/// How far along the way the point lies that the collision avoidance heads for.
+const LOOKAHEAD_M: f64 = 1.0;
+/// So long without getting nearer is blocked.
+const BLOCKED_S: f64 = 20.0;
+/// A detour is given time at this speed, and at most so much.
+const DETOUR_MPS: f64 = 0.2;
+const DETOUR_S: f64 = 60.0;
+/// Getting nearer means by so much.
+const PROGRESS_M: f64 = 0.1;
+/// So long without a way in the map is unreachable; the estimate may be wrong for a moment.
+const UNREACHABLE_S: f64 = 1.0;
+/// The way ahead is checked for unmapped obstacles this often.
+const LOOK_S: f64 = 0.5;
+/// And this far.
+const LOOK_M: f64 = 2.0;
+/// An obstacle point this far from all obstacles of the map is unmapped.
+const UNMAPPED_M: f64 = 0.3;
+/// Readings up to this are sharp enough to plan around.
+const SHARP_RANGE_M: f64 = 1.5;
+/// Blockages are planned around for so long.
+const BLOCKAGE_S: f64 = 15.0;
+/// And edges of their cells are so long.
+const BLOCKAGE_GRAIN_M: f64 = 0.1;
+/// An estimate that moves so much more than the odometry has jumped.
+const JUMP_M: f64 = 0.4;
+const JUMP_RAD: f64 = 0.5;
+/// Obstacles of the map are looked up this far around the robot while the sonars are off.
+const MAP_SUPPORT_M: f64 = 1.2;
+
+impl Navigation {
+    /// Begins to drive to these targets, in order, instead of any others. What the sensors saw is
+    /// kept.
+    pub fn start(&mut self, targets: Vec<Target>) {
+        let memory = std::mem::take(&mut self.memory);
+        let phase = if targets.is_empty() { Phase::Idle } else { Phase::Driving };
+        *self = Self {
+            phase,
+            targets,
+            memory,
+            now_s: self.now_s,
+            next_look_s: self.now_s,
+            progress: Progress { least_cost_m: None, at_s: self.now_s, anew: false },
+            ..Self::default()
+        };
+    }
+
+    /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
+    pub fn remove_all_targets(&mut self) {
+        self.start(Vec::new());
+    }
+
+    /// Targets not yet reached.
+    pub fn remaining_targets(&self) -> &[Target] {
+        &self.targets
+    }
+
+    /// Whether there is anything to do.
+    pub fn is_active(&self) -> bool {
+        self.phase != Phase::Idle
+    }
+
+    /// The intermediate targets not yet reached: the corners of the way to the current target.
+    pub fn intermediate_targets(&mut self, model: &NavigationModel, estimated_in_map: Pose) -> Vec<Point> {
+        let Some(target) = self.targets.first().copied() else { return Vec::new() };
+        let path = self.fields(model, target).around.path(estimated_in_map.point()).unwrap_or_default();
+        path.into_iter().skip(1).collect()
+    }
+
+    /// One step of `model.limits.step_s`. Also takes in the sonars when there is nothing to do, so
+    /// that the memory of obstacles is fresh when there is.
+    pub fn step(
+        &mut self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        input: &NavigationInput<'_>,
+        mode: TravelMode,
+    ) -> NavigationOutput {
+        let limits = &model.limits;
+        self.now_s += limits.step_s;
+        self.memory.update(input.odometry_in_odom, input.sonar_m, limits.sonar_max_range_m, limits.step_s);
+        if input.bumped {
+            self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
+        }
+        if input.bumped || self.window.is_held_up() {
+            self.sonars_until_s = self.now_s + LOOK_AROUND_S;
+        } else if mode == TravelMode::Doorway && self.now_s < self.sonars_until_s {
+            // Not off again half way through the door: memory and estimate were not good enough.
+            self.sonars_until_s = self.sonars_until_s.max(self.now_s + 1.0);
+        }
+        self.notice_jump(estimated_in_map, input.odometry_in_odom);
+        let passed = self.drop_reached(estimated_in_map.point());
+        match self.phase {
+            Phase::Idle => self.output(Speeds::default(), None),
+            Phase::Turning => self.turn(limits, estimated_in_map, input.speeds),
+            Phase::Driving => {
+                let mut output = self.drive(model, estimated_in_map, input, mode);
+                if passed {
+                    output.event = output.event.or(Some(NavigationEvent::TargetReached));
+                }
+                output
+            }
+        }
+    }
+
+    fn output(&self, speeds: Speeds, event: Option<NavigationEvent>) -> NavigationOutput {
+        let needs_sonars = self.phase != Phase::Idle && self.now_s < self.sonars_until_s;
+        NavigationOutput { speeds, remaining_targets: self.targets.len(), needs_sonars, event }
+    }
+
+    fn finish(&mut self, event: NavigationEvent) -> NavigationOutput {
+        self.phase = Phase::Idle;
+        if event == NavigationEvent::Arrived {
+            self.targets.clear();
+        }
+        self.output(Speeds::default(), Some(event))
+    }
+
+    /// An estimate that jumped makes old progress and old blockages meaningless.
+    fn notice_jump(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
+        if let Some((estimated_before, odometry_before)) = self.last {
+            let expected = estimated_before.compose(odometry_in_odom.relative_to(odometry_before));
+            let off_rad = wrap_angle_rad(estimated_in_map.heading_rad - expected.heading_rad).abs();
+            if estimated_in_map.distance_m(expected) > JUMP_M || off_rad > JUMP_RAD {
+                self.blockages.clear();
+                self.window = DynamicWindow::default();
+                self.progress.least_cost_m = None;
+                self.next_look_s = self.now_s;
+            }
+        }
+        self.last = Some((estimated_in_map, odometry_in_odom));
+    }
+
+    /// Drops the targets at hand or behind; true if there were any.
+    fn drop_reached(&mut self, here: Point) -> bool {
+        let before = self.targets.len();
+        while let [current, next, ..] = self.targets[..] {
+            let is_near = distance_m(here, current.point_in_map) <= PASSING_M;
+            if !is_near && !is_passed(here, current.point_in_map, next.point_in_map) {
+                break;
+            }
+            self.targets.remove(0);
+            self.progress.least_cost_m = None;
+        }
+        if let [last] = self.targets[..] {
+            let away_m = distance_m(here, last.point_in_map);
+            self.phase = match self.phase {
+                Phase::Driving if away_m <= ARRIVAL_M => Phase::Turning,
+                Phase::Turning if away_m > LEFT_AGAIN_M => Phase::Driving,
+                phase => phase,
+            };
+        }
+        self.targets.len() < before
+    }
+
+    fn turn(&mut self, limits: &DriveLimits, estimated_in_map: Pose, speeds: Speeds) -> NavigationOutput {
+        let wanted_rad = self.targets.last().and_then(|target| target.heading_rad);
+        let off_rad = wanted_rad.map_or(0.0, |wanted| wrap_angle_rad(wanted - estimated_in_map.heading_rad));
+        let stands = speeds.translation_mps.abs() < 0.02 && speeds.rotation_radps.abs() < 0.1;
+        if off_rad.abs() > HEADING_TOLERANCE_RAD {
+            let rotation_radps = limits.braked_turn_radps(off_rad);
+            return self.output(Speeds { translation_mps: 0.0, rotation_radps }, None);
+        }
+        if stands { self.finish(NavigationEvent::Arrived) } else { self.output(Speeds::default(), None) }
+    }
+
+    fn drive(
+        &mut self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        input: &NavigationInput<'_>,
+        mode: TravelMode,
+    ) -> NavigationOutput {
+        let estimated_in_map = if input.sonar_m.is_some() {
+            estimated_in_map
+        } else {
+            aligned(&model.planner, &self.memory, input.odometry_in_odom, estimated_in_map)
+        };
+        let here = estimated_in_map.point();
+        let Some(target) = self.targets.first().copied() else { return self.finish(NavigationEvent::Arrived) };
+        self.look_for_blockages(model, estimated_in_map, input.odometry_in_odom, target);
+        let Some((target, towards_in_map)) = self.towards(model, here, target) else {
+            self.without_way_s += model.limits.step_s;
+            if self.without_way_s > UNREACHABLE_S {
+                return self.finish(NavigationEvent::Unreachable);
+            }
+            return self.output(Speeds::default(), None);
+        };
+        self.without_way_s = 0.0;
+        let remaining_m = self.remaining_m(here);
+        if self.has_stalled(model, here, target) {
+            return self.finish(NavigationEvent::Blocked);
+        }
+        if self.targets.len() == 1
+            && distance_m(here, target.point_in_map) <= CROWDED_ARRIVAL_M
+            && self.now_s - self.progress.at_s > CROWDED_S
+        {
+            self.phase = Phase::Turning;
+        }
+        let map_in_base = Transform::new(estimated_in_map.inverse());
+        let mut obstacles_in_base = Vec::new();
+        self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        if input.sonar_m.is_none() {
+            let mapped = model.planner.obstacle_edges_near(here, MAP_SUPPORT_M);
+            obstacles_in_base.extend(mapped.into_iter().map(|point| map_in_base.apply(point)));
+        }
+        let choice = self.window.step(
+            &model.limits,
+            &WindowInput {
+                odometry_in_odom: input.odometry_in_odom,
+                speeds: input.speeds,
+                obstacles_in_base: &obstacles_in_base,
+                target_in_base: map_in_base.apply(towards_in_map),
+                speed_limit_mps: model.limits.speed_limit_mps(mode),
+                remaining_m,
+            },
+        );
+        self.output(choice.speeds, None)
+    }
+
+    /// The target and the point to head for. If something stands at an intermediate target, the next target is
+    /// headed for instead. Without any way the blockages are forgotten: some may have gone.
+    fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<(Target, Point)> {
+        let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
+        if towards.is_some() || self.blockages.is_empty() {
+            return Some((target, towards?));
+        }
+        if let [_, next, ..] = self.targets[..]
+            && let Some(towards) = self.fields(model, next).around.lookahead(here, LOOKAHEAD_M)
+        {
+            self.targets.remove(0);
+            self.progress.least_cost_m = None;
+            return Some((next, towards));
+        }
+        self.blockages.clear();
+        self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
+        Some((target, self.fields(model, target).around.lookahead(here, LOOKAHEAD_M)?))
+    }
+
+    fn fields(&mut self, model: &NavigationModel, target: Target) -> Fields {
+        let target_in_map = target.point_in_map;
+        let blocked_in_map: Vec<Point> = self.blockages.iter().map(|blockage| blockage.point_in_map()).collect();
+        let cached = self.cache.0.take().filter(|cached| cached.target_in_map == target_in_map);
+        if let Some(cached) = cached.clone().filter(|cached| cached.blocked_in_map == blocked_in_map) {
+            self.cache.0 = Some(cached.clone());
+            return cached.fields;
+        }
+        let mapped =
+            cached.map_or_else(|| Arc::new(model.planner.value_field(target_in_map)), |cached| cached.fields.mapped);
+        let around = if blocked_in_map.is_empty() {
+            mapped.clone()
+        } else {
+            Arc::new(model.planner.value_field_around(target_in_map, &blocked_in_map))
+        };
+        let fields = Fields { mapped, around };
+        self.cache.0 = Some(CachedFields { target_in_map, blocked_in_map, fields: fields.clone() });
+        fields
+    }
+
+    fn remaining_m(&self, here: Point) -> f64 {
+        let points: Vec<Point> =
+            std::iter::once(here).chain(self.targets.iter().map(|target| target.point_in_map)).collect();
+        path_length_m(&points)
+    }
+
+    /// Whether the robot has not come nearer for long, by the way the map shows; a detour around
+    /// blockages is given the time it takes.
+    fn has_stalled(&mut self, model: &NavigationModel, here: Point, target: Target) -> bool {
+        let fields = self.fields(model, target);
+        let Some(cost_m) = fields.mapped.cost_m(here) else {
+            return self.now_s - self.progress.at_s > BLOCKED_S;
+        };
+        if self.progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
+            self.progress = Progress { least_cost_m: Some(cost_m), at_s: self.now_s, anew: false };
+        }
+        if self.now_s - self.progress.at_s > BLOCKED_S / 2.0 && !self.progress.anew {
+            self.begin_anew();
+        }
+        let detour_m = fields.around.cost_m(here).map_or(0.0, |around_m| around_m - cost_m);
+        self.now_s - self.progress.at_s > BLOCKED_S + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
+    }
+
+    /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
+    fn begin_anew(&mut self) {
+        self.progress.anew = true;
+        self.memory = ObstacleMemory::default();
+        self.window = DynamicWindow::default();
+        self.blockages.clear();
+        self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
+        self.sonars_until_s = self.now_s + LOOK_AROUND_S;
+    }
+
+    /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead.
+    fn look_for_blockages(
+        &mut self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        odometry_in_odom: Pose,
+        target: Target,
+    ) {
+        if self.now_s < self.next_look_s {
+            return;
+        }
+        self.next_look_s = self.now_s + LOOK_S;
+        self.blockages.retain(|blockage| blockage.until_s > self.now_s);
+        if self.now_s >= self.trusting_map_until_s {
+            let unmapped = self.unmapped_points(model, estimated_in_map, odometry_in_odom);
+            let way = self.fields(model, target).around.way_ahead(estimated_in_map.point(), LOOK_M).unwrap_or_default();
+            let reach_m = model.limits.robot_radius_m + 0.03;
+            let stands_in_way = |point: &Point| way.iter().any(|&on_way| distance_m(on_way, *point) < reach_m);
+            if unmapped.iter().any(stands_in_way) {
+                self.block(&unmapped);
+            }
+        }
+    }
+
+    fn unmapped_points(&self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
+        let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
+        let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M);
+        sharp
+            .map(|point| odom_in_map.apply(point.point_in_odom))
+            .filter(|&point_in_map| model.planner.obstacle_distance_m(point_in_map) > UNMAPPED_M)
+            .collect()
+    }
+
+    fn block(&mut self, points_in_map: &[Point]) {
+        let until_s = self.now_s + BLOCKAGE_S;
+        for point in points_in_map {
+            let cell = (libm::floor(point.x / BLOCKAGE_GRAIN_M) as i32, libm::floor(point.y / BLOCKAGE_GRAIN_M) as i32);
+            match self.blockages.binary_search_by(|blockage| blockage.cell.cmp(&cell)) {
+                Ok(index) => self.blockages[index].until_s = until_s,
+                Err(index) => self.blockages.insert(index, Blockage { cell, until_s }),
+            }
+        }
+    }
+}
+
+impl Blockage {
+    fn point_in_map(&self) -> Point {
+        let middle = |cell: i32| (f64::from(cell) + 0.5) * BLOCKAGE_GRAIN_M;
+        Point::new(middle(self.cell.0), middle(self.cell.1))
+    }
+}

@@ -1,0 +1,197 @@
+//! Plans and whole drives in the simulator.
+
+mod drives;
+mod plans;
+
+use super::*;
+use crate::geometry::{Point, Pose, distance_m};
+use crate::random::Stream;
+use crate::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState};
+use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
+use std::sync::Arc;
+
+struct Scene {
+    world: Arc<World>,
+    simulator: SimulatorModel,
+    topology: TopologicalModel,
+    model: NavigationModel,
+    /// What really stands there, at the price of length alone: for the shortest ways there are.
+    shortest: PlannerModel,
+    /// From where the start of the world can be reached.
+    reachable: ValueField,
+}
+
+impl Scene {
+    fn new(world: World) -> Self {
+        let world = Arc::new(world);
+        let map = world.map(0.1);
+        let mut all_mapped = (*world).clone();
+        all_mapped.objects.iter_mut().for_each(|object| object.mapped = true);
+        let real_map = all_mapped.map(0.05);
+        let planner = PlannerModel::new(&map, PlannerParameters::default());
+        let length_only =
+            PlannerParameters { robot_radius_m: 0.3, closeness_weight: 0.0, ..PlannerParameters::default() };
+        let shortest = PlannerModel::new(&real_map, length_only);
+        Self {
+            reachable: shortest.value_field(world.start_in_map.point()),
+            shortest,
+            simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
+            topology: TopologicalModel::new(&world),
+            model: NavigationModel { planner, limits: DriveLimits::default() },
+            world,
+        }
+    }
+
+    fn dept() -> Self {
+        Self::new(World::builtin("dept").expect("a built-in world"))
+    }
+
+    /// A free pose where nothing unmapped stands either.
+    fn unobstructed_pose(&self, stream: &mut Stream) -> Pose {
+        let state = self.simulator.start(0);
+        loop {
+            let pose = self.free_pose(stream);
+            if self.simulator.in_the_way(&state, pose.point(), 0.45).is_none() {
+                return pose;
+            }
+        }
+    }
+
+    fn mode_at(&self, point: Point) -> TravelMode {
+        self.topology.region_at(point).map_or(TravelMode::Office, |region| region.mode)
+    }
+
+    /// A pose somewhere with room to stand, from which the start of the world can be reached.
+    fn free_pose(&self, stream: &mut Stream) -> Pose {
+        loop {
+            let pose = Pose::new(
+                stream.uniform_in(0.0, self.world.size_m.x),
+                stream.uniform_in(0.0, self.world.size_m.y),
+                stream.uniform_in(-3.1, 3.1),
+            );
+            let has_room = self.model.planner.obstacle_distance_m(pose.point()) > 0.4;
+            if has_room && self.reachable.cost_m(pose.point()).is_some() {
+                return pose;
+            }
+        }
+    }
+}
+
+/// An error of the estimate that wanders slowly: 10 cm and 3° at scale 1.
+struct PoseNoise {
+    scale: f64,
+    error: [f64; 3],
+    stream: Stream,
+}
+
+impl PoseNoise {
+    fn step(&mut self, robot_in_map: Pose) -> Pose {
+        const KEPT: f64 = 0.98;
+        let fresh = (1.0 - KEPT * KEPT).sqrt();
+        for (error, sigma) in self.error.iter_mut().zip([0.1, 0.1, 3.0_f64.to_radians()]) {
+            *error = KEPT * *error + fresh * sigma * self.scale * self.stream.normal();
+        }
+        Pose::new(
+            robot_in_map.x_m + self.error[0],
+            robot_in_map.y_m + self.error[1],
+            robot_in_map.heading_rad + self.error[2],
+        )
+    }
+}
+
+#[derive(Debug)]
+struct Outcome {
+    event: Option<NavigationEvent>,
+    time_s: f64,
+    way_m: f64,
+    contacts: u32,
+    end_in_map: Pose,
+}
+
+fn drive(scene: &Scene, start: Pose, targets: Vec<Target>, seed: u64, noise_scale: f64) -> Outcome {
+    let mut state = scene.simulator.start(seed);
+    scene.simulator.teleport(&mut state, start).expect("a free start");
+    let noise = PoseNoise { scale: noise_scale, error: [0.0; 3], stream: Stream::new(seed, "pose noise") };
+    drive_on(scene, &mut state, targets, noise)
+}
+
+fn drive_on(scene: &Scene, state: &mut SimulatorState, targets: Vec<Target>, mut noise: PoseNoise) -> Outcome {
+    let mut navigation = Navigation::default();
+    navigation.start(targets);
+    let mut commands = Commands { sonars_on: true, ..Commands::default() };
+    let begin_us = state.time_us;
+    let mut event = None;
+    while state.time_us < begin_us + 400_000_000 {
+        let percept = scene.simulator.step(state, &commands);
+        let estimated_in_map = noise.step(state.true_pose());
+        let mode = scene.mode_at(estimated_in_map.point());
+        let input = NavigationInput {
+            odometry_in_odom: percept.odometry_in_odom,
+            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+            sonar_m: percept.sonar_m.as_ref(),
+            bumped: percept.bumped,
+        };
+        let output = navigation.step(&scene.model, estimated_in_map, &input, mode);
+        commands = Commands {
+            translation_mps: output.speeds.translation_mps,
+            rotation_radps: output.speeds.rotation_radps,
+            sonars_on: mode != TravelMode::Doorway || output.needs_sonars,
+            ..Commands::default()
+        };
+        if output.event.is_some_and(|event| event != NavigationEvent::TargetReached) {
+            event = output.event;
+            break;
+        }
+    }
+    Outcome {
+        event,
+        time_s: (state.time_us - begin_us) as f64 * 1e-6,
+        way_m: state.distance_driven_m(),
+        contacts: state.contacts().caused + state.contacts().unseen,
+        end_in_map: state.true_pose(),
+    }
+}
+
+struct Run {
+    start: Pose,
+    goal: Pose,
+    optimum_m: f64,
+    outcome: Outcome,
+}
+
+/// Drives between random places and free points, where there really is a way.
+fn drive_pairs(scene: &Scene, pairs: std::ops::Range<u64>, noise_scale: f64) -> Vec<Run> {
+    pairs.filter_map(|pair| drive_pair(scene, pair, noise_scale)).collect()
+}
+
+fn drive_pair(scene: &Scene, pair: u64, noise_scale: f64) -> Option<Run> {
+    let mut stream = Stream::new(pair, "pair");
+    let start = scene.unobstructed_pose(&mut stream);
+    let places = &scene.world.places;
+    let to_place = stream.chance(0.5);
+    let goal =
+        if to_place { places[stream.index(places.len())].pose_in_map } else { scene.unobstructed_pose(&mut stream) };
+    let path = scene.shortest.value_field(goal.point()).path(start.point())?;
+    let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None };
+    let plan = scene.topology.plan(&scene.model.planner, start, &place).expect("a plan");
+    let outcome = drive(scene, start, plan.targets, pair, noise_scale);
+    Some(Run { start, goal, optimum_m: path_length_m(&path), outcome })
+}
+
+fn report(name: &str, runs: &[Run]) {
+    let arrived = runs.iter().filter(|run| run.outcome.event == Some(NavigationEvent::Arrived)).count();
+    let contacts: u32 = runs.iter().map(|run| run.outcome.contacts).sum();
+    let sum = |value: fn(&Run) -> f64| runs.iter().map(value).sum::<f64>();
+    let way_m = sum(|run| run.outcome.way_m);
+    println!(
+        "{name}: {arrived}/{} arrived, {contacts} contacts, {:.2} m/s, way {:.3} of the optimum",
+        runs.len(),
+        way_m / sum(|run| run.outcome.time_s),
+        way_m / sum(|run| run.optimum_m)
+    );
+    for run in runs {
+        if run.outcome.event != Some(NavigationEvent::Arrived) || run.outcome.contacts > 0 {
+            println!("  {:?} {:?} {:?}", run.start, run.goal, run.outcome);
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! What the behaviours share, and how each of them works. Every field has one writer: the belief
+//! only position tracking, the drive request only the behaviour that holds the wheels.
+
+use super::OfficeModel;
+use super::behaviours::{
+    ACTIVE_LOCALIZATION, BUMPED, GRIPPER, HOLDING, NAVIGATION, NAVIGATION_ACTIVE, NR_OF_NAV_GOALS, O, POS_CERTAINTY,
+    POSITION_TRACKING, REGION, SPEED, TRAVEL_MODE, X, Y,
+};
+use crate::active::{ActiveLocalization, Intent};
+use crate::geometry::{Point, Pose};
+use crate::localization::{Estimate, Localization, Spread};
+use crate::navigation::{Drive, DriveStatus, DriveTask, Navigation, NavigationEvent, NavigationInput, Speeds, Target};
+use crate::random::Stream;
+use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
+use crate::world::TravelMode;
+use rpl_lang::symbol::Symbol;
+use rpl_runtime::behaviour::{Ending, Outbox, Phase, Reading, Stop};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::machine::Machine;
+use rpl_runtime::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Speed limit while the robot does not know where it is: its sonars see everything it can hit.
+const LOST_SPEED_MPS: f64 = 0.45;
+
+/// What the gripper is doing for a plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum GripperTask {
+    Grasp(String),
+    Release,
+}
+
+/// Everything the behaviours share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Board {
+    /// The filter.
+    pub localization: Localization,
+    /// The navigation.
+    pub navigation: Navigation,
+    /// Active localization, while it is activated.
+    pub active: Option<ActiveLocalization>,
+    /// The percept of the last step.
+    pub percept: Option<Percept>,
+    /// How the robot is to drive.
+    pub mode: TravelMode,
+    navigation_phase: Phase,
+    active_phase: Phase,
+    drive: Drive,
+    wander: Stream,
+    drive_status: DriveStatus,
+    drive_request: Speeds,
+    needs_sonars: bool,
+    gripper_task: Option<GripperTask>,
+    gripper_command: GripperCommand,
+    was_certain: bool,
+}
+
+impl Board {
+    /// The board at the start.
+    pub fn new(model: &OfficeModel, seed: u64) -> Self {
+        let start_in_map = model.world.start_in_map;
+        let localization = if model.settings.start_known {
+            Localization::start_at(&model.localization, start_in_map, Spread::default())
+        } else {
+            Localization::start_uniform(&model.localization)
+        };
+        let wander = Stream::new(seed, "wander");
+        Self {
+            localization,
+            navigation: Navigation::default(),
+            active: None,
+            percept: None,
+            mode: TravelMode::Hallway,
+            navigation_phase: Phase::Inactive,
+            active_phase: Phase::Inactive,
+            drive: Drive::wander(wander.clone()),
+            wander,
+            drive_status: DriveStatus::Driving,
+            drive_request: Speeds::default(),
+            needs_sonars: true,
+            gripper_task: None,
+            gripper_command: GripperCommand::None,
+            was_certain: model.settings.start_known,
+        }
+    }
+
+    /// Whether active localization is at work.
+    pub fn is_localizing(&self) -> bool {
+        self.active_phase == Phase::Active
+    }
+
+    /// What the robot is to do in the next step.
+    pub(super) fn take_commands(&mut self) -> Commands {
+        let sonars_on = self.mode != TravelMode::Doorway
+            || self.needs_sonars
+            || self.active_phase == Phase::Active
+            || self.navigation_phase != Phase::Active;
+        Commands {
+            translation_mps: self.drive_request.translation_mps,
+            rotation_radps: self.drive_request.rotation_radps,
+            sonars_on,
+            gripper: std::mem::take(&mut self.gripper_command),
+        }
+    }
+
+    /// One step of all behaviours.
+    pub(super) fn step(&mut self, model: &OfficeModel, percept: Percept, outbox: &mut Outbox) {
+        self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        self.drive_request = Speeds::default();
+        self.localize_actively(model, &percept, outbox);
+        self.navigate(model, &percept, outbox);
+        self.grip(&percept, outbox);
+        self.publish(model, &percept, outbox);
+        self.percept = Some(percept);
+    }
+
+    fn estimate(&self, model: &OfficeModel) -> Estimate {
+        self.localization.estimate(&model.localization)
+    }
+
+    fn input<'p>(percept: &'p Percept) -> NavigationInput<'p> {
+        NavigationInput {
+            odometry_in_odom: percept.odometry_in_odom,
+            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+            sonar_m: percept.sonar_m.as_ref(),
+            bumped: percept.bumped,
+        }
+    }
+
+    fn localize_actively(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        if self.active_phase != Phase::Active {
+            return;
+        }
+        let Some(active) = &mut self.active else { return };
+        let blocked = self.drive_status == DriveStatus::Stuck;
+        let chosen_before = active.last_choice().map(|choice| choice.target_in_base);
+        let intent = active.step(
+            &model.localization,
+            &self.localization,
+            percept.odometry_in_odom,
+            blocked,
+            percept.time_us,
+        );
+        if let Some(choice) = active.last_choice()
+            && Some(choice.target_in_base) != chosen_before
+        {
+            let target = choice.target_in_base;
+            outbox.events.push((
+                "localization action".into(),
+                vec![("ahead".into(), format!("{:.1}", target.x)), ("left".into(), format!("{:.1}", target.y))],
+            ));
+        }
+        match intent {
+            Intent::Wander => {
+                if !matches!(self.drive.task, DriveTask::Wander { .. }) {
+                    let stream = self.wander.clone();
+                    self.drive.task = DriveTask::Wander { stream, heading_in_odom_rad: None, left_s: 0.0 };
+                }
+            }
+            Intent::FollowPath { path_in_odom } => {
+                if let DriveTask::Wander { stream, .. } = &self.drive.task {
+                    self.wander = stream.clone();
+                }
+                self.drive.task = DriveTask::Follow { path_in_odom };
+            }
+            Intent::Done => {
+                self.active_phase = Phase::Done;
+                outbox.endings.push((ACTIVE_LOCALIZATION, Ending::Success));
+                return;
+            }
+            Intent::Failed => {
+                self.active_phase = Phase::Done;
+                let message = "the position is still not known".to_string();
+                outbox.endings.push((ACTIVE_LOCALIZATION, Ending::Failure("localization-failure".into(), message)));
+                return;
+            }
+        }
+        let output = self.drive.step(&model.navigation.limits, &Self::input(percept), LOST_SPEED_MPS);
+        self.drive_status = output.status;
+        self.drive_request = output.speeds;
+    }
+
+    fn navigate(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        let estimated_in_map = self.estimate(model).pose_in_map;
+        let output =
+            self.navigation.step(&model.navigation, estimated_in_map, &Self::input(percept), self.mode);
+        self.needs_sonars = output.needs_sonars;
+        if self.navigation_phase != Phase::Active {
+            return;
+        }
+        self.drive_request = output.speeds;
+        let ending = match output.event {
+            Some(NavigationEvent::Arrived) => Ending::Success,
+            Some(NavigationEvent::Unreachable) => {
+                Ending::Failure("unreachable".into(), "the map shows no way to the target".into())
+            }
+            Some(NavigationEvent::Blocked) => {
+                Ending::Failure("blocked".into(), "the way to the target stays blocked".into())
+            }
+            Some(NavigationEvent::TargetReached) | None => return,
+        };
+        self.drive_request = Speeds::default();
+        self.navigation_phase = Phase::Done;
+        self.navigation.remove_all_targets();
+        outbox.endings.push((NAVIGATION, ending));
+    }
+
+    fn grip(&mut self, percept: &Percept, outbox: &mut Outbox) {
+        let Some(task) = &self.gripper_task else { return };
+        if percept.gripper.motion == GripperMotion::Moving || self.gripper_command != GripperCommand::None {
+            return;
+        }
+        let ending = match (task, percept.gripper.motion, &percept.gripper.holding) {
+            (GripperTask::Grasp(wanted), GripperMotion::Closed, Some(held)) if wanted == held => Ending::Success,
+            (GripperTask::Release, GripperMotion::Open, _) => Ending::Success,
+            (GripperTask::Grasp(wanted), ..) => {
+                Ending::Failure("grasp-failure".into(), format!("the gripper does not hold `{wanted}`"))
+            }
+            (GripperTask::Release, ..) => Ending::Failure("grasp-failure".into(), "the gripper did not open".into()),
+        };
+        self.gripper_task = None;
+        outbox.endings.push((GRIPPER, ending));
+    }
+
+    fn publish(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        let Estimate { pose_in_map, certainty } = self.estimate(model);
+        let certain = certainty > model.settings.active.certainty;
+        if certain != self.was_certain {
+            self.was_certain = certain;
+            let what = if certain { "position found" } else { "position lost" };
+            outbox.events.push((what.into(), vec![("certainty".into(), format!("{certainty:.2}"))]));
+        }
+        let mode = |mode: TravelMode| Reading::Symbol(mode_name(mode).to_string());
+        let region = model.world.mode_at(pose_in_map.point()).map_or(Reading::Truth(false), mode);
+        let holding = percept.gripper.holding.clone().map_or(Reading::Truth(false), Reading::Symbol);
+        outbox.fluents.extend([
+            (X, Reading::Float(pose_in_map.x_m)),
+            (Y, Reading::Float(pose_in_map.y_m)),
+            (O, Reading::Float(pose_in_map.heading_rad)),
+            (POS_CERTAINTY, Reading::Float(certainty)),
+            (TRAVEL_MODE, mode(self.mode)),
+            (REGION, region),
+            (SPEED, Reading::Float(percept.translation_mps)),
+            (BUMPED, Reading::Truth(percept.bumped)),
+            (HOLDING, holding),
+        ]);
+        self.publish_navigation(outbox);
+    }
+
+    fn publish_navigation(&self, outbox: &mut Outbox) {
+        let active = matches!(self.navigation_phase, Phase::Active | Phase::Interrupted);
+        let goals = if active { self.navigation.remaining_targets().len() } else { 0 };
+        outbox.fluents.push((NAVIGATION_ACTIVE, Reading::Truth(active)));
+        outbox.fluents.push((NR_OF_NAV_GOALS, Reading::Int(goals as i64)));
+    }
+
+    /// Starts a behaviour.
+    pub(super) fn start(
+        &mut self,
+        model: &OfficeModel,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise> {
+        match behaviour {
+            ACTIVE_LOCALIZATION => self.start_active_localization(model, outbox),
+            NAVIGATION => {
+                let targets = targets_argument(machine, arguments)?;
+                self.navigation.start(targets);
+                self.navigation_phase = Phase::Active;
+                self.publish_navigation(outbox);
+            }
+            GRIPPER => self.start_gripper(machine, arguments)?,
+            _ => debug_assert_eq!(behaviour, POSITION_TRACKING, "it is active from the start"),
+        }
+        Ok(())
+    }
+
+    fn start_active_localization(&mut self, model: &OfficeModel, outbox: &mut Outbox) {
+        let (odometry_in_odom, time_us) =
+            self.percept.as_ref().map_or((Pose::default(), 0), |percept| (percept.odometry_in_odom, percept.time_us));
+        self.active = Some(ActiveLocalization::start(
+            &model.localization,
+            &mut self.localization,
+            odometry_in_odom,
+            time_us,
+            model.settings.active.clone(),
+        ));
+        self.active_phase = Phase::Active;
+        self.drive_status = DriveStatus::Driving;
+        self.drive = Drive::wander(self.wander.clone());
+        outbox.fluents.push((POS_CERTAINTY, Reading::Float(self.estimate(model).certainty)));
+    }
+
+    fn start_gripper(&mut self, machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(), Raise> {
+        let argument = |name: &str| {
+            arguments.iter().find(|(key, _)| machine.symbols.name(*key) == name).map(|&(_, value)| value)
+        };
+        let (task, command) = match (argument("grasp"), argument("release")) {
+            (Some(Value::Symbol(item)), None) => {
+                let item = machine.symbols.name(item).to_string();
+                (GripperTask::Grasp(item.clone()), GripperCommand::Grasp(item))
+            }
+            (None, Some(release)) if release.is_true() => (GripperTask::Release, GripperCommand::Release),
+            _ => {
+                return Err(Raise::type_error("`gripper` takes `:grasp NAME` or `:release t`"));
+            }
+        };
+        self.gripper_task = Some(task);
+        self.gripper_command = command;
+        Ok(())
+    }
+
+    /// Stops a behaviour.
+    pub(super) fn stop(&mut self, model: &OfficeModel, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+        let phase = match how {
+            Stop::Deactivated => Phase::Inactive,
+            Stop::Interrupted => Phase::Interrupted,
+        };
+        match behaviour {
+            ACTIVE_LOCALIZATION => {
+                self.active_phase = phase;
+                self.drive_request = Speeds::default();
+                if how == Stop::Deactivated {
+                    self.active = None;
+                }
+            }
+            NAVIGATION => {
+                self.navigation_phase = phase;
+                self.navigation.remove_all_targets();
+                self.drive_request = Speeds::default();
+                self.publish_navigation(outbox);
+            }
+            GRIPPER => self.gripper_task = None,
+            _ => {}
+        }
+        let _ = model;
+    }
+}
+
+/// The name plans use for a travel mode.
+pub(super) fn mode_name(mode: TravelMode) -> &'static str {
+    match mode {
+        TravelMode::Hallway => "hallway",
+        TravelMode::Office => "office",
+        TravelMode::Doorway => "doorway",
+    }
+}
+
+/// `:targets`, a list of (x y) or (x y heading).
+fn targets_argument(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<Vec<Target>, Raise> {
+    let expected = || Raise::type_error("`navigation` takes `:targets`, a list of points `(x y)` or `(x y heading)`");
+    let mut targets = Vec::new();
+    for &(key, value) in arguments {
+        if machine.symbols.name(key) != "targets" {
+            return Err(expected());
+        }
+        for point in machine.heap.elements(value).map_err(|_| expected())? {
+            let numbers: Option<Vec<f64>> =
+                machine.heap.elements(point).map_err(|_| expected())?.into_iter().map(Value::as_f64).collect();
+            targets.push(match numbers.as_deref() {
+                Some(&[x_m, y_m]) => Target::through(Point::new(x_m, y_m)),
+                Some(&[x_m, y_m, heading_rad]) => Target::at(Pose::new(x_m, y_m, heading_rad)),
+                _ => return Err(expected()),
+            });
+        }
+    }
+    if targets.is_empty() { Err(expected()) } else { Ok(targets) }
+}

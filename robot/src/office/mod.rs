@@ -1,0 +1,223 @@
+//! The office robot behind the seam of the runtime: thin bindings of simulator, localization,
+//! active localization, navigation and gripper to behaviours, fluents and functions of plans.
+//!
+//! One step of 50 ms: the scenario runs, the simulated robot moves and senses, position tracking
+//! takes the percept in, then the active behaviours work in the order of their table. What they
+//! found goes out as one assignment of all fluents.
+
+mod behaviours;
+mod board;
+mod host;
+mod natives;
+mod plan_text;
+mod scenario;
+
+pub use behaviours::{BEHAVIOURS, FLUENTS, VALVES};
+pub use board::Board;
+pub use host::SimulatedHost;
+pub use natives::natives;
+pub use scenario::{Oracle, SCENARIO_NAMES, oracle_natives};
+
+use crate::active::{ActiveParameters, Choice};
+use crate::geometry::Pose;
+use crate::localization::{Estimate, LocalizationModel, LocalizationParameters, ModelError};
+use crate::navigation::{DriveLimits, NavigationModel, PlannerModel, PlannerParameters, TopologicalModel};
+use crate::simulator::{Contacts, Percept, SimulatorModel, SimulatorSettings};
+use crate::world::World;
+use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Stop};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::machine::Machine;
+use rpl_runtime::value::Value;
+use std::any::Any;
+use std::sync::Arc;
+
+/// The robot's own plan library.
+pub const PLANS: &str = include_str!("plans.rpl");
+
+/// Names that exist only with a robot: a plan without one gets "add `--world dept`".
+pub const ROBOT_NAMES: &[&str] = &[
+    "navigation", "active-localization", "position-tracking", "gripper", "wheels", "arm", "x*", "y*", "o*",
+    "pos-certainty*", "navigation-active?*", "nr-of-nav-goals*", "travel-mode*", "region*", "speed*", "bumped?*",
+    "holding*", "place", "place-pose", "at-destination?", "generate-navigation-plan", "plan-remove-all-goals",
+    "set-travel-mode", "region-of", "distance-to", "belief-maxima", "go-to", "pick-up", "put-down", "deliver",
+    "relocalize-when-necessary",
+];
+
+/// Edge of a cell of the planner's map.
+const PLANNER_CELL_M: f64 = 0.1;
+
+/// Edge of a cell of the map the expected distances are cast in.
+const SENSOR_MAP_CELL_M: f64 = 0.05;
+
+/// What can be set about the robot and its world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfficeSettings {
+    /// The simulated robot.
+    pub simulator: SimulatorSettings,
+    /// The filter.
+    pub localization: LocalizationParameters,
+    /// Active localization.
+    pub active: ActiveParameters,
+    /// Whether the robot is told where it starts.
+    pub start_known: bool,
+}
+
+impl Default for OfficeSettings {
+    fn default() -> Self {
+        Self {
+            simulator: SimulatorSettings::default(),
+            localization: LocalizationParameters::default(),
+            active: ActiveParameters::default(),
+            start_known: true,
+        }
+    }
+}
+
+/// Everything about a world that does not change; built once, shared by all runs.
+#[derive(Debug)]
+pub struct OfficeModel {
+    /// The world.
+    pub world: Arc<World>,
+    /// The simulator.
+    pub simulator: Arc<SimulatorModel>,
+    /// The filter's tables.
+    pub localization: LocalizationModel,
+    /// The planner's map.
+    pub navigation: NavigationModel,
+    /// Rooms, doors and regions.
+    pub topology: TopologicalModel,
+    /// What can be set.
+    pub settings: OfficeSettings,
+}
+
+impl OfficeModel {
+    /// Builds all models of a world.
+    ///
+    /// # Errors
+    /// If the filter's grid cannot be built for this world.
+    pub fn new(world: World, settings: OfficeSettings) -> Result<Self, ModelError> {
+        let world = Arc::new(world);
+        let step_s = settings.simulator.step_us as f64 / 1e6;
+        let limits = DriveLimits {
+            step_s,
+            robot_radius_m: settings.simulator.robot_radius_m,
+            sonar_max_range_m: settings.simulator.sonar_max_range_m,
+            ..DriveLimits::default()
+        };
+        Ok(Self {
+            simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
+            localization: LocalizationModel::new(
+                &world.map_centred(SENSOR_MAP_CELL_M),
+                settings.localization.clone(),
+            )?,
+            navigation: NavigationModel {
+                planner: PlannerModel::new(&world.map(PLANNER_CELL_M), PlannerParameters::default()),
+                limits,
+            },
+            topology: TopologicalModel::new(&world),
+            settings,
+            world,
+        })
+    }
+}
+
+/// The robot in its world: what the runtime steps.
+#[derive(Clone)]
+pub struct OfficeRobot {
+    /// What does not change.
+    pub model: Arc<OfficeModel>,
+    /// The simulated robot and its scenario.
+    pub host: SimulatedHost,
+    /// What the behaviours share.
+    pub board: Board,
+}
+
+impl OfficeRobot {
+    /// A robot at the start of its world.
+    pub fn new(model: Arc<OfficeModel>, host: SimulatedHost, seed: u64) -> Self {
+        let board = Board::new(&model, seed);
+        Self { model, host, board }
+    }
+
+    /// Where the robot really is.
+    pub fn true_pose_in_map(&self) -> Pose {
+        self.host.state.true_pose()
+    }
+
+    /// Where it believes to be, and how certain it is.
+    pub fn estimate(&self) -> Estimate {
+        self.board.localization.estimate(&self.model.localization)
+    }
+
+    /// Contacts so far.
+    pub fn contacts(&self) -> Contacts {
+        self.host.state.contacts()
+    }
+
+    /// Metres driven so far.
+    pub fn distance_driven_m(&self) -> f64 {
+        self.host.state.distance_driven_m()
+    }
+
+    /// Probability of each cell of (x, y), `[row][column]` on the filter's grid.
+    pub fn belief_xy(&self) -> Vec<f64> {
+        self.board.localization.belief_xy(&self.model.localization)
+    }
+
+    /// The last choice of active localization.
+    pub fn last_choice(&self) -> Option<&Choice> {
+        self.board.active.as_ref().and_then(|active| active.last_choice())
+    }
+
+    /// Whether active localization is at work.
+    pub fn is_localizing(&self) -> bool {
+        self.board.is_localizing()
+    }
+
+    /// The percept of the last step.
+    pub fn percept(&self) -> Option<&Percept> {
+        self.board.percept.as_ref()
+    }
+}
+
+impl Outside for OfficeRobot {
+    fn behaviours(&self) -> &'static [BehaviourSpec] {
+        BEHAVIOURS
+    }
+
+    fn fluents(&self) -> &'static [FluentSpec] {
+        FLUENTS
+    }
+
+    fn valves(&self) -> &'static [&'static str] {
+        VALVES
+    }
+
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(rpl_lang::symbol::Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise> {
+        self.board.start(&self.model, machine, behaviour, arguments, outbox)
+    }
+
+    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+        self.board.stop(&self.model, behaviour, how, outbox);
+    }
+
+    fn period_us(&self) -> Option<u64> {
+        Some(self.model.settings.simulator.step_us)
+    }
+
+    fn step(&mut self, outbox: &mut Outbox) {
+        let commands = self.board.take_commands();
+        let percept = self.host.step(&commands, outbox);
+        self.board.step(&self.model, percept, outbox);
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}

@@ -1,0 +1,145 @@
+//! Functions of the robot that plans can call.
+
+use super::behaviours::NAVIGATION;
+use super::board::mode_name;
+use super::{OfficeModel, OfficeRobot, plan_text};
+use crate::geometry::{Point, Pose};
+use crate::world::{Place, TravelMode};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::native::{Call, Effect, Native, Reply};
+use rpl_runtime::value::Value;
+use std::sync::Arc;
+
+/// A destination counts as reached when the estimate is this near to it.
+const AT_DESTINATION_M: f64 = 0.35;
+
+/// Functions of the robot.
+pub fn natives() -> Vec<Native> {
+    let look = |name, parameters, doc, code| Native { name, parameters, doc, effect: Effect::None, code };
+    let act = |name, parameters, doc, code| Native { name, parameters, doc, effect: Effect::Acts, code };
+    vec![
+        look("place", "name", "The name of a place, checked: fails if the world has no such place.", place as _),
+        look("place-pose", "name", "The pose of a place: x, y in metres, heading in radians.", place_pose as _),
+        look("at-destination?", "place", "Whether the robot believes to stand at a place; wakes a condition.", at_destination as _),
+        look("distance-to", "place", "Metres in a straight line from the estimated position to a place.", distance_to as _),
+        look("region-of", "place", "The travel mode of the region around a place, or nil.", region_of as _),
+        look("generate-navigation-plan", "place", "A plan, as data, that drives from the estimated position to a place.", generate as _),
+        look("belief-maxima", "&optional count", "Local maxima of the belief: lists (x y heading mass), the heaviest first.", belief_maxima as _),
+        act("plan-remove-all-goals", "", "Deletes all target points of the navigation this task or one below it has started.", remove_all_goals as _),
+        act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),
+    ]
+}
+
+fn model(call: &mut Call<'_, '_>) -> Result<Arc<OfficeModel>, Raise> {
+    Ok(robot(call)?.model.clone())
+}
+
+fn robot<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut OfficeRobot, Raise> {
+    call.around
+        .outside
+        .as_any()
+        .downcast_mut()
+        .ok_or_else(|| Raise::new("error", "there is no robot; add `--world dept`"))
+}
+
+fn named_place(call: &mut Call<'_, '_>) -> Result<(Arc<OfficeModel>, Place), Raise> {
+    let name = call.name(0)?;
+    let model = model(call)?;
+    let place = model.world.place(&name).cloned().map_err(|unknown| Raise::new("unreachable", unknown.to_string()))?;
+    Ok((model, place))
+}
+
+fn place(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    named_place(call)?;
+    Ok(Reply::Value(call.argument(0)))
+}
+
+fn place_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let pose = named_place(call)?.1.pose_in_map;
+    let values = [pose.x_m, pose.y_m, pose.heading_rad].map(Value::Float);
+    Ok(Reply::Value(call.machine.heap.list(&values)))
+}
+
+/// The estimated position, read through the fluents so that a network that asks is woken.
+fn estimated_point(call: &mut Call<'_, '_>) -> Result<Point, Raise> {
+    let mut read = |name: &str| -> Result<f64, Raise> {
+        let fluent = call
+            .machine
+            .symbols
+            .find(name)
+            .and_then(|symbol| call.around.program.names.get(&symbol))
+            .map(|&global| call.machine.globals[global as usize]);
+        match fluent {
+            Some(Value::Fluent(fluent)) => {
+                Ok(call.machine.read_fluent(fluent)?.as_f64().unwrap_or(f64::NAN))
+            }
+            _ => Err(Raise::new("error", "there is no robot; add `--world dept`")),
+        }
+    };
+    Ok(Point::new(read("x*")?, read("y*")?))
+}
+
+fn distance_m(call: &mut Call<'_, '_>) -> Result<f64, Raise> {
+    let here = estimated_point(call)?;
+    let place = named_place(call)?.1;
+    Ok(crate::geometry::distance_m(here, place.pose_in_map.point()))
+}
+
+fn at_destination(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    Ok(Reply::Value(Value::truth(distance_m(call)? <= AT_DESTINATION_M)))
+}
+
+fn distance_to(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    Ok(Reply::Value(Value::Float(distance_m(call)?)))
+}
+
+fn region_of(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let (model, place) = named_place(call)?;
+    Ok(Reply::Value(match model.world.mode_at(place.pose_in_map.point()) {
+        Some(mode) => Value::Symbol(call.machine.symbols.intern(mode_name(mode))),
+        None => Value::Nil,
+    }))
+}
+
+fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let (model, place) = named_place(call)?;
+    let start_in_map: Pose = robot(call)?.estimate().pose_in_map;
+    plan_text::navigation_plan(&model, call.machine, start_in_map, &place).map(Reply::Value).map_err(|unreachable| {
+        let destination = Value::Symbol(call.machine.symbols.intern(&place.name));
+        Raise::New {
+            class: "unreachable",
+            message: format!("no way to `{}`: {}", place.name, unreachable.reason),
+            slots: vec![("destination", destination)],
+        }
+    })
+}
+
+fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let count = if call.arguments.is_empty() { 10 } else { call.integer(0)?.clamp(1, 100) as usize };
+    let robot = robot(call)?;
+    let model = robot.model.clone();
+    let maxima = robot.board.localization.maxima(&model.localization, count, 0.001);
+    let lists: Vec<Value> = maxima
+        .iter()
+        .map(|maximum| {
+            let pose = maximum.pose_in_map;
+            call.machine.heap.list(&[pose.x_m, pose.y_m, pose.heading_rad, maximum.mass].map(Value::Float))
+        })
+        .collect();
+    Ok(Reply::Value(call.machine.heap.list(&lists)))
+}
+
+fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    call.machine.remove_goals(call.around, NAVIGATION);
+    Ok(Reply::Value(Value::Nil))
+}
+
+fn set_travel_mode(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let mode = [TravelMode::Hallway, TravelMode::Office, TravelMode::Doorway]
+        .into_iter()
+        .find(|&mode| mode_name(mode) == name)
+        .ok_or_else(|| Raise::type_error(format!("`{name}` is no travel mode; there are hallway, office and doorway")))?;
+    robot(call)?.board.mode = mode;
+    Ok(Reply::Value(Value::Nil))
+}

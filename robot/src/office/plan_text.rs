@@ -1,0 +1,70 @@
+//! Navigation plans as data: what the topological planner found, written as an RPL plan.
+
+use super::OfficeModel;
+use super::board::mode_name;
+use crate::geometry::Pose;
+use crate::navigation::{Target, Unreachable};
+use crate::world::{Place, TravelMode};
+use rpl_runtime::machine::Machine;
+use rpl_runtime::value::Value;
+
+/// The structured navigation plan from a pose to a place: the target points, under a policy for
+/// each kind of region on the way that sets the travel mode when the robot enters it.
+///
+/// # Errors
+/// If there is no way.
+pub(super) fn navigation_plan(
+    model: &OfficeModel,
+    machine: &mut Machine,
+    start_in_map: Pose,
+    destination: &Place,
+) -> Result<Value, Unreachable> {
+    let plan = model.topology.plan(&model.navigation.planner, start_in_map, destination)?;
+    let mut modes: Vec<TravelMode> = Vec::new();
+    for region in &plan.regions {
+        if !modes.contains(&region.mode) {
+            modes.push(region.mode);
+        }
+    }
+    let targets: Vec<Value> = plan.targets.iter().map(|target| target_datum(machine, target)).collect();
+    let targets = machine.heap.list(&targets);
+    let quoted = form(machine, "quote", &[targets]);
+    let (navigation, key) = (symbol(machine, "navigation"), Value::Keyword(machine.symbols.intern("targets")));
+    let drive = form(machine, "run-behaviour", &[navigation, key, quoted]);
+    if modes.is_empty() {
+        return Ok(drive);
+    }
+    let policies: Vec<Value> = modes.into_iter().map(|mode| mode_policy(machine, mode)).collect();
+    let policies = machine.heap.list(&policies);
+    Ok(form(machine, "with-policies", &[policies, drive]))
+}
+
+/// `(whenever (eq region* 'MODE) (set-travel-mode 'MODE))`
+fn mode_policy(machine: &mut Machine, mode: TravelMode) -> Value {
+    let name = symbol(machine, mode_name(mode));
+    let quoted = form(machine, "quote", &[name]);
+    let region = symbol(machine, "region*");
+    let condition = form(machine, "eq", &[region, quoted]);
+    let quoted = form(machine, "quote", &[name]);
+    let action = form(machine, "set-travel-mode", &[quoted]);
+    form(machine, "whenever", &[condition, action])
+}
+
+/// Coordinates to the centimetre, headings to a thousandth of a radian: more would only make the
+/// printed plan hard to read.
+fn target_datum(machine: &mut Machine, target: &Target) -> Value {
+    let rounded = |value: f64, parts: f64| Value::Float(libm::round(value * parts) / parts);
+    let mut numbers = vec![rounded(target.point_in_map.x, 100.0), rounded(target.point_in_map.y, 100.0)];
+    numbers.extend(target.heading_rad.map(|heading_rad| rounded(heading_rad, 1000.0)));
+    machine.heap.list(&numbers)
+}
+
+fn symbol(machine: &mut Machine, name: &str) -> Value {
+    Value::Symbol(machine.symbols.intern(name))
+}
+
+fn form(machine: &mut Machine, head: &str, rest: &[Value]) -> Value {
+    let head = symbol(machine, head);
+    let tail = machine.heap.list(rest);
+    machine.heap.cons(head, tail)
+}

@@ -1,0 +1,195 @@
+//! Scenarios: the experimenter's plan, which alone sees the truth and can meddle with the world.
+
+use crate::geometry::Pose;
+use crate::simulator::{SimulatorModel, SimulatorState};
+use crate::world::{Object, Rect, SeenBy, Shape};
+use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Reading, Stop};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::machine::Machine;
+use rpl_runtime::native::{Call, Effect, Native, Reply};
+use rpl_runtime::value::Value;
+use std::any::Any;
+use std::sync::Arc;
+
+/// Names that only a scenario has.
+pub const SCENARIO_NAMES: &[&str] = &[
+    "true-x*", "true-y*", "true-o*", "true-distance*", "true-pose", "rotate-robot!", "teleport-robot!", "open-door!",
+    "close-door!", "add-object!", "remove-object!", "drop-sonars!", "place-item!",
+];
+
+/// The truth about the simulated world, and the hands that change it.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    /// What does not change.
+    pub model: Arc<SimulatorModel>,
+    /// The world; swapped in while the scenario runs.
+    pub state: SimulatorState,
+    /// What the scenario has done since the last step.
+    pub deeds: Vec<(String, Vec<(String, String)>)>,
+}
+
+impl Oracle {
+    /// The oracle of a world.
+    pub fn new(model: Arc<SimulatorModel>, seed: u64) -> Self {
+        let state = model.start(seed);
+        Self { model, state, deeds: Vec::new() }
+    }
+}
+
+const FLUENTS: &[FluentSpec] = &[
+    FluentSpec { name: "true-x*", doc: "The robot's true x, in metres." },
+    FluentSpec { name: "true-y*", doc: "The robot's true y, in metres." },
+    FluentSpec { name: "true-o*", doc: "The robot's true heading, in radians." },
+    FluentSpec { name: "true-distance*", doc: "Metres driven so far." },
+];
+
+impl Outside for Oracle {
+    fn behaviours(&self) -> &'static [BehaviourSpec] {
+        &[]
+    }
+
+    fn fluents(&self) -> &'static [FluentSpec] {
+        FLUENTS
+    }
+
+    fn valves(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn start(
+        &mut self,
+        _: &Machine,
+        _: u16,
+        _: &[(rpl_lang::symbol::Symbol, Value)],
+        _: &mut Outbox,
+    ) -> Result<(), Raise> {
+        Err(Raise::new("behaviour-failure", "a scenario has no behaviours"))
+    }
+
+    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
+
+    fn period_us(&self) -> Option<u64> {
+        Some(self.model.settings.step_us)
+    }
+
+    fn step(&mut self, outbox: &mut Outbox) {
+        let pose = self.state.true_pose();
+        let values = [pose.x_m, pose.y_m, pose.heading_rad, self.state.distance_driven_m()];
+        outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+fn oracle<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut Oracle, Raise> {
+    call.around
+        .outside
+        .as_any()
+        .downcast_mut()
+        .ok_or_else(|| Raise::new("error", "only a scenario can do this; run it with `--scenario`"))
+}
+
+const fn act(
+    name: &'static str,
+    parameters: &'static str,
+    doc: &'static str,
+    code: rpl_runtime::native::NativeCode,
+) -> Native {
+    Native { name, parameters, doc, effect: Effect::Acts, code }
+}
+
+/// Functions of scenarios.
+pub fn oracle_natives() -> Vec<Native> {
+    vec![
+        act("true-pose", "", "The robot's true pose: x, y in metres, heading in radians.", true_pose),
+        act("rotate-robot!", "angle", "Turns the robot by hand.", rotate),
+        act("teleport-robot!", "x y heading", "Carries the robot to another pose.", teleport),
+        act("open-door!", "room", "Opens the door of a room.", |call| door(call, true)),
+        act("close-door!", "room", "Closes the door of a room.", |call| door(call, false)),
+        act("add-object!", "name x0 y0 x1 y1", "Puts a box into the world that is in no map.", add_object),
+        act("remove-object!", "name", "Takes an object out of the world.", remove_object),
+        act("drop-sonars!", "seconds", "The sonars fail for a time.", drop_sonars),
+        act("place-item!", "name x y", "Puts a thing that can be carried somewhere.", place_item),
+    ]
+}
+
+fn done(oracle: &mut Oracle, what: &str, details: Vec<(&str, String)>) -> Reply {
+    let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
+    oracle.deeds.push((what.to_string(), details));
+    Reply::Value(Value::Nil)
+}
+
+fn refused(error: impl std::fmt::Display) -> Raise {
+    Raise::new("plan-failure", error.to_string())
+}
+
+fn true_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let pose = oracle(call)?.state.true_pose();
+    let values = [pose.x_m, pose.y_m, pose.heading_rad].map(Value::Float);
+    Ok(Reply::Value(call.machine.heap.list(&values)))
+}
+
+fn rotate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let angle_rad = call.number(0)?;
+    let oracle = oracle(call)?;
+    oracle.state.rotate(angle_rad);
+    Ok(done(oracle, "rotated by hand", vec![("degrees", format!("{:.0}", angle_rad.to_degrees()))]))
+}
+
+fn teleport(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let pose = Pose::new(call.number(0)?, call.number(1)?, call.number(2)?);
+    let oracle = oracle(call)?;
+    oracle.model.clone().teleport(&mut oracle.state, pose).map_err(refused)?;
+    let details = vec![("x", format!("{:.2}", pose.x_m)), ("y", format!("{:.2}", pose.y_m))];
+    Ok(done(oracle, "carried by hand", details))
+}
+
+fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
+    let room = call.name(0)?;
+    let oracle = oracle(call)?;
+    let model = oracle.model.clone();
+    let room = model.world.rooms.iter().find(|known| known.name.eq_ignore_ascii_case(&room)).map_or(room, |known| known.name.clone());
+    if open {
+        model.open_door(&mut oracle.state, &room).map_err(refused)?;
+    } else {
+        model.close_door(&mut oracle.state, &room).map_err(refused)?;
+    }
+    Ok(done(oracle, if open { "door opened" } else { "door closed" }, vec![("room", room)]))
+}
+
+fn add_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let rect = Rect {
+        min: crate::geometry::Point::new(call.number(1)?, call.number(2)?),
+        max: crate::geometry::Point::new(call.number(3)?, call.number(4)?),
+    };
+    let seen_by = SeenBy { sonar: true, laser: true };
+    let object = Object { name: name.clone(), shape: Shape::Rect(rect), mapped: false, seen_by };
+    let oracle = oracle(call)?;
+    oracle.model.clone().add_object(&mut oracle.state, object).map_err(refused)?;
+    Ok(done(oracle, "object added", vec![("object", name)]))
+}
+
+fn remove_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let oracle = oracle(call)?;
+    oracle.model.clone().remove_object(&mut oracle.state, &name).map_err(refused)?;
+    Ok(done(oracle, "object removed", vec![("object", name)]))
+}
+
+fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let seconds = call.number(0)?;
+    let oracle = oracle(call)?;
+    oracle.state.drop_sonars(seconds);
+    Ok(done(oracle, "sonars failed", vec![("seconds", format!("{seconds}"))]))
+}
+
+fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let point = crate::geometry::Point::new(call.number(1)?, call.number(2)?);
+    let oracle = oracle(call)?;
+    oracle.state.place_item(&name, point);
+    Ok(done(oracle, "item placed", vec![("item", name)]))
+}
