@@ -23,6 +23,14 @@ use serde::{Deserialize, Serialize};
 /// Speed limit while the robot does not know where it is: its sonars see everything it can hit.
 const LOST_SPEED_MPS: f64 = 0.45;
 
+/// In doorways the sonars fire in one step of so many.
+///
+/// # Deviation
+/// Beetz et al. (§3.1) switch the sonars off in doorways, because in a narrow opening they hear one
+/// another. Then a robot that is turned by hand inside a door drives into its frame unseen. Fired
+/// seldom, they do not disturb one another either, and 0.2 s at doorway speed are 6 cm.
+const DOORWAY_SONAR_STEPS: u32 = 4;
+
 /// What the gripper is doing for a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum GripperTask {
@@ -53,6 +61,7 @@ pub struct Board {
     gripper_task: Option<GripperTask>,
     gripper_command: GripperCommand,
     was_certain: bool,
+    steps: u32,
 }
 
 impl Board {
@@ -81,6 +90,7 @@ impl Board {
             gripper_task: None,
             gripper_command: GripperCommand::None,
             was_certain: model.settings.start_known,
+            steps: 0,
         }
     }
 
@@ -91,7 +101,9 @@ impl Board {
 
     /// What the robot is to do in the next step.
     pub(super) fn take_commands(&mut self) -> Commands {
+        self.steps = self.steps.wrapping_add(1);
         let sonars_on = self.mode != TravelMode::Doorway
+            || self.steps.is_multiple_of(DOORWAY_SONAR_STEPS)
             || self.needs_sonars
             || self.active_phase == Phase::Active
             || self.navigation_phase != Phase::Active;
