@@ -27,16 +27,20 @@ pub fn line(event: &Event, sight: Option<Sight>) -> Option<String> {
         EventKind::Behaviour => match detail(event, "what") {
             "activated" => format!("{} begins", detail(event, "behaviour")),
             "interrupted" => format!("{} is interrupted", detail(event, "behaviour")),
+            // Its end by itself is a signal, and a deactivation the plan's own doing.
             _ => return None,
         },
         EventKind::Signal => match detail(event, "signal") {
+            // Told when it happened; the signal only reports it to the task.
+            interrupted if interrupted.starts_with("interrupted:") => return None,
             "success" => format!("{} is done", detail(event, "behaviour")),
             failure => format!("{} gives up: {failure}", detail(event, "behaviour")),
         },
         EventKind::Robot => {
             let details: Vec<String> =
                 event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
-            format!("{} {}", detail(event, "what"), details.join(", ")).trim_end().to_string()
+            let gap = if details.is_empty() { "" } else { ": " };
+            format!("{}{gap}{}", detail(event, "what"), details.join(", "))
         }
         // A log line is written anyway, a failure at the end if it matters then.
         _ => return None,

@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     })?;
     let world = world.map(mission::world).transpose()?;
     let scenario_name = arguments.scenario.as_deref().or(experiment.and_then(|experiment| experiment.scenario));
-    let scenario = scenario_name.map(files::plan).transpose()?;
+    let scenario = scenario_name.map(files::scenario).transpose()?;
     let site = Site::new(world, scenario)?;
     let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
         Ok(loaded) => loaded,

@@ -53,6 +53,20 @@ pub fn plan(name: &str) -> Result<PlanText> {
     }
 }
 
+/// The scenario a user names: like a plan, but among the built-in ones those in `scenarios/` too.
+///
+/// # Errors
+/// As for a plan.
+pub fn scenario(name: &str) -> Result<PlanText> {
+    let built_in = examples::find(&format!("scenarios/{name}"));
+    match built_in {
+        Some((_, text)) if !Path::new(name).exists() => {
+            Ok(PlanText { name: name.to_string(), text: text.to_string(), folder: Folder::BuiltIn })
+        }
+        _ => plan(name),
+    }
+}
+
 /// What to type instead of a name nothing has.
 fn advice(name: &str) -> String {
     let path = Path::new(name);

@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let plan = files::plan(&arguments.file)?;
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
-    let scenario = arguments.scenario.as_deref().map(files::plan).transpose()?;
+    let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
     let mut overrides = Overrides::parse(&arguments.set)?;
     let site = Site::new(world.clone(), scenario)?;
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
