@@ -4,7 +4,7 @@
 //! its outcome is fixed when it starts: what happens meanwhile is attached to it.
 
 use crate::failure::Raise;
-use crate::machine::{Machine, Output, Surroundings};
+use crate::machine::{Machine, Output, SCRATCH_TASK, Surroundings};
 use crate::task::{Leaving, Scope, ScopeKind, State, Then, Waiting, Wake};
 use crate::value::Value;
 use rpl_lang::code::{Program, Reg};
@@ -93,6 +93,10 @@ impl Machine {
                 return self.land(task, Landing { depth, target, writes: [(0, Value::Unbound); 2] });
             }
             let Some(scope) = self.tasks[task].scopes.last().cloned() else {
+                // Who evaluates a network or macro takes its failure; the scratch task lives on.
+                if task == SCRATCH_TASK {
+                    return Unwound::Dead;
+                }
                 return self.leave_task(around, task, leaving);
             };
             if let Some(landing) = self.landing(around.program, &scope, &leaving) {

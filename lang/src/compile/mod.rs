@@ -364,6 +364,14 @@ impl<'a> Compiler<'a> {
         global < self.program.library_globals
     }
 
+    /// The items of a proper list; `nil`, which is how macros write an empty one, has none.
+    fn list_items(&self, node: NodeId) -> Option<Vec<NodeId>> {
+        match self.tree.symbol(node) {
+            Some(name) if self.symbols.name(name) == "nil" => Some(Vec::new()),
+            _ => self.tree.proper_list(node).map(<[NodeId]>::to_vec),
+        }
+    }
+
     fn nil(&self, span: Span) -> Ir {
         Ir { span, kind: IrKind::Nil }
     }
