@@ -5,20 +5,25 @@ use crate::files::{self, PlanText};
 use crate::mission::Site;
 use crate::status::Status;
 use anyhow::Result;
+use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
-use rpl_runtime::library::Library;
+use std::sync::Arc;
 
 /// Checks every file.
 ///
 /// # Errors
 /// Standard output is closed.
-pub fn run(names: &[String], console: &mut Console) -> Result<Status> {
-    let library = Site::for_checking()?.library;
+pub fn run(names: &[String], are_scenarios: bool, console: &mut Console) -> Result<Status> {
+    let sites = match are_scenarios {
+        true => vec![Site::for_checking_scenarios()?],
+        false => vec![Site::without_robot()?, Site::for_checking()?],
+    };
     let mut status = Status::Succeeded;
     for name in names {
-        match files::plan(name) {
+        match if are_scenarios { files::scenario(name) } else { files::plan(name) } {
             Ok(plan) => {
-                if check(&library, plan, console)? {
+                let (findings, program) = findings(&sites, &plan);
+                if tell(&plan.name, &findings, &program, console)? {
                     status = Status::Wrong;
                 }
             }
@@ -32,19 +37,30 @@ pub fn run(names: &[String], console: &mut Console) -> Result<Status> {
     Ok(status)
 }
 
-/// Checks one text; tells whether it has errors.
-fn check(library: &Library, plan: PlanText, console: &mut Console) -> Result<bool> {
-    let PlanText { name, text, mut folder } = plan;
-    let (findings, program) = match library.load(&name, &text, &mut folder) {
-        Ok(loaded) => (loaded.warnings, loaded.program),
-        Err(rejected) => (rejected.diagnostics, rejected.program),
-    };
+/// What is found in a plan at the first site that has all it needs, or at the last one: a plan that
+/// names nothing of the robot's may give the robot's names meanings of its own.
+fn findings(sites: &[Site], plan: &PlanText) -> (Vec<Diagnostic>, Arc<Program>) {
+    let mut found = (Vec::new(), Arc::default());
+    for site in sites {
+        found = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+            Ok(loaded) => (loaded.warnings, loaded.program),
+            Err(rejected) => (rejected.diagnostics, rejected.program),
+        };
+        if found.0.iter().all(|finding| finding.code != "needs-a-world") {
+            break;
+        }
+    }
+    found
+}
+
+/// Tells the findings in a text, and whether there are errors among them.
+fn tell(name: &str, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<bool> {
     if findings.is_empty() {
         console.print(&format!("{name}: no findings"))?;
         return Ok(false);
     }
-    console.note(render(&findings, &program.sources, console.colour).trim_end());
-    console.note(&format!("{name}: {}", count(&findings)));
+    console.note(render(findings, &program.sources, console.colour).trim_end());
+    console.note(&format!("{name}: {}", count(findings)));
     Ok(findings.iter().any(|finding| finding.severity == Severity::Error))
 }
 

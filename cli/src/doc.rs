@@ -5,11 +5,13 @@ use crate::mission::{self, Site};
 use crate::special_forms::SPECIAL_FORMS;
 use crate::status::Status;
 use anyhow::{Result, bail};
-use rpl_lang::code::{CodeKind, GlobalKind, Program};
+use rpl_lang::code::{Code, CodeKind, GlobalKind, Program};
 use rpl_lang::compile::NoFiles;
-use rpl_lang::reader::fold_name;
+use rpl_lang::pretty::print;
+use rpl_lang::reader::{fold_name, read};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::Tree;
 use rpl_robot::office::{BEHAVIOURS, FLUENTS};
 
 /// What is known of a name.
@@ -136,7 +138,7 @@ fn add_library(program: &Program, symbols: &Symbols, entries: &mut Vec<Entry>) {
         let name = symbols.name(name).to_string();
         let code = &program.codes[code as usize];
         let doc = code.doc.as_deref().unwrap_or_default().to_string();
-        entries.push(Entry { form: call_form(&name, &parameters(code, symbols)), name, doc, group: Group::Macro });
+        entries.push(Entry { form: call_form(&name, &parameters(code, program)), name, doc, group: Group::Macro });
     }
     for (&name, &global) in &program.names {
         let known = &program.globals[global as usize];
@@ -146,7 +148,7 @@ fn add_library(program: &Program, symbols: &Symbols, entries: &mut Vec<Entry>) {
             GlobalKind::Function(code) => {
                 let Some(code) = program.codes.get(code as usize) else { continue };
                 let group = if code.kind == CodeKind::Plan { Group::Plan } else { Group::Function };
-                (call_form(&name, &parameters(code, symbols)), group)
+                (call_form(&name, &parameters(code, program)), group)
             }
             GlobalKind::Variable => (format!("{name} (a variable)"), Group::Other),
             GlobalKind::Constant => (format!("{name} (a constant)"), Group::Other),
@@ -162,14 +164,12 @@ fn call_form(name: &str, parameters: &str) -> String {
     if parameters.is_empty() { format!("({name})") } else { format!("({name} {parameters})") }
 }
 
-/// Compiled code keeps only the names of keyword parameters; the others are counted.
-fn parameters(code: &rpl_lang::code::Code, symbols: &Symbols) -> String {
-    let known = &code.parameters;
-    let mut parts: Vec<String> = (1..=known.required).map(|number| format!("arg{number}")).collect();
-    parts.extend((1..=known.optional).map(|number| format!("[opt{number}]")));
-    if known.rest {
-        parts.push("rest...".to_string());
-    }
-    parts.extend(known.keys.iter().map(|&key| format!("[:{} V]", symbols.name(key))));
-    parts.join(" ")
+/// The parameters as the definition writes them: compiled code keeps only their number.
+fn parameters(code: &Code, program: &Program) -> String {
+    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
+    let text = program.sources.text_of(code.span);
+    let (roots, _) = read(text, code.span.source, &mut symbols, &mut tree);
+    let items = roots.first().map_or(&[][..], |&root| tree.items(root));
+    let Some(&list) = items.get(2) else { return String::new() };
+    tree.items(list).iter().map(|&item| print(&tree, &symbols, item)).collect::<Vec<_>>().join(" ")
 }

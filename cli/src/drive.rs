@@ -15,6 +15,9 @@ use std::time::{Duration, Instant};
 /// The longest nap of a paced run, so that Ctrl-C is noticed.
 const NAP: Duration = Duration::from_millis(50);
 
+/// How often the robot is looked at for the drawing of its path.
+const TRACK_EVERY_US: u64 = 100_000;
+
 /// How a run is driven.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
@@ -40,10 +43,23 @@ pub enum Ending {
 pub struct Records {
     /// Where the trace goes.
     pub trace: Option<TraceFile>,
-    /// What was seen of the robot, once for every tenth of a second.
+    /// What was seen of the robot, ten times a second.
     pub track: Vec<Sight>,
     /// How often active localization was started.
     pub relocalizations: u64,
+    /// What the robot and the scenario reported.
+    pub marks: Vec<Mark>,
+}
+
+/// Something the robot or the scenario reported, and how things stood then.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// What was reported, such as "position lost".
+    pub what: String,
+    /// The robot at the end of that instant.
+    pub sight: Sight,
+    /// How far it had driven.
+    pub distance_m: f64,
 }
 
 /// Runs a system to its end.
@@ -112,8 +128,13 @@ impl Driver<'_> {
 
     fn hand_on(&mut self) -> io::Result<()> {
         if !self.system.machine.trace.events.is_empty() {
-            for event in self.system.machine.trace.take() {
-                self.record(&event)?;
+            let events = self.system.machine.trace.take();
+            let is_lost = self.system.outside.is_lost();
+            if !self.console.quiet {
+                events::lines(&events, is_lost).iter().for_each(|line| self.console.note(line));
+            }
+            for event in &events {
+                self.record(event, is_lost)?;
             }
         }
         if !self.system.machine.output.is_empty() {
@@ -127,14 +148,15 @@ impl Driver<'_> {
         Ok(())
     }
 
-    fn record(&mut self, event: &Event) -> io::Result<()> {
-        if events::is_relocalization(event) {
+    fn record(&mut self, event: &Event, is_lost: bool) -> io::Result<()> {
+        if is_lost && events::is_relocalization(event) {
             self.records.relocalizations += 1;
         }
-        if !self.console.quiet
-            && let Some(line) = events::line(event, self.system.outside.sight())
+        if event.kind == EventKind::Robot
+            && let (Some(sight), Some(account)) = (self.system.outside.sight(), self.system.outside.account())
         {
-            self.console.note(&line);
+            let what = events::detail(event, "what").to_string();
+            self.records.marks.push(Mark { what, sight, distance_m: account.distance_m });
         }
         match &mut self.records.trace {
             Some(trace) => trace.write(event),
@@ -157,26 +179,40 @@ impl Driver<'_> {
 
     fn look_at_robot(&mut self) {
         let now_us = self.system.machine.now_us;
-        let sight = self.system.outside.sight();
-        if let Some(sight) = sight
-            && now_us >= self.track_due_us
-        {
-            self.records.track.push(sight);
-            self.track_due_us = now_us + 100_000;
+        let is_track_due = now_us >= self.track_due_us;
+        let wants_status = self.console.wants_status();
+        // Asking the filter for its estimate at every step would cost more than the step.
+        if !is_track_due && !wants_status {
+            return;
         }
-        if self.console.wants_status() {
+        let sight = self.system.outside.sight();
+        if is_track_due {
+            self.records.track.extend(sight);
+            self.track_due_us = now_us + TRACK_EVERY_US;
+        }
+        if wants_status {
             let text = events::status_line(&self.system.machine, &self.system.outside, sight);
             self.console.status(text);
         }
     }
 
-    /// Nobody reads any more: the clean-ups run, what they print is lost.
+    /// Nobody reads any more: the clean-ups run, what they print is lost. The trace goes on for as
+    /// long as it can be written.
     fn stop_quietly(&mut self) {
         self.system.stop();
-        while self.system.outcome().is_none() {
-            self.system.advance();
+        loop {
+            let progress = self.system.advance();
             self.system.machine.output.clear();
-            self.system.machine.trace.events.clear();
+            for event in self.system.machine.trace.take() {
+                if let Some(trace) = &mut self.records.trace
+                    && trace.write(&event).is_err()
+                {
+                    self.records.trace = None;
+                }
+            }
+            if progress == Progress::Ended {
+                return;
+            }
         }
     }
 }

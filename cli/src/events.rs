@@ -6,7 +6,8 @@ use rpl_runtime::machine::Machine;
 use rpl_runtime::task::{NONE, State};
 use rpl_runtime::trace::{Event, EventKind};
 
-fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
+/// A detail of an event by its name; empty if it has none.
+pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
     event.details.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value.as_str())
 }
 
@@ -17,43 +18,67 @@ pub fn is_relocalization(event: &Event) -> bool {
         && detail(event, "what") == "activated"
 }
 
-/// One line for an event that matters; none for the others.
-pub fn line(event: &Event, sight: Option<Sight>) -> Option<String> {
-    let text = match event.kind {
-        EventKind::Behaviour if is_relocalization(event) => match sight {
-            Some(sight) => format!("certainty {:.2} – position lost, relocalizing", sight.certainty),
-            None => "position lost, relocalizing".to_string(),
-        },
-        EventKind::Behaviour => match detail(event, "what") {
-            "activated" => format!("{} begins", detail(event, "behaviour")),
-            "interrupted" => format!("{} is interrupted", detail(event, "behaviour")),
-            // Its end by itself is a signal, and a deactivation the plan's own doing.
-            _ => return None,
-        },
-        EventKind::Signal => match detail(event, "signal") {
-            // Told when it happened; the signal only reports it to the task.
-            interrupted if interrupted.starts_with("interrupted:") => return None,
-            "success" => format!("{} is done", detail(event, "behaviour")),
-            failure => format!("{} gives up: {failure}", detail(event, "behaviour")),
-        },
-        EventKind::Robot => {
-            let details: Vec<String> =
-                event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
-            let gap = if details.is_empty() { "" } else { ": " };
-            format!("{}{gap}{}", detail(event, "what"), details.join(", "))
+fn is_loss(event: &Event) -> bool {
+    event.kind == EventKind::Robot && detail(event, "what") == "position lost"
+}
+
+/// A line for each event of an instant that matters. `is_lost` tells whether the robot does not
+/// know its position at the end of the instant; if it does, a relocalization has nothing to do.
+pub fn lines(events: &[Event], is_lost: bool) -> Vec<String> {
+    let relocalizes = is_lost && events.iter().any(is_relocalization);
+    let has_loss = events.iter().any(is_loss);
+    let text = |event: &Event| match event.kind {
+        EventKind::Behaviour if is_relocalization(event) => {
+            (relocalizes && !has_loss).then(|| "relocalizing".to_string())
         }
+        EventKind::Robot if is_loss(event) && relocalizes => Some(report(event) + ", relocalizing"),
+        EventKind::Robot => Some(report(event)),
+        EventKind::Behaviour => behaviour(event),
+        EventKind::Signal => signal(event),
         // A log line is written anyway, a failure at the end if it matters then.
-        _ => return None,
+        _ => None,
     };
-    Some(format!("{:.1} s  {text}", event.time_us as f64 / 1e6))
+    let timed = |event: &Event| text(event).map(|text| format!("{:.1} s  {text}", event.time_us as f64 / 1e6));
+    events.iter().filter_map(timed).collect()
+}
+
+/// What the robot or the scenario reports: "certainty 0.31 – position lost".
+fn report(event: &Event) -> String {
+    let what = detail(event, "what");
+    let details: Vec<String> = event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
+    match details.as_slice() {
+        [] => what.to_string(),
+        [certainty] if certainty.starts_with("certainty ") => format!("{certainty} – {what}"),
+        details => format!("{what}: {}", details.join(", ")),
+    }
+}
+
+fn behaviour(event: &Event) -> Option<String> {
+    let name = detail(event, "behaviour");
+    match detail(event, "what") {
+        "activated" => Some(format!("{name} begins")),
+        "interrupted" => Some(format!("{name} is interrupted")),
+        // Its end by itself is a signal, and a deactivation the plan's own doing.
+        _ => None,
+    }
+}
+
+fn signal(event: &Event) -> Option<String> {
+    let name = detail(event, "behaviour");
+    match detail(event, "signal") {
+        "success" => Some(format!("{name} is done")),
+        // Told when it happened; the signal only reports it to the task.
+        interrupted if interrupted.starts_with("interrupted:") => None,
+        failure => Some(format!("{name} gives up: {failure}")),
+    }
 }
 
 /// Time, what the robot does, how sure it is of its place, and where in the plan it is.
 pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>) -> String {
     let active = machine.activations.iter().zip(robot.behaviours());
     // Position tracking never rests; what drives says more.
-    let busy = active.filter(|(activation, spec)| activation.phase == Phase::Active && spec.valve.is_some());
-    let (doing, task) = match busy.last() {
+    let mut busy = active.filter(|(activation, spec)| activation.phase == Phase::Active && spec.valve.is_some());
+    let (doing, task) = match busy.next_back() {
         Some((activation, spec)) => (Some(spec.name), activation.task.and_then(|task| machine.tasks.find_alive(task))),
         None => (None, None),
     };
@@ -67,4 +92,35 @@ pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>) -> St
 fn waiting_leaf(machine: &Machine) -> Option<u32> {
     let mut leaves = machine.tasks.iter().filter(|(_, task)| task.state == State::Blocked && task.first_child == NONE);
     leaves.next().map(|(index, _)| index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(kind: EventKind, details: &[(&str, &str)]) -> Event {
+        let details = details.iter().map(|&(name, value)| (name.to_string(), value.to_string())).collect();
+        Event { time_us: 12_400_000, sequence: 0, path: String::new(), kind, details }
+    }
+
+    #[test]
+    fn a_loss_and_what_is_done_about_it_are_one_line() {
+        let loss = event(EventKind::Robot, &[("what", "position lost"), ("certainty", "0.31")]);
+        let details = [("behaviour", "active-localization"), ("what", "activated")];
+        let relocalization = event(EventKind::Behaviour, &details);
+        let both = [loss.clone(), relocalization.clone()];
+        assert_eq!(lines(&both, true), ["12.4 s  certainty 0.31 – position lost, relocalizing"]);
+        assert_eq!(lines(&[loss], true), ["12.4 s  certainty 0.31 – position lost"]);
+        assert_eq!(lines(&both[1..], true), ["12.4 s  relocalizing"]);
+        assert!(lines(&[relocalization], false).is_empty());
+    }
+
+    #[test]
+    fn an_interruption_is_told_once() {
+        let interrupted = [
+            event(EventKind::Behaviour, &[("behaviour", "navigation"), ("what", "interrupted")]),
+            event(EventKind::Signal, &[("behaviour", "navigation"), ("signal", "interrupted: it was interrupted")]),
+        ];
+        assert_eq!(lines(&interrupted, false), ["12.4 s  navigation is interrupted"]);
+    }
 }

@@ -4,7 +4,7 @@ mod statistics;
 mod trials;
 
 use crate::console::Console;
-use crate::drive::{Ending, Pace, Records, drive};
+use crate::drive::{Ending, Mark, Pace, Records, drive};
 use crate::files;
 use crate::mission::{self, Robot, Site};
 use crate::status::Status;
@@ -12,6 +12,7 @@ use crate::time::parse_duration_us;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use rpl_lang::suggest::suggest;
+use rpl_robot::geometry::Pose;
 use rpl_runtime::system::{Outcome, System};
 use std::io::IsTerminal;
 use std::num::NonZero;
@@ -44,15 +45,29 @@ pub struct Arguments {
 }
 
 /// An experiment with a name.
+#[derive(Clone, Copy)]
 struct Experiment {
     name: &'static str,
     plan: &'static str,
     world: &'static str,
-    scenario: Option<&'static str>,
+    scenario: &'static str,
+    /// Where the robot must really be at the end.
+    goal: &'static str,
 }
 
-const EXPERIMENTS: &[Experiment] =
-    &[Experiment { name: "rotated", plan: "delivery.rpl", world: "dept", scenario: Some("rotated.rpl") }];
+const EXPERIMENTS: &[Experiment] = &[Experiment {
+    name: "rotated",
+    plan: "delivery.rpl",
+    world: "dept",
+    scenario: "experiments/rotated.rpl",
+    goal: "wolframs-shelf",
+}];
+
+/// How near to the goal the robot must really be.
+const AT_GOAL_M: f64 = 0.5;
+
+/// An estimate further off than this is wrong.
+const WRONG_ESTIMATE_M: f64 = 1.0;
 
 /// Runs the experiment.
 ///
@@ -63,6 +78,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let plan_name = experiment.map_or(arguments.name.as_str(), |experiment| experiment.plan);
     let world = arguments.world.as_deref().or(experiment.map(|experiment| experiment.world));
     let plan = files::plan(plan_name).map_err(|error| {
+        // Somebody may have meant an experiment and not a plan.
         match suggest(&arguments.name, EXPERIMENTS.iter().map(|known| known.name)) {
             Some(meant) => {
                 error.context(format!("no experiment is called `{}`; did you mean `{meant}`?", arguments.name))
@@ -71,8 +87,12 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
     })?;
     let world = world.map(mission::world).transpose()?;
-    let scenario_name = arguments.scenario.as_deref().or(experiment.and_then(|experiment| experiment.scenario));
+    let scenario_name = arguments.scenario.as_deref().or(experiment.map(|experiment| experiment.scenario));
     let scenario = scenario_name.map(files::scenario).transpose()?;
+    let goal = match (experiment, &world) {
+        (Some(experiment), Some(world)) => Some(world.place(experiment.goal)?.pose_in_map),
+        _ => None,
+    };
     let site = Site::new(world, scenario)?;
     let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
         Ok(loaded) => loaded,
@@ -84,7 +104,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let bar = progress(seeds.len() as u64, console);
     let one = |seed: u64| -> Result<Trial> {
         let system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
-        one_trial(system, seed, arguments.until)
+        one_trial(system, seed, arguments.until, goal)
     };
     let trials = run_all(&seeds, jobs, one, || bar.inc(1));
     bar.finish_and_clear();
@@ -99,17 +119,38 @@ fn progress(runs: u64, console: &Console) -> ProgressBar {
     ProgressBar::with_draw_target(Some(runs), target)
 }
 
-fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64) -> Result<Trial> {
+fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_map: Option<Pose>) -> Result<Trial> {
     let mut records = Records::default();
     let mut silent = Console::silent();
     let pace = Pace { until_us: Some(until_us), factor: None };
     let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
-    let account = system.outside.account();
-    let mut measures = vec![("time [s]", system.machine.now_s())];
-    if let Some(account) = account {
-        measures.push(("distance [m]", account.distance_m));
-        measures.push(("contacts", f64::from(account.contacts)));
-        measures.push(("relocalizations", records.relocalizations as f64));
+    let mut succeeded = matches!(ending, Ending::Outcome(Outcome::Succeeded(_)));
+    let mut measures = vec![("time [s]", Some(system.machine.now_s()))];
+    if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
+        measures.push(("distance [m]", Some(account.distance_m)));
+        measures.push(("contacts caused", Some(f64::from(account.contacts))));
+        measures.push(("relocalizations", Some(records.relocalizations as f64)));
+        measures.extend(disturbance(&records.marks));
+        if let Some(goal_in_map) = goal_in_map {
+            let off_m = sight.robot_in_map.distance_m(goal_in_map);
+            succeeded &= off_m <= AT_GOAL_M;
+            measures.push(("off the goal [m]", Some(off_m)));
+        }
     }
-    Ok(Trial { seed, succeeded: matches!(ending, Ending::Outcome(Outcome::Succeeded(_))), measures })
+    Ok(Trial { seed, succeeded, measures })
+}
+
+/// How far the robot drove from the scenario's deed until it noticed that it was lost, and how often
+/// it then believed to have found its position where it was not.
+fn disturbance(marks: &[Mark]) -> [(&'static str, Option<f64>); 2] {
+    let deed = marks.iter().position(|mark| mark.what == "rotated by hand");
+    let after = deed.map_or(&[][..], |deed| &marks[deed..]);
+    let noticed = after.iter().find(|mark| mark.what == "position lost");
+    let noticed_m = deed.zip(noticed).map(|(deed, noticed)| noticed.distance_m - marks[deed].distance_m);
+    let is_wrong = |mark: &&Mark| {
+        let off_m = mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map);
+        mark.what == "position found" && off_m > WRONG_ESTIMATE_M
+    };
+    let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
+    [("noticed after [m]", noticed_m), ("wrong recoveries", wrong)]
 }

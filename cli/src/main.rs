@@ -50,6 +50,9 @@ enum Command {
         /// Plan files
         #[arg(value_name = "FILE", required = true)]
         files: Vec<String>,
+        /// The files are scenarios: plans with hands in the world
+        #[arg(long)]
+        scenario: bool,
     },
     /// Evaluates an expression, or standard input, and prints the value
     Eval {
@@ -114,7 +117,7 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
-        Command::Check { files } => check::run(files, console),
+        Command::Check { files, scenario } => check::run(files, *scenario, console),
         Command::Eval { expression } => eval::run(expression, console),
         Command::Worlds { name, svg } => worlds::run(name.as_deref(), svg.as_deref(), console),
         Command::Examples { name } => examples::run(name.as_deref(), console),

@@ -8,6 +8,7 @@ use rpl_robot::geometry::{Point, Pose, Vector};
 use rpl_robot::office::{
     self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SimulatedHost, VALVES,
 };
+use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
 use rpl_runtime::failure::Raise;
@@ -20,6 +21,28 @@ use serde::Serialize;
 use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
+/// functions are a library like any other.
+const RESERVED_NAMES: &[&str] = &[
+    "position-tracking",
+    "active-localization",
+    "navigation",
+    "gripper",
+    "wheels",
+    "arm",
+    "x*",
+    "y*",
+    "o*",
+    "pos-certainty*",
+    "navigation-active?*",
+    "nr-of-nav-goals*",
+    "travel-mode*",
+    "region*",
+    "speed*",
+    "bumped?*",
+    "holding*",
+];
 
 /// Fluents that change with every step of the robot: a trace that told each change would tell
 /// nothing else.
@@ -50,7 +73,7 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn without_robot() -> Result<Self> {
-        Ok(Self { library: library(base_natives(), &NoRobot, &[])?, office: None, scenario: None })
+        Ok(Self { library: library(base_natives(), &NoRobot, &[], ROBOT_NAMES)?, office: None, scenario: None })
     }
 
     /// A site with what plans can call on a robot, but with no world to run them in.
@@ -59,6 +82,17 @@ impl Site {
     /// The prelude does not compile.
     pub fn for_checking() -> Result<Self> {
         Ok(Self { library: robot_library()?, office: None, scenario: None })
+    }
+
+    /// A site with what scenarios can call, but with no world to meddle with.
+    ///
+    /// # Errors
+    /// The prelude does not compile.
+    pub fn for_checking_scenarios() -> Result<Self> {
+        let world = world("test-room")?;
+        let simulator = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
+        let library = scenario_library(&Oracle::new(Arc::new(simulator), 0))?;
+        Ok(Self { library, office: None, scenario: None })
     }
 
     /// A site with the robot in a world; none is a site without a robot.
@@ -98,9 +132,7 @@ impl Site {
 
 impl Scenario {
     fn compile(plan: PlanText, office: &OfficeModel) -> Result<Self> {
-        let oracle = Oracle::new(office.simulator.clone(), 0);
-        let natives = [base_natives(), office::oracle_natives()].concat();
-        let library = library(natives, &oracle, &[])?;
+        let library = scenario_library(&Oracle::new(office.simulator.clone(), 0))?;
         let PlanText { name, text, mut folder } = plan;
         match library.load(&name, &text, &mut folder) {
             Ok(loaded) => Ok(Self { library, loaded }),
@@ -206,6 +238,14 @@ impl Robot {
         }
     }
 
+    /// Whether it does not know where it is.
+    pub fn is_lost(&self) -> bool {
+        match self {
+            Robot::Absent(_) => false,
+            Robot::Office(robot) => robot.estimate().certainty <= robot.model.settings.active.certainty,
+        }
+    }
+
     /// What it did so far.
     pub fn account(&self) -> Option<Account> {
         match self {
@@ -304,12 +344,21 @@ pub fn natives() -> Vec<Native> {
 }
 
 fn robot_library() -> Result<Arc<Library>> {
-    library(natives(), &RobotTables(NoRobot), &[("robot", office::PLANS)])
+    library(natives(), &RobotTables(NoRobot), &[("robot", office::PLANS)], RESERVED_NAMES)
 }
 
-fn library(natives: Vec<Native>, outside: &dyn Outside, plans: &[(&str, &str)]) -> Result<Arc<Library>> {
+fn scenario_library(oracle: &Oracle) -> Result<Arc<Library>> {
+    library([base_natives(), office::oracle_natives()].concat(), oracle, &[], &[])
+}
+
+fn library(
+    natives: Vec<Native>,
+    outside: &dyn Outside,
+    plans: &[(&str, &str)],
+    robot_names: &'static [&'static str],
+) -> Result<Arc<Library>> {
     let preludes = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
-    match Library::new(natives, &preludes, outside, ROBOT_NAMES) {
+    match Library::new(natives, &preludes, outside, robot_names) {
         Ok(library) => Ok(Arc::new(library)),
         Err(rejected) => bail!("the prelude does not compile, which is a fault of rpl\n{}", rejected.render(false)),
     }
@@ -335,5 +384,20 @@ pub fn world(name: &str) -> Result<World> {
             let names: Vec<&str> = World::builtin_names().collect();
             bail!("no world is called `{name}`; there are {}, and files that end in .toml", names.join(", "))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_of_the_robots_tables_is_reserved() {
+        let behaviours = BEHAVIOURS.iter().map(|behaviour| behaviour.name);
+        let valves = VALVES.iter().copied();
+        let fluents = FLUENTS.iter().map(|fluent| fluent.name);
+        let names: Vec<&str> = behaviours.chain(valves).chain(fluents).collect();
+        assert_eq!(names, RESERVED_NAMES);
+        assert!(names.iter().all(|name| ROBOT_NAMES.contains(name)));
     }
 }

@@ -76,6 +76,19 @@ fn check_tells_all_findings_and_says_when_there_are_none() {
 }
 
 #[test]
+fn every_example_is_free_of_errors() {
+    let listed = output(&["examples"]);
+    let names: Vec<&str> = stdout(&listed).lines().filter_map(|line| line.split_whitespace().next()).collect();
+    let is_scenario = |name: &&str| name.starts_with("scenarios/") || name.starts_with("experiments/");
+    let (scenarios, plans): (Vec<&str>, Vec<&str>) = names.into_iter().partition(is_scenario);
+    for found in
+        [output(&[&["check"], &plans[..]].concat()), output(&[&["check", "--scenario"], &scenarios[..]].concat())]
+    {
+        assert_eq!(status(&found), 0, "{}", stderr(&found));
+    }
+}
+
+#[test]
 fn exit_statuses_tell_how_a_plan_ended() {
     let folder = folder("statuses");
     let run = |name: &str, text: &str, more: &[&str]| {
@@ -154,6 +167,9 @@ fn a_closed_pipe_ends_quietly_and_runs_clean_ups() {
     drop(child.stdout.take());
     let found = child.wait_with_output().expect("it ends");
     assert_eq!((stderr(&found), status(&found)), ("", 0));
+    let trace = fs::read_to_string(trace).expect("the trace is there");
+    let last: Value = serde_json::from_str(trace.lines().last().unwrap_or_default()).expect("a whole object");
+    assert_eq!((&last["task"], &last["kind"], &last["state"]), (&"main".into(), &"end".into(), &"evaporated".into()));
 }
 
 #[cfg(unix)]
@@ -263,5 +279,5 @@ fn an_experiment_makes_a_table_however_many_jobs() {
     });
     assert_eq!(tables[0], tables[1]);
     assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
-    assert!(tables[0].contains("time [s]              90.00       0.00"), "{}", tables[0]);
+    assert!(tables[0].contains("time [s]                  6      90.00       0.00"), "{}", tables[0]);
 }

@@ -1,6 +1,6 @@
 //! Intervals and moments of a few numbers.
 
-/// Mean, standard deviation and range of some numbers.
+/// Mean, standard deviation, range and median of some numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Arithmetic mean.
@@ -9,6 +9,8 @@ pub struct Spread {
     pub deviation: f64,
     /// Smallest.
     pub min: f64,
+    /// The middle one, or the mean of the two in the middle.
+    pub median: f64,
     /// Largest.
     pub max: f64,
 }
@@ -23,9 +25,11 @@ impl Spread {
         let mean = numbers.iter().sum::<f64>() / count;
         let squares: f64 = numbers.iter().map(|number| (number - mean) * (number - mean)).sum();
         let deviation = if numbers.len() > 1 { (squares / (count - 1.0)).sqrt() } else { 0.0 };
-        let min = numbers.iter().copied().fold(f64::INFINITY, f64::min);
-        let max = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Some(Self { mean, deviation, min, max })
+        let mut ordered = numbers.to_vec();
+        ordered.sort_by(f64::total_cmp);
+        let (first, last) = (ordered[0], ordered[ordered.len() - 1]);
+        let median = (ordered[(ordered.len() - 1) / 2] + ordered[ordered.len() / 2]) / 2.0;
+        Some(Self { mean, deviation, min: first, median, max: last })
     }
 }
 
@@ -81,9 +85,10 @@ mod tests {
     #[test]
     fn the_spread_of_equal_numbers_is_nothing() {
         let spread = Spread::of(&[2.5; 4]).expect("there are numbers");
-        assert_eq!(spread, Spread { mean: 2.5, deviation: 0.0, min: 2.5, max: 2.5 });
+        assert_eq!(spread, Spread { mean: 2.5, deviation: 0.0, min: 2.5, median: 2.5, max: 2.5 });
         let spread = Spread::of(&[1.0, 3.0]).expect("there are numbers");
         assert_eq!((spread.mean, spread.deviation), (2.0, 2.0_f64.sqrt()));
+        assert_eq!(Spread::of(&[7.0, 1.0, 2.0]).map(|spread| spread.median), Some(2.0));
         assert_eq!(Spread::of(&[]), None);
     }
 }

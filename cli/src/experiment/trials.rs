@@ -11,8 +11,9 @@ pub struct Trial {
     pub seed: u64,
     /// Whether the plan succeeded.
     pub succeeded: bool,
-    /// What was measured: name with unit, and value; the same names in every run.
-    pub measures: Vec<(&'static str, f64)>,
+    /// What was measured: name with unit, and value, if there was anything to measure in this run;
+    /// the same names in every run.
+    pub measures: Vec<(&'static str, Option<f64>)>,
 }
 
 /// One result for each seed, in the order of the seeds however the threads were scheduled.
@@ -63,16 +64,22 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
             100.0 * low,
             100.0 * high
         ),
-        format!("{:16} {:>10} {:>10} {:>10} {:>10}", "", "mean", "deviation", "min", "max"),
+        format!(
+            "{:20} {:>6} {:>10} {:>10} {:>10} {:>10} {:>10}",
+            "", "runs", "mean", "deviation", "min", "median", "max"
+        ),
     ];
     let names: Vec<&str> =
         trials.first().map_or(Vec::new(), |trial| trial.measures.iter().map(|&(name, _)| name).collect());
     for (at, name) in names.into_iter().enumerate() {
         let numbers: Vec<f64> =
-            trials.iter().filter_map(|trial| trial.measures.get(at)).map(|&(_, value)| value).collect();
+            trials.iter().filter_map(|trial| trial.measures.get(at)).filter_map(|&(_, value)| value).collect();
         if let Some(spread) = Spread::of(&numbers) {
-            let Spread { mean, deviation, min, max } = spread;
-            lines.push(format!("{name:16} {mean:>10.2} {deviation:>10.2} {min:>10.2} {max:>10.2}"));
+            let Spread { mean, deviation, min, median, max } = spread;
+            let count = numbers.len();
+            lines.push(format!(
+                "{name:20} {count:>6} {mean:>10.2} {deviation:>10.2} {min:>10.2} {median:>10.2} {max:>10.2}"
+            ));
         }
     }
     let failed: Vec<String> =
@@ -103,9 +110,9 @@ mod tests {
     #[test]
     fn the_table_counts_successes_and_names_failed_seeds() {
         let trial = |seed, succeeded, time_s| Trial { seed, succeeded, measures: vec![("time [s]", time_s)] };
-        let text = table("rotated", &[trial(1, true, 10.0), trial(2, false, 30.0)]);
-        assert!(text.contains("succeeded 1 of 2: 50.0 %"), "{text}");
-        assert!(text.contains("time [s]              20.00"), "{text}");
+        let text = table("rotated", &[trial(1, true, Some(10.0)), trial(2, false, Some(30.0)), trial(3, true, None)]);
+        assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
+        assert!(text.contains("time [s]                  2      20.00"), "{text}");
         assert!(text.ends_with("failed with seed 2"), "{text}");
     }
 }

@@ -32,8 +32,10 @@ impl Compiler<'_> {
         }
     }
 
+    /// Whether the name is the robot's and there is a robot; without one it is free.
     fn is_robot_name(&self, name: Symbol) -> bool {
-        self.robot_names.contains(&self.symbols.name(name))
+        let is_defined = self.program.names.get(&name).is_some_and(|&global| self.is_library(global));
+        is_defined && self.robot_names.contains(&self.symbols.name(name))
     }
 
     pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<Function>) {
