@@ -85,8 +85,20 @@ pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>) -> St
     let mut parts = vec![format!("{:.1} s", machine.now_s())];
     parts.extend(doing.map(str::to_string));
     parts.extend(sight.map(|sight| format!("certainty {:.2}", sight.certainty)));
-    parts.extend(task.or_else(|| waiting_leaf(machine)).map(|task| machine.path(task)));
+    parts.extend(task.or_else(|| waiting_leaf(machine)).map(|task| shortened(&machine.path(task))));
     parts.join("  ")
+}
+
+/// The end of a path, which says most about where the plan is.
+fn shortened(path: &str) -> String {
+    const LONGEST: usize = 44;
+    let fits = |tail: &&str| tail.chars().count() <= LONGEST;
+    let tails = path.match_indices('/').map(|(slash, _)| &path[slash + 1..]);
+    match std::iter::once(path).chain(tails).find(fits) {
+        Some(whole) if whole.len() == path.len() => whole.to_string(),
+        Some(tail) => format!("…/{tail}"),
+        None => path.to_string(),
+    }
 }
 
 fn waiting_leaf(machine: &Machine) -> Option<u32> {
@@ -113,6 +125,13 @@ mod tests {
         assert_eq!(lines(&[loss], true), ["12.4 s  certainty 0.31 – position lost"]);
         assert_eq!(lines(&both[1..], true), ["12.4 s  relocalizing"]);
         assert!(lines(&[relocalization], false).is_empty());
+    }
+
+    #[test]
+    fn a_long_path_keeps_its_end() {
+        assert_eq!(shortened("main/tidy"), "main/tidy");
+        let path = "main/with-policy[1]/bring/go-to/with-policy[1]/navigation";
+        assert_eq!(shortened(path), "…/bring/go-to/with-policy[1]/navigation");
     }
 
     #[test]

@@ -28,7 +28,6 @@ use clap::{CommandFactory, Parser, Subcommand};
 use console::Console;
 use status::Status;
 use std::io;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Reactive plans, and a robot that carries them out
@@ -61,14 +60,7 @@ enum Command {
         expression: String,
     },
     /// Lists the worlds, or shows one
-    Worlds {
-        /// A built-in world, or a .toml file
-        #[arg(value_name = "NAME")]
-        name: Option<String>,
-        /// Draws the world into this file
-        #[arg(long, value_name = "FILE", requires = "name")]
-        svg: Option<PathBuf>,
-    },
+    Worlds(worlds::Arguments),
     /// Lists the built-in plans, or shows one
     Examples {
         /// A built-in plan
@@ -119,7 +111,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
         Command::Run(arguments) => run::run(arguments, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
         Command::Eval { expression } => eval::run(expression, console),
-        Command::Worlds { name, svg } => worlds::run(name.as_deref(), svg.as_deref(), console),
+        Command::Worlds(arguments) => worlds::run(arguments, console),
         Command::Examples { name } => examples::run(name.as_deref(), console),
         Command::Doc { name } => doc::run(name.as_deref(), console),
         Command::Experiment(arguments) => experiment::run(arguments, console),
