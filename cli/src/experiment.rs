@@ -21,7 +21,7 @@ use trials::{Trial, run_all, table};
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// An experiment, or a plan of your own
+    /// rotated, rotated-without-relocalization, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -55,13 +55,22 @@ struct Experiment {
     goal: &'static str,
 }
 
-const EXPERIMENTS: &[Experiment] = &[Experiment {
-    name: "rotated",
-    plan: "delivery.rpl",
-    world: "dept",
-    scenario: "experiments/rotated.rpl",
-    goal: "wolframs-shelf",
-}];
+const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        name: "rotated",
+        plan: "delivery.rpl",
+        world: "dept",
+        scenario: "experiments/rotated.rpl",
+        goal: "wolframs-shelf",
+    },
+    Experiment {
+        name: "rotated-without-relocalization",
+        plan: "experiments/no-relocalization.rpl",
+        world: "dept",
+        scenario: "experiments/rotated.rpl",
+        goal: "wolframs-shelf",
+    },
+];
 
 /// How near to the goal the robot must really be.
 const AT_GOAL_M: f64 = 0.5;

@@ -79,7 +79,7 @@ fn check_tells_all_findings_and_says_when_there_are_none() {
 fn every_example_is_free_of_errors() {
     let listed = output(&["examples"]);
     let names: Vec<&str> = stdout(&listed).lines().filter_map(|line| line.split_whitespace().next()).collect();
-    let is_scenario = |name: &&str| name.starts_with("scenarios/") || name.starts_with("experiments/");
+    let is_scenario = |name: &&str| name.starts_with("scenarios/") || *name == "experiments/rotated.rpl";
     let (scenarios, plans): (Vec<&str>, Vec<&str>) = names.into_iter().partition(is_scenario);
     for found in
         [output(&[&["check"], &plans[..]].concat()), output(&[&["check", "--scenario"], &scenarios[..]].concat())]
