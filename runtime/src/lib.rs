@@ -21,6 +21,7 @@ mod macro_host;
 pub mod native;
 pub mod natives;
 pub mod print;
+pub mod save;
 pub mod scheduler;
 pub mod slab;
 pub mod system;

@@ -5,6 +5,7 @@ use crate::datum::{self, Origins};
 use crate::failure::Raise;
 use crate::library::{Library, Loaded, has_error};
 use crate::machine::{Machine, Surroundings};
+use crate::save::Base;
 use crate::scheduler::Alarm;
 use crate::task::{Leaving, NONE, State, Wake};
 use crate::tree::is_current;
@@ -52,30 +53,10 @@ pub struct System<O> {
     pub outside: O,
     /// What the program was compiled with.
     pub library: Arc<Library>,
-    /// How much of the program was there at the start.
-    pub(crate) base: ProgramSize,
+    /// The program it started from.
+    pub(crate) base: Arc<Base>,
     /// When the robot's next step is due.
     pub(crate) next_step_us: u64,
-}
-
-/// Sizes of a program's tables.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ProgramSize {
-    pub(crate) codes: usize,
-    pub(crate) constants: usize,
-    pub(crate) globals: usize,
-    pub(crate) sources: usize,
-}
-
-impl ProgramSize {
-    pub(crate) fn of(program: &Program) -> Self {
-        Self {
-            codes: program.codes.len(),
-            constants: program.constants.len(),
-            globals: program.globals.len(),
-            sources: program.sources.len(),
-        }
-    }
 }
 
 /// Width at which plans made at run time are printed for their errors.
@@ -95,7 +76,7 @@ impl<O: Outside> System<O> {
                 machine.define_system_fluent(global, name, Value::Nil);
             }
         }
-        let base = ProgramSize::of(&program);
+        let base = Arc::new(Base::new(program.clone()));
         let mut system = Self { program, units: Arc::default(), machine, outside, library, base, next_step_us: 0 };
         system.step_robot();
         let program = system.program.clone();
@@ -116,6 +97,16 @@ impl<O: Outside> System<O> {
         self.outside.step(&mut outbox);
         self.next_step_us = self.machine.now_us + period;
         self.with_machine(|machine, around| machine.apply_outbox(around, outbox));
+    }
+
+    /// A second run from here on. The two share code and nothing else: each goes on as if it were
+    /// alone, and the same steps give the same trace. Cost: a copy of the state.
+    #[must_use]
+    pub fn fork(&self) -> Self
+    where
+        O: Clone,
+    {
+        self.clone()
     }
 
     /// Runs one ready task until it blocks; tells whether there was one.
@@ -139,11 +130,18 @@ impl<O: Outside> System<O> {
         if self.outcome().is_some() {
             return Progress::Ended;
         }
+        self.next_instant();
+        self.settle();
+        if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
+    }
+
+    /// Moves the clock to the next timer or robot step and lets that take effect, while all tasks
+    /// are blocked; no task runs yet. If nothing can come any more, the main task fails.
+    pub fn next_instant(&mut self) {
         match self.next_instant_us() {
             Some(next_us) => self.enter_instant(next_us),
             None => self.fail_deadlocked(),
         }
-        if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
     }
 
     /// Goes through all instants up to a time, as long as the main task lives.
@@ -154,6 +152,7 @@ impl<O: Outside> System<O> {
             && next_us <= time_us
         {
             self.enter_instant(next_us);
+            self.settle();
         }
     }
 
@@ -172,7 +171,6 @@ impl<O: Outside> System<O> {
             self.step_robot();
         }
         self.fire_timers();
-        self.settle();
     }
 
     fn fire_timers(&mut self) {

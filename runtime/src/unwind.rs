@@ -65,13 +65,13 @@ impl Machine {
         self.tasks[task].wake = Wake::Nothing;
         self.defer_stop(task);
         self.tasks[task].leaving = Some(Box::new(leaving));
-        // Neither ready nor blocked while it is looked at: `unwind` decides which.
-        self.tasks[task].state = State::Blocked;
         self.unwind(around, task);
     }
 
     /// Goes on with the departure of a task that is not running, as far as that needs no code.
     pub(crate) fn unwind(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        // Not blocked meanwhile: the death of a child on the way must not start this again.
+        self.tasks[task].state = State::Running;
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || match self.unwind_step(around, task, false) {
             Unwound::Land(_) => self.make_ready(task),
             Unwound::Waiting | Unwound::Dead => {}
