@@ -68,8 +68,18 @@ const MAX_SHARED_TEXT: usize = 1 << 16;
 impl<O: Outside> System<O> {
     /// A run at its start: the robot has made one step, no form has run.
     pub fn new(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, false)
+    }
+
+    /// The same with the trace switched on from the first event.
+    pub fn traced(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, true)
+    }
+
+    fn start(library: Arc<Library>, loaded: Loaded, outside: O, traced: bool) -> Self {
         let Loaded { program, symbols, main, .. } = loaded;
         let mut machine = Machine::new(&program, symbols);
+        machine.trace.enabled = traced;
         for fluent in outside.fluents() {
             let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
             if let Some((name, global)) = known {
@@ -157,7 +167,7 @@ impl<O: Outside> System<O> {
     }
 
     /// When something happens next: a timer is due, or the robot makes a step.
-    fn next_instant_us(&mut self) -> Option<u64> {
+    pub fn next_instant_us(&mut self) -> Option<u64> {
         let tasks = &self.machine.tasks;
         let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
         let step = self.outside.period_us().map(|_| self.next_step_us);
