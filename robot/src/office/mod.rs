@@ -10,6 +10,7 @@ mod board;
 mod host;
 mod natives;
 mod plan_text;
+mod save;
 mod scenario;
 
 pub use behaviours::{BEHAVIOURS, FLUENTS, VALVES};
@@ -39,7 +40,7 @@ pub const ROBOT_NAMES: &[&str] = &[
     "navigation", "active-localization", "position-tracking", "gripper", "wheels", "arm", "x*", "y*", "o*",
     "pos-certainty*", "navigation-active?*", "nr-of-nav-goals*", "travel-mode*", "region*", "speed*", "bumped?*",
     "holding*", "place", "place-pose", "at-destination?", "generate-navigation-plan", "plan-remove-all-goals",
-    "set-travel-mode", "region-of", "distance-to", "belief-maxima", "go-to", "pick-up", "put-down", "deliver",
+    "set-travel-mode", "doubt-position", "region-of", "distance-to", "belief-maxima", "go-to", "pick-up", "put-down", "deliver",
     "relocalize-when-necessary",
 ];
 

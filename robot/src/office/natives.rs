@@ -26,6 +26,7 @@ pub fn natives() -> Vec<Native> {
         look("generate-navigation-plan", "place", "A plan, as data, that drives from the estimated position to a place.", generate as _),
         look("belief-maxima", "&optional count", "Local maxima of the belief: lists (x y heading mass), the heaviest first.", belief_maxima as _),
         act("plan-remove-all-goals", "", "Deletes all target points of the navigation this task or one below it has started.", remove_all_goals as _),
+        act("doubt-position", "", "Gives up most of the belief about the position, in the next step: the estimate leads to a contradiction.", doubt_position as _),
         act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),
     ]
 }
@@ -131,6 +132,11 @@ fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     call.machine.remove_goals(call.around, NAVIGATION);
+    Ok(Reply::Value(Value::Nil))
+}
+
+fn doubt_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    robot(call)?.board.position_doubted = true;
     Ok(Reply::Value(Value::Nil))
 }
 
