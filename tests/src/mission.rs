@@ -99,7 +99,8 @@ fn compiled(library: &Library, name: &str, text: &str) -> Loaded {
 pub struct Mission {
     /// The world and what was built from it.
     pub model: Arc<OfficeModel>,
-    plan: Loaded,
+    /// The plan, compiled.
+    pub plan: Loaded,
     scenario: Option<Loaded>,
 }
 

@@ -120,17 +120,23 @@ impl Board {
 
     /// One step of all behaviours.
     pub(super) fn step(&mut self, model: &OfficeModel, percept: Percept, outbox: &mut Outbox) {
-        if std::mem::take(&mut self.position_doubted) {
-            self.localization.reset_for_relocalization(&model.localization);
-            outbox.events.push(("position doubted".into(), Vec::new()));
-        }
-        self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        self.track_position(model, &percept, outbox);
         self.drive_request = Speeds::default();
         self.localize_actively(model, &percept, outbox);
         self.navigate(model, &percept, outbox);
         self.grip(&percept, outbox);
         self.publish(model, &percept, outbox);
         self.percept = Some(percept);
+    }
+
+    /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
+    /// again before anybody has seen it uncertain.
+    fn track_position(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        if std::mem::take(&mut self.position_doubted) {
+            self.localization.reset_for_relocalization(&model.localization);
+            outbox.events.push(("position doubted".into(), Vec::new()));
+        }
     }
 
     fn estimate(&self, model: &OfficeModel) -> Estimate {
