@@ -62,12 +62,8 @@ fn blocks(document: &Document) -> Vec<Block> {
     for (number, line) in document.text.lines().enumerate() {
         match (&mut open, line.strip_prefix("```")) {
             (None, Some(info)) => {
-                open = Some(Block {
-                    info: info.to_string(),
-                    text: String::new(),
-                    line: number + 2,
-                    follows: only_blank,
-                });
+                open =
+                    Some(Block { info: info.to_string(), text: String::new(), line: number + 2, follows: only_blank });
             }
             (Some(_), Some("")) => {
                 blocks.extend(open.take());
@@ -259,7 +255,11 @@ fn the_tables_of_the_robot_are_those_of_the_code() {
         has_row(format!("| `{}` | {valve} | {} |", behaviour.name, behaviour.doc));
     }
     for native in office::natives().iter().chain(&office::oracle_natives()) {
-        has_row(format!("| `{}` | {} |", format!("({} {})", native.name, native.parameters).replace(" )", ")"), native.doc));
+        has_row(format!(
+            "| `{}` | {} |",
+            format!("({} {})", native.name, native.parameters).replace(" )", ")"),
+            native.doc
+        ));
     }
 }
 
