@@ -61,6 +61,8 @@ pub struct Board {
     gripper_task: Option<GripperTask>,
     gripper_command: GripperCommand,
     was_certain: bool,
+    /// A plan has reason to think the estimate is wrong; position tracking answers in the next step.
+    pub(super) position_doubted: bool,
     steps: u32,
 }
 
@@ -90,6 +92,7 @@ impl Board {
             gripper_task: None,
             gripper_command: GripperCommand::None,
             was_certain: model.settings.start_known,
+            position_doubted: false,
             steps: 0,
         }
     }
@@ -117,13 +120,23 @@ impl Board {
 
     /// One step of all behaviours.
     pub(super) fn step(&mut self, model: &OfficeModel, percept: Percept, outbox: &mut Outbox) {
-        self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        self.track_position(model, &percept, outbox);
         self.drive_request = Speeds::default();
         self.localize_actively(model, &percept, outbox);
         self.navigate(model, &percept, outbox);
         self.grip(&percept, outbox);
         self.publish(model, &percept, outbox);
         self.percept = Some(percept);
+    }
+
+    /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
+    /// again before anybody has seen it uncertain.
+    fn track_position(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        if std::mem::take(&mut self.position_doubted) {
+            self.localization.reset_for_relocalization(&model.localization);
+            outbox.events.push(("position doubted".into(), Vec::new()));
+        }
     }
 
     fn estimate(&self, model: &OfficeModel) -> Estimate {

@@ -10,6 +10,7 @@ mod board;
 mod host;
 mod natives;
 mod plan_text;
+mod save;
 mod scenario;
 
 pub use behaviours::{BEHAVIOURS, FLUENTS, VALVES};
@@ -59,6 +60,7 @@ pub const ROBOT_NAMES: &[&str] = &[
     "generate-navigation-plan",
     "plan-remove-all-goals",
     "set-travel-mode",
+    "doubt-position",
     "region-of",
     "distance-to",
     "belief-maxima",

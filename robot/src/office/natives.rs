@@ -51,6 +51,12 @@ pub fn natives() -> Vec<Native> {
             "Deletes all target points of the navigation this task or one below it has started.",
             remove_all_goals as _,
         ),
+        act(
+            "doubt-position",
+            "",
+            "Gives up most of the belief about the position, in the next step: the estimate leads to a contradiction.",
+            doubt_position as _,
+        ),
         act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),
     ]
 }
@@ -154,6 +160,11 @@ fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     call.machine.remove_goals(call.around, NAVIGATION);
+    Ok(Reply::Value(Value::Nil))
+}
+
+fn doubt_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    robot(call)?.board.position_doubted = true;
     Ok(Reply::Value(Value::Nil))
 }
 

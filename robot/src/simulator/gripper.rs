@@ -3,6 +3,7 @@
 use super::settings::SimulatorSettings;
 use crate::geometry::{Point, Pose, distance_m};
 use crate::random::Stream;
+use crate::world;
 use serde::{Deserialize, Serialize};
 
 /// What the gripper is asked to begin. It can be repeated while the gripper moves.
@@ -78,6 +79,11 @@ impl Default for Gripper {
 }
 
 impl Gripper {
+    pub(super) fn open_among(items: &[world::Item]) -> Self {
+        let lying = |item: &world::Item| Item { name: item.name.clone(), at: ItemPlace::Point(item.at) };
+        Self { phase: Phase::Open, items: items.iter().map(lying).collect() }
+    }
+
     /// The thing in the gripper.
     pub fn holding(&self) -> Option<&str> {
         self.items.iter().find(|item| item.at == ItemPlace::Held).map(|item| item.name.as_str())

@@ -87,7 +87,7 @@ impl SimulatorModel {
             objects_removed: vec![false; self.world.objects.len()],
             objects_added: Vec::new(),
             people: self.world.people.iter().map(Walker::new).collect(),
-            gripper: Gripper::default(),
+            gripper: Gripper::open_among(&self.world.items),
             sonars_fail_until_us: 0,
             touching: false,
             contacts: Contacts::default(),

@@ -4,7 +4,7 @@ use super::error::nearest;
 use super::parse::Placed;
 use super::read::{Reader, Table};
 use super::solid::Origin;
-use super::{Door, Object, Place, Rect, Room, Wall, World};
+use super::{Door, Item, Object, Place, Rect, Room, Wall, World};
 use crate::geometry::{Point, Pose, Vector};
 use std::ops::Range;
 
@@ -96,6 +96,33 @@ pub(super) fn inside(
     }
     for place in places {
         point(format!("the place `{}`", place.value.name), "pose", place.value.pose_in_map.point(), &place.table);
+    }
+}
+
+/// No two things share a name, and a plan can write each: symbols fold to lower case.
+pub(super) fn item_names(reader: &mut Reader, items: &[Placed<'_, '_, Item>]) {
+    for (index, item) in items.iter().enumerate() {
+        let name = &item.value.name;
+        if items[..index].iter().any(|earlier| earlier.value.name == *name) {
+            let message = format!("the item `{name}` has the name of an item above");
+            reader.note(item.table.span_of("name"), "name", message, "give each item a name of its own");
+        }
+        let folded = name.to_lowercase();
+        if folded != *name {
+            let message = format!("no plan can name the item `{name}`: plans know lower case only");
+            reader.note(item.table.span_of("name"), "name", message, format!("write \"{folded}\""));
+        }
+    }
+}
+
+/// Things lie within the world.
+pub(super) fn items_inside(reader: &mut Reader, size_m: Vector, items: &[Placed<'_, '_, Item>]) {
+    let bounds = Rect { min: Point::origin(), max: Point::from(size_m) };
+    for item in items.iter().filter(|item| !bounds.contains(item.value.at)) {
+        let Item { name, at } = &item.value;
+        let message = format!("the item `{name}` is at ({}, {}), outside the world", at.x, at.y);
+        let help = format!("the world reaches from (0, 0) to ({}, {})", size_m.x, size_m.y);
+        reader.note(item.table.span_of("at"), "at", message, help);
     }
 }
 

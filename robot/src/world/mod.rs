@@ -166,6 +166,15 @@ pub struct Person {
     pub speed_mps: f64,
 }
 
+/// A thing that can be carried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Item {
+    /// Its name, as plans use it.
+    pub name: String,
+    /// Where it lies at the start.
+    pub at: Point,
+}
+
 /// A world file, read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct World {
@@ -189,4 +198,6 @@ pub struct World {
     pub regions: Vec<Region>,
     /// People.
     pub people: Vec<Person>,
+    /// Things that can be carried.
+    pub items: Vec<Item>,
 }

@@ -2,7 +2,7 @@
 
 use super::check;
 use super::read::{Reader, Table};
-use super::{Door, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
+use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
 use crate::geometry::{Point, Vector};
 use toml::de::DeTable;
 
@@ -13,7 +13,8 @@ const WALL_THICKNESS_M: f64 = 0.15;
 const LARGEST_M: f64 = 1000.0;
 
 /// The keys at the top of a world file.
-const WORLD_KEYS: [&str; 10] = ["name", "size", "start", "wall", "room", "door", "object", "place", "region", "person"];
+const WORLD_KEYS: [&str; 11] =
+    ["name", "size", "start", "wall", "room", "door", "object", "place", "region", "person", "item"];
 
 /// Something read, and the table it stands in.
 pub(super) struct Placed<'t, 'i, T> {
@@ -57,11 +58,14 @@ fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World>
     let places = read_all(reader, top, "place", read_place);
     let regions = read_all(reader, top, "region", read_region);
     let people = read_all(reader, top, "person", read_person);
+    let items = read_all(reader, top, "item", read_item);
 
     check::names(reader, &rooms, &places);
+    check::item_names(reader, &items);
     check::doors(reader, &doors, &rooms, &walls);
     if let Some(size_m) = size_m {
         check::inside(reader, size_m, start.as_ref(), &doors, &objects, &places);
+        check::items_inside(reader, size_m, &items);
     }
     let world = World {
         name: name?,
@@ -74,6 +78,7 @@ fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World>
         places: values(places),
         regions: values(regions),
         people: values(people),
+        items: values(items),
     };
     check::start_is_free(reader, &world, top.span_of("start"));
     Some(world)
@@ -192,4 +197,11 @@ fn read_person<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Per
     let path = reader.points(table, "path", 2, "[[2.0, 3.0], [6.0, 3.0]]");
     let speed_mps = reader.size(table, "speed", false, "0.8");
     Some(Person { path: path?, speed_mps: speed_mps? })
+}
+
+fn read_item<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Item> {
+    reader.only_keys(table, &["name", "at"]);
+    let name = reader.text(table, "name", "\"mail\"");
+    let at = reader.point(table, "at", "[2.0, 3.0]");
+    Some(Item { name: name?, at: at? })
 }

@@ -95,6 +95,24 @@ fn names_must_fit_together() {
 }
 
 #[test]
+fn items_lie_within_the_world_under_names_of_their_own() {
+    let item = |name: &str, x: f64| format!("[[item]]\nname = \"{name}\"\nat = [{x}, 1.0]\n");
+    let world = World::parse(&format!("{SMALL}{}", item("cup", 1.0)), "w.toml").expect("fine");
+    assert_eq!(world.items, [Item { name: "cup".into(), at: Point::new(1.0, 1.0) }]);
+    let found = faults(&format!("{SMALL}{}{}{}", item("cup", 1.0), item("cup", 9.0), item("Key", 1.0)));
+    assert_eq!(
+        found,
+        [
+            "8:8 name: the item `cup` has the name of an item above",
+            "9:6 at: the item `cup` is at (9, 1), outside the world",
+            "11:8 name: no plan can name the item `Key`: plans know lower case only",
+        ]
+    );
+    let found = faults(&format!("{SMALL}{}", item("cup", 1.0).replace("at =", "att =")));
+    assert_eq!(found, ["4:1 at: [[item]] has no `at`", "6:1 att: unknown key `att`, did you mean `at`?"]);
+}
+
+#[test]
 fn text_that_is_not_toml_has_a_place() {
     let found = faults("name = \"w\nsize = [4.0, 3.0]\n");
     assert!(found[0].starts_with("1:"), "{found:?}");

@@ -1,0 +1,104 @@
+//! The robot's part of a saved run: everything that changes, and beside it what it belongs to.
+
+use super::{Board, OfficeRobot, Oracle};
+use crate::active::ActiveParameters;
+use crate::localization::LocalizationParameters;
+use crate::simulator::SimulatorState;
+use crate::world::World;
+use rpl_runtime::library::Loaded;
+use rpl_runtime::save::SaveOutside;
+use rpl_runtime::system::System;
+use serde::{Deserialize, Serialize};
+
+/// What the state belongs to: grids, doors and objects are counted by it, so a state is taken over
+/// only where it is the same.
+#[derive(Serialize, Deserialize, PartialEq)]
+struct Setting {
+    world: World,
+    localization: LocalizationParameters,
+    active: ActiveParameters,
+}
+
+impl Setting {
+    fn of(robot: &OfficeRobot) -> Self {
+        let settings = &robot.model.settings;
+        Self {
+            world: World::clone(&robot.model.world),
+            localization: settings.localization.clone(),
+            active: settings.active.clone(),
+        }
+    }
+}
+
+type Deeds = Vec<(String, Vec<(String, String)>)>;
+
+fn written(value: &impl Serialize) -> Vec<u8> {
+    match postcard::to_allocvec(value) {
+        Ok(bytes) => bytes,
+        Err(error) => unreachable!("every length is known: {error}"),
+    }
+}
+
+fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
+    postcard::from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
+}
+
+impl SaveOutside for OfficeRobot {
+    fn save(&self) -> Vec<u8> {
+        let scenario = self.host.scenario.as_ref().map(|scenario| scenario.save());
+        let setting = written(&Setting::of(self));
+        written(&(setting, &self.board, &self.host.state, scenario))
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let (setting, rest): (Vec<u8>, &[u8]) =
+            postcard::take_from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))?;
+        let setting: Setting = read(&setting)?;
+        let here = Setting::of(self);
+        if setting.world != here.world {
+            let (there, here) = (setting.world.name, here.world.name);
+            return Err(format!(
+                "the run was saved in the world `{there}`, which is not the world `{here}` as it is now"
+            ));
+        }
+        if setting != here {
+            return Err("the run was saved with other settings of localization".into());
+        }
+        let (board, state, scenario): (Board, SimulatorState, Option<Vec<u8>>) = read(rest)?;
+        if !self.host.model.fits(&state) {
+            return Err("its state does not fit the world".into());
+        }
+        self.host.scenario = match (scenario, self.host.scenario.take()) {
+            (None, None) => None,
+            (Some(bytes), Some(fresh)) => Some(Box::new(restored(&bytes, *fresh)?)),
+            (Some(_), None) => return Err("the run was saved with a scenario, and there is none".into()),
+            (None, Some(_)) => return Err("the run was saved without a scenario, and there is one".into()),
+        };
+        self.host.state = state;
+        self.board = board;
+        Ok(())
+    }
+}
+
+/// A scenario carried on where it was; `fresh` is the same one at its start.
+fn restored(bytes: &[u8], fresh: System<Oracle>) -> Result<System<Oracle>, String> {
+    let symbols = fresh.machine.symbols.clone();
+    let loaded = Loaded { program: fresh.program, symbols, main: 0, warnings: Vec::new() };
+    System::load(bytes, fresh.library, loaded, fresh.outside).map_err(|error| format!("in the scenario, {error}"))
+}
+
+impl SaveOutside for Oracle {
+    fn save(&self) -> Vec<u8> {
+        written(&(&self.state, &self.deeds))
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let (state, deeds): (SimulatorState, Deeds) = read(bytes)?;
+        if !self.model.fits(&state) {
+            return Err("its state does not fit the world".into());
+        }
+        self.state = state;
+        self.deeds = deeds;
+        Ok(())
+    }
+}

@@ -1,0 +1,271 @@
+//! A plan on the office robot: library, world, scenario and seed put together.
+
+use rpl_lang::compile::NoFiles;
+use rpl_robot::localization::LocalizationParameters;
+use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
+use rpl_robot::world::World;
+use rpl_runtime::behaviour::Outside;
+use rpl_runtime::library::{Library, Loaded};
+use rpl_runtime::machine::Output;
+use rpl_runtime::native::Native;
+use rpl_runtime::system::{Outcome, Progress, System};
+use rpl_runtime::trace::{Event, EventKind};
+use rpl_runtime::value::Value;
+use std::sync::{Arc, OnceLock};
+
+/// Fluents that change with every step; a trace that told each change would tell nothing else.
+pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*"];
+
+/// How fine the grid of the belief is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// 30 cm and 6°: a step takes little time.
+    Coarse,
+    /// 15 cm and 2°, as users have it.
+    Full,
+}
+
+impl Grid {
+    /// Settings of a robot with this grid.
+    pub fn settings(self) -> OfficeSettings {
+        let localization = match self {
+            Grid::Coarse => LocalizationParameters::coarse(),
+            Grid::Full => LocalizationParameters::default(),
+        };
+        OfficeSettings { localization, ..OfficeSettings::default() }
+    }
+}
+
+/// The models of a world.
+pub fn model(world: World, settings: OfficeSettings) -> Arc<OfficeModel> {
+    let name = world.name.clone();
+    let model = OfficeModel::new(world, settings);
+    Arc::new(model.unwrap_or_else(|error| panic!("the world `{name}` has no models: {error}")))
+}
+
+/// The models of a built-in world.
+pub fn builtin(name: &str, grid: Grid) -> Arc<OfficeModel> {
+    let world = World::builtin(name).unwrap_or_else(|| panic!("there is no built-in world `{name}`"));
+    model(world, grid.settings())
+}
+
+/// The department on the coarse grid, built once.
+pub fn dept() -> Arc<OfficeModel> {
+    static MODEL: OnceLock<Arc<OfficeModel>> = OnceLock::new();
+    MODEL.get_or_init(|| builtin("dept", Grid::Coarse)).clone()
+}
+
+/// Two small rooms on the coarse grid, built once.
+pub fn test_room() -> Arc<OfficeModel> {
+    static MODEL: OnceLock<Arc<OfficeModel>> = OnceLock::new();
+    MODEL.get_or_init(|| builtin("test-room", Grid::Coarse)).clone()
+}
+
+fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) -> Arc<Library> {
+    let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives(), natives].concat();
+    let texts = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
+    match Library::new(natives, &texts, outside, &[]) {
+        Ok(library) => Arc::new(library),
+        Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),
+    }
+}
+
+fn robot_library() -> Arc<Library> {
+    static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
+    let compile = || {
+        let model = test_room();
+        let host = SimulatedHost::new(model.simulator.clone(), 0, None);
+        let robot = OfficeRobot::new(model, host, 0);
+        library(office::natives(), &[("robot plans", office::PLANS)], &robot)
+    };
+    LIBRARY.get_or_init(compile).clone()
+}
+
+fn scenario_library() -> Arc<Library> {
+    static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
+    let compile = || library(office::oracle_natives(), &[], &Oracle::new(test_room().simulator.clone(), 0));
+    LIBRARY.get_or_init(compile).clone()
+}
+
+fn compiled(library: &Library, name: &str, text: &str) -> Loaded {
+    match library.load(name, text, &mut NoFiles) {
+        Ok(loaded) => loaded,
+        Err(rejected) => panic!("{}", rejected.render(false)),
+    }
+}
+
+/// A plan, the world it runs in, and the experimenter's plan beside it.
+#[derive(Clone)]
+pub struct Mission {
+    /// The world and what was built from it.
+    pub model: Arc<OfficeModel>,
+    /// The plan, compiled.
+    pub plan: Loaded,
+    scenario: Option<Loaded>,
+}
+
+impl Mission {
+    /// A plan in a world.
+    pub fn new(model: Arc<OfficeModel>, plan: &str) -> Self {
+        Self { model, plan: compiled(&robot_library(), "plan.rpl", plan), scenario: None }
+    }
+
+    /// With a scenario beside it.
+    #[must_use]
+    pub fn with_scenario(mut self, text: &str) -> Self {
+        self.scenario = Some(compiled(&scenario_library(), "scenario.rpl", text));
+        self
+    }
+
+    /// The robot at the start.
+    pub fn robot(&self, seed: u64) -> OfficeRobot {
+        let scenario = self.scenario.clone().map(|loaded| {
+            let oracle = Oracle::new(self.model.simulator.clone(), seed);
+            let mut scenario = System::new(scenario_library(), loaded, oracle);
+            scenario.machine.seed_random(seed);
+            scenario
+        });
+        let host = SimulatedHost::new(self.model.simulator.clone(), seed, scenario);
+        OfficeRobot::new(self.model.clone(), host, seed)
+    }
+
+    /// The run at its start, with its trace switched on.
+    pub fn start(&self, seed: u64) -> System<OfficeRobot> {
+        self.start_with(self.robot(seed), seed)
+    }
+
+    /// The run at its start, with a robot that was changed.
+    pub fn start_with(&self, robot: OfficeRobot, seed: u64) -> System<OfficeRobot> {
+        let mut system = System::new(robot_library(), self.plan.clone(), robot);
+        system.machine.seed_random(seed);
+        system.machine.trace.enabled = true;
+        system.machine.trace.quiet = CONTINUOUS_FLUENTS
+            .iter()
+            .map(|name| match fluent(&system, name) {
+                Value::Fluent(fluent) => fluent,
+                _ => panic!("the robot has no fluent `{name}`"),
+            })
+            .collect();
+        system
+    }
+
+    /// A run read back from its saved bytes, as another process would.
+    pub fn load(&self, bytes: &[u8], seed: u64) -> System<OfficeRobot> {
+        match System::load(bytes, robot_library(), self.plan.clone(), self.robot(seed)) {
+            Ok(system) => system,
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// Runs to the end, or to a time.
+    pub fn run(&self, seed: u64, until_s: f64) -> Run {
+        let mut system = self.start(seed);
+        system.run_until((until_s * 1e6) as u64);
+        Run::of(system)
+    }
+}
+
+fn fluent(system: &System<OfficeRobot>, name: &str) -> Value {
+    let global = system.machine.symbols.find(name).and_then(|name| system.program.names.get(&name));
+    global.map_or(Value::Unbound, |&global| system.machine.globals[global as usize])
+}
+
+/// The value of a robot's fluent, as it could be read.
+pub fn fluent_text(system: &System<OfficeRobot>, name: &str) -> String {
+    match fluent(system, name) {
+        Value::Fluent(fluent) => system.machine.write(&system.program, system.machine.fluents[fluent].value),
+        _ => panic!("there is no fluent `{name}`"),
+    }
+}
+
+/// Goes on until something is true of the run, or it ends; tells whether it became true.
+pub fn run_until(
+    system: &mut System<OfficeRobot>,
+    until_s: f64,
+    mut stop: impl FnMut(&mut System<OfficeRobot>) -> bool,
+) -> bool {
+    while system.machine.now_s() < until_s {
+        if stop(system) {
+            return true;
+        }
+        if system.advance() == Progress::Ended {
+            return stop(system);
+        }
+    }
+    false
+}
+
+/// What came of a run.
+pub struct Run {
+    /// The run as it stands.
+    pub system: System<OfficeRobot>,
+    /// Its trace.
+    pub events: Vec<Event>,
+    /// What it printed and logged.
+    pub output: Vec<String>,
+}
+
+impl Run {
+    /// Takes trace and output out of a run.
+    pub fn of(mut system: System<OfficeRobot>) -> Self {
+        let events = system.machine.trace.take();
+        let text = |output| match output {
+            Output::Print(text) => text,
+            Output::Log(text) => format!("log: {text}"),
+        };
+        let output = std::mem::take(&mut system.machine.output).into_iter().map(text).collect();
+        Self { system, events, output }
+    }
+
+    /// Its value or failure, in one line.
+    pub fn outcome(&self) -> String {
+        let (machine, program) = (&self.system.machine, &self.system.program);
+        match self.system.outcome() {
+            Some(Outcome::Succeeded(value)) => format!("=> {}", machine.write(program, value)),
+            Some(Outcome::Failed(failure)) => format!("failed: {}", machine.show(program, failure)),
+            Some(Outcome::Evaporated) => "evaporated".to_string(),
+            None => "still running".to_string(),
+        }
+    }
+
+    /// The trace, one event a line.
+    pub fn trace(&self) -> String {
+        lines(&self.events)
+    }
+
+    /// The place in the trace, from an event on, of the next one for which this holds.
+    ///
+    /// # Panics
+    /// If there is none: the message tells what was looked for and what is there.
+    pub fn find(&self, from: usize, what: &str, mut holds: impl FnMut(&Event) -> bool) -> usize {
+        let found = self.events[from.min(self.events.len())..].iter().position(&mut holds);
+        match found {
+            Some(offset) => from + offset,
+            None => {
+                let rest = lines(&self.events[from.min(self.events.len())..]);
+                let rest: String = rest.chars().take(20_000).collect();
+                panic!("{what} is not in the trace after event {from}; {}\n{rest}", self.outcome())
+            }
+        }
+    }
+
+    /// How many events are like this.
+    pub fn count(&self, mut holds: impl FnMut(&Event) -> bool) -> usize {
+        self.events.iter().filter(|event| holds(event)).count()
+    }
+}
+
+/// Events as text, one a line.
+pub fn lines(events: &[Event]) -> String {
+    events.iter().map(|event| format!("{event}\n")).collect()
+}
+
+/// A detail of an event, empty if it has none of the name.
+pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
+    event.details.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value)
+}
+
+/// Whether an event is of a kind and has these details.
+pub fn is(event: &Event, kind: EventKind, details: &[(&str, &str)]) -> bool {
+    event.kind == kind && details.iter().all(|(name, value)| detail(event, name) == *value)
+}

@@ -1,0 +1,12 @@
+//! Plans on the simulated office robot, from text to trace.
+
+mod behaviours;
+mod delivery;
+mod determinism;
+mod doubt;
+mod examples;
+mod interruption;
+mod policies;
+mod save;
+mod stop;
+mod world;
