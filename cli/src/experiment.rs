@@ -5,23 +5,25 @@ mod trials;
 
 use crate::console::Console;
 use crate::drive::{Ending, Mark, Pace, Records, drive};
-use crate::files;
+use crate::files::{self, PlanText};
 use crate::mission::{self, Robot, Site};
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressDrawTarget};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rpl_lang::suggest::suggest;
 use rpl_robot::geometry::Pose;
+use rpl_robot::localization::LocalizationParameters;
+use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::{Outcome, System};
 use std::io::IsTerminal;
 use std::num::NonZero;
-use trials::{Trial, run_all, table};
+use trials::{Trial, comparison, run_all, table};
 
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// rotated, rotated-without-relocalization, or a plan of your own
+    /// `rotated`, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -44,33 +46,40 @@ pub struct Arguments {
     until: u64,
 }
 
-/// An experiment with a name.
-#[derive(Clone, Copy)]
+/// An experiment with a name: a mission, and what it is compared with.
 struct Experiment {
     name: &'static str,
-    plan: &'static str,
     world: &'static str,
-    scenario: &'static str,
     /// Where the robot must really be at the end.
     goal: &'static str,
+    /// The first is the experiment itself.
+    rows: &'static [Row],
 }
 
-const EXPERIMENTS: &[Experiment] = &[
-    Experiment {
-        name: "rotated",
-        plan: "delivery.rpl",
-        world: "dept",
-        scenario: "experiments/rotated.rpl",
-        goal: "wolframs-shelf",
-    },
-    Experiment {
-        name: "rotated-without-relocalization",
-        plan: "experiments/no-relocalization.rpl",
-        world: "dept",
-        scenario: "experiments/rotated.rpl",
-        goal: "wolframs-shelf",
-    },
-];
+/// One row of a table.
+#[derive(Clone, Copy)]
+struct Row {
+    name: &'static str,
+    plan: &'static str,
+    scenario: Option<&'static str>,
+    /// Whether the filter follows the papers' equations to the letter.
+    literal: bool,
+}
+
+const ROTATED: Row =
+    Row { name: "rotated", plan: "delivery.rpl", scenario: Some("experiments/rotated.rpl"), literal: false };
+
+const EXPERIMENTS: &[Experiment] = &[Experiment {
+    name: "rotated",
+    world: "dept",
+    goal: "wolframs-shelf",
+    rows: &[
+        ROTATED,
+        Row { name: "undisturbed", scenario: None, ..ROTATED },
+        Row { name: "no relocalization", plan: "experiments/no-relocalization.rpl", ..ROTATED },
+        Row { name: "literal equations", literal: true, ..ROTATED },
+    ],
+}];
 
 /// How near to the goal the robot must really be.
 const AT_GOAL_M: f64 = 0.5;
@@ -84,9 +93,41 @@ const WRONG_ESTIMATE_M: f64 = 1.0;
 /// No experiment or plan has the name, or the plan's text is wrong.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == arguments.name);
-    let plan_name = experiment.map_or(arguments.name.as_str(), |experiment| experiment.plan);
-    let world = arguments.world.as_deref().or(experiment.map(|experiment| experiment.world));
-    let plan = files::plan(plan_name).map_err(|error| {
+    let Some(experiment) = experiment else {
+        let trials = own_plan(arguments, console)?;
+        console.print(&table(&arguments.name, &trials))?;
+        return Ok(status(&trials));
+    };
+    let world = mission::world(arguments.world.as_deref().unwrap_or(experiment.world))?;
+    let goal = Some(world.place(experiment.goal)?.pose_in_map);
+    let mut rows = Vec::new();
+    for row in experiment.rows {
+        let scenario_name = row.scenario.map(|scenario| arguments.scenario.as_deref().unwrap_or(scenario));
+        let scenario = scenario_name.map(files::scenario).transpose()?;
+        let settings = settings(row.literal);
+        let site = Site::new(Some(world.clone()), scenario, settings)?;
+        let trials = all_trials(arguments, console, &site, &files::plan(row.plan)?, goal, row.name)?;
+        rows.push((row.name, trials));
+    }
+    let (name, trials) = &rows[0];
+    console.print(&table(name, trials))?;
+    console.print("")?;
+    console.print(&comparison(&rows))?;
+    Ok(status(&rows[0].1))
+}
+
+fn status(trials: &[Trial]) -> Status {
+    if trials.iter().all(|trial| trial.succeeded) { Status::Succeeded } else { Status::Failed }
+}
+
+fn settings(literal: bool) -> OfficeSettings {
+    let localization = if literal { LocalizationParameters::literal() } else { LocalizationParameters::default() };
+    OfficeSettings { localization, ..OfficeSettings::default() }
+}
+
+/// A plan of the user's own, over seeds.
+fn own_plan(arguments: &Arguments, console: &mut Console) -> Result<Vec<Trial>> {
+    let plan = files::plan(&arguments.name).map_err(|error| {
         // Somebody may have meant an experiment and not a plan.
         match suggest(&arguments.name, EXPERIMENTS.iter().map(|known| known.name)) {
             Some(meant) => {
@@ -95,37 +136,47 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             None => error,
         }
     })?;
-    let world = world.map(mission::world).transpose()?;
-    let scenario_name = arguments.scenario.as_deref().or(experiment.map(|experiment| experiment.scenario));
-    let scenario = scenario_name.map(files::scenario).transpose()?;
-    let goal = match (experiment, &world) {
-        (Some(experiment), Some(world)) => Some(world.place(experiment.goal)?.pose_in_map),
-        _ => None,
-    };
-    let site = Site::new(world, scenario)?;
+    let world = arguments.world.as_deref().map(mission::world).transpose()?;
+    let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
+    let site = Site::new(world, scenario, settings(false))?;
+    all_trials(arguments, console, &site, &plan, None, &arguments.name)
+}
+
+fn all_trials(
+    arguments: &Arguments,
+    console: &mut Console,
+    site: &Site,
+    plan: &PlanText,
+    goal: Option<Pose>,
+    name: &str,
+) -> Result<Vec<Trial>> {
     let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
         Ok(loaded) => loaded,
         Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
     };
-
     let seeds: Vec<u64> = (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect();
     let jobs = arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
     let bar = progress(seeds.len() as u64, console);
+    bar.set_message(name.to_string());
     let one = |seed: u64| -> Result<Trial> {
-        let system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
+        let mut system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
+        system.machine.seed_random(seed);
         one_trial(system, seed, arguments.until, goal)
     };
     let trials = run_all(&seeds, jobs, one, || bar.inc(1));
     bar.finish_and_clear();
-    let trials = trials.into_iter().collect::<Result<Vec<Trial>>>()?;
-    console.print(&table(&arguments.name, &trials))?;
-    Ok(if trials.iter().all(|trial| trial.succeeded) { Status::Succeeded } else { Status::Failed })
+    trials.into_iter().collect()
 }
 
 fn progress(runs: u64, console: &Console) -> ProgressBar {
     let is_shown = !console.quiet && std::io::stderr().is_terminal();
     let target = if is_shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    ProgressBar::with_draw_target(Some(runs), target)
+    let style = ProgressStyle::with_template("{msg:18} {bar:30} {pos}/{len} {eta}");
+    let bar = ProgressBar::with_draw_target(Some(runs), target);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }
 
 fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_map: Option<Pose>) -> Result<Trial> {

@@ -48,9 +48,6 @@ const RESERVED_NAMES: &[&str] = &[
 /// nothing else.
 pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*"];
 
-/// Things that lie about in every world with such a place, so that there is something to deliver.
-const ITEMS: &[(&str, &str)] = &[("mail", "mail-slots")];
-
 /// Everything that is the same in all runs of a mission: library, world and scenario.
 #[derive(Clone)]
 pub struct Site {
@@ -99,7 +96,7 @@ impl Site {
     ///
     /// # Errors
     /// The scenario's text is wrong, or the world cannot be localized in.
-    pub fn new(world: Option<World>, scenario: Option<PlanText>) -> Result<Self> {
+    pub fn new(world: Option<World>, scenario: Option<PlanText>, settings: OfficeSettings) -> Result<Self> {
         let Some(world) = world else {
             if let Some(scenario) = scenario {
                 bail!("the scenario `{}` needs a robot; add `--world dept`", scenario.name);
@@ -107,7 +104,7 @@ impl Site {
             return Self::without_robot();
         };
         let name = world.name.clone();
-        let office = OfficeModel::new(world, OfficeSettings::default())
+        let office = OfficeModel::new(world, settings)
             .with_context(|| format!("the robot cannot be put into the world `{name}`"))?;
         let scenario = scenario.map(|plan| Scenario::compile(plan, &office)).transpose()?;
         Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario })
@@ -118,14 +115,11 @@ impl Site {
         let Some(office) = &self.office else { return Robot::Absent(NoRobot) };
         let scenario = self.scenario.as_ref().map(|scenario| {
             let oracle = Oracle::new(office.simulator.clone(), seed);
-            System::new(scenario.library.clone(), scenario.loaded.clone(), oracle)
+            let mut system = System::new(scenario.library.clone(), scenario.loaded.clone(), oracle);
+            system.machine.seed_random(seed);
+            system
         });
-        let mut host = SimulatedHost::new(office.simulator.clone(), seed, scenario);
-        for (item, place) in ITEMS {
-            if let Ok(place) = office.world.place(place) {
-                host.state.place_item(item, place.pose_in_map.point());
-            }
-        }
+        let host = SimulatedHost::new(office.simulator.clone(), seed, scenario);
         Robot::Office(Box::new(OfficeRobot::new(office.clone(), host, seed)))
     }
 }

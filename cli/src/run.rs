@@ -12,6 +12,7 @@ use crate::status::Status;
 use crate::time::parse_duration_us;
 use crate::trace_file::TraceFile;
 use anyhow::{Context, Result};
+use rpl_robot::office::OfficeSettings;
 use rpl_runtime::library::Loaded;
 use rpl_runtime::system::{Outcome, System};
 use serde::Serialize;
@@ -91,7 +92,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
     let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
     let mut overrides = Overrides::parse(&arguments.set)?;
-    let site = Site::new(world.clone(), scenario)?;
+    let site = Site::new(world.clone(), scenario, OfficeSettings::default())?;
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
@@ -102,6 +103,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         true => System::traced(library, loaded, robot),
         false => System::new(library, loaded, robot),
     };
+    system.machine.seed_random(arguments.seed);
     if let Some(steps) = arguments.max_steps {
         system.machine.limits.steps = steps;
     }

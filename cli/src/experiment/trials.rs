@@ -90,6 +90,41 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
     lines.join("\n")
 }
 
+/// One line for each row of an experiment, so that they can be compared.
+pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
+    let mut lines = vec![format!(
+        "{:18} {:>10} {:>16} {:>9} {:>6} {:>12} {:>11}",
+        "", "delivered", "95 % interval", "contacts", "wrong", "noticed [m]", "time [s]"
+    )];
+    for (name, trials) in rows {
+        let successes = trials.iter().filter(|trial| trial.succeeded).count();
+        let (low, high) = wilson_95(successes, trials.len());
+        let numbers = |measure: &str| -> Vec<f64> {
+            trials
+                .iter()
+                .flat_map(|trial| &trial.measures)
+                .filter(|(name, _)| *name == measure)
+                .filter_map(|&(_, value)| value)
+                .collect()
+        };
+        let total = |measure: &str| numbers(measure).iter().sum::<f64>();
+        let median = |measure: &str| {
+            Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
+        };
+        lines.push(format!(
+            "{name:18} {:>10} {:>16} {:>9} {:>6} {:>12} {:>11}",
+            format!("{successes}/{}", trials.len()),
+            format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high),
+            total("contacts caused"),
+            total("wrong recoveries"),
+            median("noticed after [m]"),
+            median("time [s]"),
+        ));
+    }
+    lines.push("contacts and wrong recoveries are totals, noticed and time are medians".to_string());
+    lines.join("\n")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
