@@ -7,7 +7,7 @@ use crate::failure::Raise;
 use crate::machine::{Machine, Output, SCRATCH_TASK, Surroundings};
 use crate::task::{Leaving, Scope, ScopeKind, State, Then, Waiting, Wake};
 use crate::value::{TaskRef, Value};
-use rpl_lang::code::{Program, Reg};
+use rpl_lang::code::{NO_REG, Program, Reg};
 
 /// Where a departure goes on in code.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +110,16 @@ impl Machine {
                 self.unqueue(task);
                 self.tasks[task].state = State::Blocked;
             }
-            _ => self.stop_waiting(task),
+            _ => {
+                // A valve's scope is entered before the valve is there: it is left with the wait.
+                let record = &mut self.tasks[task];
+                if let (Waiting::Valve(valve), NO_REG) = (record.waiting, record.wake_register)
+                    && record.scopes.last().is_some_and(|scope| scope.kind == ScopeKind::Valve(valve))
+                {
+                    record.scopes.pop();
+                }
+                self.stop_waiting(task);
+            }
         }
         self.tasks[task].wake = Wake::Nothing;
         self.tasks[task].leaving = Some(Box::new(leaving));
@@ -149,6 +158,16 @@ impl Machine {
                 return self.land(task, Landing { depth, target, writes: [(0, Value::Unbound); 2] });
             }
             let Some(scope) = self.tasks[task].scopes.last().cloned() else {
+                // Only hooks are left.
+                let hooks = self.children(task);
+                self.evaporate_all(around, &hooks);
+                if self.tasks[task].first_child != crate::task::NONE {
+                    self.tasks[task].waiting = Waiting::Children;
+                    if self.tasks[task].state == State::Running {
+                        self.set_state(task, State::Blocked);
+                    }
+                    return Unwound::Waiting;
+                }
                 return self.leave_task(around, task, leaving);
             };
             if let Some(landing) = self.landing(around.program, task, &scope, &leaving) {
@@ -283,6 +302,9 @@ impl Machine {
         if let Some((scope, failure)) = failed {
             record.leaving = Some(Box::new(Leaving::FailCall { scope, failure }));
             return true;
+        }
+        if let Some(rare) = &mut self.tasks[task].rare {
+            rare.boost = None;
         }
         self.note_status(task);
         self.protection_ended(around, task);
@@ -497,6 +519,7 @@ impl Machine {
             self.child_ended(around, parent, scope, task);
         } else if parent != crate::task::NONE {
             self.disown(task);
+            self.unwind(around, parent);
         }
         if !self.tasks[task].exposed {
             self.tasks.free(task);
