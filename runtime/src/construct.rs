@@ -254,6 +254,12 @@ impl Machine {
             self.heap.failures[index].path = self.path(task);
             self.heap.failures[index].calls = self.plan_calls(task);
         }
+        let leaving =
+            self.children_of_scope(task, scope as u32).into_iter().find_map(|child| self.fixed_failure(around, child));
+        if let Some(leaving) = leaving {
+            self.attach_failure(around, Decision::Fail(leaving), failure);
+            return;
+        }
         self.as_one(around, |machine, around| {
             machine.decide(around, task, scope as u32, Decision::Fail(failure));
             machine.finish_if_done(around, task, scope as u32);

@@ -143,7 +143,17 @@ impl<O: Outside> System<O> {
             Some(next_us) => self.enter_instant(next_us),
             None => self.fail_deadlocked(),
         }
+        self.settle();
         if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
+    }
+
+    /// Lets time, the robot and timers go on by one instant without running what becomes ready;
+    /// for stepping through a run task by task.
+    pub fn enter_next_instant(&mut self) {
+        match self.next_instant_us() {
+            Some(next_us) => self.enter_instant(next_us),
+            None => self.fail_deadlocked(),
+        }
     }
 
     /// Goes through all instants up to a time, as long as the main task lives.
@@ -154,6 +164,7 @@ impl<O: Outside> System<O> {
             && next_us <= time_us
         {
             self.enter_instant(next_us);
+            self.settle();
         }
     }
 
@@ -175,7 +186,6 @@ impl<O: Outside> System<O> {
             self.step_robot();
         }
         self.fire_timers();
-        self.settle();
     }
 
     /// Fires the timers that are due: all waits that end now, or, when nothing is left to run, the

@@ -198,7 +198,7 @@ impl Machine {
         }
         let is_terminal = match record.leaving.as_deref() {
             Some(Leaving::Evaporate) => true,
-            Some(Leaving::Fail(failure)) => !self.is_handled(around.program, task, *failure),
+            Some(Leaving::Fail(failure)) => !self.is_handled(around.program, task, *failure, record.scopes.len()),
             _ => false,
         };
         if !is_terminal {
@@ -207,9 +207,27 @@ impl Machine {
         self.tasks[task].evaporation_pending = false;
     }
 
-    fn is_handled(&self, program: &Program, task: u32, failure: Value) -> bool {
+    /// The failure a task is on its way out with, if nothing in it can change that.
+    pub(crate) fn fixed_failure(&self, around: &Surroundings<'_>, task: u32) -> Option<Value> {
+        let record = &self.tasks[task];
+        let clean_up = record.scopes.iter().enumerate().find_map(|(index, scope)| match &scope.kind {
+            ScopeKind::InCleanup(then) => Some((index, &**then)),
+            _ => None,
+        });
+        let (within, leaving) = match clean_up {
+            Some((index, Then::Leave(leaving))) => (index, leaving),
+            Some((_, Then::Continue)) => return None,
+            None => (record.scopes.len(), record.leaving.as_deref()?),
+        };
+        match leaving {
+            Leaving::Fail(failure) if !self.is_handled(around.program, task, *failure, within) => Some(*failure),
+            _ => None,
+        }
+    }
+
+    fn is_handled(&self, program: &Program, task: u32, failure: Value, within: usize) -> bool {
         let leaving = Leaving::Fail(failure);
-        self.tasks[task].scopes.iter().any(|scope| {
+        self.tasks[task].scopes[..within].iter().any(|scope| {
             matches!(scope.kind, ScopeKind::Handler { .. }) && self.landing(program, task, scope, &leaving).is_some()
         })
     }
