@@ -57,6 +57,15 @@ impl Compiler<'_> {
         }
     }
 
+    /// The items of a proper list; `nil`, as macros and data write it, is the empty one.
+    pub(super) fn list(&self, node: NodeId) -> Option<Vec<NodeId>> {
+        match self.tree.symbol(node) {
+            Some(name) if self.symbols.name(name) == "nil" => Some(Vec::new()),
+            Some(_) => None,
+            None => self.tree.proper_list(node).map(<[NodeId]>::to_vec),
+        }
+    }
+
     /// A datum as a constant.
     pub(super) fn datum(&mut self, node: NodeId) -> Constant {
         stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || match self.tree.get(node).kind.clone() {
@@ -178,7 +187,7 @@ impl Compiler<'_> {
                 self.named_call(name, &items[1..], span)
             }
             Kind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
-            Kind::List { .. } => self.call_value(head, &items[1..], span),
+            Kind::List { .. } | Kind::Object(_) => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
