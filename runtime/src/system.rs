@@ -5,6 +5,7 @@ use crate::datum::{self, Origins};
 use crate::failure::Raise;
 use crate::library::{Library, Loaded, has_error};
 use crate::machine::{Machine, Surroundings};
+use crate::save::Base;
 use crate::scheduler::Alarm;
 use crate::task::{Leaving, NONE, State, Wake};
 use crate::tree::is_current;
@@ -52,30 +53,10 @@ pub struct System<O> {
     pub outside: O,
     /// What the program was compiled with.
     pub library: Arc<Library>,
-    /// How much of the program was there at the start.
-    pub(crate) base: ProgramSize,
+    /// The program it started from.
+    pub(crate) base: Arc<Base>,
     /// When the robot's next step is due.
     pub(crate) next_step_us: u64,
-}
-
-/// Sizes of a program's tables.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ProgramSize {
-    pub(crate) codes: usize,
-    pub(crate) constants: usize,
-    pub(crate) globals: usize,
-    pub(crate) sources: usize,
-}
-
-impl ProgramSize {
-    pub(crate) fn of(program: &Program) -> Self {
-        Self {
-            codes: program.codes.len(),
-            constants: program.constants.len(),
-            globals: program.globals.len(),
-            sources: program.sources.len(),
-        }
-    }
 }
 
 /// Width at which plans made at run time are printed for their errors.
@@ -87,15 +68,25 @@ const MAX_SHARED_TEXT: usize = 1 << 16;
 impl<O: Outside> System<O> {
     /// A run at its start: the robot has made one step, no form has run.
     pub fn new(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, false)
+    }
+
+    /// The same with the trace switched on from the first event.
+    pub fn traced(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, true)
+    }
+
+    fn start(library: Arc<Library>, loaded: Loaded, outside: O, traced: bool) -> Self {
         let Loaded { program, symbols, main, .. } = loaded;
         let mut machine = Machine::new(&program, symbols);
+        machine.trace.enabled = traced;
         for fluent in outside.fluents() {
             let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
             if let Some((name, global)) = known {
                 machine.define_system_fluent(global, name, Value::Nil);
             }
         }
-        let base = ProgramSize::of(&program);
+        let base = Arc::new(Base::new(program.clone()));
         let mut system = Self { program, units: Arc::default(), machine, outside, library, base, next_step_us: 0 };
         system.step_robot();
         let program = system.program.clone();
@@ -116,6 +107,16 @@ impl<O: Outside> System<O> {
         self.outside.step(&mut outbox);
         self.next_step_us = self.machine.now_us + period;
         self.with_machine(|machine, around| machine.apply_outbox(around, outbox));
+    }
+
+    /// A second run from here on. The two share code and nothing else: each goes on as if it were
+    /// alone, and the same steps give the same trace. Cost: a copy of the state.
+    #[must_use]
+    pub fn fork(&self) -> Self
+    where
+        O: Clone,
+    {
+        self.clone()
     }
 
     /// Runs one ready task until it blocks; tells whether there was one.
@@ -139,17 +140,14 @@ impl<O: Outside> System<O> {
         if self.outcome().is_some() {
             return Progress::Ended;
         }
-        match self.next_instant_us() {
-            Some(next_us) => self.enter_instant(next_us),
-            None => self.fail_deadlocked(),
-        }
+        self.next_instant();
         self.settle();
         if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
     }
 
-    /// Lets time, the robot and timers go on by one instant without running what becomes ready;
-    /// for stepping through a run task by task.
-    pub fn enter_next_instant(&mut self) {
+    /// Moves the clock to the next timer or robot step and lets that take effect, while all tasks
+    /// are blocked; no task runs yet. If nothing can come any more, the main task fails.
+    pub fn next_instant(&mut self) {
         match self.next_instant_us() {
             Some(next_us) => self.enter_instant(next_us),
             None => self.fail_deadlocked(),
@@ -169,7 +167,7 @@ impl<O: Outside> System<O> {
     }
 
     /// When something happens next: a timer is due, or the robot makes a step.
-    fn next_instant_us(&mut self) -> Option<u64> {
+    pub fn next_instant_us(&mut self) -> Option<u64> {
         let tasks = &self.machine.tasks;
         let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
         let step = self.outside.period_us().map(|_| self.next_step_us);

@@ -57,15 +57,6 @@ impl Compiler<'_> {
         }
     }
 
-    /// The items of a proper list; `nil`, as macros and data write it, is the empty one.
-    pub(super) fn list(&self, node: NodeId) -> Option<Vec<NodeId>> {
-        match self.tree.symbol(node) {
-            Some(name) if self.symbols.name(name) == "nil" => Some(Vec::new()),
-            Some(_) => None,
-            None => self.tree.proper_list(node).map(<[NodeId]>::to_vec),
-        }
-    }
-
     /// A datum as a constant.
     pub(super) fn datum(&mut self, node: NodeId) -> Constant {
         stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || match self.tree.get(node).kind.clone() {
@@ -225,7 +216,7 @@ impl Compiler<'_> {
             Ok(expansion) => Some(expansion),
             Err(diagnostic) => {
                 self.expansions -= 1;
-                self.diagnostics.push(diagnostic);
+                self.diagnostics.push(*diagnostic);
                 None
             }
         }

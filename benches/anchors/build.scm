@@ -1,0 +1,8 @@
+(define (build n)
+  (let loop ((i 0) (words '()))
+    (if (< i n)
+        (loop (+ i 1) (cons (string-append "n" (number->string i)) words))
+        (string-length (string-join (reverse words) ",")))))
+(define start (get-internal-real-time))
+(unless (= (build 200000) 1488889) (exit 1))
+(display (/ (- (get-internal-real-time) start) (/ internal-time-units-per-second 1000.0)))

@@ -1,0 +1,4 @@
+function fib(n) { return n < 2 ? n : fib(n - 1) + fib(n - 2); }
+const start = performance.now();
+if (fib(30) !== 832040) process.exit(1);
+console.log(performance.now() - start);

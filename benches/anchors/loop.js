@@ -1,0 +1,4 @@
+function sumTo(n) { let i = 0, sum = 0; while (i < n) { sum = sum + i; i = i + 1; } return sum; }
+const start = performance.now();
+if (sumTo(10000000) !== 49999995000000) process.exit(1);
+console.log(performance.now() - start);

@@ -1,0 +1,293 @@
+//! Language and runtime: how fast plans run, how many tasks there can be, and what each costs.
+
+use rpl_benches::{Question, Report, median_ms, resident_bytes};
+use rpl_lang::source::SourceId;
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::Tree;
+use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::library::Library;
+use rpl_runtime::system::{Outcome, Progress, System};
+use rpl_runtime::value::Value;
+use std::hint::black_box;
+use std::sync::Arc;
+
+const RUNS: usize = 5;
+
+const FIB: &str = "(defun fib (n) (if (< n 2) n (+ (fib (- n 1)) (fib (- n 2)))))
+    (wait-time 1)
+    (fib 30)";
+
+const LOOP: &str = "(defun sum-to (n)
+      (let ((i 0) (sum 0))
+        (loop while (< i n) (setq sum (+ sum i)) (setq i (+ i 1)))
+        sum))
+    (wait-time 1)
+    (sum-to 10000000)";
+
+const MAP_FILTER: &str = "(defvar numbers (let ((l nil)) (dotimes (i 1000000) (push i l)) l))
+    (wait-time 1)
+    (length (filter (lambda (n) (< n 1500000)) (map (lambda (n) (* n 3)) numbers)))";
+
+const BUILD: &str = "(defun build (n)
+      (let ((words nil))
+        (dotimes (i n) (push (string-append \"n\" (number->string i)) words))
+        (length (string-join (reverse words) \",\"))))
+    (wait-time 1)
+    (build 200000)";
+
+const SPAWN: &str = "(defvar numbers (let ((l nil)) (dotimes (i COUNT) (push i l)) l))
+    (defvar done 0)
+    (wait-time 1)
+    (par-map (n numbers) (setq done (+ done 1)))
+    done";
+
+const SWITCH: &str = "(def-fluent ping nil)
+    (def-fluent pong nil)
+    (wait-time 1)
+    (par (n-times 200000 (wait-for ping) (setf (value ping) nil) (setf (value pong) t))
+         (n-times 200000 (setf (value ping) t) (wait-for pong) (setf (value pong) nil)))
+    'done";
+
+const WAITERS: &str = "(defvar numbers (let ((l nil)) (dotimes (i 100000) (push i l)) l))
+    (defvar woken 0)
+    (def-fluent go nil)
+    (def-fluent never nil)
+    (pursue (par-map (n numbers) (wait-for go) (setq woken (+ woken 1)) (wait-for never))
+            (seq (wait-time 1) (pulse go) (wait-time 1) woken))";
+
+const BLOCKED: &str = "(defvar numbers (let ((l nil)) (dotimes (i COUNT) (push i l)) l))
+    (def-fluent never nil)
+    (wait-time 1)
+    (pursue (par-map (n numbers) (wait-for never))
+            (n-times 1000 (wait-time 1)))
+    'done";
+
+const TIMERS: &str = "(defvar numbers (let ((l nil)) (dotimes (i 100000) (push i l)) l))
+    (defvar done 0)
+    (wait-time 1)
+    (par-map (n numbers) (wait-time (* n 0.001)) (setq done (+ done 1)))
+    done";
+
+const MONITORS: &str = "(defvar fluents (let ((l nil)) (dotimes (i 1000) (push (create-fluent 0) l)) l))
+    (defvar reactions 0)
+    (pursue
+      (par-map (f fluents) (whenever (> f 5) (setq reactions (+ reactions 1))))
+      (seq (wait-time 1)
+           (n-times 100
+             (dolist (f fluents) (setf (value f) 10) (wait-time 0) (setf (value f) 0)))
+           reactions))";
+
+fn library() -> Arc<Library> {
+    let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat();
+    match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &NoRobot, &[]) {
+        Ok(library) => Arc::new(library),
+        Err(rejected) => panic!("{}", rejected.render(false)),
+    }
+}
+
+/// A run of a text up to the first moment at which every task is blocked.
+fn settled(library: &Arc<Library>, text: &str) -> System<NoRobot> {
+    match System::without_robot(library, "bench.rpl", text) {
+        Ok(mut system) => {
+            system.settle();
+            system
+        }
+        Err(rejected) => panic!("{}", rejected.render(false)),
+    }
+}
+
+fn to_the_end(mut system: System<NoRobot>) -> System<NoRobot> {
+    while system.advance() == Progress::Running {}
+    system
+}
+
+/// Median milliseconds from the first block to the end; the value at the end must be the integer.
+fn run_ms(library: &Arc<Library>, text: &str, value: i64) -> f64 {
+    let expected = Some(Outcome::Succeeded(Value::Int(value)));
+    let system = settled(library, text);
+    median_ms(
+        RUNS,
+        || system.fork(),
+        |system| {
+            let system = to_the_end(system);
+            assert_eq!(system.outcome(), expected, "{}", describe(&system));
+            system
+        },
+    )
+}
+
+fn describe(system: &System<NoRobot>) -> String {
+    match system.outcome() {
+        Some(Outcome::Failed(failure)) => system.machine.show(&system.program, failure),
+        other => format!("{other:?}"),
+    }
+}
+
+fn with_count(text: &str, count: usize) -> String {
+    text.replace("COUNT", &count.to_string())
+}
+
+/// A run in which so many tasks wait for a fluent.
+fn with_blocked(library: &Arc<Library>, count: usize) -> System<NoRobot> {
+    let mut system = settled(library, &with_count(BLOCKED, count));
+    system.advance();
+    assert!(system.machine.tasks.iter().count() > count);
+    system
+}
+
+fn question(name: &'static str, what: &'static str, unit: &'static str, target: f64, peers: &'static str) -> Question {
+    Question { name, what, unit, target, peers, anchors: None, anchor_scale: 1.0 }
+}
+
+fn anchored(mut question: Question, stem: &'static str, scale: f64) -> Question {
+    question.anchors = Some(stem);
+    question.anchor_scale = scale;
+    question
+}
+
+fn main() {
+    let report = Report::from_arguments();
+    let library = library();
+    language(&report, &library);
+    tasks(&report, &library);
+    state(&report, &library);
+}
+
+fn language(report: &Report, library: &Arc<Library>) {
+    let fib = question("fib", "fib 30", "ms", 40.0, "LuaJIT -joff 41, Lua 5.4 52, Guile 53, Janet 99");
+    report.row(anchored(fib, "fib", 1.0), || run_ms(library, FIB, 832_040));
+    let count = question("loop", "loop of 10^7", "ms", 95.0, "Guile 56, LuaJIT -joff 61, Janet 101, Lua 121");
+    report.row(anchored(count, "loop", 1.0), || run_ms(library, LOOP, 49_999_995_000_000));
+    let map = question("map", "map and filter over 10^6", "ms", 85.0, "Node without JIT 60, Lua 88");
+    report.row(anchored(map, "map_filter", 1.0), || run_ms(library, MAP_FILTER, 500_000));
+    let build = question("build", "list and string building, 2 10^5", "ms", 75.0, "Node without JIT 77, Lua 156");
+    report.row(anchored(build, "build", 1.0), || run_ms(library, BUILD, 1_488_889));
+    let read = question("read", "read 1 MB of plan text", "ms", 300.0, "hand-written reader 25");
+    report.row(read, || {
+        let text = rpl_stdlib::PRELUDE.repeat(1_000_000 / rpl_stdlib::PRELUDE.len() + 1);
+        let text = &text[..text[..1_000_000].rfind("\n\n").unwrap_or(1_000_000)];
+        median_ms(
+            RUNS,
+            || (Symbols::default(), Tree::default()),
+            |(mut symbols, mut tree)| {
+                let (forms, diagnostics) = rpl_lang::reader::read(text, SourceId(0), &mut symbols, &mut tree);
+                assert!(forms.len() > 1_000 && diagnostics.is_empty());
+                (tree, symbols)
+            },
+        )
+    });
+}
+
+fn tasks(report: &Report, library: &Arc<Library>) {
+    let spawn =
+        question("spawn", "spawn, run and join 100,000 tasks", "ms", 15.0, "tokio 42, Wren 52, Erlang 125, Lua 156");
+    report.row(anchored(spawn, "spawn", 1.0), || run_ms(library, &with_count(SPAWN, 100_000), 100_000));
+    let million = question("million", "spawn, run and join a million tasks", "ms", 150.0, "ten times the above");
+    report.row(million, || run_ms(library, &with_count(SPAWN, 1_000_000), 1_000_000));
+    let switch = question(
+        "switch",
+        "switch between two tasks through two fluents, a dispatch",
+        "ns",
+        40.0,
+        "Janet 123; CRAM 14,000 a round trip",
+    );
+    report.row(anchored(switch, "switch", 400_000e-6), || {
+        let system = settled(library, SWITCH);
+        let ms = median_ms(
+            RUNS,
+            || system.fork(),
+            |system| {
+                let system = to_the_end(system);
+                assert!(matches!(system.outcome(), Some(Outcome::Succeeded(_))), "{}", describe(&system));
+                system
+            },
+        );
+        ms * 1e6 / 400_000.0
+    });
+    let pulse = question("pulse", "one pulse wakes 100,000 waiters", "ms", 5.0, "Lua 16; CRAM 45 for 1,000");
+    report.row(anchored(pulse, "pulse", 1.0), || {
+        let system = settled(library, WAITERS);
+        median_ms(
+            RUNS,
+            || system.fork(),
+            |mut system| {
+                system.advance();
+                let woken = system.machine.tasks.iter().filter(|(_, task)| task.steps > 0).count();
+                assert!(woken > 100_000);
+                system
+            },
+        )
+    });
+    let timers = question("timers", "100,000 timers", "ms", 60.0, "LuaJIT 404");
+    report.row(anchored(timers, "timers", 1.0), || run_ms(library, TIMERS, 100_000));
+    let react = question(
+        "react",
+        "react to one changed fluent in a plan of 1,000 monitors",
+        "us",
+        2.0,
+        "BehaviorTree.CPP 214 a tick, py_trees 12,000",
+    );
+    report.row(react, || {
+        let system = settled(library, MONITORS);
+        let ms = median_ms(
+            RUNS,
+            || system.fork(),
+            |system| {
+                let system = to_the_end(system);
+                assert_eq!(system.outcome(), Some(Outcome::Succeeded(Value::Int(100_000))), "{}", describe(&system));
+                system
+            },
+        );
+        ms * 1e3 / 100_000.0
+    });
+}
+
+fn state(report: &Report, library: &Arc<Library>) {
+    let bytes = question("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
+    report.row(anchored(bytes, "bytes", 1.0), || {
+        const COUNT: usize = 200_000;
+        let mut system = settled(library, &with_count(BLOCKED, COUNT));
+        let before = resident_bytes().unwrap_or(f64::NAN);
+        system.advance();
+        let after = resident_bytes().unwrap_or(f64::NAN);
+        assert!(system.machine.tasks.iter().count() > COUNT);
+        (after - before) / COUNT as f64
+    });
+    let idle =
+        question("idle", "what 100,000 blocked tasks add to an instant", "ns", 50.0, "CRAM: 1,000 take 1.6 cores");
+    report.row(idle, || {
+        let per_instant = |count| {
+            let system = with_blocked(library, count);
+            median_ms(
+                RUNS,
+                || system.fork(),
+                |mut system| {
+                    for _ in 0..900 {
+                        system.advance();
+                    }
+                    system
+                },
+            ) * 1e6
+                / 900.0
+        };
+        per_instant(100_000) - per_instant(1)
+    });
+    let fork = question("fork", "fork the whole state, 100,000 blocked tasks", "ms", 10.0, "nobody can");
+    report.row(fork, || {
+        let system = with_blocked(library, 100_000);
+        median_ms(RUNS, || (), |()| black_box(system.fork()))
+    });
+    let save = question("save", "save and load the whole state, 100,000 blocked tasks", "ms", 200.0, "nobody can");
+    report.row(save, || {
+        let system = with_blocked(library, 100_000);
+        let text = with_count(BLOCKED, 100_000);
+        let load = || match library.load("bench.rpl", &text, &mut rpl_lang::compile::NoFiles) {
+            Ok(loaded) => loaded,
+            Err(rejected) => panic!("{}", rejected.render(false)),
+        };
+        median_ms(RUNS, load, |loaded| match System::load(&system.save(), library.clone(), loaded, NoRobot) {
+            Ok(again) => again,
+            Err(error) => panic!("{error}"),
+        })
+    });
+}

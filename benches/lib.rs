@@ -1,0 +1,131 @@
+//! What the benches share: a median timer, other interpreters that do the same work in the same
+//! command, and one table row a question.
+//!
+//! Arguments after `--` choose rows: `cargo bench -p rpl-benches -- fib timers`.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Instant;
+
+/// An interpreter that does the same work from a script `anchors/STEM.EXTENSION`, which checks its
+/// result and prints the milliseconds it took.
+struct Interpreter {
+    name: &'static str,
+    command: &'static [&'static str],
+    extension: &'static str,
+}
+
+/// None of them compiles to machine code here.
+const INTERPRETERS: &[Interpreter] = &[
+    Interpreter { name: "Lua 5.4", command: &["lua5.4"], extension: "lua" },
+    Interpreter {
+        name: "Guile",
+        command: &["env", "GUILE_JIT_THRESHOLD=-1", "GUILE_WARN_DEPRECATED=no", "guile"],
+        extension: "scm",
+    },
+    Interpreter { name: "Node, no JIT", command: &["node", "--jitless", "--stack-size=60000"], extension: "js" },
+];
+
+/// How often an anchor is run; its median counts.
+const ANCHOR_RUNS: usize = 3;
+
+/// One question: what was measured, in which unit, and what it is compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct Question {
+    /// Chooses the row on the command line.
+    pub name: &'static str,
+    /// What is measured.
+    pub what: &'static str,
+    /// The unit of the figure.
+    pub unit: &'static str,
+    /// The figure to reach.
+    pub target: f64,
+    /// The best figures measured elsewhere, as text.
+    pub peers: &'static str,
+    /// Scripts `anchors/STEM.*` do the same work.
+    pub anchors: Option<&'static str>,
+    /// Milliseconds of a script, divided by this, are in the row's unit.
+    pub anchor_scale: f64,
+}
+
+/// Runs the questions that the command line asks for and prints a row for each.
+#[derive(Debug)]
+pub struct Report {
+    wanted: Vec<String>,
+}
+
+impl Report {
+    /// The rows named on the command line; all if none is.
+    pub fn from_arguments() -> Self {
+        let wanted = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+        Self { wanted }
+    }
+
+    /// Measures and prints one row, if it is asked for.
+    pub fn row(&self, question: Question, measure: impl FnOnce() -> f64) {
+        if !self.wanted.is_empty() && !self.wanted.iter().any(|name| name == question.name) {
+            return;
+        }
+        let figure = measure();
+        let verdict = if figure <= question.target { "reached" } else { "missed" };
+        let Question { name, what, unit, target, peers, .. } = question;
+        println!("{name:<12} {figure:>9.1} {unit:<8} target {target:>7.1} {verdict:<8} {what}");
+        println!("{:<12} measured elsewhere: {peers}", "");
+        let Some(stem) = question.anchors else { return };
+        for interpreter in INTERPRETERS {
+            if let Some(ms) = anchor(interpreter, stem) {
+                let here = ms / question.anchor_scale;
+                println!("{:<12} {:<13} {here:>9.1} {unit}, {:.2} of ours", "", interpreter.name, here / figure);
+            }
+        }
+    }
+}
+
+fn anchor(interpreter: &Interpreter, stem: &str) -> Option<f64> {
+    let script: PathBuf =
+        [env!("CARGO_MANIFEST_DIR"), "anchors", &format!("{stem}.{}", interpreter.extension)].iter().collect();
+    if !script.exists() {
+        return None;
+    }
+    let mut times = Vec::new();
+    for _ in 0..ANCHOR_RUNS {
+        let (program, arguments) = interpreter.command.split_first()?;
+        let output = Command::new(program).args(arguments).arg(&script).output().ok()?;
+        if !output.status.success() {
+            let error = String::from_utf8_lossy(&output.stderr);
+            println!("{:<12} {} cannot run {}: {}", "", interpreter.name, script.display(), error.trim());
+            return None;
+        }
+        times.push(String::from_utf8_lossy(&output.stdout).trim().parse().ok()?);
+    }
+    Some(median(times))
+}
+
+/// The middle one; of an even number, the higher of the two in the middle.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Median milliseconds of `act` over `runs` fresh values of `prepare`, which is not timed, nor is
+/// dropping what `act` gives.
+pub fn median_ms<T, R>(runs: usize, mut prepare: impl FnMut() -> T, mut act: impl FnMut(T) -> R) -> f64 {
+    let times = (0..runs)
+        .map(|_| {
+            let input = prepare();
+            let start = Instant::now();
+            let result = act(input);
+            let elapsed = start.elapsed();
+            drop(result);
+            elapsed.as_secs_f64() * 1e3
+        })
+        .collect();
+    median(times)
+}
+
+/// Bytes of memory this process has in use, as the kernel counts them; none where that is unknown.
+pub fn resident_bytes() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+    let pages: f64 = text.split_whitespace().nth(1)?.parse().ok()?;
+    Some(pages * 4096.0)
+}
