@@ -223,7 +223,12 @@ impl Machine {
         let class = self.symbols.intern("composite-failure");
         let failure = self.new_failure(around.program, class, message, Vec::new());
         if let Value::Failure(index) = failure {
-            self.heap.failures[index].parts = parts;
+            let is_runaway =
+                |part: &Value| matches!(part, Value::Failure(part) if self.heap.failures[*part].is_runaway);
+            let has_runaway = parts.iter().any(is_runaway);
+            let record = &mut self.heap.failures[index];
+            record.parts = parts;
+            record.is_runaway = has_runaway;
         }
         failure
     }
@@ -253,6 +258,12 @@ impl Machine {
         if let Value::Failure(index) = failure {
             self.heap.failures[index].path = self.path(task);
             self.heap.failures[index].calls = self.plan_calls(task);
+        }
+        let leaving =
+            self.children_of_scope(task, scope as u32).into_iter().find_map(|child| self.fixed_failure(around, child));
+        if let Some(leaving) = leaving {
+            self.attach_failure(around, Decision::Fail(leaving), failure);
+            return;
         }
         self.as_one(around, |machine, around| {
             machine.decide(around, task, scope as u32, Decision::Fail(failure));

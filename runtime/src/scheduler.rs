@@ -46,6 +46,17 @@ impl Line {
         self.first = task;
     }
 
+    /// The tasks in line, the first one first.
+    pub fn tasks(&self, tasks: &Tasks) -> Vec<u32> {
+        let mut line = Vec::new();
+        let mut at = self.first;
+        while at != NONE {
+            line.push(at);
+            at = tasks[at].next;
+        }
+        line
+    }
+
     /// Takes a task out, wherever it stands.
     pub fn remove(&mut self, tasks: &mut Tasks, task: u32) {
         let (previous, next) = (tasks[task].previous, tasks[task].next);
@@ -177,6 +188,11 @@ impl Priorities {
             rank += 1;
         }
         false
+    }
+
+    /// All tasks in the run queue.
+    pub fn queued(&self, tasks: &Tasks) -> Vec<u32> {
+        self.lines.iter().flat_map(|line| line.tasks(tasks)).collect()
     }
 
     /// Whether no task is ready.

@@ -208,6 +208,13 @@ pub struct Children {
     pub expired: bool,
 }
 
+impl Children {
+    /// Whether no child can be done without.
+    pub fn needs_all(&self) -> bool {
+        self.decided.is_some() || matches!(self.rule, Rule::Par | Rule::Plan | Rule::Single)
+    }
+}
+
 /// A dynamic scope of a task, left in the reverse order of entering.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ScopeKind {

@@ -7,7 +7,7 @@ use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 
 /// Names a path shows at most; what is deeper shows its innermost ones.
-const MAX_SEGMENTS: usize = 200;
+const MAX_SEGMENTS: usize = 64;
 
 impl Machine {
     /// Adds a task under a scope of its parent.
@@ -18,7 +18,7 @@ impl Machine {
         self.tasks[task].previous_sibling = last;
         let inherited = self.stop_for_child(parent, parent_scope);
         let record = &mut self.tasks[task];
-        record.stop = record.own_stops() + inherited;
+        record.stop = record.own_stops() + if record.named_as_hook() { 0 } else { inherited };
         if last == NONE {
             self.tasks[parent].first_child = task;
         } else {
@@ -318,14 +318,17 @@ impl Machine {
         self.remove_stop(around, task);
     }
 
-    /// Tasks that a suspension of this one reaches: all children but those of its clean-ups.
+    /// Tasks that a suspension of this one reaches: all children but those of its clean-ups and
+    /// hooks.
     fn suspended_with(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
-        let children = self.children(task);
-        if !record.is_cleaning_up() {
-            return children;
-        }
-        children.into_iter().filter(|&child| !record.is_within_clean_up(self.tasks[child].parent_scope)).collect()
+        let cleans_up = record.is_cleaning_up();
+        let mut children = self.children(task);
+        children.retain(|&child| {
+            let child = &self.tasks[child];
+            !child.named_as_hook() && !(cleans_up && record.is_within_clean_up(child.parent_scope))
+        });
+        children
     }
 
     fn add_stop(&mut self, root: u32) {
@@ -360,8 +363,11 @@ impl Machine {
             self.note_status(task);
             waiting.extend(self.suspended_with(task).into_iter().rev());
         }
-        for task in resumed {
+        for &task in &resumed {
             self.take_up_deadlines(around, task);
+        }
+        if !resumed.is_empty() {
+            self.serve_lines(around);
         }
     }
 
@@ -482,12 +488,6 @@ pub(crate) fn is_current(tasks: &crate::task::Tasks, timer: &crate::scheduler::T
 }
 
 impl Machine {
-    /// Whether a task, or one above it, waits for the death of `other` or of one above it.
-    pub(crate) fn waits_for_death(&self, task: u32, other: u32) -> bool {
-        let Waiting::Death(awaited) = self.tasks[task].waiting else { return false };
-        self.tasks.find(awaited).is_some_and(|awaited| self.is_within(other, awaited))
-    }
-
     /// Lets a running task go to the end of the line of its priority: its wait is over already.
     pub(crate) fn give_way(&mut self, task: u32) {
         self.tasks[task].waiting = Waiting::Nothing;

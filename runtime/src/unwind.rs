@@ -7,7 +7,7 @@ use crate::failure::Raise;
 use crate::machine::{Machine, Output, SCRATCH_TASK, Surroundings};
 use crate::task::{Leaving, Scope, ScopeKind, State, Then, Waiting, Wake};
 use crate::value::{TaskRef, Value};
-use rpl_lang::code::{Program, Reg};
+use rpl_lang::code::{NO_REG, Program, Reg};
 
 /// Where a departure goes on in code.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +110,16 @@ impl Machine {
                 self.unqueue(task);
                 self.tasks[task].state = State::Blocked;
             }
-            _ => self.stop_waiting(task),
+            _ => {
+                // A valve's scope is entered before the valve is there: it is left with the wait.
+                let record = &mut self.tasks[task];
+                if let (Waiting::Valve(valve), NO_REG) = (record.waiting, record.wake_register)
+                    && record.scopes.last().is_some_and(|scope| scope.kind == ScopeKind::Valve(valve))
+                {
+                    record.scopes.pop();
+                }
+                self.stop_waiting(task);
+            }
         }
         self.tasks[task].wake = Wake::Nothing;
         self.tasks[task].leaving = Some(Box::new(leaving));
@@ -149,9 +158,15 @@ impl Machine {
                 return self.land(task, Landing { depth, target, writes: [(0, Value::Unbound); 2] });
             }
             let Some(scope) = self.tasks[task].scopes.last().cloned() else {
-                // Who evaluates a network or macro takes its failure; the scratch task lives on.
-                if task == SCRATCH_TASK {
-                    return Unwound::Dead;
+                // Only hooks are left.
+                let hooks = self.children(task);
+                self.evaporate_all(around, &hooks);
+                if self.tasks[task].first_child != crate::task::NONE {
+                    self.tasks[task].waiting = Waiting::Children;
+                    if self.tasks[task].state == State::Running {
+                        self.set_state(task, State::Blocked);
+                    }
+                    return Unwound::Waiting;
                 }
                 return self.leave_task(around, task, leaving);
             };
@@ -183,7 +198,7 @@ impl Machine {
         }
         let is_terminal = match record.leaving.as_deref() {
             Some(Leaving::Evaporate) => true,
-            Some(Leaving::Fail(failure)) => !self.is_handled(around.program, task, *failure),
+            Some(Leaving::Fail(failure)) => !self.is_handled(around.program, task, *failure, record.scopes.len()),
             _ => false,
         };
         if !is_terminal {
@@ -192,9 +207,27 @@ impl Machine {
         self.tasks[task].evaporation_pending = false;
     }
 
-    fn is_handled(&self, program: &Program, task: u32, failure: Value) -> bool {
+    /// The failure a task is on its way out with, if nothing in it can change that.
+    pub(crate) fn fixed_failure(&self, around: &Surroundings<'_>, task: u32) -> Option<Value> {
+        let record = &self.tasks[task];
+        let clean_up = record.scopes.iter().enumerate().find_map(|(index, scope)| match &scope.kind {
+            ScopeKind::InCleanup(then) => Some((index, &**then)),
+            _ => None,
+        });
+        let (within, leaving) = match clean_up {
+            Some((index, Then::Leave(leaving))) => (index, leaving),
+            Some((_, Then::Continue)) => return None,
+            None => (record.scopes.len(), record.leaving.as_deref()?),
+        };
+        match leaving {
+            Leaving::Fail(failure) if !self.is_handled(around.program, task, *failure, within) => Some(*failure),
+            _ => None,
+        }
+    }
+
+    fn is_handled(&self, program: &Program, task: u32, failure: Value, within: usize) -> bool {
         let leaving = Leaving::Fail(failure);
-        self.tasks[task].scopes.iter().any(|scope| {
+        self.tasks[task].scopes[..within].iter().any(|scope| {
             matches!(scope.kind, ScopeKind::Handler { .. }) && self.landing(program, task, scope, &leaving).is_some()
         })
     }
@@ -287,6 +320,9 @@ impl Machine {
         if let Some((scope, failure)) = failed {
             record.leaving = Some(Box::new(Leaving::FailCall { scope, failure }));
             return true;
+        }
+        if let Some(rare) = &mut self.tasks[task].rare {
+            rare.boost = None;
         }
         self.note_status(task);
         self.protection_ended(around, task);
@@ -471,6 +507,7 @@ impl Machine {
             self.tasks[task].state = State::Running;
         }
         self.set_state(task, state);
+        let was_protected = self.tasks[task].is_protected();
         let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
         let record = &mut self.tasks[task];
         record.result = result;
@@ -484,7 +521,9 @@ impl Machine {
         self.end_activations_of(around, task);
         self.drop_holds_of(around, task);
         self.update_task_fluents(around, task);
-        self.protection_ended(around, task);
+        if was_protected || self.waits_for_rest > 0 {
+            self.protection_ended(around, task);
+        }
         if let Some(rare) = &mut self.tasks[task].rare {
             for mourner in std::mem::take(&mut rare.mourners) {
                 if let Some(mourner) = self.tasks.find_alive(mourner) {
@@ -501,6 +540,7 @@ impl Machine {
             self.child_ended(around, parent, scope, task);
         } else if parent != crate::task::NONE {
             self.disown(task);
+            self.unwind(around, parent);
         }
         if !self.tasks[task].exposed {
             self.tasks.free(task);

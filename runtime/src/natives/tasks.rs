@@ -121,9 +121,6 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let Some(index) = call.machine.tasks.find_alive(task) else { return Ok(Reply::Value(Value::Nil)) };
     let current = call.machine.current;
     let is_own = call.machine.is_within(current, index);
-    if !is_own && call.machine.waits_for_death(index, current) {
-        return Err(Raise::new("deadlock", "these two tasks wait for each other's end"));
-    }
     call.machine.evaporate(call.around, index);
     if is_own {
         return Ok(Reply::Leave);
@@ -131,6 +128,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.tasks.find_alive(task).is_none() {
         return Ok(Reply::Value(Value::Nil));
     }
+    call.machine.check_circle(current, index, "the end of a task")?;
     let me = call.machine.tasks.reference(current);
     call.machine.tasks[index].rare().mourners.push(me);
     call.machine.tasks[current].waiting = Waiting::Death(task);
