@@ -7,10 +7,13 @@ use crate::native::{Call as NativeCall, Effect, Reply};
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
 use crate::value::Value;
-use rpl_lang::code::{Code, NO_REG, Op, Parameters, Reg};
+use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Reg};
 
 /// How far the window of one frame reaches.
 const WINDOW: usize = 256;
+
+/// Registers within reach of the current frame: its own, and those of any frame it calls.
+const REACH: usize = 2 * WINDOW;
 
 /// Why the stepper came back.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +37,8 @@ struct Place {
     fuel: u32,
 }
 
+#[cold]
+#[inline(never)]
 fn overflow(operation: &str) -> Raise {
     Raise::new("arithmetic-error", format!("integer overflow in {operation}: the result does not fit 64 bits"))
 }
@@ -349,6 +354,8 @@ impl Machine {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn wrong_operands(&self, operation: &str, left: Value, right: Value) -> Raise {
         let culprit = if left.as_f64().is_none() { left } else { right };
         self.wrong_type(&format!("an operand of `{operation}`"), "a number", culprit)
@@ -358,6 +365,8 @@ impl Machine {
         self.wrong_type("what is called", "a function", value)
     }
 
+    #[cold]
+    #[inline(never)]
     fn describe_global(&self, around: &Surroundings<'_>, global: u32) -> Raise {
         let name = self.symbols.name(around.program.globals[global as usize].name);
         Raise::new("unbound-variable", format!("`{name}` has no value yet: its definition has not run"))
@@ -401,18 +410,7 @@ impl Machine {
         macro_rules! collect_if_full {
             () => {
                 if self.heap.is_full() {
-                    self.scratch.top = base + usize::from(code.registers);
-                    // A network under evaluation is not named by anything yet, nor is what it
-                    // was called for.
-                    if self.current != SCRATCH_TASK {
-                        self.collect();
-                    }
-                    if self.heap.used_bytes() > self.limits.bytes {
-                        fail!(Raise::new(
-                            "out-of-memory",
-                            format!("the heap has grown beyond {} bytes", self.limits.bytes)
-                        ));
-                    }
+                    attempt!(self.collect_here(base + usize::from(code.registers)));
                 }
             };
         }
@@ -454,26 +452,28 @@ impl Machine {
                         fuel = self.limits.steps;
                         let task = self.current;
                         self.tasks[task].runaways = self.tasks[task].runaways.saturating_add(1);
-                        fail!(Raise::new(
-                            "runaway",
-                            format!("{} steps in one instant without blocking", self.limits.steps)
-                        ));
+                        fail!(self.runaway());
                     }
                 }
             };
         }
 
         'frame: loop {
-            if self.scratch.stack.len() < base + WINDOW {
-                let size = (base + WINDOW) * 2;
-                self.scratch.stack.resize(size, Value::Nil);
+            if self.scratch.stack.len() < base + REACH {
+                self.grow_stack(base);
             }
-            let Some(r) = self.scratch.stack[base..].first_chunk_mut::<WINDOW>() else {
+            let Some(r) = self.scratch.stack[base..].first_chunk_mut::<REACH>() else {
                 unreachable!("the stack reaches a window beyond the base");
             };
             macro_rules! r {
                 ($register:expr) => {
                     r[$register as usize]
+                };
+            }
+            // Registers of a frame that starts at `$first`, save `$count` arguments.
+            macro_rules! clear {
+                ($callee:expr, $first:expr, $count:expr) => {
+                    r[$first + $count..($first + usize::from($callee.registers)).max($first + $count)].fill(Value::Nil)
                 };
             }
             macro_rules! arithmetic {
@@ -521,9 +521,9 @@ impl Machine {
                 }};
             }
             loop {
-                let op = code.ops[pc];
+                let op = &code.ops[pc];
                 pc += 1;
-                match op {
+                match *op {
                     Op::Nil(a) => r!(a) = Value::Nil,
                     Op::True(a) => r!(a) = Value::True,
                     Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
@@ -668,24 +668,18 @@ impl Machine {
                         match self.globals[global as usize] {
                             Value::Function(number) => {
                                 let callee: &Code = &program.codes[number as usize];
-                                let first = base + usize::from(first);
-                                if usize::from(callee.parameters.required) != usize::from(count)
-                                    || !callee.parameters.is_simple()
-                                {
-                                    if self.scratch.stack.len() < first + WINDOW {
-                                        self.scratch.stack.resize(first + 2 * WINDOW, Value::Nil);
-                                    }
-                                    attempt!(self.arrange(callee, first, usize::from(count)));
-                                }
                                 if self.scratch.frames.len() >= self.limits.frames as usize {
-                                    fail!(Raise::new(
-                                        "stack-overflow",
-                                        format!("{} calls inside one another", self.limits.frames)
-                                    ));
+                                    fail!(self.too_deep());
+                                }
+                                let first = usize::from(first);
+                                if callee.parameters.takes_exactly(count) {
+                                    clear!(callee, first, usize::from(count));
+                                } else {
+                                    attempt!(self.arrange(callee, base + first, usize::from(count)));
+                                    self.clear_frame(callee, base + first);
                                 }
                                 self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                                (code, code_number, pc, base) = (callee, number, 0, first);
-                                self.clear_frame(callee, base);
+                                (code, code_number, pc, base) = (callee, number, 0, base + first);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -719,17 +713,17 @@ impl Machine {
                     Op::TailCall(first, count, global) => {
                         burn!();
                         match self.globals[global as usize] {
-                            Value::Function(number)
-                                if program.codes[number as usize].kind != rpl_lang::code::CodeKind::Plan =>
-                            {
+                            Value::Function(number) if program.codes[number as usize].kind != CodeKind::Plan => {
                                 let callee: &Code = &program.codes[number as usize];
-                                let (from, count) = (usize::from(first), usize::from(count));
-                                r.copy_within(from..from + count, 0);
-                                if usize::from(callee.parameters.required) != count || !callee.parameters.is_simple() {
-                                    attempt!(self.arrange(callee, base, count));
+                                let from = usize::from(first);
+                                r.copy_within(from..from + usize::from(count), 0);
+                                if callee.parameters.takes_exactly(count) {
+                                    clear!(callee, 0, usize::from(count));
+                                } else {
+                                    attempt!(self.arrange(callee, base, usize::from(count)));
+                                    self.clear_frame(callee, base);
                                 }
                                 (code, code_number, pc) = (callee, number, 0);
-                                self.clear_frame(callee, base);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -757,6 +751,34 @@ impl Machine {
                         let tail = matches!(op, Op::TailCallValue(..));
                         let function = r!(callee);
                         let first = usize::from(callee) + 1;
+                        let known = match function {
+                            Value::Function(number) => Some((number, &[][..])),
+                            Value::Closure(index) => {
+                                let closure = &self.heap.closures[index];
+                                Some((closure.code, &*closure.captured))
+                            }
+                            _ => None,
+                        };
+                        if let Some((number, captured)) = known
+                            && let callee = &*program.codes[number as usize]
+                            && callee.parameters.takes_exactly(count)
+                            && self.scratch.frames.len() < self.limits.frames as usize
+                        {
+                            let count = usize::from(count);
+                            let tail = tail && callee.kind != CodeKind::Plan;
+                            let start = if tail { 0 } else { first };
+                            if tail {
+                                r.copy_within(first..first + count, 0);
+                            } else {
+                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                            }
+                            clear!(callee, start, count);
+                            for (register, &value) in r[start + count..].iter_mut().zip(captured) {
+                                *register = value;
+                            }
+                            (code, code_number, pc, base) = (callee, number, 0, base + start);
+                            continue 'frame;
+                        }
                         let arguments = r[first..first + usize::from(count)].to_vec();
                         save!();
                         match self.call_value(around, place, function, &arguments, first, tail, first as Reg)? {
@@ -837,8 +859,8 @@ impl Machine {
                         continue 'frame;
                     }
                     Op::Return(a) => {
-                        let value = r!(a);
                         if self.scratch.frames.len() == entry {
+                            let value = r!(a);
                             save!();
                             if self.current != SCRATCH_TASK && self.must_wait_for_spawned(around) {
                                 // The instruction runs again when they are dead.
@@ -849,7 +871,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        r!(0) = value;
+                        r!(0) = r!(a);
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
@@ -966,7 +988,12 @@ impl Machine {
                     }
                     Op::PushHandler(failure, index, distance) => {
                         let target = (pc as i64 + i64::from(distance)) as u32;
-                        self.push_scope(ScopeKind::Handler { code: code_number, index, failure, target });
+                        self.push_scope(ScopeKind::Handler {
+                            code: code_number,
+                            index: u32::from(index),
+                            failure,
+                            target,
+                        });
                         continue 'frame;
                     }
                     Op::PushCleanup(distance) => {
@@ -1123,6 +1150,22 @@ impl Machine {
         }
     }
 
+    /// Collects garbage while registers below `top` are in use.
+    #[cold]
+    #[inline(never)]
+    fn collect_here(&mut self, top: usize) -> Result<(), Raise> {
+        self.scratch.top = top;
+        // A network under evaluation is not named by anything yet, nor is what it was called for.
+        if self.current != SCRATCH_TASK {
+            self.collect();
+        }
+        if self.heap.used_bytes() > self.limits.bytes {
+            let message = format!("the heap has grown beyond {} bytes", self.limits.bytes);
+            return Err(Raise::new("out-of-memory", message));
+        }
+        Ok(())
+    }
+
     /// Whether the running task must give way: something more important is ready, or it is
     /// suspended itself.
     fn must_switch(&self) -> bool {
@@ -1130,16 +1173,34 @@ impl Machine {
         (record.stop > 0 && !record.is_protected()) || self.priorities.has_higher(self.effective_priority(self.current))
     }
 
+    #[cold]
+    #[inline(never)]
+    fn runaway(&self) -> Raise {
+        Raise::new("runaway", format!("{} steps in one instant without blocking", self.limits.steps))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn too_deep(&self) -> Raise {
+        Raise::new("stack-overflow", format!("{} calls inside one another", self.limits.frames))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow_stack(&mut self, base: usize) {
+        self.scratch.stack.resize((base + REACH) * 2, Value::Nil);
+    }
+
     fn clear_frame(&mut self, code: &Code, base: usize) {
         let (from, to) = (code.parameters.registers(), usize::from(code.registers));
-        if self.scratch.stack.len() < base + WINDOW {
-            self.scratch.stack.resize((base + WINDOW) * 2, Value::Nil);
+        if self.scratch.stack.len() < base + REACH {
+            self.grow_stack(base);
         }
         self.scratch.stack[base + from..base + to].fill(Value::Nil);
     }
 
     fn call_native(&mut self, around: &mut Surroundings<'_>, native: u16, arguments: &[Value]) -> Result<Reply, Raise> {
-        let entry = around.natives[usize::from(native)];
+        let entry = &around.natives[usize::from(native)];
         if entry.effect == Effect::Acts {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
@@ -1165,7 +1226,7 @@ impl Machine {
             other => return Err(self.not_a_function(other)),
         };
         let callee = &around.program.codes[number as usize];
-        let tail = tail && callee.kind != rpl_lang::code::CodeKind::Plan;
+        let tail = tail && callee.kind != CodeKind::Plan;
         let base = place.frame.base as usize + if tail { 0 } else { first };
         let needed = base + WINDOW.max(arguments.len());
         if self.scratch.stack.len() < needed {

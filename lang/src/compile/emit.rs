@@ -675,7 +675,7 @@ impl Emitter<'_, '_> {
         let clause_reg = self.fresh();
         self.registers.insert(failure, failure_reg);
         self.handlers.push(clauses.iter().map(|clause| clause.classes.clone()).collect());
-        let index = self.handlers.len() as u32 - 1;
+        let index = self.handlers.len() as u16 - 1;
         let push = self.push(Op::PushHandler(failure_reg, index, 0));
         self.scopes += 1;
         self.value(body, into, false);
