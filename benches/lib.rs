@@ -1,7 +1,8 @@
 //! What the benches share: a median timer, other interpreters that do the same work in the same
 //! command, and one table row a question.
 //!
-//! Arguments after `--` choose rows: `cargo bench -p rpl-benches -- fib timers`.
+//! Arguments after `--` choose rows; with `--alone` no other interpreter is run:
+//! `cargo bench -p rpl-benches -- fib timers --alone`.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -52,13 +53,14 @@ pub struct Question {
 #[derive(Debug)]
 pub struct Report {
     wanted: Vec<String>,
+    alone: bool,
 }
 
 impl Report {
     /// The rows named on the command line; all if none is.
     pub fn from_arguments() -> Self {
         let wanted = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
-        Self { wanted }
+        Self { wanted, alone: std::env::args().any(|argument| argument == "--alone") }
     }
 
     /// Measures and prints one row, if it is asked for.
@@ -71,11 +73,11 @@ impl Report {
         let Question { name, what, unit, target, peers, .. } = question;
         println!("{name:<12} {figure:>9.1} {unit:<8} target {target:>7.1} {verdict:<8} {what}");
         println!("{:<12} measured elsewhere: {peers}", "");
-        let Some(stem) = question.anchors else { return };
+        let Some(stem) = question.anchors.filter(|_| !self.alone) else { return };
         for interpreter in INTERPRETERS {
             if let Some(ms) = anchor(interpreter, stem) {
                 let here = ms / question.anchor_scale;
-                println!("{:<12} {:<13} {here:>9.1} {unit}, {:.2} of ours", "", interpreter.name, here / figure);
+                println!("{:<12} {:<13} {here:>9.1} {unit}: {:.2} times ours", "", interpreter.name, here / figure);
             }
         }
     }

@@ -11,7 +11,7 @@ use rpl_runtime::value::Value;
 use std::hint::black_box;
 use std::sync::Arc;
 
-const RUNS: usize = 5;
+const RUNS: usize = 9;
 
 const FIB: &str = "(defun fib (n) (if (< n 2) n (+ (fib (- n 1)) (fib (- n 2)))))
     (wait-time 1)

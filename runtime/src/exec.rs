@@ -37,6 +37,22 @@ struct Place {
     fuel: u32,
 }
 
+/// A copy made of the parts it was written in: reading the whole of a value whose parts have just
+/// been written stalls the processor.
+#[inline(always)]
+fn copied(value: &Value) -> Value {
+    match *value {
+        Value::Int(value) => Value::Int(value),
+        Value::Float(value) => Value::Float(value),
+        other => other,
+    }
+}
+
+#[inline(never)]
+fn as_floats(left: &Value, right: &Value) -> Option<(f64, f64)> {
+    Some((left.as_f64()?, right.as_f64()?))
+}
+
 #[cold]
 #[inline(never)]
 fn overflow(operation: &str) -> Raise {
@@ -478,36 +494,45 @@ impl Machine {
             }
             macro_rules! arithmetic {
                 ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
-                    match (r!($a), r!($b)) {
-                        (Value::Int(x), Value::Int(y)) => match x.$checked(y) {
+                    match (&r!($a), &r!($b)) {
+                        (&Value::Int(x), &Value::Int(y)) => match x.$checked(y) {
                             Some(value) => r!($to) = Value::Int(value),
                             None => fail!(overflow($name)),
                         },
-                        (Value::Float(x), Value::Float(y)) => r!($to) = Value::Float(x $operator y),
-                        (left, right) => match (left.as_f64(), right.as_f64()) {
-                            (Some(x), Some(y)) => r!($to) = Value::Float(x $operator y),
-                            _ => fail!(self.wrong_operands($name, left, right)),
+                        (&Value::Float(x), &Value::Float(y)) => r!($to) = Value::Float(x $operator y),
+                        (left, right) => match as_floats(left, right) {
+                            Some((x, y)) => r!($to) = Value::Float(x $operator y),
+                            None => {
+                                let (left, right) = (*left, *right);
+                                fail!(self.wrong_operands($name, left, right))
+                            }
                         },
                     }
                 };
             }
             macro_rules! compare {
                 ($a:expr, $b:expr, $name:literal, $operator:tt) => {
-                    match (r!($a), r!($b)) {
-                        (Value::Int(x), Value::Int(y)) => x $operator y,
-                        (left, right) => match (left.as_f64(), right.as_f64()) {
-                            (Some(x), Some(y)) => x $operator y,
-                            _ => fail!(self.wrong_operands($name, left, right)),
+                    match (&r!($a), &r!($b)) {
+                        (&Value::Int(x), &Value::Int(y)) => x $operator y,
+                        (left, right) => match as_floats(left, right) {
+                            Some((x, y)) => x $operator y,
+                            None => {
+                                let (left, right) = (*left, *right);
+                                fail!(self.wrong_operands($name, left, right))
+                            }
                         },
                     }
                 };
             }
             macro_rules! compare_int {
                 ($a:expr, $value:expr, $name:literal, $operator:tt) => {
-                    match r!($a) {
-                        Value::Int(x) => x $operator i64::from($value),
-                        Value::Float(x) => x $operator f64::from($value),
-                        other => fail!(self.wrong_operands($name, other, other)),
+                    match &r!($a) {
+                        &Value::Int(x) => x $operator i64::from($value),
+                        &Value::Float(x) => x $operator f64::from($value),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands($name, other, other))
+                        }
                     }
                 };
             }
@@ -558,7 +583,7 @@ impl Machine {
                         self.scratch.stack[base + usize::from(a)] = fluent;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => r!(a) = r!(b),
+                    Op::Move(a, b) => r!(a) = copied(&r!(b)),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
                         collect_if_full!();
@@ -577,13 +602,16 @@ impl Machine {
                     Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
                     Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
                     Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
-                    Op::AddInt(a, b, value) => match r!(b) {
-                        Value::Int(x) => match x.checked_add(i64::from(value)) {
+                    Op::AddInt(a, b, value) => match &r!(b) {
+                        &Value::Int(x) => match x.checked_add(i64::from(value)) {
                             Some(sum) => r!(a) = Value::Int(sum),
                             None => fail!(overflow("+")),
                         },
-                        Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        other => fail!(self.wrong_operands("+", other, other)),
+                        &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands("+", other, other))
+                        }
                     },
                     Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
@@ -871,7 +899,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        r!(0) = r!(a);
+                        r!(0) = copied(&r!(a));
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
