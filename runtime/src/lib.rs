@@ -15,6 +15,7 @@ pub mod failure;
 pub mod fluent;
 mod gc;
 pub mod heap;
+mod invariants;
 pub mod library;
 pub mod machine;
 mod macro_host;

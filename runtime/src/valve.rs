@@ -82,22 +82,34 @@ impl Machine {
             self.take(task, valve, Purpose::Plan, None);
             return Ok(true);
         }
-        self.check_circle(task, valve)?;
-        self.trace_valve(task, valve, "requested");
-        if self.valves[valve as usize].handover.is_none()
-            && let Some(root) = self.preemptible_root(task, valve)
+        if let Some(holder) = self.valves[valve as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task))
         {
-            self.preempt(around, me, valve, root);
-            // Without hooks to run, the valve is already there.
-            if self.valves[valve as usize].holds.last().is_some_and(|hold| hold.task == me) {
-                return Ok(true);
-            }
-        } else {
-            self.valves[valve as usize].line.push(me);
-            self.boost_holder(task, valve);
+            self.check_circle(task, holder, &format!("valve {}", self.valve_name(valve)))?;
         }
+        self.trace_valve(task, valve, "requested");
         self.tasks[task].waiting = Waiting::Valve(valve);
+        self.valves[valve as usize].line.push(me);
+        self.serve_line(around, valve);
+        if self.tasks[task].waiting != Waiting::Valve(valve) {
+            return Ok(true);
+        }
+        self.boost_blocking(task, valve);
         Ok(false)
+    }
+
+    fn valve_name(&self, valve: u32) -> &str {
+        self.symbols.name(self.valves[valve as usize].name)
+    }
+
+    /// Gives the valve to a task that waits for it.
+    fn grant(&mut self, task: u32, valve: u32, interrupted: Option<TaskRef>) {
+        self.leave_valve_line(task, valve);
+        self.take(task, valve, Purpose::Plan, interrupted);
+        if task == self.current {
+            self.tasks[task].waiting = Waiting::Nothing;
+        } else {
+            self.wake(task, Wake::Value(Value::Nil));
+        }
     }
 
     /// Whether a task can have the valve without waiting: it is free, or lent to the task or to
@@ -150,13 +162,17 @@ impl Machine {
     fn preemptible_root(&self, task: u32, valve: u32) -> Option<u32> {
         let holds = &self.valves[valve as usize].holds;
         let holder = self.tasks.find(holds.last()?.task)?;
-        let mine = self.effective_priority(task);
-        if !self.priorities.is_higher(mine, self.effective_priority(holder)) || self.tasks[holder].is_protected() {
+        if !self.priorities.is_higher(self.effective_priority(task), self.effective_priority(holder)) {
             return None;
         }
-        // The owner: the lowest hold above the last pre-emption.
-        let first = holds.iter().rposition(|hold| hold.interrupted.is_some()).unwrap_or(0);
-        let owner = self.tasks.find(holds[first].task)?;
+        // The owner: the lowest of the holds on top that contain one another.
+        let mut owner = holder;
+        for hold in holds.iter().rev() {
+            match self.tasks.find(hold.task) {
+                Some(below) if self.is_within(owner, below) => owner = below,
+                _ => break,
+            }
+        }
         if !self.is_within(task, owner) {
             return Some(owner);
         }
@@ -172,8 +188,7 @@ impl Machine {
         let interrupted = self.tasks.reference(root);
         self.trace_valve(root, valve, "pre-empted");
         let hooks = self.hooks_of(root, true);
-        self.suspend(root);
-        self.update_task_fluents(around, root);
+        self.hold(root);
         self.valves[valve as usize].handover = Some(Handover::Lend { to: requester, interrupted });
         if hooks.is_empty() {
             self.complete_handover(around, valve);
@@ -220,13 +235,13 @@ impl Machine {
         let mut registers = vec![Value::Nil; size].into_boxed_slice();
         registers[0] = list;
         let name = self.symbols.intern("hooks");
-        let priority = self.tasks.find(requester).map_or(0, |task| self.tasks[task].priority);
-        let mut task = Task::new(code, registers, name, priority);
+        let requester = self.tasks.find(requester).unwrap_or(root);
+        let mut task = Task::new(code, registers, name, self.effective_priority(requester));
+        task.priority_depth = self.tasks[requester].priority_depth;
         task.rare().hooks_for = Some(valve);
         task.occurrence = self.count_use(root, name);
         let index = self.tasks.insert(task);
         self.adopt(root, self.tasks[root].scopes.len() as u32, index);
-        self.tasks[index].stop = 0;
         self.make_ready(index);
         self.trace_task_begin(around.program, index);
     }
@@ -243,21 +258,21 @@ impl Machine {
 
     fn complete_handover(&mut self, around: &mut Surroundings<'_>, valve: u32) {
         match self.valves[valve as usize].handover.take() {
-            Some(Handover::Lend { to, interrupted }) => match self.tasks.find_alive(to) {
-                Some(requester) => {
-                    self.interrupt_activations(around, valve);
-                    self.take(requester, valve, Purpose::Plan, Some(interrupted));
-                    if self.tasks[requester].waiting == Waiting::Valve(valve) {
-                        self.wake(requester, Wake::Value(Value::Nil));
+            Some(Handover::Lend { to, interrupted }) => {
+                let requester = self.tasks.find_alive(to);
+                match requester.filter(|&task| self.tasks[task].waiting == Waiting::Valve(valve)) {
+                    Some(requester) => {
+                        self.interrupt_activations(around, valve);
+                        self.grant(requester, valve, Some(interrupted));
+                        self.serve_line(around, valve);
                     }
+                    None => self.give_back(around, valve, interrupted),
                 }
-                None => self.give_back(around, valve, interrupted),
-            },
+            }
             Some(Handover::GiveBack { to }) => {
                 if let Some(root) = self.tasks.find_alive(to) {
                     self.trace_valve(root, valve, "returned");
-                    self.resume(root);
-                    self.update_task_fluents(around, root);
+                    self.unhold(around, root);
                 }
                 self.serve_line(around, valve);
             }
@@ -324,9 +339,7 @@ impl Machine {
             if self.priorities.is_higher(self.effective_priority(best), self.effective_priority(holder))
                 && !self.is_within(best, root)
             {
-                self.leave_valve_line(best, valve);
-                self.take(best, valve, Purpose::Plan, Some(interrupted));
-                self.wake(best, Wake::Value(Value::Nil));
+                self.grant(best, valve, Some(interrupted));
                 return;
             }
         }
@@ -339,11 +352,13 @@ impl Machine {
         let mut best: Option<u32> = None;
         for &waiter in &self.valves[valve as usize].line {
             let Some(task) = self.tasks.find_alive(waiter) else { continue };
-            if self.tasks[task].stop > 0 && !self.tasks[task].is_protected() {
+            if self.tasks[task].is_held() {
                 continue;
             }
-            let is_better = best.is_none_or(|best| {
-                self.priorities.is_higher(self.effective_priority(task), self.effective_priority(best))
+            let is_better = best.is_none_or(|best| match (self.is_heir(task, valve), self.is_heir(best, valve)) {
+                (true, false) => true,
+                (false, true) => false,
+                _ => self.priorities.is_higher(self.effective_priority(task), self.effective_priority(best)),
             });
             if is_better {
                 best = Some(task);
@@ -352,23 +367,37 @@ impl Machine {
         best
     }
 
+    /// Whether a task cleans up in a subtree that was pre-empted: it stands at the head of the line.
+    fn is_heir(&self, task: u32, valve: u32) -> bool {
+        let holds = &self.valves[valve as usize].holds;
+        holds.iter().any(|hold| self.tasks.find_alive(hold.task).is_some_and(|holder| self.is_within(task, holder)))
+    }
+
     /// Grants the valve to whoever may have it now.
     pub(crate) fn serve_line(&mut self, around: &mut Surroundings<'_>, valve: u32) {
         if self.valves[valve as usize].handover.is_some() {
             return;
         }
-        while let Some(task) = self.best_in_line(valve) {
-            let me = self.tasks.reference(task);
-            if self.may_take(task, valve) {
-                self.leave_valve_line(task, valve);
-                self.take(task, valve, Purpose::Plan, None);
-                self.wake(task, Wake::Value(Value::Nil));
-                return;
-            }
-            let Some(root) = self.preemptible_root(task, valve) else { return };
-            self.leave_valve_line(task, valve);
-            self.preempt(around, me, valve, root);
+        let Some(task) = self.best_in_line(valve) else { return };
+        if self.may_take(task, valve) {
+            self.grant(task, valve, None);
             return;
+        }
+        // Clean-ups are not interrupted; when the last one has ended, the line is served again.
+        if let Some(root) = self.preemptible_root(task, valve)
+            && self.is_at_rest(root)
+        {
+            let me = self.tasks.reference(task);
+            self.preempt(around, me, valve, root);
+        }
+    }
+
+    /// Serves every valve somebody waits for.
+    pub(crate) fn serve_lines(&mut self, around: &mut Surroundings<'_>) {
+        for valve in 0..self.valves.len() as u32 {
+            if !self.valves[valve as usize].line.is_empty() {
+                self.serve_line(around, valve);
+            }
         }
     }
 
@@ -422,59 +451,86 @@ impl Machine {
         }
     }
 
-    /// A holder whose clean-ups or hooks keep a requester waiting runs at its priority.
-    fn boost_holder(&mut self, requester: u32, valve: u32) {
+    /// Clean-ups and hooks of the holder that keep a requester waiting run at its priority.
+    fn boost_blocking(&mut self, requester: u32, valve: u32) {
         let priority = self.effective_priority(requester);
-        let holder = self.valves[valve as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task));
-        if let Some(holder) = holder
-            && self.tasks[holder].is_protected()
-            && self.priorities.is_higher(priority, self.effective_priority(holder))
-        {
-            self.boost(holder, priority);
+        let root = match &self.valves[valve as usize].handover {
+            Some(Handover::Lend { interrupted, .. } | Handover::GiveBack { to: interrupted }) => {
+                self.tasks.find_alive(*interrupted)
+            }
+            None => self.preemptible_root(requester, valve),
+        };
+        let Some(root) = root else { return };
+        let mut waiting = vec![root];
+        while let Some(task) = waiting.pop() {
+            waiting.extend(self.children(task));
+            let blocks = self.tasks[task].is_protected() || self.runs_hooks_for(task, valve) || self.cleans_up(task);
+            if blocks && self.priorities.is_higher(priority, self.effective_priority(task)) {
+                self.boost(task, priority);
+            }
         }
     }
 
-    /// A request that would close a circle of waiting is a `deadlock`.
-    fn check_circle(&self, task: u32, valve: u32) -> Result<(), Raise> {
-        let mut seen = vec![valve];
-        let mut names =
-            vec![format!("{} waits for {}", self.path(task), self.symbols.name(self.valves[valve as usize].name))];
-        let mut at = valve;
-        loop {
-            let Some(holder) = self.valves[at as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task))
-            else {
-                return Ok(());
-            };
-            let Waiting::Valve(next) = self.blocking_wait(holder) else { return Ok(()) };
-            names.push(format!(
-                "{} holds {} and waits for {}",
-                self.path(holder),
-                self.symbols.name(self.valves[at as usize].name),
-                self.symbols.name(self.valves[next as usize].name)
-            ));
-            let next_holder = self.valves[next as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task));
-            if next_holder.is_some_and(|holder| self.is_within(task, holder)) {
-                return Err(Raise::new("deadlock", format!("this request closes a circle: {}", names.join("; "))));
+    /// Whether a task belongs to the clean-up of a task above it.
+    fn cleans_up(&self, task: u32) -> bool {
+        let (mut at, mut scope) = (self.tasks[task].parent, self.tasks[task].parent_scope);
+        while at != NONE {
+            if self.tasks[at].is_within_clean_up(scope) {
+                return true;
             }
-            if seen.contains(&next) {
-                return Ok(());
-            }
-            seen.push(next);
-            at = next;
+            (at, scope) = (self.tasks[at].parent, self.tasks[at].parent_scope);
         }
+        false
     }
 
-    /// The valve a task, or the one child it waits for, waits for.
-    fn blocking_wait(&self, task: u32) -> Waiting {
-        let mut at = task;
-        loop {
-            let record = &self.tasks[at];
-            match record.waiting {
-                Waiting::Children => match self.children(at).as_slice() {
-                    [only] => at = *only,
-                    _ => return Waiting::Children,
-                },
-                other => return other,
+    /// A wait of `task` for `first` that would close a circle of waiting is a `deadlock`.
+    pub(crate) fn check_circle(&self, task: u32, first: u32, what: &str) -> Result<(), Raise> {
+        let mut came_from = std::collections::BTreeMap::from([(first, NONE)]);
+        let mut waiting = vec![first];
+        while let Some(at) = waiting.pop() {
+            if at == task {
+                return Err(Raise::new("deadlock", self.describe_circle(task, what, &came_from)));
+            }
+            for next in self.must_happen_first(at).into_iter().rev() {
+                came_from.entry(next).or_insert_with(|| {
+                    waiting.push(next);
+                    at
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn describe_circle(&self, task: u32, what: &str, came_from: &std::collections::BTreeMap<u32, u32>) -> String {
+        let mut parts = Vec::new();
+        let mut at = came_from[&task];
+        while at != NONE {
+            parts.push(format!("{} waits for {}", self.path(at), self.describe_waiting(at)));
+            at = came_from[&at];
+        }
+        parts.push(format!("{} waits for {what}", self.path(task)));
+        parts.reverse();
+        format!("this would close a circle of waiting: {}", parts.join("; "))
+    }
+
+    /// The tasks without whose going on this one cannot go on.
+    fn must_happen_first(&self, task: u32) -> Vec<u32> {
+        let record = &self.tasks[task];
+        match record.waiting {
+            Waiting::Valve(valve) => {
+                let holder = self.valves[valve as usize].holds.last();
+                holder.and_then(|hold| self.tasks.find_alive(hold.task)).into_iter().collect()
+            }
+            Waiting::Death(other) | Waiting::Rest(other) => self.tasks.find_alive(other).into_iter().collect(),
+            Waiting::Spawned => self.children(task),
+            Waiting::Children => match record.scopes.last().map(|scope| &scope.kind) {
+                Some(ScopeKind::Children(children)) if children.needs_all() || record.leaving.is_some() => {
+                    self.children_of_scope(task, record.scopes.len() as u32 - 1)
+                }
+                _ => Vec::new(),
+            },
+            Waiting::Nothing | Waiting::Fluent { .. } | Waiting::Watch(_) | Waiting::Time | Waiting::Signal(_) => {
+                Vec::new()
             }
         }
     }

@@ -32,8 +32,15 @@ pub fn run(text: &str) -> String {
         Ok(system) => system,
         Err(rejected) => return rejected.render(false),
     };
-    while system.advance() == Progress::Running {}
-    transcript(&mut system)
+    loop {
+        let progress = system.advance();
+        if let Err(broken) = system.machine.check_invariants() {
+            panic!("after an instant of\n{text}\n{broken}");
+        }
+        if progress == Progress::Ended {
+            return transcript(&mut system);
+        }
+    }
 }
 
 /// The output of an ended run, then its value or failure.

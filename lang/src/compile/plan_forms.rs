@@ -359,6 +359,7 @@ impl Compiler<'_> {
         let parameter = self.tree.proper_list(items[1]).map(<[NodeId]>::to_vec);
         let name = match parameter.as_deref() {
             Some([]) => None,
+            None if self.tree.symbol(items[1]).is_some_and(|name| self.symbols.name(name) == "nil") => None,
             Some([name]) if self.tree.symbol(*name).is_some() => self.tree.symbol(*name),
             _ => {
                 self.malformed(span, form);

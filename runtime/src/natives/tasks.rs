@@ -121,9 +121,6 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let Some(index) = call.machine.tasks.find_alive(task) else { return Ok(Reply::Value(Value::Nil)) };
     let current = call.machine.current;
     let is_own = call.machine.is_within(current, index);
-    if !is_own && call.machine.waits_for_death(index, current) {
-        return Err(Raise::new("deadlock", "these two tasks wait for each other's end"));
-    }
     call.machine.evaporate(call.around, index);
     if is_own {
         return Ok(Reply::Leave);
@@ -131,6 +128,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.tasks.find_alive(task).is_none() {
         return Ok(Reply::Value(Value::Nil));
     }
+    call.machine.check_circle(current, index, "the end of a task")?;
     let me = call.machine.tasks.reference(current);
     call.machine.tasks[index].rare().mourners.push(me);
     call.machine.tasks[current].waiting = Waiting::Death(task);
@@ -141,7 +139,9 @@ fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let task = call.machine.task_argument(call.argument(0))?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
         call.machine.suspend(index);
-        call.machine.update_task_fluents(call.around, index);
+        if call.machine.wait_for_rest(index) {
+            return Ok(Reply::Wait);
+        }
     }
     Ok(Reply::Value(Value::Nil))
 }
@@ -149,8 +149,7 @@ fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn resume(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let task = call.machine.task_argument(call.argument(0))?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
-        call.machine.resume(index);
-        call.machine.update_task_fluents(call.around, index);
+        call.machine.resume(call.around, index);
     }
     Ok(Reply::Value(Value::Nil))
 }

@@ -51,7 +51,7 @@ fn release(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let current = call.machine.current;
     let me = call.machine.tasks.reference(current);
     let entry = &call.machine.valves[valve as usize];
-    if !entry.holds.iter().any(|hold| hold.task == me) {
+    if !entry.holds.iter().any(|hold| hold.task == me && hold.purpose == crate::valve::Purpose::Plan) {
         let name = call.machine.symbols.name(entry.name).to_string();
         return Err(Raise::new("valve-error", format!("this task does not hold the valve `{name}`")));
     }

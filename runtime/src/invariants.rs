@@ -1,0 +1,195 @@
+//! What is true of a machine between two steps, whatever runs in it.
+
+use crate::machine::{Machine, SCRATCH_TASK};
+use crate::slab::Marks;
+use crate::task::{NONE, ScopeKind, State, Task, Waiting};
+use crate::valve::Handover;
+
+type Check = Result<(), String>;
+
+fn ensure(holds: bool, what: impl FnOnce() -> String) -> Check {
+    if holds { Ok(()) } else { Err(what()) }
+}
+
+impl Machine {
+    /// Checks the links between tasks, fluents, valves and the run queue.
+    ///
+    /// # Errors
+    /// One sentence about the first thing that is wrong. Cost: linear, but for valves' lines.
+    pub fn check_invariants(&self) -> Result<(), String> {
+        let mut queued = Marks::new(self.tasks.slots());
+        for task in self.priorities.queued(&self.tasks) {
+            ensure(queued.set(task), || format!("task {task} stands in the run queue twice"))?;
+        }
+        for (index, task) in self.tasks.iter().filter(|&(index, _)| index != SCRATCH_TASK) {
+            self.check_task(index, task, queued.is_set(index))
+                .map_err(|what| format!("{} (task {index}): {what}", self.path(index)))?;
+        }
+        self.check_fluents()?;
+        self.check_watches()?;
+        self.check_valves()
+    }
+
+    fn check_task(&self, index: u32, task: &Task, is_queued: bool) -> Check {
+        ensure(is_queued == (task.state == State::Ready && !task.is_held()), || {
+            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state.name(), task.stop)
+        })?;
+        ensure(task.state != State::Running, || "runs between two steps".into())?;
+        ensure((task.state == State::Blocked) == (task.waiting != Waiting::Nothing), || {
+            format!("is {} and waits for {:?}", task.state.name(), task.waiting)
+        })?;
+        if task.state.is_dead() {
+            ensure(task.first_child == NONE, || "is dead and has children".into())?;
+            return ensure(task.scopes.is_empty(), || format!("is dead and has the scopes {:?}", task.scopes));
+        }
+        self.check_parent(index, task)?;
+        self.check_children(index, task)?;
+        self.check_waiting(index, task)
+    }
+
+    fn check_parent(&self, index: u32, task: &Task) -> Check {
+        let mut stops = task.own_stops();
+        if task.parent != NONE {
+            let parent = self.tasks.get(task.parent).filter(|parent| !parent.state.is_dead());
+            let Some(parent) = parent else { return Err("outlives its parent".into()) };
+            let before = task.previous_sibling;
+            let is_linked = if before == NONE { parent.first_child } else { self.tasks[before].next_sibling } == index;
+            ensure(is_linked, || "is no child of its parent".into())?;
+            if !task.named_as_hook() && !parent.is_within_clean_up(task.parent_scope) {
+                stops += parent.stop;
+            }
+        }
+        ensure(stops == task.stop, || format!("counts {} suspensions, and there are {stops}", task.stop))
+    }
+
+    fn check_children(&self, index: u32, task: &Task) -> Check {
+        let mut counts = vec![0; task.scopes.len()];
+        let mut at = task.first_child;
+        let mut before = NONE;
+        while at != NONE {
+            let child = &self.tasks[at];
+            ensure(child.parent == index && child.previous_sibling == before, || format!("a wrong link to {at}"))?;
+            ensure(!child.state.is_dead(), || format!("the dead child {at} is still linked"))?;
+            if !child.named_as_hook() {
+                match counts.get_mut(child.parent_scope as usize) {
+                    Some(count) => *count += 1,
+                    None => return Err(format!("the child {at} belongs to a scope that is gone")),
+                }
+            }
+            (before, at) = (at, child.next_sibling);
+        }
+        ensure(task.last_child == before, || "the last child is not the last".into())?;
+        for (scope, count) in task.scopes.iter().zip(counts) {
+            let known = match &scope.kind {
+                ScopeKind::Children(children) => children.alive,
+                ScopeKind::Call(call) => call.spawned,
+                _ => 0,
+            };
+            ensure(known == count, || format!("counts {known} children of a scope, and there are {count}"))?;
+        }
+        Ok(())
+    }
+
+    fn check_waiting(&self, index: u32, task: &Task) -> Check {
+        match task.waiting {
+            Waiting::Fluent { fluent, .. } => {
+                let Some(entry) = self.fluents.get(fluent) else {
+                    return Err("waits for a fluent that is gone".into());
+                };
+                ensure(!entry.reading().is_true(), || "waits for a fluent that is true".into())?;
+                let line = entry.waiters.tasks(&self.tasks);
+                ensure(line.contains(&index), || "is not among the waiters of its fluent".into())
+            }
+            Waiting::Watch(watch) => {
+                let entry = self.watches.get(watch);
+                ensure(entry.is_some_and(|entry| entry.task == index && entry.waits && entry.events == 0), || {
+                    format!("waits for the watch {entry:?}")
+                })
+            }
+            Waiting::Valve(valve) => {
+                let me = self.tasks.reference(index);
+                let valve = &self.valves[valve as usize];
+                let is_next = matches!(valve.handover, Some(Handover::Lend { to, .. }) if to == me);
+                ensure(is_next || valve.line.contains(&me), || "is not in the line of its valve".into())
+            }
+            Waiting::Death(other) => {
+                let me = self.tasks.reference(index);
+                let other = self.tasks.find_alive(other).and_then(|other| self.tasks[other].rare.as_ref());
+                ensure(other.is_some_and(|other| other.mourners.contains(&me)), || "waits for nobody's death".into())
+            }
+            Waiting::Rest(other) => {
+                let me = self.tasks.reference(index);
+                let other = self.tasks.find_alive(other).and_then(|other| self.tasks[other].rare.as_ref());
+                ensure(other.is_some_and(|other| other.resters.contains(&me)), || "waits for nobody's rest".into())
+            }
+            Waiting::Children | Waiting::Spawned => {
+                ensure(task.first_child != NONE, || "waits for children and has none".into())
+            }
+            Waiting::Nothing | Waiting::Time | Waiting::Signal(_) => Ok(()),
+        }
+    }
+
+    fn check_fluents(&self) -> Check {
+        for (index, fluent) in self.fluents.iter() {
+            for &input in &fluent.inputs {
+                let input = self.fluents.get(input);
+                ensure(input.is_some_and(|input| input.dependents.contains(&index)), || {
+                    format!("fluent {index} is no dependent of its input")
+                })?;
+            }
+            for &dependent in &fluent.dependents {
+                let dependent = self.fluents.get(dependent);
+                ensure(dependent.is_some_and(|dependent| dependent.inputs.contains(&index)), || {
+                    format!("fluent {index} is no input of its dependent")
+                })?;
+            }
+            for waiter in fluent.waiters.tasks(&self.tasks) {
+                let waits = matches!(self.tasks[waiter].waiting, Waiting::Fluent { fluent, .. } if fluent == index);
+                ensure(waits, || format!("task {waiter} is a waiter of fluent {index} and does not wait for it"))?;
+            }
+            ensure(!fluent.is_pulsed && !fluent.is_changed, || format!("fluent {index} is pulsed at rest"))?;
+        }
+        Ok(())
+    }
+
+    fn check_watches(&self) -> Check {
+        for (index, watch) in self.watches.iter() {
+            let task = self.tasks.get(watch.task).filter(|task| !task.state.is_dead());
+            let has_scope = |task: &Task| task.scopes.iter().any(|scope| scope.kind == ScopeKind::Watch(index));
+            ensure(task.is_some_and(has_scope), || format!("watch {index} belongs to no task"))?;
+            let fluent = self.fluents.get(watch.fluent);
+            ensure(fluent.is_some_and(|fluent| fluent.watches.contains(&index)), || {
+                format!("watch {index} is not known to its fluent")
+            })?;
+        }
+        Ok(())
+    }
+
+    fn check_valves(&self) -> Check {
+        for (number, valve) in self.valves.iter().enumerate() {
+            let name = self.symbols.name(valve.name);
+            for hold in &valve.holds {
+                ensure(self.tasks.find_alive(hold.task).is_some(), || format!("a dead task holds `{name}`"))?;
+                if let Some(interrupted) = hold.interrupted.and_then(|task| self.tasks.find_alive(task)) {
+                    let holds = self.tasks[interrupted].rare.as_ref().map_or(0, |rare| rare.holds);
+                    ensure(holds > 0, || format!("`{name}` has interrupted a task that is not suspended"))?;
+                }
+            }
+            for &waiter in &valve.line {
+                let task = self.tasks.find_alive(waiter).map(|task| &self.tasks[task]);
+                ensure(task.is_some_and(|task| task.waiting == Waiting::Valve(number as u32)), || {
+                    format!("the line of `{name}` has a task that does not wait for it")
+                })?;
+            }
+            ensure(
+                !valve.holds.is_empty() || valve.line.is_empty() || valve.handover.is_some() || self.all_held(valve),
+                || format!("`{name}` is free and somebody waits for it"),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn all_held(&self, valve: &crate::valve::Valve) -> bool {
+        valve.line.iter().all(|&task| self.tasks.find_alive(task).is_none_or(|task| self.tasks[task].is_held()))
+    }
+}

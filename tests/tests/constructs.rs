@@ -1,0 +1,193 @@
+//! The parallel family: what decides, when, and with which value.
+
+use rpl_tests::run;
+
+#[track_caller]
+fn check(text: &str, expected: &str) {
+    assert_eq!(run(text), expected, "{text}");
+}
+
+#[test]
+fn par_has_the_value_of_the_last_child_by_position() {
+    check("(par (seq (wait-time 2) 'a) (seq (wait-time 1) 'b))", "=> b");
+}
+
+#[test]
+fn par_fails_at_the_first_failure_and_evaporates_the_others() {
+    check(
+        "(with-failure-handling ((plan-failure (f) (list (failure-message f) (now))))
+           (par (unwind-protect (wait-time 9) (print 'clean)) (seq (wait-time 1) (fail \"no\")) (wait-time 5)))",
+        "clean\n=> (\"no\" 1.0)",
+    );
+}
+
+#[test]
+fn a_decision_falls_in_the_step_in_which_a_child_ends() {
+    // All three are ready in the same instant; the losers run nothing but clean-ups.
+    check(
+        "(def-fluent go nil)
+         (par (pursue (seq (wait-for go) (print 'first) 1)
+                      (seq (wait-for go) (print 'second) 2)
+                      (evap-protect (seq (wait-for go) (print 'third)) (print 'clean)))
+              (seq (wait-time 1) (setf (value go) t)))
+         (now)",
+        "first\nclean\n=> 1.0",
+    );
+}
+
+#[test]
+fn children_that_have_not_started_never_start() {
+    check("(pursue (print 'a) (print 'b))", "a\n=> a");
+    check("(ignore-failures (failure) (par (fail \"x\") (print 'b)))", "=> nil");
+    check("(try-all (seq (fail \"x\")) (print 'b) (print 'c))", "b\n=> b");
+}
+
+#[test]
+fn try_all_fails_with_every_failure() {
+    check(
+        "(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f))))
+           (try-all (seq (wait-time 2) (fail \"a\")) (fail \"b\")))",
+        "=> (\"b\" \"a\")",
+    );
+}
+
+#[test]
+fn try_in_order_takes_the_first_success() {
+    check("(try-in-order (fail \"a\") (seq (wait-time 1) 'b) (print 'c))", "=> b");
+    check(
+        "(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f))))
+           (try-in-order (fail \"a\") (fail \"b\")))",
+        "=> (\"a\" \"b\")",
+    );
+    check("(try-each-in-order (x '(1 2 3)) (if (< x 2) (fail \"small\") x))", "=> 2");
+}
+
+#[test]
+fn empty_forms() {
+    check("(list (seq) (par))", "=> (nil nil)");
+    for form in ["(pursue)", "(try-all)", "(try-in-order)", "(try-each-in-order (x nil) x)"] {
+        check(&format!("(with-failure-handling ((composite-failure (f) (failure-parts f))) {form})"), "=> nil");
+    }
+    check("(par-map (x nil) x)", "=> nil");
+}
+
+#[test]
+fn evaporated_children_count_as_done() {
+    check(
+        "(seq (par (:tag a (wait-time 9)) (seq (evaporate a) 'b)) (list (value (status a)) (now)))",
+        "=> (evaporated 0.0)",
+    );
+    check(
+        "(with-failure-handling ((composite-failure (f) (length (failure-parts f))))
+           (try-all (:tag a (wait-time 9)) (seq (evaporate a) (fail \"x\"))))",
+        "=> 1",
+    );
+    check(
+        "(par (with-failure-handling ((composite-failure (f) (print (length (failure-parts f)))))
+                (pursue (:tag a (wait-time 9))))
+              (evaporate a))",
+        "0\n=> nil",
+    );
+}
+
+#[test]
+fn leaving_means_clean() {
+    check(
+        "(pursue (unwind-protect (wait-time 9) (seq (wait-time 2) (print 'slow)))
+                 (unwind-protect (wait-time 9) (seq (wait-time 1) (print 'quick)))
+                 (wait-time 1))
+         (now)",
+        "quick\nslow\n=> 3.0",
+    );
+}
+
+#[test]
+fn clean_ups_start_in_order_of_position() {
+    check(
+        "(pursue (evap-protect (par (evap-protect (wait-time 9) (print 'a-inner))) (print 'a))
+                 (evap-protect (wait-time 9) (print 'b))
+                 (evap-protect (wait-time 9) (print 'c))
+                 (wait-time 1))",
+        "a-inner\nb\nc\na\n=> nil",
+    );
+}
+
+#[test]
+fn a_plan_keeps_its_order_however_the_first_step_died() {
+    check("(plan ((:tag b (print 'b)) (:tag a (seq (wait-time 1) (print 'a)))) (:order a b))", "a\nb\n=> a");
+    check(
+        "(plan ((:tag a (wait-time 9)) (:tag b (print (now))) (seq (wait-time 1) (evaporate a))) (:order a b))",
+        "1.0\n=> nil",
+    );
+    check(
+        "(def-plan p () (plan ((:tag a (wait-time 1)) (:tag b (print 'b)) (seq (print (value (status b))))) (:order a b)))
+         (p)",
+        "created\nb\n=> created",
+    );
+    let cycle = run("(plan ((:tag a 1) (:tag b 2)) (:order a b) (:order b a))");
+    assert!(cycle.contains("circle"), "{cycle}");
+}
+
+#[test]
+fn a_timeout_fails_at_the_deadline_and_not_in_its_instant() {
+    check("(with-timeout 1 (wait-time 1) 'done)", "=> done");
+    check(
+        "(with-failure-handling ((timeout (f) (list (failure-slot f 'seconds) (now))))
+           (with-timeout 1 (evap-protect (wait-time 1.5) (wait-time 1))))",
+        "=> (1.0 2.0)",
+    );
+    check(
+        "(def-fluent f nil) (with-timeout 1 (par (seq (wait-time 1) (setf (value f) t)) (wait-for f)) 'in-time)",
+        "=> in-time",
+    );
+}
+
+#[test]
+fn the_outcome_is_fixed_when_leaving_starts() {
+    // The deadline falls into the clean-up of a failure: the failure stays.
+    check(
+        "(with-failure-handling ((timeout () 'timeout) (plan-failure (f) (list (failure-message f) (now))))
+           (with-timeout 2 (unwind-protect (seq (wait-time 1) (fail \"first\")) (wait-time 3))))",
+        "=> (\"first\" 4.0)",
+    );
+}
+
+#[test]
+fn spawn_lives_as_long_as_the_plan_call() {
+    check(
+        "(def-plan p () (spawn (evap-protect (wait-time 9) (seq (wait-time 1) (print 'gone)))) (wait-time 1) 'p)
+         (print (p)) (now)",
+        "gone\np\n=> 2.0",
+    );
+    check(
+        "(def-plan p () (spawn (seq (wait-time 1) (fail \"spawned\"))) (evap-protect (wait-time 9) (print 'cut)))
+         (with-failure-handling ((plan-failure (f) (list (failure-message f) (now)))) (p))",
+        "cut\n=> (\"spawned\" 1.0)",
+    );
+    check("(def-plan p () (spawn 7)) (def-plan q () (value (result (p)))) (print 1) (q)", "1\n=> nil");
+}
+
+#[test]
+fn a_spawned_failure_waits_for_a_clean_up() {
+    check(
+        "(def-plan p ()
+           (spawn (seq (wait-time 1) (fail \"spawned\")))
+           (unwind-protect (seq) (seq (wait-time 2) (print 'cleaned)))
+           (print 'not-reached))
+         (with-failure-handling ((plan-failure (f) (list (failure-message f) (now)))) (p))",
+        "cleaned\n=> (\"spawned\" 2.0)",
+    );
+}
+
+#[test]
+fn maps_have_one_child_an_element() {
+    check("(par-map (x '(3 1 2)) (wait-time x) (print x))", "1\n2\n3\n=> 2");
+    check("(pursue-map (x '(3 1 2)) (wait-time x) x)", "=> 1");
+    check("(try-all-map (x '(3 1 2)) (wait-time x) (if (= x 1) (fail \"one\") x))", "=> 2");
+}
+
+#[test]
+fn a_child_without_work_still_is_a_child() {
+    check("(par nil 5)", "=> 5");
+    check("(pursue nil 5)", "=> nil");
+}

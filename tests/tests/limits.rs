@@ -1,0 +1,137 @@
+//! Limits: nothing a plan does can hang or crash the program.
+
+use rpl_runtime::system::Progress;
+use rpl_tests::{run, system, transcript};
+
+fn run_limited(text: &str, steps: u32, bytes: usize) -> String {
+    let mut system = system(text);
+    system.machine.limits.steps = steps;
+    system.machine.limits.bytes = bytes;
+    while system.advance() == Progress::Running {}
+    if let Err(broken) = system.machine.check_invariants() {
+        panic!("{text}: {broken}");
+    }
+    transcript(&mut system)
+}
+
+#[track_caller]
+fn fails(text: &str, class: &str) {
+    let result = run_limited(text, 100_000, 1 << 24);
+    let last = result.lines().find(|line| line.starts_with("failed: ")).unwrap_or(&result).to_string();
+    assert!(last.starts_with(&format!("failed: {class}")), "{text}\n{result}");
+}
+
+#[test]
+fn a_runaway_fails_and_can_be_handled_once() {
+    fails("(loop)", "runaway");
+    let handled = "(with-failure-handling ((runaway (f) 'caught)) (loop))";
+    assert_eq!(run_limited(handled, 1_000, 1 << 30), "=> caught");
+}
+
+#[test]
+fn a_second_runaway_in_one_instant_passes_handlers() {
+    fails("(loop (ignore-failures (failure) (loop)))", "runaway");
+    fails("(loop (ignore-failures (failure) (par (loop))))", "runaway");
+    fails("(loop (par (ignore-failures (failure) (loop))))", "runaway");
+    fails("(loop (ignore-failures (failure) (try-all (loop) (fail \"x\"))))", "runaway");
+    fails("(with-failure-handling ((runaway (f) (retry))) (loop))", "runaway");
+    let later = "(dotimes (i 5) (ignore-failures (failure) (loop)) (wait-time 1)) (now)";
+    assert_eq!(run_limited(later, 1_000, 1 << 30), "=> 5.0");
+}
+
+#[test]
+fn no_time_passes_for_free() {
+    fails("(loop (ignore-failures (timeout) (with-timeout 0 (wait-time 5))))", "runaway");
+    fails("(loop (wait-time 0.0000001))", "runaway");
+    fails("(loop (wait-time 0))", "runaway");
+    fails(
+        "(def-fluent f nil) (par (whenever f (setf (value f) nil)) (loop (setf (value f) t) (wait-time 0)))",
+        "runaway",
+    );
+}
+
+#[test]
+fn a_clean_up_has_limits_too() {
+    fails("(unwind-protect (loop) (loop))", "runaway");
+    fails("(def-fluent f nil) (unwind-protect (fail \"x\") (wait-for f))", "plan-failure");
+    fails("(def-fluent f nil) (unwind-protect 1 (loop (ignore-failures (failure) (wait-for f))))", "deadlock");
+    fails("(def-fluent f nil) (par (unwind-protect (wait-for f) (par (wait-for f) (wait-for f))))", "deadlock");
+}
+
+#[test]
+fn runaway_recursion_and_allocation() {
+    fails("(defun f (n) (+ 1 (f n))) (f 1)", "");
+    let deep = run("(defun f (n) (+ 1 (f n))) (f 1)");
+    assert!(deep.starts_with("failed: stack-overflow"), "{deep}");
+    fails("(defvar l nil) (loop (push 1 l))", "");
+    let wide = run_limited("(defvar l nil) (loop (push (list 1 2 3 4) l))", 100_000_000, 1 << 24);
+    assert!(wide.starts_with("failed: out-of-memory"), "{wide}");
+    let tasks = run_limited("(def-plan f () (par (f) 1)) (f)", 100_000_000, 1 << 26);
+    assert!(tasks.starts_with("failed: out-of-memory"), "{}", &tasks[..200]);
+}
+
+#[test]
+fn a_network_that_runs_away_is_a_failure() {
+    fails("(def-fluent f 1) (defun g (x) (loop)) (wait-for (g f))", "runaway");
+    fails(
+        "(def-fluent f 1) (defun g (x) (if (> x 1) (loop) nil)) (defvar n (fluent (g f))) (loop (setf (value f) (+ 1 (value f))))",
+        "runaway",
+    );
+}
+
+#[test]
+fn main_deadlocked_names_what_everybody_waits_for() {
+    let result = run(
+        "(def-fluent f nil) (def-plan p () (par (wait-for f) (:tag a (wait-for (eq f 3)))))(ignore-failures (error) (p))",
+    );
+    assert!(result.contains("failed: deadlock"), "{result}");
+    assert!(result.contains("main/p/par[0] waits for fluent f"), "{result}");
+    let once = run("(def-fluent f nil) (ignore-failures (deadlock) (wait-for f)) 'on");
+    assert_eq!(once, "=> on");
+    let twice = run("(def-fluent f nil) (loop (ignore-failures (deadlock) (wait-for f)))");
+    assert!(twice.starts_with("failed: deadlock"), "{twice}");
+    let suspended = run("(suspend (this-task))");
+    assert!(suspended.contains("main is suspended"), "{suspended}");
+}
+
+#[test]
+fn a_hundred_thousand_nested_tasks() {
+    let nested = "(defun nest (n) (if (= n 0) (wait-time 1) (par (nest (- n 1))))) ";
+    assert_eq!(run(&format!("{nested} (nest 100000) (now)")), "=> 1.0");
+    assert_eq!(run(&format!("{nested} (pursue (nest 100000) (wait-time 0.5)) (now)")), "=> 0.5");
+    let failing = "(defun nest (n) (if (= n 0) (fail \"x\") (try-all (nest (- n 1))))) (ignore-failures (failure) (nest 100000)) 'done";
+    assert_eq!(run(failing), "=> done");
+    let cleaned =
+        "(defvar n 0) (defun nest (k) (if (= k 0) (wait-time 9) (par (evap-protect (nest (- k 1)) (incf n)))))
+                   (pursue (nest 100000) (wait-time 1)) n";
+    assert_eq!(run(cleaned), "=> 100000");
+}
+
+#[test]
+fn a_hundred_thousand_tasks_beside_one_another() {
+    let many = "(let ((l nil)) (dotimes (i 100000) (push i l)) ";
+    assert_eq!(
+        run(&format!(
+            "{many} (par-map (x l) x) (par-map (x l) (wait-time 1) x) (pursue-map (x l) (wait-time 1) x) (now))"
+        )),
+        "=> 2.0"
+    );
+    assert_eq!(run("(def-plan p () (dotimes (i 100000) (spawn (wait-time 1))) (wait-time 2)) (p) (p) (now)"), "=> 4.0");
+    assert_eq!(run("(def-plan p () (dotimes (i 100000) (spawn (wait-time 9)))) (p) (now)"), "=> 0.0");
+    assert_eq!(
+        run(
+            "(def-fluent f nil) (def-plan p () (dotimes (i 100000) (spawn (wait-for f))) (wait-time 1) (setf (value f) t) (wait-time 1)) (p) (now)"
+        ),
+        "=> 2.0"
+    );
+}
+
+#[test]
+fn a_hundred_thousand_requests_of_one_valve() {
+    assert_eq!(
+        run(
+            "(def-valve v) (def-plan p () (dotimes (i 20000) (spawn (with-valve v (wait-time 0)))) (wait-time 1)) (p) (now)"
+        ),
+        "=> 1.0"
+    );
+}
