@@ -1,7 +1,8 @@
 //! What the benches share: a median timer, other interpreters that do the same work in the same
 //! command, and one table row a question.
 //!
-//! Arguments after `--` choose rows: `cargo bench -p rpl-benches -- fib timers`.
+//! Arguments after `--` choose rows; with `--alone` no other interpreter is run:
+//! `cargo bench -p rpl-benches -- fib timers --alone`.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -52,13 +53,14 @@ pub struct Question {
 #[derive(Debug)]
 pub struct Report {
     wanted: Vec<String>,
+    alone: bool,
 }
 
 impl Report {
     /// The rows named on the command line; all if none is.
     pub fn from_arguments() -> Self {
         let wanted = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
-        Self { wanted }
+        Self { wanted, alone: std::env::args().any(|argument| argument == "--alone") }
     }
 
     /// Measures and prints one row, if it is asked for.
@@ -71,11 +73,11 @@ impl Report {
         let Question { name, what, unit, target, peers, .. } = question;
         println!("{name:<12} {figure:>9.1} {unit:<8} target {target:>7.1} {verdict:<8} {what}");
         println!("{:<12} measured elsewhere: {peers}", "");
-        let Some(stem) = question.anchors else { return };
+        let Some(stem) = question.anchors.filter(|_| !self.alone) else { return };
         for interpreter in INTERPRETERS {
             if let Some(ms) = anchor(interpreter, stem) {
                 let here = ms / question.anchor_scale;
-                println!("{:<12} {:<13} {here:>9.1} {unit}, {:.2} of ours", "", interpreter.name, here / figure);
+                println!("{:<12} {:<13} {here:>9.1} {unit}: {:.2} times ours", "", interpreter.name, here / figure);
             }
         }
     }
@@ -107,17 +109,46 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
+/// Time this thread has had a processor; wall time where that is unknown. Other work on the machine
+/// does not count.
+#[derive(Debug)]
+struct Stopwatch {
+    start: Instant,
+    start_ns: Option<u64>,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        let start_ns = Self::processor_ns();
+        Self { start: Instant::now(), start_ns }
+    }
+
+    fn elapsed_ms(&self) -> f64 {
+        let wall = self.start.elapsed().as_secs_f64() * 1e3;
+        match (self.start_ns, Self::processor_ns()) {
+            (Some(start), Some(end)) => (end - start) as f64 / 1e6,
+            _ => wall,
+        }
+    }
+
+    fn processor_ns() -> Option<u64> {
+        // Brings the kernel's account up to date.
+        std::thread::yield_now();
+        std::fs::read_to_string("/proc/thread-self/schedstat").ok()?.split_whitespace().next()?.parse().ok()
+    }
+}
+
 /// Median milliseconds of `act` over `runs` fresh values of `prepare`, which is not timed, nor is
 /// dropping what `act` gives.
 pub fn median_ms<T, R>(runs: usize, mut prepare: impl FnMut() -> T, mut act: impl FnMut(T) -> R) -> f64 {
     let times = (0..runs)
         .map(|_| {
             let input = prepare();
-            let start = Instant::now();
+            let stopwatch = Stopwatch::start();
             let result = act(input);
-            let elapsed = start.elapsed();
+            let elapsed_ms = stopwatch.elapsed_ms();
             drop(result);
-            elapsed.as_secs_f64() * 1e3
+            elapsed_ms
         })
         .collect();
     median(times)

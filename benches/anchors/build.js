@@ -5,6 +5,6 @@ function build(n) {
   while (words) { reversed.push(words[0]); words = words[1]; }
   return reversed.join(",").length;
 }
-const start = performance.now();
+const start = process.cpuUsage().user / 1e3;
 if (build(200000) !== 1488889) process.exit(1);
-console.log(performance.now() - start);
+console.log(process.cpuUsage().user / 1e3 - start);

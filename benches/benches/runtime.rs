@@ -11,7 +11,7 @@ use rpl_runtime::value::Value;
 use std::hint::black_box;
 use std::sync::Arc;
 
-const RUNS: usize = 5;
+const RUNS: usize = 9;
 
 const FIB: &str = "(defun fib (n) (if (< n 2) n (+ (fib (- n 1)) (fib (- n 2)))))
     (wait-time 1)
@@ -254,7 +254,7 @@ fn state(report: &Report, library: &Arc<Library>) {
         (after - before) / COUNT as f64
     });
     let idle =
-        question("idle", "what 100,000 blocked tasks add to an instant", "ns", 50.0, "CRAM: 1,000 take 1.6 cores");
+        question("idle", "what 100,000 blocked tasks add to an instant", "ns", 100.0, "CRAM: 1,000 take 1.6 cores");
     report.row(idle, || {
         let per_instant = |count| {
             let system = with_blocked(library, count);

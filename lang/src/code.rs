@@ -11,6 +11,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+// Every instruction fits eight bytes.
+const _: () = assert!(size_of::<Op>() == 8);
+
 /// A register of the current frame.
 pub type Reg = u8;
 
@@ -125,7 +128,7 @@ pub enum Op {
     /// leave the block whose identity is in r0 with the value r1
     ReturnFrom(Reg, Reg),
     /// failures of `handlers[i]` are caught: failure in r0, number of the clause in r0 + 1
-    PushHandler(Reg, u32, i32),
+    PushHandler(Reg, u16, i32),
     /// clean-up at the target whenever the following is left early
     PushCleanup(i32),
     /// the protected part ended by itself: pop, and run the clean-up that follows
@@ -254,6 +257,12 @@ impl Parameters {
     /// Whether a call passes exactly the required parameters and nothing needs to be arranged.
     pub fn is_simple(&self) -> bool {
         self.optional == 0 && !self.rest && self.keys.is_empty()
+    }
+
+    /// Whether a call with this many arguments needs nothing arranged.
+    #[inline]
+    pub fn takes_exactly(&self, count: u8) -> bool {
+        self.required == count && self.is_simple()
     }
 
     /// How many registers the parameters take.

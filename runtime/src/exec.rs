@@ -2,15 +2,19 @@
 
 use crate::failure::Raise;
 use crate::fluent::{Fluent, Origin};
-use crate::machine::{MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
+use crate::machine::{Limits, MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
 use crate::native::{Call as NativeCall, Effect, Reply};
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
-use rpl_lang::code::{Code, NO_REG, Op, Parameters, Reg};
+use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Reg};
+use std::hint::black_box;
 
 /// How far the window of one frame reaches.
 const WINDOW: usize = 256;
+
+/// Registers within reach of the current frame: its own, and those of any frame it calls.
+const REACH: usize = 2 * WINDOW;
 
 /// Why the stepper came back.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +38,31 @@ struct Place {
     fuel: u32,
 }
 
+impl Limits {
+    /// Whether one more frame may start at this register above so many others.
+    #[inline]
+    fn allow(&self, frames: usize, base: usize) -> bool {
+        frames < self.frames as usize && base * size_of::<Value>() < self.bytes / 2
+    }
+}
+
+/// A copy made of the parts it was written in: reading the whole of a value whose parts have just
+/// been written stalls the processor. The black box keeps the parts apart.
+#[inline(always)]
+fn copied(value: &Value) -> Value {
+    match *value {
+        Value::Int(value) => Value::Int(black_box(value)),
+        other => other,
+    }
+}
+
+#[inline(never)]
+fn as_floats(left: &Value, right: &Value) -> Option<(f64, f64)> {
+    Some((left.as_f64()?, right.as_f64()?))
+}
+
+#[cold]
+#[inline(never)]
 fn overflow(operation: &str) -> Raise {
     Raise::new("arithmetic-error", format!("integer overflow in {operation}: the result does not fit 64 bits"))
 }
@@ -356,6 +385,8 @@ impl Machine {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn wrong_operands(&self, operation: &str, left: Value, right: Value) -> Raise {
         let culprit = if left.as_f64().is_none() { left } else { right };
         self.wrong_type(&format!("an operand of `{operation}`"), "a number", culprit)
@@ -365,6 +396,8 @@ impl Machine {
         self.wrong_type("what is called", "a function", value)
     }
 
+    #[cold]
+    #[inline(never)]
     fn describe_global(&self, around: &Surroundings<'_>, global: u32) -> Raise {
         let name = self.symbols.name(around.program.globals[global as usize].name);
         Raise::new("unbound-variable", format!("`{name}` has no value yet: its definition has not run"))
@@ -408,18 +441,7 @@ impl Machine {
         macro_rules! collect_if_full {
             () => {
                 if self.heap.is_full() {
-                    self.scratch.top = base + usize::from(code.registers);
-                    // A network under evaluation is not named by anything yet, nor is what it
-                    // was called for.
-                    if self.current != SCRATCH_TASK {
-                        self.collect();
-                    }
-                    if self.used_bytes() > self.limits.bytes {
-                        fail!(Raise::new(
-                            "out-of-memory",
-                            format!("heap and tasks have grown beyond {} bytes", self.limits.bytes)
-                        ));
-                    }
+                    attempt!(self.collect_here(base + usize::from(code.registers)));
                 }
             };
         }
@@ -469,21 +491,17 @@ impl Machine {
                         let task = self.current;
                         let strikes = self.tasks[task].strikes.saturating_add(1);
                         self.strike(task, strikes);
-                        fail!(Raise::new(
-                            "runaway",
-                            format!("{} steps in one instant without blocking", self.limits.steps)
-                        ));
+                        fail!(self.runaway());
                     }
                 }
             };
         }
 
         'frame: loop {
-            if self.scratch.stack.len() < base + WINDOW {
-                let size = (base + WINDOW) * 2;
-                self.scratch.stack.resize(size, Value::Nil);
+            if self.scratch.stack.len() < base + REACH {
+                self.grow_stack(base);
             }
-            let Some(r) = self.scratch.stack[base..].first_chunk_mut::<WINDOW>() else {
+            let Some(r) = self.scratch.stack[base..].first_chunk_mut::<REACH>() else {
                 unreachable!("the stack reaches a window beyond the base");
             };
             macro_rules! r {
@@ -491,38 +509,53 @@ impl Machine {
                     r[$register as usize]
                 };
             }
+            // Registers of a frame that starts at `$first`, save `$count` arguments.
+            macro_rules! clear {
+                ($callee:expr, $first:expr, $count:expr) => {
+                    r[$first + $count..($first + usize::from($callee.registers)).max($first + $count)].fill(Value::Nil)
+                };
+            }
             macro_rules! arithmetic {
                 ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
-                    match (r!($a), r!($b)) {
-                        (Value::Int(x), Value::Int(y)) => match x.$checked(y) {
+                    match (&r!($a), &r!($b)) {
+                        (&Value::Int(x), &Value::Int(y)) => match x.$checked(y) {
                             Some(value) => r!($to) = Value::Int(value),
                             None => fail!(overflow($name)),
                         },
-                        (Value::Float(x), Value::Float(y)) => r!($to) = Value::Float(x $operator y),
-                        (left, right) => match (left.as_f64(), right.as_f64()) {
-                            (Some(x), Some(y)) => r!($to) = Value::Float(x $operator y),
-                            _ => fail!(self.wrong_operands($name, left, right)),
+                        (&Value::Float(x), &Value::Float(y)) => r!($to) = Value::Float(x $operator y),
+                        (left, right) => match as_floats(left, right) {
+                            Some((x, y)) => r!($to) = Value::Float(x $operator y),
+                            None => {
+                                let (left, right) = (*left, *right);
+                                fail!(self.wrong_operands($name, left, right))
+                            }
                         },
                     }
                 };
             }
             macro_rules! compare {
                 ($a:expr, $b:expr, $name:literal, $operator:tt) => {
-                    match (r!($a), r!($b)) {
-                        (Value::Int(x), Value::Int(y)) => x $operator y,
-                        (left, right) => match (left.as_f64(), right.as_f64()) {
-                            (Some(x), Some(y)) => x $operator y,
-                            _ => fail!(self.wrong_operands($name, left, right)),
+                    match (&r!($a), &r!($b)) {
+                        (&Value::Int(x), &Value::Int(y)) => x $operator y,
+                        (left, right) => match as_floats(left, right) {
+                            Some((x, y)) => x $operator y,
+                            None => {
+                                let (left, right) = (*left, *right);
+                                fail!(self.wrong_operands($name, left, right))
+                            }
                         },
                     }
                 };
             }
             macro_rules! compare_int {
                 ($a:expr, $value:expr, $name:literal, $operator:tt) => {
-                    match r!($a) {
-                        Value::Int(x) => x $operator i64::from($value),
-                        Value::Float(x) => x $operator f64::from($value),
-                        other => fail!(self.wrong_operands($name, other, other)),
+                    match &r!($a) {
+                        &Value::Int(x) => x $operator i64::from($value),
+                        &Value::Float(x) => x $operator f64::from($value),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands($name, other, other))
+                        }
                     }
                 };
             }
@@ -536,9 +569,9 @@ impl Machine {
                 }};
             }
             loop {
-                let op = code.ops[pc];
+                let op = &code.ops[pc];
                 pc += 1;
-                match op {
+                match *op {
                     Op::Nil(a) => r!(a) = Value::Nil,
                     Op::True(a) => r!(a) = Value::True,
                     Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
@@ -573,7 +606,7 @@ impl Machine {
                         self.scratch.stack[base + usize::from(a)] = fluent;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => r!(a) = r!(b),
+                    Op::Move(a, b) => r!(a) = copied(&r!(b)),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
                         collect_if_full!();
@@ -592,13 +625,16 @@ impl Machine {
                     Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
                     Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
                     Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
-                    Op::AddInt(a, b, value) => match r!(b) {
-                        Value::Int(x) => match x.checked_add(i64::from(value)) {
+                    Op::AddInt(a, b, value) => match &r!(b) {
+                        &Value::Int(x) => match x.checked_add(i64::from(value)) {
                             Some(sum) => r!(a) = Value::Int(sum),
                             None => fail!(overflow("+")),
                         },
-                        Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        other => fail!(self.wrong_operands("+", other, other)),
+                        &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands("+", other, other))
+                        }
                     },
                     Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
@@ -683,26 +719,18 @@ impl Machine {
                         match self.globals[global as usize] {
                             Value::Function(number) => {
                                 let callee: &Code = &program.codes[number as usize];
-                                let first = base + usize::from(first);
-                                if usize::from(callee.parameters.required) != usize::from(count)
-                                    || !callee.parameters.is_simple()
-                                {
-                                    if self.scratch.stack.len() < first + WINDOW {
-                                        self.scratch.stack.resize(first + 2 * WINDOW, Value::Nil);
-                                    }
-                                    attempt!(self.arrange(callee, first, usize::from(count)));
+                                let first = usize::from(first);
+                                if !self.limits.allow(self.scratch.frames.len(), base + first) {
+                                    fail!(self.too_deep());
                                 }
-                                if self.scratch.frames.len() >= self.limits.frames as usize
-                                    || first * size_of::<Value>() >= self.limits.bytes / 2
-                                {
-                                    fail!(Raise::new(
-                                        "stack-overflow",
-                                        format!("{} calls inside one another", self.limits.frames)
-                                    ));
+                                if callee.parameters.takes_exactly(count) {
+                                    clear!(callee, first, usize::from(count));
+                                } else {
+                                    attempt!(self.arrange(callee, base + first, usize::from(count)));
+                                    self.clear_frame(callee, base + first);
                                 }
                                 self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                                (code, code_number, pc, base) = (callee, number, 0, first);
-                                self.clear_frame(callee, base);
+                                (code, code_number, pc, base) = (callee, number, 0, base + first);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -736,17 +764,17 @@ impl Machine {
                     Op::TailCall(first, count, global) => {
                         burn!();
                         match self.globals[global as usize] {
-                            Value::Function(number)
-                                if program.codes[number as usize].kind != rpl_lang::code::CodeKind::Plan =>
-                            {
+                            Value::Function(number) if program.codes[number as usize].kind != CodeKind::Plan => {
                                 let callee: &Code = &program.codes[number as usize];
-                                let (from, count) = (usize::from(first), usize::from(count));
-                                r.copy_within(from..from + count, 0);
-                                if usize::from(callee.parameters.required) != count || !callee.parameters.is_simple() {
-                                    attempt!(self.arrange(callee, base, count));
+                                let from = usize::from(first);
+                                r.copy_within(from..from + usize::from(count), 0);
+                                if callee.parameters.takes_exactly(count) {
+                                    clear!(callee, 0, usize::from(count));
+                                } else {
+                                    attempt!(self.arrange(callee, base, usize::from(count)));
+                                    self.clear_frame(callee, base);
                                 }
                                 (code, code_number, pc) = (callee, number, 0);
-                                self.clear_frame(callee, base);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -774,6 +802,34 @@ impl Machine {
                         let tail = matches!(op, Op::TailCallValue(..));
                         let function = r!(callee);
                         let first = usize::from(callee) + 1;
+                        let known = match function {
+                            Value::Function(number) => Some((number, &[][..])),
+                            Value::Closure(index) => {
+                                let closure = &self.heap.closures[index];
+                                Some((closure.code, &*closure.captured))
+                            }
+                            _ => None,
+                        };
+                        if let Some((number, captured)) = known
+                            && let callee = &*program.codes[number as usize]
+                            && callee.parameters.takes_exactly(count)
+                            && self.limits.allow(self.scratch.frames.len(), base)
+                        {
+                            let count = usize::from(count);
+                            let tail = tail && callee.kind != CodeKind::Plan;
+                            let start = if tail { 0 } else { first };
+                            if tail {
+                                r.copy_within(first..first + count, 0);
+                            } else {
+                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                            }
+                            clear!(callee, start, count);
+                            for (register, &value) in r[start + count..].iter_mut().zip(captured) {
+                                *register = value;
+                            }
+                            (code, code_number, pc, base) = (callee, number, 0, base + start);
+                            continue 'frame;
+                        }
                         let arguments = r[first..first + usize::from(count)].to_vec();
                         save!();
                         match self.call_value(around, place, function, &arguments, first, tail, first as Reg)? {
@@ -859,8 +915,8 @@ impl Machine {
                         continue 'frame;
                     }
                     Op::Return(a) => {
-                        let value = r!(a);
                         if self.scratch.frames.len() == entry {
+                            let value = r!(a);
                             save!();
                             if self.current != SCRATCH_TASK && self.must_wait_for_spawned(around) {
                                 // The instruction runs again when they are dead.
@@ -871,7 +927,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        r!(0) = value;
+                        r!(0) = copied(&r!(a));
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
@@ -993,7 +1049,12 @@ impl Machine {
                     }
                     Op::PushHandler(failure, index, distance) => {
                         let target = (pc as i64 + i64::from(distance)) as u32;
-                        self.push_scope(ScopeKind::Handler { code: code_number, index, failure, target });
+                        self.push_scope(ScopeKind::Handler {
+                            code: code_number,
+                            index: u32::from(index),
+                            failure,
+                            target,
+                        });
                         continue 'frame;
                     }
                     Op::PushCleanup(distance) => {
@@ -1151,6 +1212,22 @@ impl Machine {
         }
     }
 
+    /// Collects garbage while registers below `top` are in use.
+    #[cold]
+    #[inline(never)]
+    fn collect_here(&mut self, top: usize) -> Result<(), Raise> {
+        self.scratch.top = top;
+        // A network under evaluation is not named by anything yet, nor is what it was called for.
+        if self.current != SCRATCH_TASK {
+            self.collect();
+        }
+        if self.used_bytes() > self.limits.bytes {
+            let message = format!("heap and tasks have grown beyond {} bytes", self.limits.bytes);
+            return Err(Raise::new("out-of-memory", message));
+        }
+        Ok(())
+    }
+
     /// Whether the running task must give way: something more important is ready, or it is
     /// suspended itself.
     fn must_switch(&self) -> bool {
@@ -1160,17 +1237,35 @@ impl Machine {
             || self.priorities.has_higher(self.effective_priority(self.current))
     }
 
+    #[cold]
+    #[inline(never)]
+    fn runaway(&self) -> Raise {
+        Raise::new("runaway", format!("{} steps in one instant without blocking", self.limits.steps))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn too_deep(&self) -> Raise {
+        Raise::new("stack-overflow", format!("{} calls inside one another", self.limits.frames))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow_stack(&mut self, base: usize) {
+        self.scratch.stack.resize((base + REACH) * 2, Value::Nil);
+    }
+
     fn clear_frame(&mut self, code: &Code, base: usize) {
         let (from, to) = (code.parameters.registers(), usize::from(code.registers));
-        if self.scratch.stack.len() < base + WINDOW {
-            self.scratch.stack.resize((base + WINDOW) * 2, Value::Nil);
+        if self.scratch.stack.len() < base + REACH {
+            self.grow_stack(base);
         }
         self.scratch.stack[base + from..base + to].fill(Value::Nil);
     }
 
     fn call_native(&mut self, around: &mut Surroundings<'_>, native: u16, arguments: &[Value]) -> Result<Reply, Raise> {
-        let entry = around.natives[usize::from(native)];
-        if entry.effect == Effect::Acts {
+        let entry = &around.natives[usize::from(native)];
+        if entry.effect == Effect::Acts && self.current == SCRATCH_TASK {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
         (entry.code)(&mut NativeCall { machine: self, around, arguments })
@@ -1195,7 +1290,7 @@ impl Machine {
             other => return Err(self.not_a_function(other)),
         };
         let callee = &around.program.codes[number as usize];
-        let tail = tail && callee.kind != rpl_lang::code::CodeKind::Plan;
+        let tail = tail && callee.kind != CodeKind::Plan;
         let base = place.frame.base as usize + if tail { 0 } else { first };
         let needed = base + WINDOW.max(arguments.len());
         if self.scratch.stack.len() < needed {
@@ -1204,10 +1299,8 @@ impl Machine {
         self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
         self.arrange(callee, base, arguments.len())?;
         if !tail {
-            if self.scratch.frames.len() >= self.limits.frames as usize
-                || base * size_of::<Value>() >= self.limits.bytes / 2
-            {
-                return Err(Raise::new("stack-overflow", format!("{} calls inside one another", self.limits.frames)));
+            if !self.limits.allow(self.scratch.frames.len(), base) {
+                return Err(self.too_deep());
             }
             self.scratch.frames.push(place.frame);
         }

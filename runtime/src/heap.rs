@@ -155,6 +155,11 @@ impl Heap {
 
     /// Structural equality: same type and same content.
     pub fn equal(&self, left: Value, right: Value) -> bool {
+        match (left, right) {
+            (Value::Str(_), Value::Str(_)) | (Value::Float(_), Value::Float(_)) => {}
+            (Value::Cons(a), Value::Cons(b)) if a != b => {}
+            (left, right) => return left == right,
+        }
         let mut waiting = vec![(left, right)];
         let mut steps = 0usize;
         while let Some((left, right)) = waiting.pop() {

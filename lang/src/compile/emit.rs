@@ -277,11 +277,7 @@ impl Emitter<'_, '_> {
                 self.value(value, into, false);
                 self.push(Op::ReturnFrom(identity, into));
             }
-            IrKind::Loop(body) => {
-                let start = self.ops.len();
-                self.value(body, into, false);
-                self.jump_back(start);
-            }
+            IrKind::Loop(body) => self.loop_form(body),
             IrKind::Construct(construct) => {
                 let index = self.construct(construct);
                 self.push(Op::Parallel(into, index));
@@ -360,17 +356,22 @@ impl Emitter<'_, '_> {
         if self.compiler.variables[variable.0 as usize].in_cell() {
             self.value(value, into, false);
             self.push(Op::CellSet(reg, into));
-        } else if writes_once(value) {
+        } else {
+            self.assign(variable, value);
+            self.take(reg, into);
+        }
+    }
+
+    /// Assigns a variable that lives in a register.
+    fn assign(&mut self, variable: VarId, value: &Ir) {
+        let reg = self.registers.get(&variable).copied().unwrap_or(NO_REG);
+        if writes_once(value) {
             self.value(value, reg, false);
-            if reg != into {
-                self.push(Op::Move(into, reg));
-            }
         } else {
             // The value may read the variable after a part of it has been written.
             let fresh = self.fresh();
             self.value(value, fresh, false);
             self.push(Op::Move(reg, fresh));
-            self.push(Op::Move(into, fresh));
         }
     }
 
@@ -483,13 +484,96 @@ impl Emitter<'_, '_> {
 
     fn conditional(&mut self, condition: &Ir, then: &Ir, otherwise: &Ir, into: Reg, tail: bool) {
         let skips = self.jump_unless(condition);
-        self.value(then, into, tail);
+        if tail {
+            self.returned(then, into);
+            for skip in skips {
+                self.land(skip);
+            }
+            self.value(otherwise, into, true);
+            return;
+        }
+        self.value(then, into, false);
         let exit = self.push(Op::Jump(0));
         for skip in skips {
             self.land(skip);
         }
-        self.value(otherwise, into, tail);
+        self.value(otherwise, into, false);
         self.land(exit);
+    }
+
+    /// Emits a form whose value ends the function.
+    fn returned(&mut self, ir: &Ir, into: Reg) {
+        let mut from = into;
+        match ir.kind {
+            IrKind::Local(variable) if !self.compiler.variables[variable.0 as usize].in_cell() => {
+                from = self.registers.get(&variable).copied().unwrap_or(NO_REG);
+            }
+            _ => self.value(ir, into, true),
+        }
+        self.push(Op::Return(from));
+    }
+
+    /// Emits a form whose value nobody wants.
+    fn effect(&mut self, ir: &Ir) {
+        let outer = std::mem::replace(&mut self.span, ir.span);
+        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.temporarily(|emitter| emitter.effect_here(ir)));
+        self.span = outer;
+    }
+
+    fn effect_here(&mut self, ir: &Ir) {
+        match &ir.kind {
+            IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) => {}
+            IrKind::Seq(items) => items.iter().for_each(|item| self.effect(item)),
+            IrKind::Let(bindings, body) => {
+                self.bind(bindings);
+                self.effect(body);
+            }
+            IrKind::If(condition, then, otherwise) => {
+                let skips = self.jump_unless(condition);
+                self.effect(then);
+                let exit = if has_no_code(otherwise) { None } else { Some(self.push(Op::Jump(0))) };
+                for skip in skips {
+                    self.land(skip);
+                }
+                self.effect(otherwise);
+                exit.into_iter().for_each(|exit| self.land(exit));
+            }
+            IrKind::SetLocal(variable, value) if !self.compiler.variables[variable.0 as usize].in_cell() => {
+                self.assign(*variable, value);
+            }
+            IrKind::Loop(body) => self.loop_form(body),
+            _ => {
+                let unused = self.fresh();
+                self.value(ir, unused, false);
+            }
+        }
+    }
+
+    /// Emits an endless loop. What leaves it at a condition stands behind it, out of the way.
+    fn loop_form(&mut self, body: &Ir) {
+        let items = match &body.kind {
+            IrKind::Seq(items) => items.as_slice(),
+            _ => std::slice::from_ref(body),
+        };
+        let mut exits = Vec::new();
+        let start = self.ops.len();
+        for item in items {
+            match &item.kind {
+                IrKind::If(condition, then, otherwise)
+                    if has_no_code(then) && matches!(otherwise.kind, IrKind::Leave(..)) =>
+                {
+                    exits.push((self.jump_unless(condition), otherwise));
+                }
+                _ => self.effect(item),
+            }
+        }
+        self.jump_back(start);
+        for (skips, leave) in exits {
+            for skip in skips {
+                self.land(skip);
+            }
+            self.effect(leave);
+        }
     }
 
     fn and_or(&mut self, items: &[Ir], into: Reg, tail: bool, and: bool) {
@@ -512,22 +596,23 @@ impl Emitter<'_, '_> {
             return;
         };
         for item in before {
-            self.temporarily(|emitter| {
-                let unused = emitter.fresh();
-                emitter.value(item, unused, false);
-            });
+            self.effect(item);
         }
         self.value(last, into, tail);
     }
 
     fn let_form(&mut self, bindings: &[(VarId, Ir)], body: &Ir, into: Reg, tail: bool) {
+        self.bind(bindings);
+        self.value(body, into, tail);
+    }
+
+    fn bind(&mut self, bindings: &[(VarId, Ir)]) {
         for (variable, value) in bindings {
             let reg = self.fresh();
             self.value(value, reg, false);
             self.registers.insert(*variable, reg);
             self.put_in_cell(*variable, reg);
         }
-        self.value(body, into, tail);
     }
 
     /// Emits a function inside this one.
@@ -536,7 +621,24 @@ impl Emitter<'_, '_> {
         emit(self.compiler, function.clone(), &outer)
     }
 
-    /// Puts arguments into registers in a row and gives the first.
+    /// Puts arguments into registers in a row and gives the first: `into` itself, if that is the
+    /// topmost register and no variable's.
+    fn arguments_from(&mut self, arguments: &[Ir], into: Reg) -> Reg {
+        let is_free = usize::from(into) + 1 == self.next && !self.registers.values().any(|&reg| reg == into);
+        match arguments.split_first() {
+            Some((first, rest)) if is_free => {
+                self.value(first, into, false);
+                if !rest.is_empty() {
+                    self.arguments(rest);
+                }
+                into
+            }
+            None if is_free => into,
+            _ => self.arguments(arguments),
+        }
+    }
+
+    /// Puts arguments into fresh registers in a row and gives the first.
     fn arguments(&mut self, arguments: &[Ir]) -> Reg {
         let first = self.next;
         for argument in arguments {
@@ -575,7 +677,7 @@ impl Emitter<'_, '_> {
                 }
             }
             Callee::Global(global) => {
-                let first = self.arguments(arguments);
+                let first = self.arguments_from(arguments, into);
                 if tail {
                     self.push(Op::TailCall(first, count, *global));
                 } else {
@@ -674,7 +776,7 @@ impl Emitter<'_, '_> {
         let clause_reg = self.fresh();
         self.registers.insert(failure, failure_reg);
         self.handlers.push(clauses.iter().map(|clause| clause.classes.clone()).collect());
-        let index = self.handlers.len() as u32 - 1;
+        let index = self.handlers.len() as u16 - 1;
         let push = self.push(Op::PushHandler(failure_reg, index, 0));
         self.scopes += 1;
         self.value(body, into, false);
@@ -761,6 +863,11 @@ fn writes_once(ir: &Ir) -> bool {
             | IrKind::Lambda(_)
             | IrKind::Call(..)
     )
+}
+
+/// Whether the form has nothing to run when nobody wants its value.
+fn has_no_code(ir: &Ir) -> bool {
+    matches!(ir.kind, IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_))
 }
 
 /// Whether evaluating the form can change no variable.
