@@ -5,7 +5,7 @@ use crate::events;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, Robot, Sight};
 use crate::trace_file::TraceFile;
-use rpl_runtime::machine::Output;
+use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::system::{Outcome, Progress, System};
 use rpl_runtime::trace::{Event, EventKind};
 use rpl_runtime::value::Value;
@@ -94,7 +94,7 @@ impl Driver<'_> {
     fn run(&mut self) -> io::Result<Ending> {
         let mut stopped = false;
         loop {
-            self.settle().inspect_err(|_| self.stop_quietly())?;
+            self.settle(stopped).inspect_err(|_| self.stop_quietly())?;
             if let Some(outcome) = self.system.outcome() {
                 return Ok(if stopped { Ending::Interrupted } else { Ending::Outcome(outcome) });
             }
@@ -111,18 +111,23 @@ impl Driver<'_> {
                     continue;
                 }
             }
-            if self.system.advance() == Progress::Running {
-                self.look_at_robot();
-            }
+            self.system.next_instant();
+            self.look_at_robot();
         }
     }
 
-    /// Runs every ready task until it blocks, handing on what it prints.
-    fn settle(&mut self) -> io::Result<()> {
-        self.hand_on()?;
+    /// Runs every ready task until it blocks, or until the process is told to stop.
+    fn settle(&mut self, stopped: bool) -> io::Result<()> {
         while self.system.step_task() {
-            self.hand_on()?;
+            // What happens in one instant is told together, unless it grows too long.
+            if self.system.machine.output.len() >= MAX_WAITING_OUTPUT {
+                self.hand_on()?;
+            }
+            if interrupt::is_asked() && !stopped {
+                break;
+            }
         }
+        self.hand_on()?;
         self.console.flush()
     }
 

@@ -172,6 +172,19 @@ fn a_closed_pipe_ends_quietly_and_runs_clean_ups() {
     assert_eq!((&last["task"], &last["kind"], &last["state"]), (&"main".into(), &"end".into(), &"evaporated".into()));
 }
 
+#[test]
+fn an_endless_loop_that_prints_is_seen_and_ends_with_its_reader() {
+    let folder = folder("printing");
+    for text in ["(loop (print 1))", "(wait-time 1) (loop (print 1))"] {
+        let plan = plan(&folder, "endless.rpl", text);
+        let mut child = rpl(&["run", &plan]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+        wait_for_line(&mut child);
+        drop(child.stdout.take());
+        let found = child.wait_with_output().expect("it ends");
+        assert_eq!((stderr(&found), status(&found)), ("", 0));
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_runs_the_clean_ups_and_says_130() {

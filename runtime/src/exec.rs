@@ -2,7 +2,7 @@
 
 use crate::failure::Raise;
 use crate::fluent::{Fluent, Origin};
-use crate::machine::{Machine, SCRATCH_TASK, Surroundings};
+use crate::machine::{MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
 use crate::native::{Call as NativeCall, Effect, Reply};
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
@@ -1152,7 +1152,9 @@ impl Machine {
     /// suspended itself.
     fn must_switch(&self) -> bool {
         let record = &self.tasks[self.current];
-        record.is_held() || self.priorities.has_higher(self.effective_priority(self.current))
+        record.is_held()
+            || self.output.len() >= MAX_WAITING_OUTPUT
+            || self.priorities.has_higher(self.effective_priority(self.current))
     }
 
     fn clear_frame(&mut self, code: &Code, base: usize) {

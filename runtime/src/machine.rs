@@ -45,6 +45,10 @@ impl Default for Limits {
     }
 }
 
+/// A task that prints is switched out when so many lines have not been taken yet, so that an
+/// endless loop that prints is seen and does not fill the memory. It stays at the front of its line.
+pub const MAX_WAITING_OUTPUT: usize = 4096;
+
 /// A line of output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Output {

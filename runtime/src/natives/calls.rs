@@ -1,7 +1,7 @@
 //! Calls of function values, plans as data, and output.
 
 use crate::failure::Raise;
-use crate::machine::Output;
+use crate::machine::{MAX_WAITING_OUTPUT, Machine, Output};
 use crate::native::{Call, Effect, Native, Reply};
 use crate::value::Value;
 use rand_core::Rng;
@@ -74,14 +74,19 @@ fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn print(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
-    call.machine.output.push(Output::Print(text));
+    put_out(call.machine, Output::Print(text));
     Ok(Reply::Value(value))
+}
+
+fn put_out(machine: &mut Machine, output: Output) {
+    machine.output.push(output);
+    machine.scratch.switch |= machine.output.len() >= MAX_WAITING_OUTPUT;
 }
 
 fn log(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
     call.machine.trace_log(&text);
-    call.machine.output.push(Output::Log(text));
+    put_out(call.machine, Output::Log(text));
     Ok(Reply::Value(value))
 }
