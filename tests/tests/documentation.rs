@@ -246,21 +246,18 @@ fn the_reference_names_every_failure_class() {
 #[test]
 fn the_tables_of_the_robot_are_those_of_the_code() {
     let chapter = read("docs/behaviours.md").text;
-    let has_row = |row: String| assert!(chapter.contains(&row), "this row is missing or differs:\n{row}");
-    for fluent in FLUENTS {
-        has_row(format!("| `{}` | {} |", fluent.name, fluent.doc));
-    }
-    for behaviour in BEHAVIOURS {
+    let mut rows: Vec<String> =
+        FLUENTS.iter().map(|fluent| format!("| `{}` | {} |", fluent.name, fluent.doc)).collect();
+    rows.extend(BEHAVIOURS.iter().map(|behaviour| {
         let valve = behaviour.valve.map_or("–".to_string(), |valve| format!("`{valve}`"));
-        has_row(format!("| `{}` | {valve} | {} |", behaviour.name, behaviour.doc));
-    }
-    for native in office::natives().iter().chain(&office::oracle_natives()) {
-        has_row(format!(
-            "| `{}` | {} |",
-            format!("({} {})", native.name, native.parameters).replace(" )", ")"),
-            native.doc
-        ));
-    }
+        format!("| `{}` | {valve} | {} |", behaviour.name, behaviour.doc)
+    }));
+    rows.extend(office::natives().iter().chain(&office::oracle_natives()).map(|native| {
+        let call = format!("{} {}", native.name, native.parameters);
+        format!("| `({})` | {} |", call.trim_end(), native.doc)
+    }));
+    let missing: Vec<String> = rows.into_iter().filter(|row| !chapter.contains(row)).collect();
+    assert!(missing.is_empty(), "docs/behaviours.md lacks\n{}", missing.join("\n"));
 }
 
 #[test]
