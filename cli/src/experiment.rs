@@ -51,7 +51,8 @@ struct Experiment {
     scenario: Option<&'static str>,
 }
 
-const EXPERIMENTS: &[Experiment] = &[Experiment { name: "rotated", plan: "delivery.rpl", world: "dept", scenario: Some("rotated.rpl") }];
+const EXPERIMENTS: &[Experiment] =
+    &[Experiment { name: "rotated", plan: "delivery.rpl", world: "dept", scenario: Some("rotated.rpl") }];
 
 /// Runs the experiment.
 ///

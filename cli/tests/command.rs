@@ -104,7 +104,8 @@ fn json_has_its_keys_whatever_the_outcome() {
         serde_json::from_str(stdout(&found)).expect("one JSON object")
     };
     let good = summary(&["--seed", "7"]);
-    for key in ["outcome", "value", "time_s", "failure", "contacts", "distance_m", "relocalizations", "wall_s", "seed"] {
+    for key in ["outcome", "value", "time_s", "failure", "contacts", "distance_m", "relocalizations", "wall_s", "seed"]
+    {
         assert!(good.get(key).is_some(), "`{key}` is missing");
     }
     assert_eq!((&good["outcome"], &good["value"]), (&"succeeded".into(), &"(1 \"x\")".into()));

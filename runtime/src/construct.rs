@@ -4,13 +4,13 @@ use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::scheduler::Alarm;
 use crate::task::{Children, Decision, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
-use crate::value::Value;
+use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
 
 impl Machine {
     /// A task for code, with the values it captures from registers of the current frame.
     fn child_task(
-        &mut self,
+        &self,
         around: &Surroundings<'_>,
         child: &Child,
         arguments: &[Value],
@@ -25,6 +25,11 @@ impl Machine {
         }
         let mut task = Task::new(child.code, registers, code.name, priority.0);
         task.priority_depth = priority.1;
+        let maker = &self.tasks[self.current];
+        if maker.budget_instant == self.instant {
+            task.budget_instant = self.instant;
+            task.strikes = maker.strikes;
+        }
         task
     }
 
@@ -92,6 +97,7 @@ impl Machine {
             dead: Vec::new(),
             seconds: seconds.unwrap_or(0.0),
             timer: 0,
+            expired: false,
         };
         self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
         for position in 0..total {
@@ -229,7 +235,12 @@ impl Machine {
             .iter()
             .position(|scope| matches!(&scope.kind, ScopeKind::Children(children) if children.timer == timer));
         let Some(scope) = scope else { return };
-        let ScopeKind::Children(children) = &self.tasks[task].scopes[scope].kind else { return };
+        let is_held = self.tasks[task].is_held();
+        let ScopeKind::Children(children) = &mut self.tasks[task].scopes[scope].kind else { return };
+        if is_held {
+            children.expired = true;
+            return;
+        }
         let seconds = children.seconds;
         let slot = self.symbols.intern("seconds");
         let class = self.symbols.intern("timeout");
@@ -243,12 +254,30 @@ impl Machine {
             self.heap.failures[index].path = self.path(task);
             self.heap.failures[index].calls = self.plan_calls(task);
         }
-        self.decide(around, task, scope as u32, Decision::Fail(failure));
-        self.finish_if_done(around, task, scope as u32);
+        self.as_one(around, |machine, around| {
+            machine.decide(around, task, scope as u32, Decision::Fail(failure));
+            machine.finish_if_done(around, task, scope as u32);
+        });
+    }
+
+    /// Deadlines that came while a task was suspended take effect.
+    pub(crate) fn take_up_deadlines(&mut self, around: &mut Surroundings<'_>, task: TaskRef) {
+        let Some(task) = self.tasks.find_alive(task) else { return };
+        let expired = self.tasks[task].scopes.iter().find_map(|scope| match &scope.kind {
+            ScopeKind::Children(children) if children.expired && children.decided.is_none() => Some(children.timer),
+            _ => None,
+        });
+        if let Some(timer) = expired {
+            self.deadline(around, task, timer);
+        }
     }
 
     /// A child has died: the rule looks at it.
     pub(crate) fn child_ended(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
+        self.as_one(around, |machine, around| machine.look_at_child(around, parent, scope, child));
+    }
+
+    fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
         let (state, result, position) = (self.tasks[child].state, self.tasks[child].result, self.tasks[child].position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
@@ -264,7 +293,7 @@ impl Machine {
                 let decided = children.decided;
                 match (decided, verdict(children, state, result, position)) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
-                    (None, None) => self.start_successors(around, parent, scope),
+                    (None, None) => self.start_successors(around, parent, scope, position as u16),
                     (Some(decision), _) if state == State::Failed => self.attach_failure(around, decision, result),
                     (Some(_), _) => {}
                 }
@@ -282,9 +311,8 @@ impl Machine {
             }
             children.decided = Some(decision);
         }
-        for child in self.children_of_scope(parent, scope) {
-            self.evaporate(around, child);
-        }
+        let children = self.children_of_scope(parent, scope);
+        self.evaporate_all(around, &children);
     }
 
     /// A failure that comes after the decision is kept beside it.
@@ -298,9 +326,9 @@ impl Machine {
         }
     }
 
-    fn start_successors(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32) {
+    fn start_successors(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, dead: u16) {
         let ScopeKind::Children(children) = &self.tasks[parent].scopes[scope as usize].kind else { return };
-        if children.rule != Rule::Plan {
+        if !children.order.iter().any(|&(before, _)| before == dead) {
             return;
         }
         let (order, dead) = (children.order.clone(), children.dead.clone());
@@ -356,12 +384,13 @@ impl Machine {
     fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
         if state == State::Failed {
             let record = &self.tasks[owner];
-            if record.is_protected() {
-                match record.leaving.as_deref() {
-                    Some(Leaving::Fail(failure)) => {
-                        self.attach_failure(around, Decision::Fail(*failure), result);
+            if record.leaving.is_some() || record.scopes[scope as usize..].iter().any(is_clean_up) {
+                // It takes effect when the clean-up is over, or is attached to what is under way.
+                if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope as usize].kind {
+                    match call.failure {
+                        None => call.failure = Some(result),
+                        Some(first) => self.attach_failure(around, Decision::Fail(first), result),
                     }
-                    _ => self.warn_of_failure(around.program, result, "of a spawned task while its plan was ending"),
                 }
             } else {
                 self.depart(around, owner, Leaving::FailCall { scope, failure: result });
@@ -378,6 +407,10 @@ impl Machine {
             }
         }
     }
+}
+
+fn is_clean_up(scope: &Scope) -> bool {
+    matches!(scope.kind, ScopeKind::InCleanup(_))
 }
 
 /// What the end of one child decides.

@@ -6,7 +6,7 @@ use crate::machine::{Machine, SCRATCH_TASK, Surroundings};
 use crate::native::{Call as NativeCall, Effect, Reply};
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
-use crate::value::Value;
+use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Code, NO_REG, Op, Parameters, Reg};
 
 /// How far the window of one frame reaches.
@@ -49,9 +49,12 @@ impl Machine {
         if record.budget_instant != self.instant {
             record.budget_instant = self.instant;
             record.steps = 0;
-            record.runaways = 0;
+            record.strikes = 0;
         }
         record.steps = record.steps.saturating_add(1);
+        self.scratch.burned = 0;
+        self.flush_status(around);
+        let record = &mut self.tasks[task];
         let needed = record.registers.len() + WINDOW;
         if self.scratch.stack.len() < needed {
             self.scratch.stack.resize(needed.max(4 * WINDOW), Value::Nil);
@@ -115,6 +118,7 @@ impl Machine {
             _ => {}
         }
         self.current = NONE;
+        self.flush_status(around);
         datum
     }
 
@@ -182,6 +186,7 @@ impl Machine {
         let frame = Frame { code, pc: 0, base: base as u32 };
         let mut place = Place { frame, fuel: self.limits.steps / 10 };
         let exit = self.execute(around, &mut place, entry);
+        self.scratch.burned = self.scratch.burned.saturating_add((self.limits.steps / 10).saturating_sub(place.fuel));
         self.scratch.frames.truncate(entry);
         self.scratch.top = outer_top;
         self.scratch.switch |= outer_switch;
@@ -251,12 +256,14 @@ impl Machine {
         let task = self.current;
         let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
         self.scratch.top = place.frame.base as usize + registers;
-        match self.unwind_step(around, task, true) {
-            Unwound::Land(landing) => {
-                self.land_at(place, landing);
-                true
+        loop {
+            match self.unwind_step(around, task, true) {
+                Unwound::Land(landing) => self.land_at(place, landing),
+                Unwound::Waiting | Unwound::Dead => return false,
             }
-            Unwound::Waiting | Unwound::Dead => false,
+            if !self.take_up_pending(around, task) {
+                return true;
+            }
         }
     }
 
@@ -407,10 +414,10 @@ impl Machine {
                     if self.current != SCRATCH_TASK {
                         self.collect();
                     }
-                    if self.heap.used_bytes() > self.limits.bytes {
+                    if self.used_bytes() > self.limits.bytes {
                         fail!(Raise::new(
                             "out-of-memory",
-                            format!("the heap has grown beyond {} bytes", self.limits.bytes)
+                            format!("heap and tasks have grown beyond {} bytes", self.limits.bytes)
                         ));
                     }
                 }
@@ -420,6 +427,10 @@ impl Machine {
         // this one.
         macro_rules! check_switch {
             () => {
+                if !self.scratch.status_changed.is_empty() {
+                    save!();
+                    self.flush_status(around);
+                }
                 if self.scratch.switch {
                     self.scratch.switch = false;
                     if self.current != SCRATCH_TASK && self.must_switch() {
@@ -453,7 +464,8 @@ impl Machine {
                     None => {
                         fuel = self.limits.steps;
                         let task = self.current;
-                        self.tasks[task].runaways = self.tasks[task].runaways.saturating_add(1);
+                        let strikes = self.tasks[task].strikes.saturating_add(1);
+                        self.strike(task, strikes);
                         fail!(Raise::new(
                             "runaway",
                             format!("{} steps in one instant without blocking", self.limits.steps)
@@ -677,7 +689,9 @@ impl Machine {
                                     }
                                     attempt!(self.arrange(callee, first, usize::from(count)));
                                 }
-                                if self.scratch.frames.len() >= self.limits.frames as usize {
+                                if self.scratch.frames.len() >= self.limits.frames as usize
+                                    || first * size_of::<Value>() >= self.limits.bytes / 2
+                                {
                                     fail!(Raise::new(
                                         "stack-overflow",
                                         format!("{} calls inside one another", self.limits.frames)
@@ -790,6 +804,7 @@ impl Machine {
                             let arguments = r[first..first + count].to_vec();
                             self.call_native(around, native, &arguments)
                         };
+                        fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
                         match attempt!(reply) {
                             Reply::Value(value) => {
                                 self.scratch.stack[base + usize::from(to)] = value;
@@ -800,7 +815,11 @@ impl Machine {
                                 }
                             }
                             Reply::Wait => block!(to),
-                            Reply::Leave => check_leaving!(),
+                            Reply::Leave => {
+                                self.scratch.stack[base + usize::from(to)] = Value::Nil;
+                                check_leaving!();
+                                check_switch!();
+                            }
                             Reply::Execute(datum) => return Ok(Exit::Execute(datum, to)),
                             Reply::Call(function, arguments) => {
                                 match self.call_value(
@@ -869,6 +888,7 @@ impl Machine {
                             counters: Vec::new(),
                             spawned: 0,
                             tags: Vec::new(),
+                            failure: None,
                         };
                         self.push_scope(ScopeKind::Call(Box::new(call)));
                         self.trace_call(task);
@@ -901,6 +921,8 @@ impl Machine {
                     Op::Parallel(a, number) => {
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
+                        self.heap.allocated += 1;
+                        collect_if_full!();
                         let construct = &code.constructs[number as usize];
                         match self.start_construct(around, construct, None, a, base)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,
@@ -934,6 +956,8 @@ impl Machine {
                     Op::Spawn(a, number) => {
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
+                        self.heap.allocated += 1;
+                        collect_if_full!();
                         let value = self.start_spawned(around, &code.constructs[number as usize], base)?;
                         self.scratch.stack[base + usize::from(a)] = value;
                         check_switch!();
@@ -988,12 +1012,10 @@ impl Machine {
                                 save!();
                                 return Ok(Exit::Blocked);
                             }
-                            if self.tasks[task].evaporation_pending && !self.tasks[task].is_cleaning_up() {
-                                self.tasks[task].leaving = Some(Box::new(Leaving::Evaporate));
-                                save!();
+                            save!();
+                            if self.take_up_pending(around, task) {
                                 return Ok(Exit::Blocked);
                             }
-                            self.take_up_stop(task);
                             check_switch!();
                         }
                         continue 'frame;
@@ -1033,8 +1055,10 @@ impl Machine {
                         save!();
                         self.push_scope(ScopeKind::Suspended(other));
                         if let Some(other) = self.tasks.find_alive(other) {
-                            self.suspend(other);
-                            self.update_task_fluents(around, other);
+                            self.hold(other);
+                            if self.wait_for_rest(other) {
+                                block!(NO_REG);
+                            }
                         }
                         check_switch!();
                         continue 'frame;
@@ -1090,6 +1114,7 @@ impl Machine {
                         let captured = inner.captures.iter().map(|&register| r!(register)).collect();
                         save!();
                         let fluent = self.create_network(around, number, captured);
+                        fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
                         self.scratch.stack[base + usize::from(a)] = fluent;
                         collect_if_full!();
                         continue 'frame;
@@ -1127,7 +1152,7 @@ impl Machine {
     /// suspended itself.
     fn must_switch(&self) -> bool {
         let record = &self.tasks[self.current];
-        (record.stop > 0 && !record.is_protected()) || self.priorities.has_higher(self.effective_priority(self.current))
+        record.is_held() || self.priorities.has_higher(self.effective_priority(self.current))
     }
 
     fn clear_frame(&mut self, code: &Code, base: usize) {
@@ -1174,7 +1199,9 @@ impl Machine {
         self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
         self.arrange(callee, base, arguments.len())?;
         if !tail {
-            if self.scratch.frames.len() >= self.limits.frames as usize {
+            if self.scratch.frames.len() >= self.limits.frames as usize
+                || base * size_of::<Value>() >= self.limits.bytes / 2
+            {
                 return Err(Raise::new("stack-overflow", format!("{} calls inside one another", self.limits.frames)));
             }
             self.scratch.frames.push(place.frame);
@@ -1231,17 +1258,28 @@ impl Machine {
         let reference = self.tasks.reference(index);
         let mut at = task;
         while at != NONE {
-            let call = self.tasks[at].scopes.iter_mut().rev().find_map(|scope| match &mut scope.kind {
-                ScopeKind::Call(call) => Some(call),
-                _ => None,
-            });
-            if let Some(call) = call {
-                call.tags.push(reference);
+            let scope = self.tasks[at].scopes.iter().rposition(|scope| matches!(scope.kind, ScopeKind::Call(_)));
+            if let Some(scope) = scope {
+                self.note_tag(at, scope, reference);
                 break;
             }
             at = self.tasks[at].parent;
         }
         value
+    }
+
+    /// Notes a tag of a plan call. Those that were reached need nothing at its end and are dropped.
+    fn note_tag(&mut self, task: u32, scope: usize, tag: TaskRef) {
+        let ScopeKind::Call(call) = &mut self.tasks[task].scopes[scope].kind else { return };
+        let mut tags = std::mem::take(&mut call.tags);
+        if tags.len() == tags.capacity() {
+            let tasks = &self.tasks;
+            tags.retain(|&tag| tasks.find(tag).is_some_and(|tag| tasks[tag].state == State::Created));
+        }
+        tags.push(tag);
+        if let ScopeKind::Call(call) = &mut self.tasks[task].scopes[scope].kind {
+            call.tags = tags;
+        }
     }
 
     /// Evaporates what the innermost plan call spawned; tells whether some of it still lives.
@@ -1251,10 +1289,7 @@ impl Machine {
         else {
             return false;
         };
-        for child in self.children_of_scope(task, index as u32) {
-            self.evaporate(around, child);
-        }
-        let waits = !self.children_of_scope(task, index as u32).is_empty();
+        let waits = self.evaporate_children(around, task, index as u32) > 0;
         if waits {
             self.tasks[task].waiting = Waiting::Spawned;
         }
@@ -1280,8 +1315,7 @@ impl Machine {
             Some(ScopeKind::Valve(valve)) => self.release_valve(around, task, valve),
             Some(ScopeKind::Suspended(other)) => {
                 if let Some(other) = self.tasks.find_alive(other) {
-                    self.resume(other);
-                    self.update_task_fluents(around, other);
+                    self.unhold(around, other);
                 }
             }
             Some(ScopeKind::Watch(watch)) => self.end_watch(watch),

@@ -26,6 +26,8 @@ pub struct Failure {
     pub parts: Vec<Value>,
     /// Failures of clean-ups that ran because of this one.
     pub while_cleaning_up: Vec<Value>,
+    /// It is a task that ran out of a limit or was deadlocked, or is composed of one.
+    pub is_runaway: bool,
 }
 
 /// A failure on its way out of native code: class by name, message, slots.

@@ -64,6 +64,7 @@ impl Machine {
             self.tasks.free(task);
         }
         self.heap.sweep(&marker.heap);
+        self.heap.threshold = self.heap.threshold.max(self.tasks.slots());
     }
 
     fn mark_task(&self, marker: &mut Marker, index: u32) {
@@ -114,7 +115,10 @@ impl Machine {
                     marker.waiting.push(Value::Fluent(watch.fluent));
                 }
             }
-            ScopeKind::Call(call) => marker.waiting.extend(call.tags.iter().map(|&tag| Value::Task(tag))),
+            ScopeKind::Call(call) => {
+                marker.waiting.extend(call.tags.iter().map(|&tag| Value::Task(tag)));
+                marker.waiting.extend(call.failure);
+            }
             ScopeKind::Suspended(task) => marker.waiting.push(Value::Task(*task)),
             ScopeKind::Block { .. } | ScopeKind::Handler { .. } | ScopeKind::Cleanup { .. } | ScopeKind::Valve(_) => {}
         }

@@ -10,6 +10,7 @@ use crate::scheduler::{Priorities, Timers};
 use crate::slab::Slab;
 use crate::task::{Call, Frame, NONE, Scope, ScopeKind, Task, Tasks};
 use crate::trace::Trace;
+use crate::unwind::Departure;
 use crate::value::{TaskRef, Value};
 use crate::valve::Valve;
 use rpl_lang::code::{Constant, GlobalKind, Program};
@@ -70,6 +71,14 @@ pub struct Scratch {
     pub(crate) event_readers: BTreeSet<u32>,
     /// A more important task has become ready.
     pub(crate) switch: bool,
+    /// Tasks whose status fluents are behind.
+    pub(crate) status_changed: Vec<TaskRef>,
+    /// Departures to be looked at, the next one last.
+    pub(crate) departures: Vec<Departure>,
+    /// Departures are being looked at: further ones wait.
+    pub(crate) is_departing: bool,
+    /// Steps that networks took on behalf of the running task.
+    pub(crate) burned: u32,
     /// The running task goes to the end of its line.
     pub(crate) gives_way: bool,
 }
@@ -114,6 +123,8 @@ pub struct Machine {
     pub(crate) next_identity: u64,
     /// The task that runs; [`NONE`] between two steps.
     pub(crate) current: u32,
+    /// How many tasks wait for others to be at rest.
+    pub(crate) waits_for_rest: u32,
     /// The main task.
     pub main: u32,
     /// Events.
@@ -150,6 +161,7 @@ impl Machine {
             instant: 1,
             next_identity: 0,
             current: NONE,
+            waits_for_rest: 0,
             main: NONE,
             trace: Trace::default(),
             output: Vec::new(),
@@ -224,7 +236,8 @@ impl Machine {
         let name = self.symbols.intern("main");
         let registers = vec![Value::Nil; usize::from(program.codes[code as usize].registers)].into_boxed_slice();
         let mut task = Task::new(code, registers, name, 0);
-        let call = Call { name, occurrence: 1, span: None, counters: Vec::new(), spawned: 0, tags: Vec::new() };
+        let call =
+            Call { name, occurrence: 1, span: None, counters: Vec::new(), spawned: 0, tags: Vec::new(), failure: None };
         task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });
         task.exposed = true;
         self.main = self.tasks.insert(task);
@@ -284,6 +297,7 @@ impl Machine {
             task => (self.path(task), self.plan_calls(task)),
         };
         let _ = program;
+        let is_runaway = self.symbols.name(class) == "runaway";
         self.heap.allocated += 8;
         Value::Failure(self.heap.failures.insert(Failure {
             class,
@@ -294,6 +308,7 @@ impl Machine {
             calls,
             parts: Vec::new(),
             while_cleaning_up: Vec::new(),
+            is_runaway,
         }))
     }
 
@@ -301,6 +316,11 @@ impl Machine {
     pub(crate) fn expose(&mut self, task: u32) -> Value {
         self.tasks[task].exposed = true;
         Value::Task(self.tasks.reference(task))
+    }
+
+    /// Bytes in use, roughly: heap, tasks and the registers of the running one.
+    pub(crate) fn used_bytes(&self) -> usize {
+        self.heap.used_bytes() + self.tasks.slots() * size_of::<Task>()
     }
 
     /// Whether no task is ready.

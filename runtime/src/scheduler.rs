@@ -186,7 +186,7 @@ impl Priorities {
 }
 
 /// What a timer does when it is due.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Alarm {
     /// Ends the wait with this number.
     Wake(u32),
@@ -194,17 +194,38 @@ pub enum Alarm {
     Deadline,
 }
 
-/// A timer; the order is that of firing: deadline, then the order of setting.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+impl Alarm {
+    /// Timeouts end last in an instant: what is done in the deadline's very instant is done in time.
+    fn is_late(self) -> bool {
+        self == Alarm::Deadline
+    }
+}
+
+impl Ord for Timer {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |timer: &Timer| (timer.deadline_us, timer.alarm.is_late(), timer.number);
+        key(self).cmp(&key(other))
+    }
+}
+
+impl PartialOrd for Timer {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// A timer; the order is that of firing: time, then ends of waits before ends of timeouts, then
+/// the order of setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Timer {
     /// Microseconds of virtual time.
     pub deadline_us: u64,
+    /// What it does.
+    pub alarm: Alarm,
     /// Counts the timers set.
     pub number: u64,
     /// Whose.
     pub task: TaskRef,
-    /// What it does.
-    pub alarm: Alarm,
 }
 
 /// All timers. A cancelled one stays until it is due or until cancelled ones are the majority.

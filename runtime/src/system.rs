@@ -175,27 +175,42 @@ impl<O: Outside> System<O> {
     }
 
     fn enter_instant(&mut self, time_us: u64) {
-        self.machine.now_us = self.machine.now_us.max(time_us);
-        self.machine.instant = self.machine.instant.wrapping_add(1);
+        // Budgets are counted in one point of time, however often it is gone to.
+        if self.machine.now_us < time_us {
+            self.machine.instant = self.machine.instant.wrapping_add(1);
+            self.machine.now_us = time_us;
+        }
         if self.outside.period_us().is_some() && self.next_step_us <= time_us {
             self.step_robot();
         }
         self.fire_timers();
     }
 
+    /// Fires the timers that are due: all waits that end now, or, when nothing is left to run, the
+    /// first timeout.
     fn fire_timers(&mut self) {
         let now = self.machine.now_us;
+        let mut is_quiet = true;
         loop {
             let tasks = &self.machine.tasks;
             let Some(timer) = self.machine.timers.next(|timer| is_current(tasks, timer)) else { return };
             if timer.deadline_us > now {
                 return;
             }
-            self.machine.timers.take();
             let task = timer.task.index;
             match timer.alarm {
-                Alarm::Wake(_) => self.machine.wake(task, Wake::Value(Value::Nil)),
-                Alarm::Deadline => self.with_machine(|machine, around| machine.deadline(around, task, timer.number)),
+                Alarm::Wake(_) => {
+                    self.machine.timers.take();
+                    self.machine.wake(task, Wake::Value(Value::Nil));
+                    is_quiet = false;
+                }
+                Alarm::Deadline if is_quiet && self.machine.is_idle() => {
+                    self.machine.timers.take();
+                    self.with_machine(|machine, around| machine.deadline(around, task, timer.number));
+                    return;
+                }
+                // What is ready may be done in time: the timeout is looked at when it has run.
+                Alarm::Deadline => return,
             }
         }
     }
@@ -229,26 +244,31 @@ impl<O: Outside> System<O> {
         });
     }
 
-    /// Nothing can happen any more: the main task fails with what every task waits for.
+    /// Nothing can happen any more: the main task fails with what every task waits for. If it is
+    /// leaving already, the clean-up it waits for does.
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
             let waits: Vec<String> = machine
                 .tasks
                 .iter()
-                .filter(|(_, task)| task.state == State::Blocked && task.first_child == NONE)
-                .map(|(index, _)| format!("{} waits for {}", machine.path(index), machine.describe_waiting(index)))
+                .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
+                .filter(|(_, task)| !task.state.is_dead() && task.state != State::Created)
+                .map(|(index, task)| match task.is_held() {
+                    true => format!("{} is suspended", machine.path(index)),
+                    false => format!("{} waits for {}", machine.path(index), machine.describe_waiting(index)),
+                })
                 .collect();
             let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
-            let main = machine.main;
+            let failing = machine.deadlocked_task();
             let failure = machine.failure_from(around.program, Raise::new("deadlock", message));
-            if machine.tasks[main].is_protected() {
-                // Not even its clean-up can go on: there is nothing left to wait for.
-                machine.stop_waiting(main);
-                machine.tasks[main].scopes.clear();
-                machine.die(around, main, State::Failed, failure);
-            } else {
-                machine.depart(around, main, Leaving::Fail(failure));
+            if let Value::Failure(index) = failure {
+                let (path, calls) = (machine.path(failing), machine.plan_calls(failing));
+                let record = &mut machine.heap.failures[index];
+                (record.path, record.calls, record.is_runaway) = (path, calls, true);
             }
+            let strikes = machine.strikes_now(failing).saturating_add(1);
+            machine.strike(failing, strikes);
+            machine.depart(around, failing, Leaving::Fail(failure));
         });
     }
 

@@ -105,6 +105,8 @@ pub enum Waiting {
     Valve(u32),
     /// The death of another task, which it has evaporated.
     Death(TaskRef),
+    /// Another task, which it has suspended, to have no clean-up running any more.
+    Rest(TaskRef),
     /// The signal of a behaviour.
     Signal(u16),
 }
@@ -160,6 +162,8 @@ pub struct Call {
     pub spawned: u32,
     /// Tags that were made for it.
     pub tags: Vec<TaskRef>,
+    /// The failure of a spawned child that came while nothing could stop the task.
+    pub failure: Option<Value>,
 }
 
 /// How a construct ends, decided when one of its children does.
@@ -200,6 +204,8 @@ pub struct Children {
     pub seconds: f64,
     /// The timer of a timeout.
     pub timer: u64,
+    /// The deadline came while the task was suspended; it takes effect at the resume.
+    pub expired: bool,
 }
 
 /// A dynamic scope of a task, left in the reverse order of entering.
@@ -258,10 +264,12 @@ pub struct Rare {
     pub fluents: TaskFluents,
     /// How often each name was used directly in it.
     pub counters: Vec<(Symbol, u32)>,
-    /// Suspensions that wait for its clean-up to end.
-    pub deferred: u32,
-    /// Suspensions of its own.
+    /// Suspensions of its own, which `resume` takes back.
     pub suspensions: u32,
+    /// Suspensions of its own that only the scope or valve which made them takes back.
+    pub holds: u32,
+    /// Tasks that wait until nothing below it runs any more.
+    pub resters: Vec<TaskRef>,
     /// Tasks that wait for its death.
     pub mourners: Vec<TaskRef>,
     /// A requester whose way it blocks: while it does, it runs at least at that priority.
@@ -287,7 +295,8 @@ pub struct Task {
     pub evaporation_pending: bool,
     /// A value names it, so its record outlives it.
     pub exposed: bool,
-    /// Counts suspensions of its own and of its ancestors.
+    /// Counts suspensions of its own and of its ancestors. What runs in a clean-up of an ancestor
+    /// does not count those of that ancestor and above.
     pub stop: u32,
     /// Scopes, innermost last.
     pub scopes: Vec<Scope>,
@@ -333,8 +342,8 @@ pub struct Task {
     pub steps: u32,
     /// The instant in which `steps` were counted.
     pub budget_instant: u32,
-    /// How often it ran away in that instant.
-    pub runaways: u8,
+    /// How often it, or what it started, ran away or was deadlocked in that instant.
+    pub strikes: u8,
     /// What few tasks have.
     pub rare: Option<Box<Rare>>,
 }
@@ -373,7 +382,7 @@ impl Task {
             result: Value::Nil,
             steps: 0,
             budget_instant: 0,
-            runaways: 0,
+            strikes: 0,
             rare: None,
         }
     }
@@ -386,6 +395,21 @@ impl Task {
     /// Whether it runs a clean-up, which nothing from outside stops.
     pub fn is_cleaning_up(&self) -> bool {
         self.scopes.iter().any(|scope| matches!(scope.kind, ScopeKind::InCleanup(_)))
+    }
+
+    /// Whether a suspension keeps it from running.
+    pub fn is_held(&self) -> bool {
+        self.stop > 0 && !self.is_protected()
+    }
+
+    /// Whether a scope belongs to a clean-up.
+    pub fn is_within_clean_up(&self, scope: u32) -> bool {
+        self.scopes.iter().take(scope as usize).any(|scope| matches!(scope.kind, ScopeKind::InCleanup(_)))
+    }
+
+    /// Suspensions of its own.
+    pub fn own_stops(&self) -> u32 {
+        self.rare.as_ref().map_or(0, |rare| rare.suspensions + rare.holds)
     }
 
     /// Whether nothing from outside may stop it now: a clean-up runs or is about to.

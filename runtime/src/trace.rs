@@ -199,6 +199,7 @@ impl Machine {
             Waiting::Children | Waiting::Spawned => "children".into(),
             Waiting::Valve(valve) => format!("valve {}", self.symbols.name(self.valves[valve as usize].name)),
             Waiting::Death(_) => "the end of a task".into(),
+            Waiting::Rest(_) => "the clean-ups of a suspended task".into(),
             Waiting::Signal(_) => "signal".into(),
         }
     }

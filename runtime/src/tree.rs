@@ -6,6 +6,9 @@ use crate::value::Value;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 
+/// Names a path shows at most; what is deeper shows its innermost ones.
+const MAX_SEGMENTS: usize = 200;
+
 impl Machine {
     /// Adds a task under a scope of its parent.
     pub(crate) fn adopt(&mut self, parent: u32, parent_scope: u32, task: u32) {
@@ -13,7 +16,9 @@ impl Machine {
         self.tasks[task].parent = parent;
         self.tasks[task].parent_scope = parent_scope;
         self.tasks[task].previous_sibling = last;
-        self.tasks[task].stop = self.stop_for_child(parent);
+        let inherited = self.stop_for_child(parent, parent_scope);
+        let record = &mut self.tasks[task];
+        record.stop = record.own_stops() + inherited;
         if last == NONE {
             self.tasks[parent].first_child = task;
         } else {
@@ -22,9 +27,10 @@ impl Machine {
         self.tasks[parent].last_child = task;
     }
 
-    /// A child shares its parent's suspensions, except those that wait for a clean-up.
-    fn stop_for_child(&self, parent: u32) -> u32 {
-        if self.tasks[parent].is_protected() { 0 } else { self.tasks[parent].stop }
+    /// A child shares its parent's suspensions, unless it belongs to a clean-up of the parent.
+    fn stop_for_child(&self, parent: u32, scope: u32) -> u32 {
+        let record = &self.tasks[parent];
+        if record.stop == 0 || record.is_within_clean_up(scope) { 0 } else { record.stop }
     }
 
     pub(crate) fn disown(&mut self, task: u32) {
@@ -80,7 +86,8 @@ impl Machine {
         self.path_within(task, usize::MAX)
     }
 
-    /// The path of a task and of its plan calls among the first scopes.
+    /// The path of a task and of its plan calls among the first scopes. Only the last
+    /// [`MAX_SEGMENTS`] names are written.
     pub(crate) fn path_within(&self, task: u32, scopes: usize) -> String {
         let mut parts = Vec::new();
         let (mut at, mut upto) = (task, scopes);
@@ -94,6 +101,10 @@ impl Machine {
                 }
             }
             parts.push(self.segment(record));
+            if parts.len() >= MAX_SEGMENTS && record.parent != NONE {
+                parts.push("…".to_string());
+                break;
+            }
             if record.parent == NONE {
                 break;
             }
@@ -118,7 +129,9 @@ impl Machine {
     pub(crate) fn plan_calls(&self, task: u32) -> Vec<(Symbol, Option<Span>)> {
         let mut calls = Vec::new();
         let (mut at, mut upto) = (task, usize::MAX);
-        while at != NONE && calls.len() < 64 {
+        let mut tasks = 0;
+        while at != NONE && calls.len() < 64 && tasks < MAX_SEGMENTS {
+            tasks += 1;
             let record = &self.tasks[at];
             for scope in record.scopes.iter().take(upto).rev() {
                 if let ScopeKind::Call(call) = &scope.kind
@@ -183,7 +196,7 @@ impl Machine {
     /// Whether the task stands in the run queue: ready, and not held by a suspension.
     fn is_queued(&self, task: u32) -> bool {
         let record = &self.tasks[task];
-        record.state == State::Ready && (record.stop == 0 || record.is_protected())
+        record.state == State::Ready && !record.is_held()
     }
 
     pub(crate) fn set_state(&mut self, task: u32, state: State) {
@@ -193,6 +206,7 @@ impl Machine {
         }
         assert!(from.may_become(state), "a task cannot become {} after {}", state.name(), from.name());
         self.tasks[task].state = state;
+        self.note_status(task);
     }
 
     /// Makes a task ready; unless it is suspended it enters the run queue.
@@ -259,6 +273,13 @@ impl Machine {
                     self.tasks[other].rare().mourners.retain(|&mourner| mourner != me);
                 }
             }
+            Waiting::Rest(other) => {
+                self.waits_for_rest -= 1;
+                if let Some(other) = self.tasks.find(other) {
+                    let me = self.tasks.reference(task);
+                    self.tasks[other].rare().resters.retain(|&rester| rester != me);
+                }
+            }
             Waiting::Nothing | Waiting::Children | Waiting::Spawned | Waiting::Signal(_) => {}
         }
     }
@@ -268,90 +289,142 @@ impl Machine {
         self.timers.note_cancelled(|timer| is_current(tasks, timer));
     }
 
-    /// Suspends a task and what is below it, once more.
+    /// Suspends a task and what is below it, once more, until `resume` takes it back.
     pub(crate) fn suspend(&mut self, task: u32) {
         self.tasks[task].rare().suspensions += 1;
         self.add_stop(task);
     }
 
     /// Takes one suspension back; a surplus one does nothing.
-    pub(crate) fn resume(&mut self, task: u32) {
+    pub(crate) fn resume(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let rare: &mut Rare = self.tasks[task].rare();
         if rare.suspensions > 0 {
             rare.suspensions -= 1;
-            self.remove_stop(task);
+            self.remove_stop(around, task);
         }
     }
 
-    /// Adds one stop to a subtree. A clean-up is not stopped: it notes the suspension for its end.
+    /// Suspends a task and what is below it for a scope or a valve.
+    pub(crate) fn hold(&mut self, task: u32) {
+        self.tasks[task].rare().holds += 1;
+        self.add_stop(task);
+    }
+
+    /// Ends what [`Machine::hold`] began.
+    pub(crate) fn unhold(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        let rare: &mut Rare = self.tasks[task].rare();
+        assert!(rare.holds > 0, "a hold ends once");
+        rare.holds -= 1;
+        self.remove_stop(around, task);
+    }
+
+    /// Tasks that a suspension of this one reaches: all children but those of its clean-ups.
+    fn suspended_with(&self, task: u32) -> Vec<u32> {
+        let record = &self.tasks[task];
+        let children = self.children(task);
+        if !record.is_cleaning_up() {
+            return children;
+        }
+        children.into_iter().filter(|&child| !record.is_within_clean_up(self.tasks[child].parent_scope)).collect()
+    }
+
     fn add_stop(&mut self, root: u32) {
         let mut waiting = vec![root];
         while let Some(task) = waiting.pop() {
-            if self.tasks[task].is_protected() {
-                self.tasks[task].rare().deferred += 1;
-                waiting.extend(self.children_outside_clean_up(task));
-                continue;
-            }
-            self.unqueue(task);
+            let was_queued = self.is_queued(task);
             self.tasks[task].stop += 1;
+            if was_queued && !self.is_queued(task) {
+                let priority = self.effective_priority(task);
+                self.priorities.withdraw(&mut self.tasks, task, priority);
+            }
             if task == self.current {
                 self.scratch.switch = true;
             }
-            waiting.extend(self.children(task).into_iter().rev());
+            self.note_status(task);
+            waiting.extend(self.suspended_with(task).into_iter().rev());
         }
     }
 
-    fn remove_stop(&mut self, root: u32) {
+    fn remove_stop(&mut self, around: &mut Surroundings<'_>, root: u32) {
+        let mut waiting = vec![root];
+        let mut resumed = Vec::new();
+        while let Some(task) = waiting.pop() {
+            let was_queued = self.is_queued(task);
+            self.tasks[task].stop -= 1;
+            if !was_queued {
+                self.queue(task, false);
+            }
+            if self.tasks[task].stop == 0 {
+                resumed.push(self.tasks.reference(task));
+            }
+            self.note_status(task);
+            waiting.extend(self.suspended_with(task).into_iter().rev());
+        }
+        for task in resumed {
+            self.take_up_deadlines(around, task);
+        }
+    }
+
+    /// Whether no task of a subtree runs a clean-up, so that a suspension has reached all of it.
+    pub(crate) fn is_at_rest(&self, root: u32) -> bool {
         let mut waiting = vec![root];
         while let Some(task) = waiting.pop() {
-            let deferred = self.tasks[task].rare.as_ref().map_or(0, |rare| rare.deferred);
-            if deferred > 0 {
-                self.tasks[task].rare().deferred -= 1;
-                waiting.extend(self.children_outside_clean_up(task));
-                continue;
+            let record = &self.tasks[task];
+            if record.is_protected() {
+                return false;
             }
-            if self.tasks[task].stop > 0 {
-                self.tasks[task].stop -= 1;
-                if self.tasks[task].stop == 0
-                    && self.tasks[task].state == State::Ready
-                    && !self.tasks[task].is_protected()
-                {
-                    self.queue(task, false);
+            waiting.extend(self.children(task));
+        }
+        true
+    }
+
+    /// Lets the current task wait until a subtree it has suspended is at rest; tells whether it
+    /// must.
+    pub(crate) fn wait_for_rest(&mut self, other: u32) -> bool {
+        let current = self.current;
+        if self.is_within(current, other) || self.is_at_rest(other) {
+            return false;
+        }
+        let me = self.tasks.reference(current);
+        self.tasks[other].rare().resters.push(me);
+        self.tasks[current].waiting = Waiting::Rest(self.tasks.reference(other));
+        self.waits_for_rest += 1;
+        true
+    }
+
+    /// A clean-up or departure of a task has ended: what waited for that goes on.
+    pub(crate) fn protection_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        let mut at = task;
+        while self.waits_for_rest > 0 && at != NONE {
+            let has_resters = self.tasks[at].rare.as_ref().is_some_and(|rare| !rare.resters.is_empty());
+            if has_resters && (self.tasks[at].state.is_dead() || self.is_at_rest(at)) {
+                for rester in self.tasks[at].rare().resters.clone() {
+                    if let Some(rester) = self.tasks.find_alive(rester) {
+                        self.wake(rester, Wake::Value(Value::Nil));
+                    }
                 }
             }
-            waiting.extend(self.children(task).into_iter().rev());
+            at = self.tasks[at].parent;
+        }
+        self.serve_lines(around);
+    }
+
+    /// Notes that the state of a task has changed, for its status fluent.
+    pub(crate) fn note_status(&mut self, task: u32) {
+        if self.tasks[task].rare.as_ref().is_some_and(|rare| rare.fluents.status.is_some()) {
+            let task = self.tasks.reference(task);
+            self.scratch.status_changed.push(task);
         }
     }
 
-    /// Children that were there before the clean-up of a task began.
-    fn children_outside_clean_up(&self, task: u32) -> Vec<u32> {
-        let scopes = &self.tasks[task].scopes;
-        let inner =
-            scopes.iter().position(|scope| matches!(scope.kind, ScopeKind::InCleanup(_))).unwrap_or(scopes.len());
-        self.children(task)
-            .into_iter()
-            .filter(|&child| (self.tasks[child].parent_scope as usize) < inner)
-            .rev()
-            .collect()
-    }
-
-    /// A task that begins to clean up keeps its suspensions for later.
-    pub(crate) fn defer_stop(&mut self, task: u32) {
-        let stop = std::mem::take(&mut self.tasks[task].stop);
-        if stop > 0 {
-            self.tasks[task].rare().deferred += stop;
-        }
-    }
-
-    /// A task that has cleaned up and lives on takes its suspensions up again.
-    pub(crate) fn take_up_stop(&mut self, task: u32) {
-        if self.tasks[task].is_protected() {
-            return;
-        }
-        let deferred = self.tasks[task].rare.as_mut().map_or(0, |rare| std::mem::take(&mut rare.deferred));
-        self.tasks[task].stop += deferred;
-        if deferred > 0 && task == self.current {
-            self.scratch.switch = true;
+    /// Brings the status fluents of the tasks whose state has changed up to date.
+    pub(crate) fn flush_status(&mut self, around: &mut Surroundings<'_>) {
+        while !self.scratch.status_changed.is_empty() {
+            for task in std::mem::take(&mut self.scratch.status_changed) {
+                if let Some(task) = self.tasks.find_alive(task) {
+                    self.update_task_fluents(around, task);
+                }
+            }
         }
     }
 
@@ -376,7 +449,7 @@ impl Machine {
         let fluents = rare.fluents.clone();
         let record = &self.tasks[task];
         let (state, result) = (record.state, record.result);
-        let suspended = record.stop > 0 && !record.is_protected() && !state.is_dead();
+        let suspended = record.is_held() && !state.is_dead() && state != State::Created;
         let begun = Value::truth(state != State::Created);
         let name = if suspended { "suspended" } else { state.name() };
         let status = Value::Symbol(self.symbols.intern(name));

@@ -6,7 +6,7 @@
 use crate::failure::Raise;
 use crate::machine::{Machine, Output, SCRATCH_TASK, Surroundings};
 use crate::task::{Leaving, Scope, ScopeKind, State, Then, Waiting, Wake};
-use crate::value::Value;
+use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Program, Reg};
 
 /// Where a departure goes on in code.
@@ -18,6 +18,15 @@ pub(crate) struct Landing {
     pub(crate) target: u32,
     /// Registers to set first.
     pub(crate) writes: [(Reg, Value); 2],
+}
+
+/// A departure to be looked at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Departure {
+    /// A task is ended from outside.
+    Evaporate(TaskRef),
+    /// A task that is leaving waits no longer.
+    GoOn(TaskRef),
 }
 
 /// How far a departure got.
@@ -34,10 +43,51 @@ pub(crate) enum Unwound {
 impl Machine {
     /// Ends a task from outside. It is dead at once if it has nothing to clean up.
     pub(crate) fn evaporate(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        let record = &self.tasks[task];
-        if record.state.is_dead() {
+        self.evaporate_all(around, &[task]);
+    }
+
+    /// Ends tasks from outside, in this order.
+    pub(crate) fn evaporate_all(&mut self, around: &mut Surroundings<'_>, tasks: &[u32]) {
+        for &task in tasks.iter().rev() {
+            self.scratch.departures.push(Departure::Evaporate(self.tasks.reference(task)));
+        }
+        self.look_at_departures(around);
+    }
+
+    /// Goes on with departures until none is left. A stack instead of recursion: a tree may be
+    /// deeper than the machine's own stack, and the tasks below one are looked at before the next.
+    fn look_at_departures(&mut self, around: &mut Surroundings<'_>) {
+        if self.scratch.is_departing {
             return;
         }
+        self.scratch.is_departing = true;
+        while let Some(departure) = self.scratch.departures.pop() {
+            match departure {
+                Departure::Evaporate(task) => {
+                    if let Some(task) = self.tasks.find_alive(task) {
+                        self.evaporate_now(around, task);
+                    }
+                }
+                Departure::GoOn(task) => {
+                    if let Some(task) = self.tasks.find_alive(task) {
+                        self.go_on_leaving(around, task);
+                    }
+                }
+            }
+        }
+        self.scratch.is_departing = false;
+    }
+
+    /// Runs `act` as one decision: departures it causes are looked at when it is over.
+    pub(crate) fn as_one(&mut self, around: &mut Surroundings<'_>, act: impl FnOnce(&mut Self, &mut Surroundings<'_>)) {
+        let outer = std::mem::replace(&mut self.scratch.is_departing, true);
+        act(self, around);
+        self.scratch.is_departing = outer;
+        self.look_at_departures(around);
+    }
+
+    fn evaporate_now(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        let record = &self.tasks[task];
         let has_begun = record.frame.pc > 0 || !record.frames.is_empty() || !record.scopes.is_empty();
         if record.state == State::Created || (record.state == State::Ready && !has_begun) {
             self.unqueue(task);
@@ -56,26 +106,32 @@ impl Machine {
             return;
         }
         match self.tasks[task].state {
-            State::Ready => self.unqueue(task),
-            _ => {
-                self.stop_waiting(task);
-                self.tasks[task].state = State::Ready;
+            State::Ready => {
+                self.unqueue(task);
+                self.tasks[task].state = State::Blocked;
             }
+            _ => self.stop_waiting(task),
         }
         self.tasks[task].wake = Wake::Nothing;
-        self.defer_stop(task);
         self.tasks[task].leaving = Some(Box::new(leaving));
         self.unwind(around, task);
     }
 
     /// Goes on with the departure of a task that is not running, as far as that needs no code.
     pub(crate) fn unwind(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        // Not blocked meanwhile: the death of a child on the way must not start this again.
-        self.tasks[task].state = State::Running;
-        stacker::maybe_grow(64 * 1024, 1024 * 1024, || match self.unwind_step(around, task, false) {
+        self.scratch.departures.push(Departure::GoOn(self.tasks.reference(task)));
+        self.look_at_departures(around);
+    }
+
+    fn go_on_leaving(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        if self.tasks[task].state != State::Blocked || self.tasks[task].leaving.is_none() {
+            return;
+        }
+        self.tasks[task].waiting = Waiting::Nothing;
+        match self.unwind_step(around, task, false) {
             Unwound::Land(_) => self.make_ready(task),
             Unwound::Waiting | Unwound::Dead => {}
-        });
+        }
     }
 
     /// Pops scopes until something must run, be waited for, or nothing is left. Unless `may_run`,
@@ -99,7 +155,7 @@ impl Machine {
                 }
                 return self.leave_task(around, task, leaving);
             };
-            if let Some(landing) = self.landing(around.program, &scope, &leaving) {
+            if let Some(landing) = self.landing(around.program, task, &scope, &leaving) {
                 if !may_run {
                     return Unwound::Land(landing);
                 }
@@ -139,12 +195,12 @@ impl Machine {
     fn is_handled(&self, program: &Program, task: u32, failure: Value) -> bool {
         let leaving = Leaving::Fail(failure);
         self.tasks[task].scopes.iter().any(|scope| {
-            matches!(scope.kind, ScopeKind::Handler { .. }) && self.landing(program, scope, &leaving).is_some()
+            matches!(scope.kind, ScopeKind::Handler { .. }) && self.landing(program, task, scope, &leaving).is_some()
         })
     }
 
     /// Where code goes on if this scope stops the departure, or has a clean-up to run.
-    fn landing(&self, program: &Program, scope: &Scope, leaving: &Leaving) -> Option<Landing> {
+    fn landing(&self, program: &Program, task: u32, scope: &Scope, leaving: &Leaving) -> Option<Landing> {
         let nothing = (0, Value::Unbound);
         match (&scope.kind, leaving) {
             (ScopeKind::Block { identity, result, target }, Leaving::Block { identity: wanted, value })
@@ -153,6 +209,9 @@ impl Machine {
                 Some(Landing { depth: scope.depth, target: *target, writes: [(*result, *value), nothing] })
             }
             (ScopeKind::Handler { code, index, failure, target }, Leaving::Fail(Value::Failure(raised))) => {
+                if self.passes_handlers(task, *raised) {
+                    return None;
+                }
                 let class = self.heap.failures[*raised].class;
                 let clauses = &program.codes[*code as usize].handlers[*index as usize];
                 let clause = clauses
@@ -168,6 +227,73 @@ impl Machine {
         }
     }
 
+    /// A task that has run out of its limit twice in one instant handles that no more.
+    fn passes_handlers(&self, task: u32, failure: u32) -> bool {
+        let record = &self.tasks[task];
+        self.heap.failures[failure].is_runaway && record.strikes >= 2 && record.budget_instant == self.instant
+    }
+
+    /// Notes that a task has run out of a limit in this instant.
+    pub(crate) fn strike(&mut self, task: u32, strikes: u8) {
+        let instant = self.instant;
+        let record = &mut self.tasks[task];
+        if record.budget_instant != instant {
+            record.budget_instant = instant;
+            record.steps = 0;
+            record.strikes = 0;
+        }
+        record.strikes = record.strikes.max(strikes);
+    }
+
+    /// How often a task has run out of a limit in this instant.
+    pub(crate) fn strikes_now(&self, task: u32) -> u8 {
+        let record = &self.tasks[task];
+        if record.budget_instant == self.instant { record.strikes } else { 0 }
+    }
+
+    /// The task that fails when nothing can happen any more: main, or if that is on its way out,
+    /// the innermost clean-up that keeps it.
+    pub(crate) fn deadlocked_task(&self) -> u32 {
+        if !self.tasks[self.main].is_protected() {
+            return self.main;
+        }
+        let cleaning: Vec<u32> = self
+            .tasks
+            .iter()
+            .filter(|(_, task)| !task.state.is_dead() && task.leaving.is_none() && task.is_cleaning_up())
+            .map(|(index, _)| index)
+            .collect();
+        let is_innermost = |&task: &u32| !cleaning.iter().any(|&other| other != task && self.is_within(other, task));
+        cleaning.iter().copied().find(is_innermost).unwrap_or(self.main)
+    }
+
+    /// What waited for the end of a clean-up takes effect: tells whether the task leaves.
+    pub(crate) fn take_up_pending(&mut self, around: &mut Surroundings<'_>, task: u32) -> bool {
+        let record = &mut self.tasks[task];
+        if record.leaving.is_some() {
+            return true;
+        }
+        if record.is_cleaning_up() {
+            return false;
+        }
+        if std::mem::take(&mut record.evaporation_pending) {
+            record.leaving = Some(Box::new(Leaving::Evaporate));
+            return true;
+        }
+        let failed = record.scopes.iter_mut().enumerate().rev().find_map(|(index, scope)| match &mut scope.kind {
+            ScopeKind::Call(call) => call.failure.take().map(|failure| (index as u32, failure)),
+            _ => None,
+        });
+        if let Some((scope, failure)) = failed {
+            record.leaving = Some(Box::new(Leaving::FailCall { scope, failure }));
+            return true;
+        }
+        self.note_status(task);
+        self.protection_ended(around, task);
+        self.scratch.switch |= self.tasks[task].is_held();
+        false
+    }
+
     fn land(&mut self, task: u32, landing: Landing) -> Unwound {
         self.tasks[task].leaving = None;
         Unwound::Land(landing)
@@ -177,7 +303,6 @@ impl Machine {
         self.tasks[task].scopes.pop();
         if let ScopeKind::Cleanup { .. } = scope.kind {
             let then = Box::new(Then::Leave(leaving));
-            self.defer_stop(task);
             self.tasks[task].scopes.push(Scope { kind: ScopeKind::InCleanup(then), depth: scope.depth });
         } else {
             self.trace_handled(task, &leaving);
@@ -196,20 +321,21 @@ impl Machine {
                     // No child decides anything any more.
                     children.decided = Some(crate::task::Decision::Succeed(Value::Nil));
                 }
-                for child in self.children_of_scope(task, index) {
-                    self.evaporate(around, child);
-                }
-                if !self.children_of_scope(task, index).is_empty() {
+                if self.evaporate_children(around, task, index) > 0 {
                     return Popped::Wait(Waiting::Children);
                 }
                 self.tasks[task].scopes.pop();
             }
             ScopeKind::Call(call) => {
-                for child in self.children_of_scope(task, index) {
-                    self.evaporate(around, child);
-                }
-                if !self.children_of_scope(task, index).is_empty() {
+                if self.evaporate_children(around, task, index) > 0 {
                     return Popped::Wait(Waiting::Spawned);
+                }
+                let late = match &mut self.tasks[task].scopes[index as usize].kind {
+                    ScopeKind::Call(call) => call.failure.take(),
+                    _ => None,
+                };
+                if let Some(failure) = late {
+                    self.attach_late(around, &leaving, failure);
                 }
                 self.end_call(around, task, &call.tags);
                 self.trace_call_end(task, &leaving);
@@ -231,8 +357,7 @@ impl Machine {
             ScopeKind::Suspended(other) => {
                 self.tasks[task].scopes.pop();
                 if let Some(other) = self.tasks.find_alive(other) {
-                    self.resume(other);
-                    self.update_task_fluents(around, other);
+                    self.unhold(around, other);
                 }
             }
             ScopeKind::Watch(watch) => {
@@ -248,6 +373,33 @@ impl Machine {
             }
         }
         Popped::On
+    }
+
+    /// Ends the children of one scope; gives how many still clean up.
+    pub(crate) fn evaporate_children(&mut self, around: &mut Surroundings<'_>, task: u32, scope: u32) -> u32 {
+        let alive = |machine: &Self| match &machine.tasks[task].scopes[scope as usize].kind {
+            ScopeKind::Children(children) => children.alive,
+            ScopeKind::Call(call) => call.spawned,
+            _ => 0,
+        };
+        if alive(self) == 0 {
+            return 0;
+        }
+        let children = self.children_of_scope(task, scope);
+        self.evaporate_all(around, &children);
+        alive(self)
+    }
+
+    /// A failure that comes after an outcome is fixed is kept beside it.
+    pub(crate) fn attach_late(&mut self, around: &Surroundings<'_>, leaving: &Leaving, failure: Value) {
+        match leaving {
+            Leaving::Fail(Value::Failure(first)) | Leaving::FailCall { failure: Value::Failure(first), .. } => {
+                if Value::Failure(*first) != failure {
+                    self.heap.failures[*first].while_cleaning_up.push(failure);
+                }
+            }
+            _ => self.warn_of_failure(around.program, failure, "of a spawned task while its plan was ending"),
+        }
     }
 
     /// A departure leaves a clean-up before its end.
@@ -279,6 +431,10 @@ impl Machine {
 
     /// No scope is left: the task ends.
     fn leave_task(&mut self, around: &mut Surroundings<'_>, task: u32, leaving: Leaving) -> Unwound {
+        // The scratch task never dies: what is evaluated in it fails.
+        if task == SCRATCH_TASK {
+            return Unwound::Dead;
+        }
         match leaving {
             Leaving::Evaporate => self.die(around, task, State::Evaporated, Value::Nil),
             Leaving::Fail(failure) | Leaving::FailCall { failure, .. } => {
@@ -294,7 +450,7 @@ impl Machine {
     }
 
     /// Ends a plan call's tags.
-    pub(crate) fn end_call(&mut self, around: &mut Surroundings<'_>, task: u32, tags: &[crate::value::TaskRef]) {
+    pub(crate) fn end_call(&mut self, around: &mut Surroundings<'_>, task: u32, tags: &[TaskRef]) {
         let _ = task;
         for &tag in tags {
             if let Some(index) = self.tasks.find_alive(tag)
@@ -315,6 +471,7 @@ impl Machine {
             self.tasks[task].state = State::Running;
         }
         self.set_state(task, state);
+        let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
         let record = &mut self.tasks[task];
         record.result = result;
         record.registers = Box::default();
@@ -327,6 +484,7 @@ impl Machine {
         self.end_activations_of(around, task);
         self.drop_holds_of(around, task);
         self.update_task_fluents(around, task);
+        self.protection_ended(around, task);
         if let Some(rare) = &mut self.tasks[task].rare {
             for mourner in std::mem::take(&mut rare.mourners) {
                 if let Some(mourner) = self.tasks.find_alive(mourner) {
@@ -336,6 +494,9 @@ impl Machine {
         }
         self.hooks_ended(around, task);
         let (parent, scope) = (self.tasks[task].parent, self.tasks[task].parent_scope);
+        if let (true, Some(strikes @ 1..)) = (parent != crate::task::NONE, strikes) {
+            self.strike(parent, strikes);
+        }
         if parent != crate::task::NONE && !self.tasks[task].named_as_hook() {
             self.child_ended(around, parent, scope, task);
         } else if parent != crate::task::NONE {

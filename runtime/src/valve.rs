@@ -172,8 +172,7 @@ impl Machine {
         let interrupted = self.tasks.reference(root);
         self.trace_valve(root, valve, "pre-empted");
         let hooks = self.hooks_of(root, true);
-        self.suspend(root);
-        self.update_task_fluents(around, root);
+        self.hold(root);
         self.valves[valve as usize].handover = Some(Handover::Lend { to: requester, interrupted });
         if hooks.is_empty() {
             self.complete_handover(around, valve);
@@ -256,8 +255,7 @@ impl Machine {
             Some(Handover::GiveBack { to }) => {
                 if let Some(root) = self.tasks.find_alive(to) {
                     self.trace_valve(root, valve, "returned");
-                    self.resume(root);
-                    self.update_task_fluents(around, root);
+                    self.unhold(around, root);
                 }
                 self.serve_line(around, valve);
             }
@@ -339,7 +337,7 @@ impl Machine {
         let mut best: Option<u32> = None;
         for &waiter in &self.valves[valve as usize].line {
             let Some(task) = self.tasks.find_alive(waiter) else { continue };
-            if self.tasks[task].stop > 0 && !self.tasks[task].is_protected() {
+            if self.tasks[task].is_held() {
                 continue;
             }
             let is_better = best.is_none_or(|best| {
@@ -369,6 +367,15 @@ impl Machine {
             self.leave_valve_line(task, valve);
             self.preempt(around, me, valve, root);
             return;
+        }
+    }
+
+    /// Serves every valve somebody waits for.
+    pub(crate) fn serve_lines(&mut self, around: &mut Surroundings<'_>) {
+        for valve in 0..self.valves.len() as u32 {
+            if !self.valves[valve as usize].line.is_empty() {
+                self.serve_line(around, valve);
+            }
         }
     }
 

@@ -48,7 +48,7 @@ pub trait MacroHost {
         tree: &mut Tree,
         code: u32,
         form: NodeId,
-    ) -> Result<NodeId, Diagnostic>;
+    ) -> Result<NodeId, Box<Diagnostic>>;
 }
 
 /// Finds the text of a `(load "file")`.

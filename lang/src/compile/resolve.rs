@@ -216,7 +216,7 @@ impl Compiler<'_> {
             Ok(expansion) => Some(expansion),
             Err(diagnostic) => {
                 self.expansions -= 1;
-                self.diagnostics.push(diagnostic);
+                self.diagnostics.push(*diagnostic);
                 None
             }
         }

@@ -159,13 +159,8 @@ impl Board {
         let Some(active) = &mut self.active else { return };
         let blocked = self.drive_status == DriveStatus::Stuck;
         let chosen_before = active.last_choice().map(|choice| choice.target_in_base);
-        let intent = active.step(
-            &model.localization,
-            &self.localization,
-            percept.odometry_in_odom,
-            blocked,
-            percept.time_us,
-        );
+        let intent =
+            active.step(&model.localization, &self.localization, percept.odometry_in_odom, blocked, percept.time_us);
         if let Some(choice) = active.last_choice()
             && Some(choice.target_in_base) != chosen_before
         {
@@ -207,8 +202,7 @@ impl Board {
 
     fn navigate(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
         let estimated_in_map = self.estimate(model).pose_in_map;
-        let output =
-            self.navigation.step(&model.navigation, estimated_in_map, &Self::input(percept), self.mode);
+        let output = self.navigation.step(&model.navigation, estimated_in_map, &Self::input(percept), self.mode);
         self.needs_sonars = output.needs_sonars;
         if self.navigation_phase != Phase::Active {
             return;
@@ -319,9 +313,8 @@ impl Board {
     }
 
     fn start_gripper(&mut self, machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(), Raise> {
-        let argument = |name: &str| {
-            arguments.iter().find(|(key, _)| machine.symbols.name(*key) == name).map(|&(_, value)| value)
-        };
+        let argument =
+            |name: &str| arguments.iter().find(|(key, _)| machine.symbols.name(*key) == name).map(|&(_, value)| value);
         let (task, command) = match (argument("grasp"), argument("release")) {
             (Some(Value::Symbol(item)), None) => {
                 let item = machine.symbols.name(item).to_string();

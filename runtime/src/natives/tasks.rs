@@ -141,7 +141,9 @@ fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let task = call.machine.task_argument(call.argument(0))?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
         call.machine.suspend(index);
-        call.machine.update_task_fluents(call.around, index);
+        if call.machine.wait_for_rest(index) {
+            return Ok(Reply::Wait);
+        }
     }
     Ok(Reply::Value(Value::Nil))
 }
@@ -149,8 +151,7 @@ fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn resume(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let task = call.machine.task_argument(call.argument(0))?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
-        call.machine.resume(index);
-        call.machine.update_task_fluents(call.around, index);
+        call.machine.resume(call.around, index);
     }
     Ok(Reply::Value(Value::Nil))
 }
