@@ -57,7 +57,9 @@ impl SaveOutside for OfficeRobot {
         let here = Setting::of(self);
         if setting.world != here.world {
             let (there, here) = (setting.world.name, here.world.name);
-            return Err(format!("the run was saved in the world `{there}`, which is not the world `{here}` as it is now"));
+            return Err(format!(
+                "the run was saved in the world `{there}`, which is not the world `{here}` as it is now"
+            ));
         }
         if setting != here {
             return Err("the run was saved with other settings of localization".into());

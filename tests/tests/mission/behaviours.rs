@@ -174,7 +174,10 @@ fn a_thing_that_is_not_there_cannot_be_grasped() {
 
 #[test]
 fn a_thing_is_picked_up_where_the_world_file_puts_it() {
-    let run = run_in(test_room(), "(go-to 'table-side) (pick-up 'cup) (list (value holding*) (progn (put-down) (value holding*)))");
+    let run = run_in(
+        test_room(),
+        "(go-to 'table-side) (pick-up 'cup) (list (value holding*) (progn (put-down) (value holding*)))",
+    );
     assert_eq!(run.outcome(), "=> (cup nil)");
 }
 
@@ -193,7 +196,10 @@ fn active_localization_has_nothing_to_do_where_the_position_is_known() {
 
 #[test]
 fn position_tracking_runs_whether_activated_or_not() {
-    assert_eq!(outcome("(activate position-tracking) (deactivate position-tracking) (> pos-certainty* 0.8)"), "=> t");
+    assert_eq!(
+        outcome("(activate position-tracking) (deactivate position-tracking) (> (value pos-certainty*) 0.8)"),
+        "=> t"
+    );
     let run = run_in(test_room(), "(deactivate position-tracking) (go-to 'table-side) (at-destination? 'table-side)");
     assert_eq!(run.outcome(), "=> t");
 }

@@ -47,8 +47,7 @@ fn a_turn_by_hand_interrupts_and_the_navigation_goes_on_from_the_new_pose() {
         is(event, Fluent, &[("fluent", "nr-of-nav-goals*"), ("value", "0")])
     });
     let pulse = find(no_goals, "the pulse", &|event| is(event, Pulse, &[("fluent", "execution-interrupted?")]));
-    let granted =
-        find(pre_empted, "the grant", &|event| by_policy(event) && is(event, Valve, &[("what", "granted")]));
+    let granted = find(pre_empted, "the grant", &|event| by_policy(event) && is(event, Valve, &[("what", "granted")]));
     let localizing = |what: &'static str| {
         move |event: &Event| is(event, Behaviour, &[("behaviour", "active-localization"), ("what", what)])
     };

@@ -62,7 +62,12 @@ fn a_policy_inside_the_valve_takes_the_wheels_from_its_primary() {
                     (run-behaviour navigation :targets '((3.0 4.1)))))
              (log \"arrived\")))",
     );
-    assert_eq!(run.output, ["log: 2.0 the bell has the wheels", "log: 3.0 interrupted", "log: arrived"], "{}", run.trace());
+    assert_eq!(
+        run.output,
+        ["log: 2.0 the bell has the wheels", "log: 3.0 interrupted", "log: arrived"],
+        "{}",
+        run.trace()
+    );
     assert!(run.outcome().starts_with("=>"), "{}", run.outcome());
 }
 
@@ -77,7 +82,12 @@ fn a_deadline_that_passes_during_an_interruption_ends_the_body_and_cleans_up() {
                    (par (ring-at 2) (run-behaviour navigation :targets '((6.8 5.0))))
                    (log (format \"~,1f clean-up\" (now))))))))",
     );
-    assert_eq!(run.output, ["log: 2.0 the bell has the wheels", "log: 5.0 clean-up", "log: 5.0 timeout"], "{}", run.trace());
+    assert_eq!(
+        run.output,
+        ["log: 2.0 the bell has the wheels", "log: 5.0 clean-up", "log: 5.0 timeout"],
+        "{}",
+        run.trace()
+    );
     assert!(run.outcome().starts_with("=>"), "{}", run.outcome());
 }
 
