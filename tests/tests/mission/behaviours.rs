@@ -196,7 +196,10 @@ fn active_localization_has_nothing_to_do_where_the_position_is_known() {
 
 #[test]
 fn position_tracking_runs_whether_activated_or_not() {
-    assert_eq!(outcome("(activate position-tracking) (deactivate position-tracking) (> pos-certainty* 0.8)"), "=> t");
+    assert_eq!(
+        outcome("(activate position-tracking) (deactivate position-tracking) (> (value pos-certainty*) 0.8)"),
+        "=> t"
+    );
     let run = run_in(test_room(), "(deactivate position-tracking) (go-to 'table-side) (at-destination? 'table-side)");
     assert_eq!(run.outcome(), "=> t");
 }
