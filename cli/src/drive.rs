@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::events;
 use crate::interrupt;
-use crate::mission::{CONTINUOUS_FLUENTS, Robot, Sight};
+use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
 use crate::trace_file::TraceFile;
 use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::system::{Outcome, Progress, System};
@@ -49,7 +49,26 @@ pub struct Records {
     pub relocalizations: u64,
     /// What the robot and the scenario reported.
     pub marks: Vec<Mark>,
+    /// The belief at the turning points of localization, if somebody is to draw it.
+    pub scenes: Option<Vec<Scene>>,
 }
+
+/// The belief at a moment.
+pub struct Scene {
+    /// What happened.
+    pub what: String,
+    /// When, in seconds of virtual time.
+    pub time_s: f64,
+    /// The belief.
+    pub belief: PositionBelief,
+    /// The robot.
+    pub sight: Sight,
+    /// How much of the track lies before it.
+    pub track_length: usize,
+}
+
+/// Reports at which the belief is worth a drawing.
+const TURNING_POINTS: &[&str] = &["position lost", "localization action", "position found"];
 
 /// Something the robot or the scenario reported, and how things stood then.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,6 +180,14 @@ impl Driver<'_> {
             && let (Some(sight), Some(account)) = (self.system.outside.sight(), self.system.outside.account())
         {
             let what = events::detail(event, "what").to_string();
+            if let Some(scenes) = &mut self.records.scenes
+                && TURNING_POINTS.contains(&what.as_str())
+                && let Some(belief) = self.system.outside.belief()
+            {
+                let time_s = event.time_us as f64 / 1e6;
+                let track_length = self.records.track.len();
+                scenes.push(Scene { what: what.clone(), time_s, belief, sight, track_length });
+            }
             self.records.marks.push(Mark { what, sight, distance_m: account.distance_m });
         }
         match &mut self.records.trace {

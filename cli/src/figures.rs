@@ -1,7 +1,8 @@
 //! Drawings of a mission as SVG, readable in black and white: the map, the true and the estimated
 //! path, and where the robot may be.
 
-use crate::mission::{PositionBelief, Sight};
+use crate::drive::Records;
+use crate::mission::PositionBelief;
 use anyhow::{Context, Result};
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
@@ -69,7 +70,8 @@ impl<'a> Figure<'a> {
 ///
 /// # Errors
 /// The folder or a drawing cannot be written.
-pub fn write_mission(folder: &Path, world: &World, track: &[Sight], belief: Option<&PositionBelief>) -> Result<()> {
+pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Option<&PositionBelief>) -> Result<()> {
+    let track = &records.track;
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     let map = world.map(RESOLUTION_M);
     let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", &map, &world.rooms);
@@ -88,6 +90,16 @@ pub fn write_mission(folder: &Path, world: &World, track: &[Sight], belief: Opti
             figure.markers.push(Marker { pose_in_map: last.estimate_in_map, label: "estimate", is_true: false });
         }
         write(folder, "belief.svg", &figure)?;
+    }
+    for (number, scene) in records.scenes.iter().flatten().enumerate() {
+        let title = format!("{:.1} s: {}, certainty {:.2}", scene.time_s, scene.what, scene.sight.certainty);
+        let mut figure = Figure::of_map(&title, &map, &world.rooms);
+        figure.belief = Some(&scene.belief);
+        let before = &track[..scene.track_length];
+        figure.true_path_in_map = before.iter().map(|sight| sight.robot_in_map.point()).collect();
+        figure.markers.push(Marker { pose_in_map: scene.sight.robot_in_map, label: "robot", is_true: true });
+        figure.markers.push(Marker { pose_in_map: scene.sight.estimate_in_map, label: "estimate", is_true: false });
+        write(folder, &format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-")), &figure)?;
     }
     Ok(())
 }
@@ -143,7 +155,7 @@ pub fn draw(figure: &Figure<'_>) -> String {
     }
     document = document
         .add(path(&figure.true_path_in_map, sheet, "true-path"))
-        .add(path(&figure.estimated_path_in_map, sheet, "estimated-path").set("stroke-dasharray", "0.25 0.15"));
+        .add(pieces(&figure.estimated_path_in_map, sheet));
     for marker in &figure.markers {
         document = document.add(robot(marker, sheet));
     }
@@ -208,6 +220,15 @@ fn shading(belief: &PositionBelief, sheet: Sheet) -> Group {
         }
     }
     group
+}
+
+/// An estimate that jumps between two looks was not driven: the line breaks there.
+const JUMP_M: f64 = 0.5;
+
+fn pieces(points_in_map: &[Point], sheet: Sheet) -> Group {
+    points_in_map.chunk_by(|before, after| (after - before).norm() <= JUMP_M).fold(Group::new(), |group, piece| {
+        group.add(path(piece, sheet, "estimated-path").set("stroke-dasharray", "0.25 0.15"))
+    })
 }
 
 fn path(points_in_map: &[Point], sheet: Sheet, class: &str) -> Polyline {

@@ -96,7 +96,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
-    let mut records = Records { trace: create_trace(arguments.trace.as_deref())?, ..Records::default() };
+    let scenes = arguments.figures.is_some().then(Vec::new);
+    let mut records = Records { trace: create_trace(arguments.trace.as_deref())?, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
     let (library, robot) = (site.library.clone(), site.robot(arguments.seed));
     let mut system = match wants_events {
@@ -113,7 +114,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         trace.finish().context("the trace cannot be written")?;
     }
     if let (Some(folder), Some(world)) = (&arguments.figures, &world) {
-        figures::write_mission(folder, world, &records.track, system.outside.belief().as_ref())?;
+        figures::write_mission(folder, world, &records, system.outside.belief().as_ref())?;
     }
     let summary = summarize(&system, ending, &records, arguments.seed, began);
     report(&system, ending, &summary, console);
