@@ -1,1 +1,146 @@
-fn main() {}
+//! The `rpl` command: files, terminal, wall clock, signals, and threads for runs over many seeds.
+//!
+//! One file per subcommand; `mission` says what a plan runs with, `drive` runs it.
+
+mod check;
+mod console;
+mod doc;
+mod drive;
+mod eval;
+mod events;
+mod examples;
+mod experiment;
+mod failure_report;
+mod figures;
+mod files;
+mod interrupt;
+mod mission;
+mod overrides;
+mod run;
+mod special_forms;
+mod status;
+mod time;
+mod trace_file;
+mod worlds;
+
+use anyhow::Result;
+use clap::{CommandFactory, Parser, Subcommand};
+use console::Console;
+use status::Status;
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Reactive plans, and a robot that carries them out
+#[derive(Parser, Debug)]
+#[command(name = "rpl", version, arg_required_else_help = true)]
+#[command(after_help = "Exit status: 0 success, 1 the plan failed, 2 the text or the command line is wrong, \
+                        3 --until was reached, 130 interrupted.")]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Runs a plan
+    Run(Box<run::Arguments>),
+    /// Checks plans without running them
+    Check {
+        /// Plan files
+        #[arg(value_name = "FILE", required = true)]
+        files: Vec<String>,
+    },
+    /// Evaluates an expression, or standard input, and prints the value
+    Eval {
+        /// The expression; `-` for standard input
+        #[arg(value_name = "EXPR", allow_hyphen_values = true)]
+        expression: String,
+    },
+    /// Lists the worlds, or shows one
+    Worlds {
+        /// A built-in world, or a .toml file
+        #[arg(value_name = "NAME")]
+        name: Option<String>,
+        /// Draws the world into this file
+        #[arg(long, value_name = "FILE", requires = "name")]
+        svg: Option<PathBuf>,
+    },
+    /// Lists the built-in plans, or shows one
+    Examples {
+        /// A built-in plan
+        #[arg(value_name = "NAME")]
+        name: Option<String>,
+    },
+    /// Documents a name, or lists all; `behaviours` documents the robot
+    Doc {
+        /// A function, plan, macro, special form, fluent or behaviour
+        #[arg(value_name = "NAME")]
+        name: Option<String>,
+    },
+    /// Runs a plan with many seeds and makes a table
+    Experiment(experiment::Arguments),
+    /// Writes the completions of a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+fn main() -> ExitCode {
+    let command = match CommandLine::try_parse() {
+        Ok(line) => line.command,
+        Err(error) => {
+            // What cannot be written has nobody to read it.
+            error.print().ok();
+            return ExitCode::from(if error.use_stderr() { Status::Wrong } else { Status::Succeeded });
+        }
+    };
+    let quiet = matches!(&command, Command::Run(arguments) if arguments.quiet);
+    let mut console = Console::new(quiet);
+    let finished = dispatch(&command, &mut console).and_then(|status| Ok(console.flush().map(|()| status)?));
+    match finished {
+        Ok(status) => status.into(),
+        // Whoever closed the pipe has read enough.
+        Err(error) if is_closed_pipe(&error) => Status::Succeeded.into(),
+        Err(error) => {
+            console.end_status();
+            console.note(&format!("error: {error:#}"));
+            Status::Wrong.into()
+        }
+    }
+}
+
+fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
+    match command {
+        Command::Run(arguments) => run::run(arguments, console),
+        Command::Check { files } => check::run(files, console),
+        Command::Eval { expression } => eval::run(expression, console),
+        Command::Worlds { name, svg } => worlds::run(name.as_deref(), svg.as_deref(), console),
+        Command::Examples { name } => examples::run(name.as_deref(), console),
+        Command::Doc { name } => doc::run(name.as_deref(), console),
+        Command::Experiment(arguments) => experiment::run(arguments, console),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut CommandLine::command(), "rpl", &mut script);
+            console.print(String::from_utf8_lossy(&script).trim_end())?;
+            Ok(Status::Succeeded)
+        }
+    }
+}
+
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        CommandLine::command().debug_assert();
+    }
+}

@@ -223,7 +223,12 @@ impl Machine {
         let class = self.symbols.intern("composite-failure");
         let failure = self.new_failure(around.program, class, message, Vec::new());
         if let Value::Failure(index) = failure {
-            self.heap.failures[index].parts = parts;
+            let is_runaway =
+                |part: &Value| matches!(part, Value::Failure(part) if self.heap.failures[*part].is_runaway);
+            let has_runaway = parts.iter().any(is_runaway);
+            let record = &mut self.heap.failures[index];
+            record.parts = parts;
+            record.is_runaway = has_runaway;
         }
         failure
     }

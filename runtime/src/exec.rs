@@ -485,6 +485,9 @@ impl Machine {
                     Some(rest) => fuel = rest,
                     None => {
                         fuel = self.limits.steps;
+                        if self.current == SCRATCH_TASK {
+                            self.scratch.burned = self.scratch.burned.saturating_add(self.limits.steps / 10);
+                        }
                         let task = self.current;
                         let strikes = self.tasks[task].strikes.saturating_add(1);
                         self.strike(task, strikes);

@@ -193,24 +193,29 @@ impl Heap {
         true
     }
 
-    /// The key a value is found by; none if it nests too deep.
+    /// The key a value is found by; none if it nests too deep or is too large. A list that shares
+    /// its parts can be far larger than it is deep.
     pub fn key(&self, value: Value) -> Option<Key> {
-        self.key_within(value, 1_000)
+        self.key_within(value, 1_000, &mut 100_000)
     }
 
-    fn key_within(&self, value: Value, depth: usize) -> Option<Key> {
+    fn key_within(&self, value: Value, depth: usize, pairs: &mut usize) -> Option<Key> {
         Some(match value {
             Value::Nil | Value::Unbound => Key::Nil,
             Value::True => Key::True,
             Value::Int(value) => Key::Int(value),
+            // `equal` takes both zeros for the same, and all that is not a number.
+            Value::Float(value) if value == 0.0 => Key::Float(0),
+            Value::Float(value) if value.is_nan() => Key::Float(f64::NAN.to_bits()),
             Value::Float(value) => Key::Float(value.to_bits()),
             Value::Symbol(symbol) => Key::Symbol(symbol),
             Value::Keyword(symbol) => Key::Keyword(symbol),
             Value::Str(index) => Key::Str(self.strings[index].clone()),
             Value::Cons(index) => {
                 let depth = depth.checked_sub(1)?;
+                *pairs = pairs.checked_sub(1)?;
                 let (car, cdr) = self.pair(index);
-                Key::Cons(Box::new((self.key_within(car, depth)?, self.key_within(cdr, depth)?)))
+                Key::Cons(Box::new((self.key_within(car, depth, pairs)?, self.key_within(cdr, depth, pairs)?)))
             }
             Value::Cell(index) => Key::Object(0, index, 0),
             Value::Function(index) => Key::Object(1, index, 0),

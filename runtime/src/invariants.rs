@@ -97,8 +97,7 @@ impl Machine {
                     return Err("waits for a fluent that is gone".into());
                 };
                 ensure(!entry.reading().is_true(), || "waits for a fluent that is true".into())?;
-                let line = entry.waiters.tasks(&self.tasks);
-                ensure(line.contains(&index), || "is not among the waiters of its fluent".into())
+                Ok(())
             }
             Waiting::Watch(watch) => {
                 let entry = self.watches.get(watch);
@@ -130,6 +129,7 @@ impl Machine {
     }
 
     fn check_fluents(&self) -> Check {
+        let mut in_line = 0;
         for (index, fluent) in self.fluents.iter() {
             for &input in &fluent.inputs {
                 let input = self.fluents.get(input);
@@ -144,12 +144,14 @@ impl Machine {
                 })?;
             }
             for waiter in fluent.waiters.tasks(&self.tasks) {
+                in_line += 1;
                 let waits = matches!(self.tasks[waiter].waiting, Waiting::Fluent { fluent, .. } if fluent == index);
                 ensure(waits, || format!("task {waiter} is a waiter of fluent {index} and does not wait for it"))?;
             }
             ensure(!fluent.is_pulsed && !fluent.is_changed, || format!("fluent {index} is pulsed at rest"))?;
         }
-        Ok(())
+        let waiting = self.tasks.iter().filter(|(_, task)| matches!(task.waiting, Waiting::Fluent { .. })).count();
+        ensure(in_line == waiting, || format!("{waiting} tasks wait for fluents, and {in_line} stand in their lines"))
     }
 
     fn check_watches(&self) -> Check {

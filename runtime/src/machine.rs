@@ -133,6 +133,8 @@ pub struct Machine {
     pub output: Vec<Output>,
     /// Limits.
     pub limits: Limits,
+    /// What `random` draws from.
+    pub(crate) random: rand_pcg::Pcg64Mcg,
     #[serde(skip)]
     pub(crate) scratch: Scratch,
 }
@@ -164,6 +166,7 @@ impl Machine {
             trace: Trace::default(),
             output: Vec::new(),
             limits: Limits::default(),
+            random: random_stream(0),
             scratch: Scratch::default(),
         };
         let name = machine.symbols.intern("network");
@@ -214,6 +217,11 @@ impl Machine {
                 self.heap.list_with_tail(&values, tail)
             }
         }
+    }
+
+    /// Begins the stream of `random` anew.
+    pub fn seed_random(&mut self, seed: u64) {
+        self.random = random_stream(seed);
     }
 
     /// Gives a global of the robot its fluent.
@@ -327,4 +335,14 @@ impl Machine {
             other => Err(self.wrong_type("the argument", "a task", other)),
         }
     }
+}
+
+/// The stream of a seed, past its first draws, in which neighbouring seeds are still alike.
+fn random_stream(seed: u64) -> rand_pcg::Pcg64Mcg {
+    use rand_core::Rng;
+    let mut stream = rand_pcg::Pcg64Mcg::new((u128::from(seed) << 64) | 0xcafe_f00d_d15e_a5e5);
+    for _ in 0..4 {
+        stream.next_u64();
+    }
+    stream
 }

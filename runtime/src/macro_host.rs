@@ -69,7 +69,7 @@ impl MacroHost for MacroMachine {
         tree: &mut Tree,
         code: u32,
         form: NodeId,
-    ) -> Result<NodeId, Diagnostic> {
+    ) -> Result<NodeId, Box<Diagnostic>> {
         // The machine interns into the compiler's own table while it runs.
         std::mem::swap(&mut self.machine.symbols, symbols);
         let mut origins = Origins::new();
@@ -101,7 +101,7 @@ impl MacroHost for MacroMachine {
         if self.machine.heap.is_full() {
             self.machine.collect();
         }
-        expansion
+        expansion.map_err(Box::new)
     }
 }
 

@@ -68,8 +68,18 @@ const MAX_SHARED_TEXT: usize = 1 << 16;
 impl<O: Outside> System<O> {
     /// A run at its start: the robot has made one step, no form has run.
     pub fn new(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, false)
+    }
+
+    /// The same with the trace switched on from the first event.
+    pub fn traced(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
+        Self::start(library, loaded, outside, true)
+    }
+
+    fn start(library: Arc<Library>, loaded: Loaded, outside: O, traced: bool) -> Self {
         let Loaded { program, symbols, main, .. } = loaded;
         let mut machine = Machine::new(&program, symbols);
+        machine.trace.enabled = traced;
         for fluent in outside.fluents() {
             let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
             if let Some((name, global)) = known {
@@ -130,14 +140,14 @@ impl<O: Outside> System<O> {
         if self.outcome().is_some() {
             return Progress::Ended;
         }
-        self.enter_next_instant();
+        self.next_instant();
         self.settle();
         if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
     }
 
-    /// Lets time, the robot and timers go on by one instant without running what becomes ready;
-    /// for stepping through a run task by task.
-    pub fn enter_next_instant(&mut self) {
+    /// Moves the clock to the next timer or robot step and lets that take effect, while all tasks
+    /// are blocked; no task runs yet. If nothing can come any more, the main task fails.
+    pub fn next_instant(&mut self) {
         match self.next_instant_us() {
             Some(next_us) => self.enter_instant(next_us),
             None => self.fail_deadlocked(),
@@ -157,7 +167,7 @@ impl<O: Outside> System<O> {
     }
 
     /// When something happens next: a timer is due, or the robot makes a step.
-    fn next_instant_us(&mut self) -> Option<u64> {
+    pub fn next_instant_us(&mut self) -> Option<u64> {
         let tasks = &self.machine.tasks;
         let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
         let step = self.outside.period_us().map(|_| self.next_step_us);

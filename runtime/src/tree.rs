@@ -7,7 +7,7 @@ use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 
 /// Names a path shows at most; what is deeper shows its innermost ones.
-const MAX_SEGMENTS: usize = 200;
+const MAX_SEGMENTS: usize = 64;
 
 impl Machine {
     /// Adds a task under a scope of its parent.

@@ -507,6 +507,7 @@ impl Machine {
             self.tasks[task].state = State::Running;
         }
         self.set_state(task, state);
+        let was_protected = self.tasks[task].is_protected();
         let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
         let record = &mut self.tasks[task];
         record.result = result;
@@ -520,7 +521,9 @@ impl Machine {
         self.end_activations_of(around, task);
         self.drop_holds_of(around, task);
         self.update_task_fluents(around, task);
-        self.protection_ended(around, task);
+        if was_protected || self.waits_for_rest > 0 {
+            self.protection_ended(around, task);
+        }
         if let Some(rare) = &mut self.tasks[task].rare {
             for mourner in std::mem::take(&mut rare.mourners) {
                 if let Some(mourner) = self.tasks.find_alive(mourner) {

@@ -117,15 +117,18 @@ fn format(call: &mut Call<'_, '_>) -> Answer {
     }
     if next < call.arguments.len() {
         let (given, used) = (call.arguments.len() - 1, next - 1);
-        return Err(malformed(format!("the format has room for {used} arguments, and {given} are given")));
+        return Err(malformed(format!("the format has {used} directives, and there are {given} values for them")));
     }
     text(call, &out)
 }
 
-/// Formatting.
-pub const NATIVES: &[Native] = &[pure(
-    "format",
-    "template &rest values",
-    "The template with the values in place of ~a (as printed), ~s (as read), ~d, ~f and ~,2f (numbers); ~% is a new line, ~~ a tilde.",
-    format,
-)];
+/// Formatting; `%format` is the same for expansions of macros.
+pub const NATIVES: &[Native] = &[
+    pure(
+        "format",
+        "template &rest values",
+        "The template with the values in place of ~a (as printed), ~s (as read), ~d, ~f and ~,2f (numbers); ~% is a new line, ~~ a tilde.",
+        format,
+    ),
+    pure("%format", "template &rest values", "The same as `format`.", format),
+];

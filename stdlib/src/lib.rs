@@ -14,6 +14,7 @@ mod places;
 mod predicates;
 mod rounding;
 mod sets;
+mod sorting;
 mod strings;
 mod support;
 mod symbols;
@@ -35,6 +36,7 @@ pub fn natives() -> Vec<Native> {
         lists::NATIVES,
         elements::NATIVES,
         sets::NATIVES,
+        sorting::NATIVES,
         places::NATIVES,
         strings::NATIVES,
         symbols::NATIVES,

@@ -187,7 +187,7 @@ fn flatten(call: &mut Call<'_, '_>) -> Answer {
             Value::Nil => {}
             Value::Cons(index) => {
                 visited += 1;
-                if visited % 4096 == 0 {
+                if visited.is_multiple_of(4096) {
                     room_for_pairs(call, visited)?;
                 }
                 let (car, cdr) = call.machine.heap.pair(index);

@@ -114,7 +114,7 @@ fn step(system: &mut System<NoRobot>) -> bool {
     if system.outcome().is_some() {
         return false;
     }
-    system.enter_next_instant();
+    system.next_instant();
     true
 }
 

@@ -56,7 +56,7 @@ fn evaporated_at_every_step(text: &str) -> Vec<String> {
         }
         results.push(finish(cut, &what));
         if !live.step_task() {
-            live.enter_next_instant();
+            live.next_instant();
         }
         if let Err(broken) = live.machine.check_invariants() {
             panic!("{text}\nafter step {step}: {broken}");

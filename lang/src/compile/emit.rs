@@ -125,14 +125,14 @@ impl Emitter<'_, '_> {
             let constant = self.compiler.constant(Constant::Symbol(name));
             self.push(Op::TagNew(reg, constant));
             self.registers.insert(tag, reg);
-            self.into_cell(tag, reg);
+            self.put_in_cell(tag, reg);
         }
         for binding in &function.bindings {
             let reg = self.registers[&binding.variable];
             if binding.omissible {
                 self.default_value(binding, reg);
             }
-            self.into_cell(binding.variable, reg);
+            self.put_in_cell(binding.variable, reg);
         }
         let result = self.fresh();
         let tail = self.scopes == 0;
@@ -163,7 +163,7 @@ impl Emitter<'_, '_> {
         self.land(jump);
     }
 
-    fn into_cell(&mut self, variable: VarId, reg: Reg) {
+    fn put_in_cell(&mut self, variable: VarId, reg: Reg) {
         if self.compiler.variables[variable.0 as usize].in_cell() {
             self.push(Op::CellNew(reg, reg));
         }
@@ -611,7 +611,7 @@ impl Emitter<'_, '_> {
             let reg = self.fresh();
             self.value(value, reg, false);
             self.registers.insert(*variable, reg);
-            self.into_cell(*variable, reg);
+            self.put_in_cell(*variable, reg);
         }
     }
 
@@ -714,8 +714,7 @@ impl Emitter<'_, '_> {
         let dynamic = token.map(|token| {
             let identity = self.fresh();
             self.registers.insert(token, identity);
-            let push = self.push(Op::PushBlock(identity, result, 0));
-            push
+            self.push(Op::PushBlock(identity, result, 0))
         });
         self.blocks.push(BlockState { id, result, scopes: self.scopes, exits: Vec::new() });
         self.scopes += usize::from(dynamic.is_some());
@@ -785,7 +784,7 @@ impl Emitter<'_, '_> {
         self.scopes -= 1;
         let done = self.push(Op::Jump(0));
         self.land(push);
-        self.into_cell(failure, failure_reg);
+        self.put_in_cell(failure, failure_reg);
         let mut exits = vec![done];
         for (number, clause) in clauses.iter().enumerate() {
             let next = self.push(Op::JumpUnlessNumEqInt(clause_reg, number as i16, 0));

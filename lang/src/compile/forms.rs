@@ -167,7 +167,7 @@ impl Compiler<'_> {
     }
 
     fn let_form(&mut self, rest: &[NodeId], span: Span, sequential: bool) -> Ir {
-        let bindings = rest.first().and_then(|&list| self.tree.proper_list(list).map(<[NodeId]>::to_vec));
+        let bindings = rest.first().and_then(|&list| self.list_items(list));
         let Some(bindings) = bindings else {
             return self.malformed(span, "`(let ((NAME VALUE)...) FORM...)`");
         };
@@ -205,7 +205,7 @@ impl Compiler<'_> {
 
     /// All names are bound before any value is computed.
     fn letrec(&mut self, rest: &[NodeId], span: Span) -> Ir {
-        let bindings = rest.first().and_then(|&list| self.tree.proper_list(list).map(<[NodeId]>::to_vec));
+        let bindings = rest.first().and_then(|&list| self.list_items(list));
         let Some(bindings) = bindings else {
             return self.malformed(span, "`(letrec ((NAME VALUE)...) FORM...)`");
         };

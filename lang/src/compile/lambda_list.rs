@@ -20,7 +20,7 @@ impl Compiler<'_> {
     pub(super) fn lambda_list(&mut self, node: NodeId) -> (Parameters, Vec<ParameterBinding>) {
         let mut parameters = Parameters::default();
         let mut bindings = Vec::new();
-        let Some(items) = self.tree.proper_list(node).map(<[NodeId]>::to_vec) else {
+        let Some(items) = self.list_items(node) else {
             let span = self.tree.span(node);
             self.error("parameter-list", span, "a parameter list is missing", "expected a list such as `(a b)`");
             return (parameters, bindings);

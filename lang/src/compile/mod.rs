@@ -48,7 +48,7 @@ pub trait MacroHost {
         tree: &mut Tree,
         code: u32,
         form: NodeId,
-    ) -> Result<NodeId, Diagnostic>;
+    ) -> Result<NodeId, Box<Diagnostic>>;
 }
 
 /// Finds the text of a `(load "file")`.
@@ -362,6 +362,14 @@ impl<'a> Compiler<'a> {
 
     fn is_library(&self, global: u32) -> bool {
         global < self.program.library_globals
+    }
+
+    /// The items of a proper list; `nil`, which is how macros write an empty one, has none.
+    fn list_items(&self, node: NodeId) -> Option<Vec<NodeId>> {
+        match self.tree.symbol(node) {
+            Some(name) if self.symbols.name(name) == "nil" => Some(Vec::new()),
+            _ => self.tree.proper_list(node).map(<[NodeId]>::to_vec),
+        }
     }
 
     fn nil(&self, span: Span) -> Ir {

@@ -152,7 +152,7 @@ impl Compiler<'_> {
 
     /// `(plan (STEP...) (:order A B)...)`
     fn partial_order(&mut self, rest: &[NodeId], span: Span) -> Ir {
-        let steps = rest.first().and_then(|&list| self.tree.proper_list(list).map(<[NodeId]>::to_vec));
+        let steps = rest.first().and_then(|&list| self.list_items(list));
         let Some(steps) = steps else {
             return self.malformed(span, "`(plan (STEP...) (:order A B)...)`");
         };
@@ -318,7 +318,7 @@ impl Compiler<'_> {
     }
 
     fn with_failure_handling(&mut self, rest: &[NodeId], span: Span) -> Ir {
-        let clauses = rest.first().and_then(|&list| self.tree.proper_list(list).map(<[NodeId]>::to_vec));
+        let clauses = rest.first().and_then(|&list| self.list_items(list));
         let Some(clauses) = clauses else {
             return self.malformed(span, "`(with-failure-handling ((CLASS (F) FORM...)...) FORM...)`");
         };
@@ -356,10 +356,9 @@ impl Compiler<'_> {
             None => vec![items[0]],
         };
         let classes: Vec<Symbol> = class_nodes.into_iter().filter_map(|class| self.failure_class(class)).collect();
-        let parameter = self.tree.proper_list(items[1]).map(<[NodeId]>::to_vec);
+        let parameter = self.list_items(items[1]);
         let name = match parameter.as_deref() {
             Some([]) => None,
-            None if self.tree.symbol(items[1]).is_some_and(|name| self.symbols.name(name) == "nil") => None,
             Some([name]) if self.tree.symbol(*name).is_some() => self.tree.symbol(*name),
             _ => {
                 self.malformed(span, form);

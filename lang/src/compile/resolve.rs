@@ -178,7 +178,7 @@ impl Compiler<'_> {
                 self.named_call(name, &items[1..], span)
             }
             Kind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
-            Kind::List { .. } => self.call_value(head, &items[1..], span),
+            Kind::List { .. } | Kind::Object(_) => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
@@ -216,7 +216,7 @@ impl Compiler<'_> {
             Ok(expansion) => Some(expansion),
             Err(diagnostic) => {
                 self.expansions -= 1;
-                self.diagnostics.push(diagnostic);
+                self.diagnostics.push(*diagnostic);
                 None
             }
         }

@@ -70,7 +70,7 @@ impl Default for ActiveParameters {
             concentrated_mass: 0.6,
             max_wander_m: 20.0,
             certainty: 0.8,
-            confirmations: 3,
+            confirmations: 8,
             arrival_m: 0.4,
             changed_mass: 0.3,
             look_every: 5,

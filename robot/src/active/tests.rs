@@ -133,7 +133,7 @@ fn a_robot_that_knows_keeps_its_belief_and_is_done_when_that_is_confirmed() {
     assert_eq!(localization, before);
     let mut odometry = Pose::default();
     let mut intents = Vec::new();
-    for _ in 0..8 {
+    for _ in 0..12 {
         odometry = odometry.compose(Pose::new(0.15, 0.0, 0.0));
         let scan = scan_at(&model, START.compose(odometry));
         localization.observe(&model, odometry, Some(&scan));

@@ -1,10 +1,11 @@
 //! The belief and its two updates.
 
 use super::grid::State;
-use super::kernel::{self, Beam};
+use super::kernel;
 use super::model::LocalizationModel;
 use super::parameters::{SONARS, Spread};
 use super::plane::{Activity, Plane};
+use super::weigh::{PLANES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -13,10 +14,8 @@ use std::sync::Arc;
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
 const HEADING_BLUR_AT: f64 = 0.1;
 
-/// With fewer active planes than this, handing them to other threads costs more than it gains.
-const PLANES_FOR_THREADS: usize = 32;
-
-/// P(l) over all states: one plane per heading. Its mass is 1 after every operation.
+/// P(l) over all states: one plane per heading. Its mass is 1 after every operation but
+/// [`Belief::advance`], which a normalizing one must follow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
     /// Plane `k` has heading `(k + heading_offset) · angle_step`.
@@ -69,7 +68,7 @@ impl Belief {
         belief
     }
 
-    /// Half of this belief and half of another one, cell by cell.
+    /// Half of this belief and half of another one, cell by cell: places are exact to half a cell.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
         let mut merged = Self::uniform(model);
         for (heading, plane) in merged.planes.iter_mut().enumerate() {
@@ -113,7 +112,7 @@ impl Belief {
     /// A motion moves planes by whole cells and headings by whole steps; the rest is kept beside
     /// each plane as the true place of its cells, and noise is kept until it amounts to something.
     /// Interpolating at each step instead would blur by up to a quarter of a squared cell, far
-    /// more than odometry errs. The belief is left without a normalizer; [`Belief::sense`] follows.
+    /// more than odometry errs. What moves into walls is lost until the next normalization.
     pub fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
         let (grid, error) = (&model.grid, &model.parameters.odometry);
         let distance_m = libm::hypot(motion.x_m, motion.y_m);
@@ -191,22 +190,7 @@ impl Belief {
         let readings: Vec<(usize, u8)> =
             scan.iter().enumerate().filter_map(|(sonar, bin)| bin.map(|bin| (sonar, bin))).collect();
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
-        let threshold = model.threshold() as f32;
-        update_planes(&mut self.planes, |heading, plane| {
-            if !plane.is_active() {
-                return;
-            }
-            let beams: Vec<Beam> = readings
-                .iter()
-                .map(|&(sonar, bin)| Beam {
-                    expected: model.expected_plane(model.grid.direction(heading, sonar)),
-                    costs: model.sensor.costs(bin),
-                })
-                .collect();
-            let weights = model.sensor.weights();
-            plane.stored_mass =
-                kernel::weigh(plane.cells_mut(), &model.admissible, &beams, weights, average as f32, threshold);
-        });
+        weigh_planes(&mut self.planes, model, &readings, average);
         let evidence: f64 =
             self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { average }).sum();
         let mixed = if readings.is_empty() { 0.0 } else { model.parameters.mixing };

@@ -4,7 +4,7 @@ use super::belief::{Belief, Scan};
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, SONARS, Spread};
 use super::summary::Maximum;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
 
 /// Where the robot is, as far as it knows.
@@ -50,6 +50,8 @@ pub struct Localization {
     /// The last scan that was used.
     last_scan_m: Option<[f32; SONARS]>,
     rest: Rest,
+    /// Sum of the evidence for having been turned, in nats.
+    turn_evidence: f64,
     /// The mode at the last update.
     mode: Maximum,
     /// Updates so far.
@@ -75,6 +77,7 @@ impl Localization {
             observed_at_in_odom: None,
             last_scan_m: None,
             rest: Rest::default(),
+            turn_evidence: 0.0,
             mode,
             updates: 0,
         }
@@ -88,7 +91,7 @@ impl Localization {
         self.rest = Rest::default();
     }
 
-    /// Half of this belief and half of another one.
+    /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
         Self::of(model, self.belief.merged(model, &other.belief))
     }
@@ -117,6 +120,7 @@ impl Localization {
         let scan = self.scan(model, self.mode.pose_in_map.compose(since), sonar_m);
         self.belief.sense(model, &scan);
         self.mode = self.belief.mode(model);
+        self.watch_for_turns(model, &scan);
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.updates += 1;
         if moved {
@@ -139,6 +143,29 @@ impl Localization {
         }
         self.rest.scans == 0
             || self.rest.waited >= parameters.standing_observations && self.rest.scans < parameters.standing_updates
+    }
+
+    /// Sums up how much better another heading at the estimated place explains the scans, and mixes
+    /// with the uniform distribution when that is too much.
+    fn watch_for_turns(&mut self, model: &LocalizationModel, scan: &Scan) {
+        let Some(watch) = &model.parameters.turn_watch else { return };
+        let pose = self.mode.pose_in_map;
+        let Some(state) = model.state_at(pose).filter(|state| model.is_admissible(state.column, state.row)) else {
+            return;
+        };
+        let (mut kept, mut turned) = (usize::MAX, usize::MAX);
+        for (heading, cost) in model.costs_by_heading(scan, state.column, state.row).into_iter().enumerate() {
+            let away_rad = libm::fabs(wrap_angle_rad(model.grid.heading_rad(heading) - pose.heading_rad));
+            let best = if away_rad < watch.away_rad { &mut kept } else { &mut turned };
+            *best = cost.min(*best);
+        }
+        let ratio = libm::log(model.sensor.weight(turned) / model.sensor.weight(kept));
+        self.turn_evidence = (self.turn_evidence + ratio - watch.drift).max(0.0);
+        if self.turn_evidence > watch.limit {
+            self.turn_evidence = 0.0;
+            self.belief.mix(model, watch.mixing);
+            self.mode = self.belief.mode(model);
+        }
     }
 
     /// The bins of a scan, without the readings that gating leaves out.

@@ -7,7 +7,7 @@
 //! moves the robot.
 //!
 //! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
-//! `plane`, `belief`, `summary` (the belief), and `filter` (the state others use).
+//! `plane`, `belief`, `weigh`, `summary` (the belief), and `filter` (the state others use).
 
 mod belief;
 mod filter;
@@ -21,12 +21,13 @@ mod sensor;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod weigh;
 
 pub use belief::Belief;
 pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
 pub use model::{LocalizationModel, ModelError};
-pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread};
+pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, TurnWatch};
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
 pub use sensor::{NO_ECHO, SensorModel};

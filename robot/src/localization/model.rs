@@ -1,16 +1,17 @@
 //! Everything about localization that never changes during a mission.
 
+use super::belief::Scan;
 use super::grid::{BeliefGrid, State};
 use super::parameters::{LocalizationParameters, SONARS};
 use super::ray::DistanceField;
 use super::sensor::{self, BINS, SensorModel};
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// States the average of a scan is taken over.
-const SAMPLES: usize = 4096;
+const SAMPLES: usize = 2048;
 
 /// Why no model can be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -116,6 +117,18 @@ impl LocalizationModel {
         std::array::from_fn(|sonar| self.expected_plane(self.grid.direction(state.heading, sonar))[cell])
     }
 
+    /// The costs of a scan at one cell for every heading.
+    pub(super) fn costs_by_heading(&self, scan: &Scan, column: usize, row: usize) -> Vec<usize> {
+        let cell = row * self.grid.columns + column;
+        let around: Vec<u8> = (0..self.grid.directions).map(|direction| self.expected_plane(direction)[cell]).collect();
+        let cost = |heading: usize, (sonar, bin): (usize, &Option<u8>)| {
+            let expected = usize::from(around[self.grid.direction(heading, sonar)]);
+            bin.map_or(0, |bin| usize::from(self.sensor.costs(bin)[expected]))
+        };
+        let headings = 0..self.grid.headings;
+        headings.map(|heading| scan.iter().enumerate().map(|reading| cost(heading, reading)).sum()).collect()
+    }
+
     /// The state around a pose, if it is on the grid.
     pub fn state_at(&self, pose_in_map: Pose) -> Option<State> {
         let (column, row) = self.grid.cell_at(pose_in_map.point())?;
@@ -155,12 +168,20 @@ impl LocalizationModel {
     }
 }
 
+/// The four directions in which a point may lie on the edge of a map cell.
+const BESIDE_M: [Vector; 4] =
+    [Vector::new(-1e-6, -1e-6), Vector::new(1e-6, -1e-6), Vector::new(-1e-6, 1e-6), Vector::new(1e-6, 1e-6)];
+
 fn admissible_cells(map: &OccupancyGrid, field: &DistanceField, grid: &BeliefGrid, clearance_m: f64) -> Vec<f32> {
     let mut cells = vec![0.0; grid.plane_len()];
     for row in 0..grid.rows {
         for column in 0..grid.columns {
-            let centre = grid.centre(column, row);
-            if map.at(centre) == Cell::Free && field.clearance_m(centre) >= clearance_m {
+            // A middle that lies between map cells counts as in each of them.
+            let fits = BESIDE_M.iter().all(|beside| {
+                let point = grid.centre(column, row) + beside;
+                map.at(point) == Cell::Free && field.clearance_m(point) >= clearance_m
+            });
+            if fits {
                 cells[row * grid.columns + column] = 1.0;
             }
         }
@@ -182,13 +203,15 @@ fn expected_bins(
         })
         .collect();
     let half_cone = grid.directions * parameters.sensor.cone_deg as usize / 720;
+    // A cone of many rays loses nothing if every other one is left out.
+    let stride = if half_cone >= 4 && grid.directions.is_multiple_of(2) { 2 } else { 1 };
     let rows: Vec<Vec<u8>> = (0..grid.rows)
         .into_par_iter()
         .map(|row| {
             let free = &admissible[row * grid.columns..][..grid.columns];
             let centres: Vec<Option<Point>> =
                 free.iter().enumerate().map(|(column, &cell)| (cell > 0.0).then(|| grid.centre(column, row))).collect();
-            widen_to_cones(&cast_row(field, &centres, &rays, parameters), grid.columns, half_cone)
+            widen_to_cones(&cast_row(field, &centres, &rays, stride, parameters), grid.columns, half_cone)
         })
         .collect();
     let mut expected = vec![0; grid.directions * grid.plane_len()];
@@ -201,18 +224,19 @@ fn expected_bins(
     expected
 }
 
-/// Bins `[direction][column]` of single rays.
+/// Bins `[direction][column]` of every `stride`-th ray; the others find nothing.
 fn cast_row(
     field: &DistanceField,
     centres: &[Option<Point>],
     rays: &[(f64, f64)],
+    stride: usize,
     parameters: &LocalizationParameters,
 ) -> Vec<u8> {
     let (max_m, mount_m) = (parameters.sensor.max_range_m, parameters.sensor.mount_radius_m);
-    let mut bins = vec![0; centres.len() * rays.len()];
+    let mut bins = vec![sensor::NO_ECHO; centres.len() * rays.len()];
     for (column, centre) in centres.iter().enumerate() {
         let Some(centre) = centre else { continue };
-        for (direction, &ray) in rays.iter().enumerate() {
+        for (direction, &ray) in rays.iter().enumerate().step_by(stride) {
             let range_m = field.cast_m(*centre, ray, max_m + mount_m) - mount_m;
             bins[direction * centres.len() + column] = sensor::bin(range_m, max_m);
         }

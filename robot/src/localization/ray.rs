@@ -3,6 +3,9 @@
 use crate::geometry::Point;
 use crate::occupancy::{Cell, OccupancyGrid};
 
+/// Far above rounding, far below anything that matters.
+const NUDGE_CELLS: f64 = 1e-6;
+
 /// The Euclidean distance from every cell of a map to the nearest occupied cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceField {
@@ -62,8 +65,10 @@ impl DistanceField {
     /// Distance from a point to the first occupied cell along a ray, at most `max_m`, to half a
     /// map cell; space outside the map is empty. `(cos, sin)` is the direction.
     pub fn cast_m(&self, from_in_map: Point, (cos, sin): (f64, f64), max_m: f64) -> f64 {
-        let x = (from_in_map.x - self.origin_in_map.x) / self.resolution_m;
-        let y = (from_in_map.y - self.origin_in_map.y) / self.resolution_m;
+        // A point between two cells belongs to the one ahead and to the left of the ray, so that a
+        // map and a ray turned by 180° give the same distance.
+        let x = (from_in_map.x - self.origin_in_map.x) / self.resolution_m + NUDGE_CELLS * (cos - 0.5 * sin);
+        let y = (from_in_map.y - self.origin_in_map.y) / self.resolution_m + NUDGE_CELLS * (sin + 0.5 * cos);
         let max = max_m / self.resolution_m;
         let mut travelled = 0.0;
         while travelled < max {

@@ -2,6 +2,7 @@
 
 use super::belief::Belief;
 use super::grid::State;
+use super::kernel;
 use super::model::LocalizationModel;
 use super::plane::{Activity, Plane};
 use crate::geometry::{Point, Pose, wrap_angle_rad};
@@ -61,7 +62,7 @@ impl Belief {
             .reduce(|best, next| if self.planes[next].peak() > self.planes[best].peak() { next } else { best });
         let heading = highest.unwrap_or(0);
         let cells = &self.planes[heading].cells;
-        let peak = cells.iter().copied().fold(0.0, f32::max);
+        let peak = kernel::peak(cells);
         let cell = cells.iter().position(|&value| value == peak).unwrap_or(0);
         self.refined(model, self.pose(model, heading, cell))
     }

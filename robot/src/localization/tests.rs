@@ -5,6 +5,8 @@ use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::occupancy::{Cell, OccupancyGrid};
 use crate::random::Stream;
+use crate::simulator::{Commands, SimulatorModel, SimulatorSettings};
+use crate::world::World;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -16,6 +18,20 @@ fn room() -> OccupancyGrid {
             let wall = row == 0 || row == 39 || column == 0 || column == 59;
             let shelf = row < 8 && column > 40;
             if wall || shelf {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+    }
+    map
+}
+
+/// A walled corridor of 12 × 3 m with a cupboard on one side.
+fn corridor() -> OccupancyGrid {
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 120, 30, Cell::Free);
+    for column in 0..120 {
+        for row in 0..30 {
+            let wall = column == 0 || column == 119 || row == 0 || row == 29;
+            if wall || (40..45).contains(&column) && row < 12 {
                 map.set(column, row, Cell::Occupied);
             }
         }
@@ -192,16 +208,7 @@ fn a_selective_update_stays_close_to_the_full_one() {
 
 #[test]
 fn planes_that_slept_come_back_when_the_robot_was_turned() {
-    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 120, 30, Cell::Free);
-    for column in 0..120 {
-        for row in 0..30 {
-            let wall = column == 0 || column == 119 || row == 0 || row == 29;
-            if wall || (40..45).contains(&column) && row < 12 {
-                map.set(column, row, Cell::Occupied);
-            }
-        }
-    }
-    let model = LocalizationModel::new(&map, fine()).expect("the corridor is a map");
+    let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
     let mut localization = Localization::start_at(&model, Pose::new(8.0, 1.5, 0.0), Spread::default());
     assert!(localization.belief().active_planes() < 15);
     // Turned by hand: odometry goes on as if nothing had happened.
@@ -214,6 +221,25 @@ fn planes_that_slept_come_back_when_the_robot_was_turned() {
     }
     let estimate = localization.estimate(&model);
     assert!(estimate.pose_in_map.distance_m(truth) < 0.5 && estimate.certainty > 0.8, "{estimate:?} {truth:?}");
+}
+
+#[test]
+fn a_turn_by_hand_is_noticed_at_once_and_a_turn_by_wheel_is_not() {
+    let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
+    let start = Pose::new(8.0, 1.5, 0.0);
+    let mut lowest = [1f64; 2];
+    for (by_hand, lowest) in [false, true].into_iter().zip(&mut lowest) {
+        let mut localization = Localization::start_at(&model, start, Spread::default());
+        let turn = Pose::new(0.0, 0.0, 70f64.to_radians());
+        for step in 0..6 {
+            let motion = Pose::new(0.0, 0.0, f64::from(step) * 0.2);
+            let turned = if step >= 2 { motion.compose(turn) } else { motion };
+            let odometry = if by_hand { motion } else { turned };
+            localization.observe(&model, odometry, Some(&scan_at(&model, start.compose(turned))));
+            *lowest = lowest.min(localization.estimate(&model).certainty);
+        }
+    }
+    assert!(lowest[0] > 0.8 && lowest[1] < 0.8, "{lowest:?}");
 }
 
 #[test]
@@ -301,4 +327,49 @@ fn parameters_that_describe_no_grid_are_errors() {
     assert_eq!(error(LocalizationParameters { angle_step_deg: 7, ..parameters() }), Some(ModelError::AngleStep(7)));
     assert!(matches!(error(LocalizationParameters { cell_m: 0.05, ..parameters() }), Some(ModelError::CellSize(_))));
     assert_eq!(error(LocalizationParameters { clearance_m: 3.0, ..parameters() }), Some(ModelError::NoFreeCell));
+}
+
+#[test]
+fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
+    let world = Arc::new(World::builtin("corridor").expect("it is built in"));
+    let centre = world.size_m / 2.0;
+    let mirrored = |pose: Pose| Pose::new(2.0 * centre.x - pose.x_m, 2.0 * centre.y - pose.y_m, pose.heading_rad + PI);
+    let simulator = SimulatorModel::new(world.clone(), SimulatorSettings::default());
+    let runs = [
+        (LocalizationParameters::coarse(), 10_000),
+        (LocalizationParameters::coarse(), 10_001),
+        (LocalizationParameters::default(), 10_002),
+    ];
+    for (parameters, seed) in runs {
+        let model = LocalizationModel::new(&world.map_centred(0.05), parameters).expect("the corridor is a map");
+        let mut state = simulator.start(seed);
+        let start = |pose| Localization::start_at(&model, pose, Spread::default());
+        let mut localization = start(state.true_pose()).merged(&model, &start(mirrored(state.true_pose())));
+        let mut ahead = 1.0;
+        while state.distance_driven_m() < 50.0 {
+            let pose = state.true_pose();
+            // Up and down the corridor, at its middle, turning at 2 m from its ends.
+            ahead = if pose.x_m < 4.0 {
+                -1.0
+            } else if pose.x_m > 23.0 {
+                1.0
+            } else {
+                ahead
+            };
+            let off_course = wrap_angle_rad(pose.heading_rad - PI) + (pose.y_m - 10.0) * ahead * -0.5;
+            let commands = Commands {
+                translation_mps: 0.9 * ahead,
+                rotation_radps: -off_course,
+                sonars_on: true,
+                ..Commands::default()
+            };
+            let percept = simulator.step(&mut state, &commands);
+            if localization.observe(&model, percept.odometry_in_odom, percept.sonar_m.as_ref()) {
+                for pose in [state.true_pose(), mirrored(state.true_pose())] {
+                    let mass = localization.belief().mass_near(&model, pose);
+                    assert!((0.2..=0.8).contains(&mass), "{mass} after {:.1} m", state.distance_driven_m());
+                }
+            }
+        }
+    }
 }

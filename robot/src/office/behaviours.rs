@@ -57,7 +57,10 @@ pub const FLUENTS: &[FluentSpec] = &[
     FluentSpec { name: "x*", doc: "Estimated x, in metres, map frame." },
     FluentSpec { name: "y*", doc: "Estimated y, in metres, map frame." },
     FluentSpec { name: "o*", doc: "Estimated heading, in radians counter-clockwise from the map's x axis." },
-    FluentSpec { name: "pos-certainty*", doc: "Probability that the position is within 0.5 m and 15° of the estimate." },
+    FluentSpec {
+        name: "pos-certainty*",
+        doc: "Probability that the position is within 0.5 m and 15° of the estimate.",
+    },
     FluentSpec { name: "navigation-active?*", doc: "True while a navigation plan is executed." },
     FluentSpec { name: "nr-of-nav-goals*", doc: "Target points not yet reached." },
     FluentSpec { name: "travel-mode*", doc: "How the robot drives: hallway, office or doorway." },

@@ -23,6 +23,14 @@ use serde::{Deserialize, Serialize};
 /// Speed limit while the robot does not know where it is: its sonars see everything it can hit.
 const LOST_SPEED_MPS: f64 = 0.45;
 
+/// In doorways the sonars fire in one step of so many.
+///
+/// # Deviation
+/// Beetz et al. (§3.1) switch the sonars off in doorways, because in a narrow opening they hear one
+/// another. Then a robot that is turned by hand inside a door drives into its frame unseen. Fired
+/// seldom, they do not disturb one another either, and 0.2 s at doorway speed are 6 cm.
+const DOORWAY_SONAR_STEPS: u32 = 4;
+
 /// What the gripper is doing for a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum GripperTask {
@@ -53,6 +61,7 @@ pub struct Board {
     gripper_task: Option<GripperTask>,
     gripper_command: GripperCommand,
     was_certain: bool,
+    steps: u32,
 }
 
 impl Board {
@@ -81,6 +90,7 @@ impl Board {
             gripper_task: None,
             gripper_command: GripperCommand::None,
             was_certain: model.settings.start_known,
+            steps: 0,
         }
     }
 
@@ -91,7 +101,9 @@ impl Board {
 
     /// What the robot is to do in the next step.
     pub(super) fn take_commands(&mut self) -> Commands {
+        self.steps = self.steps.wrapping_add(1);
         let sonars_on = self.mode != TravelMode::Doorway
+            || self.steps.is_multiple_of(DOORWAY_SONAR_STEPS)
             || self.needs_sonars
             || self.active_phase == Phase::Active
             || self.navigation_phase != Phase::Active;
@@ -134,13 +146,8 @@ impl Board {
         let Some(active) = &mut self.active else { return };
         let blocked = self.drive_status == DriveStatus::Stuck;
         let chosen_before = active.last_choice().map(|choice| choice.target_in_base);
-        let intent = active.step(
-            &model.localization,
-            &self.localization,
-            percept.odometry_in_odom,
-            blocked,
-            percept.time_us,
-        );
+        let intent =
+            active.step(&model.localization, &self.localization, percept.odometry_in_odom, blocked, percept.time_us);
         if let Some(choice) = active.last_choice()
             && Some(choice.target_in_base) != chosen_before
         {
@@ -182,8 +189,7 @@ impl Board {
 
     fn navigate(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
         let estimated_in_map = self.estimate(model).pose_in_map;
-        let output =
-            self.navigation.step(&model.navigation, estimated_in_map, &Self::input(percept), self.mode);
+        let output = self.navigation.step(&model.navigation, estimated_in_map, &Self::input(percept), self.mode);
         self.needs_sonars = output.needs_sonars;
         if self.navigation_phase != Phase::Active {
             return;
@@ -294,9 +300,8 @@ impl Board {
     }
 
     fn start_gripper(&mut self, machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(), Raise> {
-        let argument = |name: &str| {
-            arguments.iter().find(|(key, _)| machine.symbols.name(*key) == name).map(|&(_, value)| value)
-        };
+        let argument =
+            |name: &str| arguments.iter().find(|(key, _)| machine.symbols.name(*key) == name).map(|&(_, value)| value);
         let (task, command) = match (argument("grasp"), argument("release")) {
             (Some(Value::Symbol(item)), None) => {
                 let item = machine.symbols.name(item).to_string();

@@ -36,10 +36,36 @@ pub const PLANS: &str = include_str!("plans.rpl");
 
 /// Names that exist only with a robot: a plan without one gets "add `--world dept`".
 pub const ROBOT_NAMES: &[&str] = &[
-    "navigation", "active-localization", "position-tracking", "gripper", "wheels", "arm", "x*", "y*", "o*",
-    "pos-certainty*", "navigation-active?*", "nr-of-nav-goals*", "travel-mode*", "region*", "speed*", "bumped?*",
-    "holding*", "place", "place-pose", "at-destination?", "generate-navigation-plan", "plan-remove-all-goals",
-    "set-travel-mode", "region-of", "distance-to", "belief-maxima", "go-to", "pick-up", "put-down", "deliver",
+    "navigation",
+    "active-localization",
+    "position-tracking",
+    "gripper",
+    "wheels",
+    "arm",
+    "x*",
+    "y*",
+    "o*",
+    "pos-certainty*",
+    "navigation-active?*",
+    "nr-of-nav-goals*",
+    "travel-mode*",
+    "region*",
+    "speed*",
+    "bumped?*",
+    "holding*",
+    "place",
+    "place-pose",
+    "at-destination?",
+    "generate-navigation-plan",
+    "plan-remove-all-goals",
+    "set-travel-mode",
+    "region-of",
+    "distance-to",
+    "belief-maxima",
+    "go-to",
+    "pick-up",
+    "put-down",
+    "deliver",
     "relocalize-when-necessary",
 ];
 
@@ -106,10 +132,7 @@ impl OfficeModel {
         };
         Ok(Self {
             simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
-            localization: LocalizationModel::new(
-                &world.map_centred(SENSOR_MAP_CELL_M),
-                settings.localization.clone(),
-            )?,
+            localization: LocalizationModel::new(&world.map_centred(SENSOR_MAP_CELL_M), settings.localization.clone())?,
             navigation: NavigationModel {
                 planner: PlannerModel::new(&world.map(PLANNER_CELL_M), PlannerParameters::default()),
                 limits,

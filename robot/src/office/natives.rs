@@ -20,12 +20,37 @@ pub fn natives() -> Vec<Native> {
     vec![
         look("place", "name", "The name of a place, checked: fails if the world has no such place.", place as _),
         look("place-pose", "name", "The pose of a place: x, y in metres, heading in radians.", place_pose as _),
-        look("at-destination?", "place", "Whether the robot believes to stand at a place; wakes a condition.", at_destination as _),
-        look("distance-to", "place", "Metres in a straight line from the estimated position to a place.", distance_to as _),
+        look(
+            "at-destination?",
+            "place",
+            "Whether the robot believes to stand at a place; wakes a condition.",
+            at_destination as _,
+        ),
+        look(
+            "distance-to",
+            "place",
+            "Metres in a straight line from the estimated position to a place.",
+            distance_to as _,
+        ),
         look("region-of", "place", "The travel mode of the region around a place, or nil.", region_of as _),
-        look("generate-navigation-plan", "place", "A plan, as data, that drives from the estimated position to a place.", generate as _),
-        look("belief-maxima", "&optional count", "Local maxima of the belief: lists (x y heading mass), the heaviest first.", belief_maxima as _),
-        act("plan-remove-all-goals", "", "Deletes all target points of the navigation this task or one below it has started.", remove_all_goals as _),
+        look(
+            "generate-navigation-plan",
+            "place",
+            "A plan, as data, that drives from the estimated position to a place.",
+            generate as _,
+        ),
+        look(
+            "belief-maxima",
+            "&optional count",
+            "Local maxima of the belief: lists (x y heading mass), the heaviest first.",
+            belief_maxima as _,
+        ),
+        act(
+            "plan-remove-all-goals",
+            "",
+            "Deletes all target points of the navigation this task or one below it has started.",
+            remove_all_goals as _,
+        ),
         act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),
     ]
 }
@@ -70,9 +95,7 @@ fn estimated_point(call: &mut Call<'_, '_>) -> Result<Point, Raise> {
             .and_then(|symbol| call.around.program.names.get(&symbol))
             .map(|&global| call.machine.globals[global as usize]);
         match fluent {
-            Some(Value::Fluent(fluent)) => {
-                Ok(call.machine.read_fluent(fluent)?.as_f64().unwrap_or(f64::NAN))
-            }
+            Some(Value::Fluent(fluent)) => Ok(call.machine.read_fluent(fluent)?.as_f64().unwrap_or(f64::NAN)),
             _ => Err(Raise::new("error", "there is no robot; add `--world dept`")),
         }
     };
@@ -139,7 +162,9 @@ fn set_travel_mode(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let mode = [TravelMode::Hallway, TravelMode::Office, TravelMode::Doorway]
         .into_iter()
         .find(|&mode| mode_name(mode) == name)
-        .ok_or_else(|| Raise::type_error(format!("`{name}` is no travel mode; there are hallway, office and doorway")))?;
+        .ok_or_else(|| {
+            Raise::type_error(format!("`{name}` is no travel mode; there are hallway, office and doorway"))
+        })?;
     robot(call)?.board.mode = mode;
     Ok(Reply::Value(Value::Nil))
 }

@@ -13,8 +13,19 @@ use std::sync::Arc;
 
 /// Names that only a scenario has.
 pub const SCENARIO_NAMES: &[&str] = &[
-    "true-x*", "true-y*", "true-o*", "true-distance*", "true-pose", "rotate-robot!", "teleport-robot!", "open-door!",
-    "close-door!", "add-object!", "remove-object!", "drop-sonars!", "place-item!",
+    "true-x*",
+    "true-y*",
+    "true-o*",
+    "true-distance*",
+    "true-pose",
+    "rotate-robot!",
+    "teleport-robot!",
+    "open-door!",
+    "close-door!",
+    "add-object!",
+    "remove-object!",
+    "drop-sonars!",
+    "place-item!",
 ];
 
 /// The truth about the simulated world, and the hands that change it.
@@ -150,7 +161,12 @@ fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
     let room = call.name(0)?;
     let oracle = oracle(call)?;
     let model = oracle.model.clone();
-    let room = model.world.rooms.iter().find(|known| known.name.eq_ignore_ascii_case(&room)).map_or(room, |known| known.name.clone());
+    let room = model
+        .world
+        .rooms
+        .iter()
+        .find(|known| known.name.eq_ignore_ascii_case(&room))
+        .map_or(room, |known| known.name.clone());
     if open {
         model.open_door(&mut oracle.state, &room).map_err(refused)?;
     } else {

@@ -3,6 +3,8 @@
 use crate::failure::Raise;
 use crate::machine::Output;
 use crate::native::{Call, Effect, Native, Reply};
+use crate::value::Value;
+use rand_core::Rng;
 
 pub(super) const NATIVES: &[Native] = &[
     Native {
@@ -25,6 +27,13 @@ pub(super) const NATIVES: &[Native] = &[
         doc: "Compiles a quoted plan and runs it here, in this task.",
         effect: Effect::Calls,
         code: |call| Ok(Reply::Execute(call.argument(0))),
+    },
+    Native {
+        name: "random",
+        parameters: "limit",
+        doc: "A random number at or above 0 and below the limit, an integer for an integer; drawn from the run's seed.",
+        effect: Effect::Acts,
+        code: random,
     },
     Native {
         name: "print",
@@ -50,6 +59,16 @@ fn apply(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         return Err(Raise::new("arity-error", format!("{} arguments are too many for one call", arguments.len())));
     }
     Ok(Reply::Call(call.argument(0), arguments))
+}
+
+fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let draw = call.machine.random.next_u64();
+    let share = (draw >> 11) as f64 / (1u64 << 53) as f64;
+    match call.argument(0) {
+        Value::Int(limit) if limit > 0 => Ok(Reply::Value(Value::Int(((share * limit as f64) as i64).min(limit - 1)))),
+        Value::Float(limit) if limit > 0.0 && limit.is_finite() => Ok(Reply::Value(Value::Float(share * limit))),
+        other => Err(call.wrong_type(0, "a number above 0", other)),
+    }
 }
 
 fn print(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

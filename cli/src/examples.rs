@@ -1,0 +1,71 @@
+//! The example plans in the binary, and `rpl examples`.
+
+use crate::console::Console;
+use crate::status::Status;
+use anyhow::{Result, bail};
+use rpl_lang::suggest::suggest;
+
+const EXAMPLES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/examples.rs"));
+
+/// The names of all examples, such as `delivery.rpl`.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    EXAMPLES.iter().map(|&(name, _)| name)
+}
+
+/// Name and text of an example, by its name with or without `.rpl`.
+pub fn find(name: &str) -> Option<(&'static str, &'static str)> {
+    find_exactly(name).or_else(|| find_exactly(&format!("{name}.rpl")))
+}
+
+/// Name and text of an example, by its whole name.
+pub fn find_exactly(name: &str) -> Option<(&'static str, &'static str)> {
+    EXAMPLES.iter().find(|&&(known, _)| known == name).copied()
+}
+
+/// What an example shows: the first line of its first comment.
+fn purpose(text: &str) -> &str {
+    let comment = text.lines().find(|line| line.starts_with(';')).unwrap_or_default();
+    comment.trim_start_matches(';').trim()
+}
+
+/// `rpl examples [NAME]`
+///
+/// # Errors
+/// No example has the name.
+pub fn run(name: Option<&str>, console: &mut Console) -> Result<Status> {
+    match name {
+        None => {
+            let width = names().map(str::len).max().unwrap_or(0);
+            for (name, text) in EXAMPLES {
+                console.print(&format!("{name:width$}  {}", purpose(text)))?;
+            }
+        }
+        Some(name) => match find(name) {
+            Some((_, text)) => console.print(text.trim_end())?,
+            None => match suggest(name, names()).or_else(|| suggest(&format!("{name}.rpl"), names())) {
+                Some(meant) => bail!("no example is called `{name}`; did you mean `{meant}`?"),
+                None => bail!("no example is called `{name}`; `rpl examples` lists them"),
+            },
+        },
+    }
+    Ok(Status::Succeeded)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_example_says_what_it_shows() {
+        assert!(!EXAMPLES.is_empty());
+        for (name, text) in EXAMPLES {
+            assert!(!purpose(text).is_empty(), "{name} begins without a comment that says what it shows");
+        }
+    }
+
+    #[test]
+    fn an_example_is_found_without_its_extension() {
+        assert_eq!(find("first-steps"), find_exactly("first-steps.rpl"));
+        assert!(find("first-steps").is_some());
+    }
+}

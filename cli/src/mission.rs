@@ -1,0 +1,339 @@
+//! What a plan runs with: the library, and a robot in a world or none.
+
+use crate::files::PlanText;
+use anyhow::{Context, Result, anyhow, bail};
+use rpl_lang::suggest::suggest;
+use rpl_lang::symbol::Symbol;
+use rpl_robot::geometry::{Point, Pose, Vector};
+use rpl_robot::office::{
+    self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SimulatedHost, VALVES,
+};
+use rpl_robot::world::World;
+use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::library::{Library, Loaded};
+use rpl_runtime::machine::Machine;
+use rpl_runtime::native::Native;
+use rpl_runtime::system::System;
+use rpl_runtime::value::Value;
+use serde::Serialize;
+use std::any::Any;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Fluents that change with every step of the robot: a trace that told each change would tell
+/// nothing else.
+pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*"];
+
+/// Things that lie about in every world with such a place, so that there is something to deliver.
+const ITEMS: &[(&str, &str)] = &[("mail", "mail-slots")];
+
+/// Everything that is the same in all runs of a mission: library, world and scenario.
+#[derive(Clone)]
+pub struct Site {
+    /// What plans can call here.
+    pub library: Arc<Library>,
+    office: Option<Arc<OfficeModel>>,
+    scenario: Option<Scenario>,
+}
+
+/// The experimenter's plan, compiled.
+#[derive(Clone)]
+struct Scenario {
+    library: Arc<Library>,
+    loaded: Loaded,
+}
+
+impl Site {
+    /// A site without a robot.
+    ///
+    /// # Errors
+    /// The prelude does not compile.
+    pub fn without_robot() -> Result<Self> {
+        Ok(Self { library: library(base_natives(), &NoRobot, &[])?, office: None, scenario: None })
+    }
+
+    /// A site with what plans can call on a robot, but with no world to run them in.
+    ///
+    /// # Errors
+    /// The prelude does not compile.
+    pub fn for_checking() -> Result<Self> {
+        Ok(Self { library: robot_library()?, office: None, scenario: None })
+    }
+
+    /// A site with the robot in a world; none is a site without a robot.
+    ///
+    /// # Errors
+    /// The scenario's text is wrong, or the world cannot be localized in.
+    pub fn new(world: Option<World>, scenario: Option<PlanText>) -> Result<Self> {
+        let Some(world) = world else {
+            if let Some(scenario) = scenario {
+                bail!("the scenario `{}` needs a robot; add `--world dept`", scenario.name);
+            }
+            return Self::without_robot();
+        };
+        let name = world.name.clone();
+        let office = OfficeModel::new(world, OfficeSettings::default())
+            .with_context(|| format!("the robot cannot be put into the world `{name}`"))?;
+        let scenario = scenario.map(|plan| Scenario::compile(plan, &office)).transpose()?;
+        Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario })
+    }
+
+    /// The robot at the start of a run, if there is one.
+    pub fn robot(&self, seed: u64) -> Robot {
+        let Some(office) = &self.office else { return Robot::Absent(NoRobot) };
+        let scenario = self.scenario.as_ref().map(|scenario| {
+            let oracle = Oracle::new(office.simulator.clone(), seed);
+            System::new(scenario.library.clone(), scenario.loaded.clone(), oracle)
+        });
+        let mut host = SimulatedHost::new(office.simulator.clone(), seed, scenario);
+        for (item, place) in ITEMS {
+            if let Ok(place) = office.world.place(place) {
+                host.state.place_item(item, place.pose_in_map.point());
+            }
+        }
+        Robot::Office(Box::new(OfficeRobot::new(office.clone(), host, seed)))
+    }
+}
+
+impl Scenario {
+    fn compile(plan: PlanText, office: &OfficeModel) -> Result<Self> {
+        let oracle = Oracle::new(office.simulator.clone(), 0);
+        let natives = [base_natives(), office::oracle_natives()].concat();
+        let library = library(natives, &oracle, &[])?;
+        let PlanText { name, text, mut folder } = plan;
+        match library.load(&name, &text, &mut folder) {
+            Ok(loaded) => Ok(Self { library, loaded }),
+            Err(rejected) => bail!("the scenario `{name}` is wrong\n{}", rejected.render(false).trim_end()),
+        }
+    }
+}
+
+/// The robot of a run, if it has one.
+#[derive(Clone)]
+pub enum Robot {
+    /// No world, no robot.
+    Absent(NoRobot),
+    /// The office robot, simulated.
+    Office(Box<OfficeRobot>),
+}
+
+/// The tables of the robot, for compiling plans where there is no world.
+struct RobotTables(NoRobot);
+
+impl Outside for RobotTables {
+    fn behaviours(&self) -> &'static [BehaviourSpec] {
+        BEHAVIOURS
+    }
+
+    fn fluents(&self) -> &'static [FluentSpec] {
+        FLUENTS
+    }
+
+    fn valves(&self) -> &'static [&'static str] {
+        VALVES
+    }
+
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise> {
+        self.0.start(machine, behaviour, arguments, outbox)
+    }
+
+    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+        self.0.stop(behaviour, how, outbox);
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+/// What can be seen of a robot from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Where it is.
+    pub robot_in_map: Pose,
+    /// Where it believes it is.
+    pub estimate_in_map: Pose,
+    /// How sure it is of that, from 0 to 1.
+    pub certainty: f64,
+}
+
+/// What a robot did on the whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Account {
+    /// How often it moved into something it could see.
+    pub contacts: u32,
+    /// How often it moved into something none of its sensors could see.
+    pub contacts_unseen: u32,
+    /// How often a person ran into it.
+    pub contacts_by_people: u32,
+    /// How far it drove.
+    pub distance_m: f64,
+}
+
+/// Where the robot may be: a probability for each cell, `cells[row][column]`, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PositionBelief {
+    /// Edge of a cell.
+    pub resolution_m: f64,
+    /// Lower left corner of cell (0, 0).
+    pub origin_in_map: Point,
+    /// Cells along x.
+    pub columns: usize,
+    /// Summed over headings; the sum of all is 1.
+    pub cells: Vec<f64>,
+}
+
+impl Robot {
+    /// What can be seen of it.
+    pub fn sight(&self) -> Option<Sight> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => {
+                let estimate = robot.estimate();
+                Some(Sight {
+                    robot_in_map: robot.true_pose_in_map(),
+                    estimate_in_map: estimate.pose_in_map,
+                    certainty: estimate.certainty,
+                })
+            }
+        }
+    }
+
+    /// What it did so far.
+    pub fn account(&self) -> Option<Account> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => {
+                let contacts = robot.contacts();
+                Some(Account {
+                    contacts: contacts.caused,
+                    contacts_unseen: contacts.unseen,
+                    contacts_by_people: contacts.run_into,
+                    distance_m: robot.distance_driven_m(),
+                })
+            }
+        }
+    }
+
+    /// Where it may be.
+    pub fn belief(&self) -> Option<PositionBelief> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => {
+                let grid = &robot.model.localization.grid;
+                Some(PositionBelief {
+                    resolution_m: grid.cell_m,
+                    // The grid names the middle of its first cell, a drawing wants its corner.
+                    origin_in_map: grid.origin_in_map - Vector::new(grid.cell_m, grid.cell_m) / 2.0,
+                    columns: grid.columns,
+                    cells: robot.belief_xy(),
+                })
+            }
+        }
+    }
+
+    fn outside(&self) -> &dyn Outside {
+        match self {
+            Robot::Absent(robot) => robot,
+            Robot::Office(robot) => robot.as_ref(),
+        }
+    }
+
+    fn outside_mut(&mut self) -> &mut dyn Outside {
+        match self {
+            Robot::Absent(robot) => robot,
+            Robot::Office(robot) => robot.as_mut(),
+        }
+    }
+}
+
+impl Outside for Robot {
+    fn behaviours(&self) -> &'static [BehaviourSpec] {
+        self.outside().behaviours()
+    }
+
+    fn fluents(&self) -> &'static [FluentSpec] {
+        self.outside().fluents()
+    }
+
+    fn valves(&self) -> &'static [&'static str] {
+        self.outside().valves()
+    }
+
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise> {
+        self.outside_mut().start(machine, behaviour, arguments, outbox)
+    }
+
+    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+        self.outside_mut().stop(behaviour, how, outbox);
+    }
+
+    fn period_us(&self) -> Option<u64> {
+        self.outside().period_us()
+    }
+
+    fn step(&mut self, outbox: &mut Outbox) {
+        self.outside_mut().step(outbox);
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self.outside_mut().as_any()
+    }
+}
+
+fn base_natives() -> Vec<Native> {
+    [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat()
+}
+
+/// All native functions of plans, with their documentation.
+pub fn natives() -> Vec<Native> {
+    [base_natives(), office::natives()].concat()
+}
+
+fn robot_library() -> Result<Arc<Library>> {
+    library(natives(), &RobotTables(NoRobot), &[("robot", office::PLANS)])
+}
+
+fn library(natives: Vec<Native>, outside: &dyn Outside, plans: &[(&str, &str)]) -> Result<Arc<Library>> {
+    let preludes = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
+    match Library::new(natives, &preludes, outside, ROBOT_NAMES) {
+        Ok(library) => Ok(Arc::new(library)),
+        Err(rejected) => bail!("the prelude does not compile, which is a fault of rpl\n{}", rejected.render(false)),
+    }
+}
+
+/// A world by its name, or from a file.
+///
+/// # Errors
+/// No world has the name, or the file has faults.
+pub fn world(name: &str) -> Result<World> {
+    if let Some(world) = World::builtin(name) {
+        return Ok(world);
+    }
+    let path = Path::new(name);
+    if path.extension().is_some_and(|extension| extension == "toml") || path.is_file() {
+        let text =
+            crate::files::read_text(path).map_err(|reason| anyhow!("cannot read the world `{name}`: {reason}"))?;
+        return World::parse(&text, name).map_err(|error| anyhow!("the world `{name}` has faults\n{error}"));
+    }
+    match suggest(name, World::builtin_names()) {
+        Some(meant) => bail!("no world is called `{name}`; did you mean `{meant}`?"),
+        None => {
+            let names: Vec<&str> = World::builtin_names().collect();
+            bail!("no world is called `{name}`; there are {}, and files that end in .toml", names.join(", "))
+        }
+    }
+}

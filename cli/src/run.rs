@@ -1,0 +1,233 @@
+//! `rpl run FILE`: a mission from its first form to its end.
+
+use crate::console::Console;
+use crate::drive::{Ending, Pace, Records, drive};
+use crate::failure_report::{FailureRecord, Reporter};
+use crate::figures;
+use crate::files::{self, PlanText};
+use crate::interrupt;
+use crate::mission::{self, Account, Robot, Site};
+use crate::overrides::{Overrides, OverridingLoader};
+use crate::status::Status;
+use crate::time::parse_duration_us;
+use crate::trace_file::TraceFile;
+use anyhow::{Context, Result};
+use rpl_runtime::library::Loaded;
+use rpl_runtime::system::{Outcome, System};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Arguments of `rpl run`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// A plan file, or a built-in example
+    #[arg(value_name = "FILE")]
+    pub file: String,
+    /// The world the robot is in: a built-in name, or a .toml file
+    #[arg(long, value_name = "W")]
+    pub world: Option<String>,
+    /// Seed of every random stream
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<String>,
+    /// Another first value for a variable of the plan
+    #[arg(long, value_name = "NAME=EXPR")]
+    pub set: Vec<String>,
+    /// Stops at this time of the plan, such as 90s or 5min
+    #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
+    pub until: Option<u64>,
+    /// Writes what happens as JSON Lines
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// Writes one JSON object to standard output at the end
+    #[arg(long)]
+    pub json: bool,
+    /// Draws map, paths and belief as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
+    /// Keeps pace with the wall clock, or FACTOR times as fast
+    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
+    pub realtime: Option<f64>,
+    /// Steps a task may make in one instant before it counts as a runaway
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_steps: Option<u32>,
+    /// Writes only what the plan prints, and failures
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn parse_factor(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
+        _ => Err("the factor must be a number above 0".to_string()),
+    }
+}
+
+/// What `--json` writes.
+#[derive(Clone, Debug, Serialize)]
+struct Summary {
+    outcome: &'static str,
+    value: Option<String>,
+    time_s: f64,
+    failure: Option<FailureRecord>,
+    #[serde(flatten)]
+    account: Account,
+    relocalizations: u64,
+    wall_s: f64,
+    seed: u64,
+}
+
+/// Runs the plan.
+///
+/// # Errors
+/// The text or the command line is wrong, or a file cannot be written.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    interrupt::catch();
+    let began = Instant::now();
+    let plan = files::plan(&arguments.file)?;
+    let world = arguments.world.as_deref().map(mission::world).transpose()?;
+    let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
+    let mut overrides = Overrides::parse(&arguments.set)?;
+    let site = Site::new(world.clone(), scenario)?;
+    let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
+    overrides.check_all_used()?;
+
+    let mut records = Records { trace: create_trace(arguments.trace.as_deref())?, ..Records::default() };
+    let wants_events = records.trace.is_some() || world.is_some();
+    let (library, robot) = (site.library.clone(), site.robot(arguments.seed));
+    let mut system = match wants_events {
+        true => System::traced(library, loaded, robot),
+        false => System::new(library, loaded, robot),
+    };
+    if let Some(steps) = arguments.max_steps {
+        system.machine.limits.steps = steps;
+    }
+    let pace = Pace { until_us: arguments.until, factor: arguments.realtime };
+    let ending = drive(&mut system, pace, console, &mut records)?;
+    if let Some(trace) = &mut records.trace {
+        trace.finish().context("the trace cannot be written")?;
+    }
+    if let (Some(folder), Some(world)) = (&arguments.figures, &world) {
+        figures::write_mission(folder, world, &records.track, system.outside.belief().as_ref())?;
+    }
+    let summary = summarize(&system, ending, &records, arguments.seed, began);
+    report(&system, ending, &summary, console);
+    if arguments.json {
+        console.print(&serde_json::to_string(&summary).context("the summary cannot be written as JSON")?)?;
+    }
+    console.flush()?;
+    Ok(status(ending))
+}
+
+/// Compiles a plan, and shows what was found. None if it cannot run.
+fn load(
+    library: &rpl_runtime::library::Library,
+    plan: PlanText,
+    overrides: &mut Overrides,
+    console: &mut Console,
+) -> Option<Loaded> {
+    let PlanText { name, text, mut folder } = plan;
+    let text = overrides.apply(text);
+    let mut loader = OverridingLoader { inner: &mut folder, overrides };
+    match library.load(&name, &text, &mut loader) {
+        Ok(loaded) => {
+            if !loaded.warnings.is_empty() && !console.quiet {
+                let sources = &loaded.program.sources;
+                console.note(rpl_lang::diagnostic::render(&loaded.warnings, sources, console.colour).trim_end());
+            }
+            Some(loaded)
+        }
+        Err(rejected) => {
+            console.note(rejected.render(console.colour).trim_end());
+            None
+        }
+    }
+}
+
+fn create_trace(path: Option<&Path>) -> Result<Option<TraceFile>> {
+    let Some(path) = path else { return Ok(None) };
+    let trace = TraceFile::create(path).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+    Ok(Some(trace))
+}
+
+/// The exit status an ending means.
+pub fn status(ending: Ending) -> Status {
+    match ending {
+        Ending::Outcome(Outcome::Succeeded(_)) => Status::Succeeded,
+        Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => Status::Failed,
+        Ending::TimeUp => Status::TimeUp,
+        Ending::Interrupted => Status::Interrupted,
+    }
+}
+
+fn reporter<'a>(system: &'a System<Robot>, console: &Console) -> Reporter<'a> {
+    Reporter { machine: &system.machine, program: &system.program, colour: console.colour }
+}
+
+fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u64, began: Instant) -> Summary {
+    let value = match ending {
+        Ending::Outcome(Outcome::Succeeded(value)) => Some(system.machine.write(&system.program, value)),
+        _ => None,
+    };
+    let failure = match ending {
+        Ending::Outcome(Outcome::Failed(failure)) => {
+            Reporter { machine: &system.machine, program: &system.program, colour: false }.record(failure)
+        }
+        _ => None,
+    };
+    Summary {
+        outcome: match ending {
+            Ending::Outcome(Outcome::Succeeded(_)) => "succeeded",
+            Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => "failed",
+            Ending::TimeUp => "timeout",
+            Ending::Interrupted => "interrupted",
+        },
+        value,
+        time_s: system.machine.now_s(),
+        failure,
+        account: system.outside.account().unwrap_or_default(),
+        relocalizations: records.relocalizations,
+        wall_s: (began.elapsed().as_secs_f64() * 1e3).round() / 1e3,
+        seed,
+    }
+}
+
+/// Tells a person how it went.
+fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &mut Console) {
+    if let Ending::Outcome(Outcome::Failed(failure)) = ending {
+        let text = reporter(system, console).text(failure);
+        console.note(text.trim_end());
+    }
+    // A plan without a robot that succeeded has already said what it had to say.
+    let is_plain_success =
+        matches!(ending, Ending::Outcome(Outcome::Succeeded(_))) && system.outside.account().is_none();
+    if console.quiet || is_plain_success {
+        return;
+    }
+    let how = match ending {
+        Ending::Outcome(Outcome::Succeeded(_)) => format!("succeeded after {:.1} s", summary.time_s),
+        Ending::Outcome(Outcome::Failed(_)) => format!("failed after {:.1} s", summary.time_s),
+        Ending::Outcome(Outcome::Evaporated) => format!("ended itself after {:.1} s", summary.time_s),
+        Ending::TimeUp => format!("cut off by --until, the last instant at {:.1} s", summary.time_s),
+        Ending::Interrupted => format!("interrupted at {:.1} s, clean-ups done", summary.time_s),
+    };
+    let robot = system.outside.account().map_or(String::new(), |account| describe(account, summary.relocalizations));
+    console.note(&format!("{how}{robot} ({:.1} s of computing)", summary.wall_s));
+}
+
+fn describe(account: Account, relocalizations: u64) -> String {
+    let plural = |count: u64, noun: &str| match count {
+        0 => format!("no {noun}"),
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    };
+    format!(
+        ", {:.1} m driven, {}, {}",
+        account.distance_m,
+        plural(u64::from(account.contacts), "contact"),
+        plural(relocalizations, "relocalization")
+    )
+}

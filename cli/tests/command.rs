@@ -1,0 +1,267 @@
+//! The command as a user types it: output, exit status, files.
+
+use serde_json::Value;
+use std::fs;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
+fn rpl(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rpl"));
+    command.args(arguments);
+    command
+}
+
+fn output(arguments: &[&str]) -> Output {
+    rpl(arguments).output().expect("the command runs")
+}
+
+fn stdout(output: &Output) -> &str {
+    std::str::from_utf8(&output.stdout).expect("the output is text")
+}
+
+fn stderr(output: &Output) -> &str {
+    std::str::from_utf8(&output.stderr).expect("the errors are text")
+}
+
+fn status(output: &Output) -> i32 {
+    output.status.code().expect("the command exits by itself")
+}
+
+/// A folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::create_dir_all(&folder).expect("the folder can be made");
+    folder
+}
+
+fn plan(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    fs::write(&path, text).expect("the plan can be written");
+    path.display().to_string()
+}
+
+fn wait_for_line(child: &mut Child) {
+    let mut byte = [0];
+    let out = child.stdout.as_mut().expect("the output is piped");
+    while out.read(&mut byte).expect("the output can be read") == 1 && byte[0] != b'\n' {}
+}
+
+#[test]
+fn eval_prints_the_value_as_it_could_be_read() {
+    let found = output(&["eval", "(print \"hello\") (list 1 2.0 \"three\" 'four)"]);
+    assert_eq!(stdout(&found), "hello\n(1 2.0 \"three\" four)\n");
+    assert_eq!((stderr(&found), status(&found)), ("", 0));
+}
+
+#[test]
+fn eval_reads_standard_input() {
+    let mut child = rpl(&["eval", "-"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts");
+    child.stdin.take().expect("it reads").write_all(b"(+ 1\n2)").expect("it takes the text");
+    assert_eq!(stdout(&child.wait_with_output().expect("it ends")), "3\n");
+}
+
+#[test]
+fn check_tells_all_findings_and_says_when_there_are_none() {
+    let folder = folder("check");
+    let good = plan(&folder, "good.rpl", "(print 1)");
+    let bad = plan(&folder, "bad.rpl", "(print undefined-1)\n(print undefined-2)");
+    let found = output(&["check", &good]);
+    assert_eq!(stdout(&found), format!("{good}: no findings\n"));
+    assert_eq!(status(&found), 0);
+    let found = output(&["check", &bad, &good]);
+    assert_eq!(stdout(&found), format!("{good}: no findings\n"));
+    assert!(stderr(&found).contains("undefined-1") && stderr(&found).contains("undefined-2"));
+    assert_eq!(status(&found), 2);
+}
+
+#[test]
+fn exit_statuses_tell_how_a_plan_ended() {
+    let folder = folder("statuses");
+    let run = |name: &str, text: &str, more: &[&str]| {
+        let plan = plan(&folder, name, text);
+        output(&[&["run", &plan], more].concat())
+    };
+    let found = run("good.rpl", "(print \"a\") (wait-time 5) (print (now))", &[]);
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("a\n5.0\n", "", 0));
+    let found = run("fails.rpl", "(fail \"no ~a\" 'luck)", &[]);
+    assert_eq!(status(&found), 1);
+    assert!(stderr(&found).contains("plan-failure: no luck"), "{}", stderr(&found));
+    assert_eq!(status(&run("wrong.rpl", "(print", &[])), 2);
+    let text = "(loop (print (now)) (wait-time 1))";
+    let found = run("endless.rpl", text, &["--until", "2500ms"]);
+    assert_eq!((stdout(&found), status(&found)), ("0.0\n1.0\n2.0\n", 3));
+    // What happens at the very moment still happens.
+    assert_eq!(stdout(&run("endless.rpl", text, &["--until", "2s"])), "0.0\n1.0\n2.0\n");
+}
+
+#[test]
+fn json_has_its_keys_whatever_the_outcome() {
+    let folder = folder("json");
+    let plan = plan(&folder, "plan.rpl", "(defvar ok t) (wait-time 2) (if ok '(1 \"x\") (fail \"not ok\"))");
+    let summary = |more: &[&str]| -> Value {
+        let found = output(&[&["run", &plan, "--json"], more].concat());
+        serde_json::from_str(stdout(&found)).expect("one JSON object")
+    };
+    let good = summary(&["--seed", "7"]);
+    for key in ["outcome", "value", "time_s", "failure", "contacts", "distance_m", "relocalizations", "wall_s", "seed"]
+    {
+        assert!(good.get(key).is_some(), "`{key}` is missing");
+    }
+    assert_eq!((&good["outcome"], &good["value"]), (&"succeeded".into(), &"(1 \"x\")".into()));
+    assert_eq!((&good["time_s"], &good["seed"], &good["failure"]), (&2.0.into(), &7.into(), &Value::Null));
+    let bad = summary(&["--set", "ok=nil"]);
+    assert_eq!(bad["outcome"], "failed");
+    let failure = &bad["failure"];
+    assert_eq!((&failure["class"], &failure["message"]), (&"plan-failure".into(), &"not ok".into()));
+    assert_eq!((&failure["file"], &failure["line"]), (&plan.as_str().into(), &1.into()));
+    assert_eq!(failure["path"], "main");
+    assert!(failure["causes"].as_array().is_some_and(Vec::is_empty));
+    assert_eq!(summary(&["--until", "1s"])["outcome"], "timeout");
+}
+
+#[test]
+fn the_trace_is_the_same_every_time() {
+    let folder = folder("trace");
+    let traces = [1, 2].map(|run| {
+        let path = folder.join(format!("trace-{run}.jsonl"));
+        let found = output(&["run", "first-steps", "--trace", &path.display().to_string()]);
+        assert_eq!(status(&found), 0, "{}", stderr(&found));
+        fs::read_to_string(path).expect("the trace is there")
+    });
+    assert_eq!(traces[0], traces[1]);
+    let mut last = -1;
+    for line in traces[0].lines() {
+        let event: Value = serde_json::from_str(line).expect("every line is an object");
+        for key in ["time_s", "seq", "task", "kind"] {
+            assert!(event.get(key).is_some(), "{line}");
+        }
+        let sequence = event["seq"].as_i64().expect("a number");
+        assert!(sequence > last, "{line}");
+        last = sequence;
+    }
+    assert!(traces[0].lines().next().is_some_and(|first| first.contains("\"task\":\"main\",\"kind\":\"begin\"")));
+}
+
+#[test]
+fn a_closed_pipe_ends_quietly_and_runs_clean_ups() {
+    let folder = folder("pipe");
+    let trace = folder.join("pipe.jsonl").display().to_string();
+    let plan = plan(&folder, "pipe.rpl", "(unwind-protect (loop (print 1) (wait-time 1)) (print 2))");
+    let mut command = rpl(&["run", &plan, "--trace", &trace]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    wait_for_line(&mut child);
+    drop(child.stdout.take());
+    let found = child.wait_with_output().expect("it ends");
+    assert_eq!((stderr(&found), status(&found)), ("", 0));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_runs_the_clean_ups_and_says_130() {
+    let folder = folder("interrupt");
+    let text = "(unwind-protect (loop (print 'going) (wait-time 1)) (seq (wait-time 1) (print 'clean)))";
+    let plan = plan(&folder, "endless.rpl", text);
+    for signal in ["-INT", "-TERM"] {
+        let mut command = rpl(&["run", &plan, "--realtime", "20"]);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+        // By the first line the signals are caught.
+        wait_for_line(&mut child);
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args([signal, &id]).status().expect("kill runs").success());
+        let found = child.wait_with_output().expect("it ends");
+        assert_eq!(status(&found), 130, "{}", stderr(&found));
+        assert!(stdout(&found).ends_with("clean\n"), "{}", stdout(&found));
+    }
+}
+
+#[test]
+fn missing_files_are_told_with_what_was_probably_meant() {
+    let folder = folder("missing");
+    plan(&folder, "kitchen.rpl", "(print 1)");
+    let found = rpl(&["run", "kitchn.rpl"]).current_dir(&folder).output().expect("the command runs");
+    assert_eq!(status(&found), 2);
+    assert!(stderr(&found).contains("did you mean `kitchen.rpl`?"), "{}", stderr(&found));
+    let found = output(&["run", "first-stps.rpl"]);
+    assert!(stderr(&found).contains("did you mean `first-steps.rpl`?"), "{}", stderr(&found));
+    let found = output(&["run", "first-steps", "--world", "dpt"]);
+    assert!(stderr(&found).contains("did you mean `dept`?"), "{}", stderr(&found));
+    let found = output(&["run", &folder.display().to_string()]);
+    assert!(stderr(&found).contains("it is a folder"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+}
+
+#[test]
+fn a_plan_loads_files_beside_it_and_none_outside() {
+    let folder = folder("load");
+    fs::create_dir_all(folder.join("main/parts")).expect("the folder can be made");
+    plan(&folder, "secret.rpl", "(print 'secret)");
+    plan(&folder, "main/parts/two.rpl", "(defvar two 2) (load \"three.rpl\")");
+    plan(&folder, "main/parts/three.rpl", "(load \"../four.rpl\") (defvar three 3)");
+    plan(&folder, "main/four.rpl", "(defvar four 4)");
+    let good = plan(&folder, "main/good.rpl", "(load \"parts/two.rpl\") (print (list two three four))");
+    let found = output(&["run", &good]);
+    assert_eq!((stdout(&found), stderr(&found)), ("(2 3 4)\n", ""));
+    let here = rpl(&["run", "good.rpl"]).current_dir(folder.join("main")).output().expect("the command runs");
+    assert_eq!(stdout(&here), "(2 3 4)\n");
+    let absolute = folder.join("secret.rpl").display().to_string();
+    for outside in ["../secret.rpl", "parts/../../secret.rpl", "../nothing-there.rpl", absolute.as_str()] {
+        let bad = plan(&folder, "main/bad.rpl", &format!("(load {outside:?})"));
+        let found = output(&["run", &bad]);
+        assert_eq!((stdout(&found), status(&found)), ("", 2));
+        assert!(stderr(&found).contains("outside the folder of the main file"), "{}", stderr(&found));
+    }
+}
+
+#[test]
+fn deep_nesting_is_an_error_of_the_text() {
+    let folder = folder("nesting");
+    let deep = plan(&folder, "deep.rpl", &format!("{}{}", "(".repeat(100_000), ")".repeat(100_000)));
+    let open = plan(&folder, "open.rpl", &"(".repeat(100_000));
+    for plan in [deep, open] {
+        let found = output(&["run", &plan]);
+        assert_eq!(status(&found), 2, "{}", stderr(&found));
+        assert!(stderr(&found).starts_with("error["), "{}", stderr(&found));
+    }
+}
+
+#[test]
+fn the_command_line_is_explained() {
+    for wrong in [&["run"][..], &["rnu", "x.rpl"], &["run", "first-steps", "--until", "soon"], &["--no-such"]] {
+        let found = output(wrong);
+        assert_eq!((stdout(&found), status(&found)), ("", 2), "{wrong:?}");
+        assert!(!stderr(&found).is_empty(), "{wrong:?}");
+    }
+    assert!(stdout(&output(&["--help"])).contains("Exit status"));
+    assert!(stdout(&output(&["completions", "bash"])).contains("rpl"));
+}
+
+#[test]
+fn names_are_documented() {
+    assert!(stdout(&output(&["doc", "try-all"])).contains("Succeeds at the first success"));
+    assert!(stdout(&output(&["doc", "wait-time"])).starts_with("(wait-time "));
+    assert!(stdout(&output(&["doc", "behaviours"])).contains("active-localization"));
+    let found = output(&["doc", "try-al"]);
+    assert!(stderr(&found).contains("did you mean `try-all`?"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+}
+
+#[test]
+fn worlds_and_examples_are_listed_and_shown() {
+    assert!(stdout(&output(&["worlds"])).contains("dept"));
+    assert!(stdout(&output(&["worlds", "test-room"])).contains("table-side"));
+    assert!(stdout(&output(&["examples"])).contains("first-steps.rpl"));
+    assert!(stdout(&output(&["examples", "first-steps"])).starts_with(';'));
+}
+
+#[test]
+fn an_experiment_makes_a_table_however_many_jobs() {
+    let tables = ["1", "4"].map(|jobs| {
+        let found = output(&["experiment", "first-steps", "--runs", "6", "--jobs", jobs]);
+        assert_eq!(status(&found), 0, "{}", stderr(&found));
+        stdout(&found).to_string()
+    });
+    assert_eq!(tables[0], tables[1]);
+    assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
+    assert!(tables[0].contains("time [s]              90.00       0.00"), "{}", tables[0]);
+}

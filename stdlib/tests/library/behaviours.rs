@@ -1,0 +1,111 @@
+//! `run-behaviour`, with a behaviour that digs for two steps.
+
+use rpl_lang::compile::NoFiles;
+use rpl_lang::symbol::Symbol;
+use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Stop};
+use rpl_runtime::failure::Raise;
+use rpl_runtime::library::Library;
+use rpl_runtime::machine::Machine;
+use rpl_runtime::system::{Progress, System};
+use rpl_runtime::value::Value;
+use std::any::Any;
+use std::sync::Arc;
+
+/// A behaviour that succeeds after some steps, or strikes a rock.
+#[derive(Debug, Default)]
+struct Digger {
+    steps_left: Option<u32>,
+    rock: bool,
+    stops: u32,
+}
+
+impl Outside for Digger {
+    fn behaviours(&self) -> &'static [BehaviourSpec] {
+        &[BehaviourSpec { name: "digging", doc: "Digs.", valve: None, parameters: "&key steps rock" }]
+    }
+
+    fn fluents(&self) -> &'static [FluentSpec] {
+        &[]
+    }
+
+    fn valves(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn start(&mut self, machine: &Machine, _: u16, arguments: &[(Symbol, Value)], _: &mut Outbox) -> Result<(), Raise> {
+        self.steps_left = Some(2);
+        for &(name, value) in arguments {
+            match (machine.symbols.name(name), value) {
+                ("steps", Value::Int(steps)) => self.steps_left = Some(steps as u32),
+                ("rock", value) => self.rock = value.is_true(),
+                (other, _) => return Err(Raise::type_error(format!("no parameter {other}"))),
+            }
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {
+        self.steps_left = None;
+        self.stops += 1;
+    }
+
+    fn period_us(&self) -> Option<u64> {
+        Some(1_000_000)
+    }
+
+    fn step(&mut self, outbox: &mut Outbox) {
+        let Some(left) = self.steps_left.as_mut() else { return };
+        *left -= 1;
+        if *left == 0 {
+            self.steps_left = None;
+            let rock = || Ending::Failure("blocked".into(), "a rock".into());
+            outbox.endings.push((0, if self.rock { rock() } else { Ending::Success }));
+        }
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+/// The printed value of a text, and the robot after it.
+fn dig(text: &str) -> (String, Digger) {
+    let mut natives = rpl_stdlib::natives();
+    natives.extend(rpl_runtime::natives::natives());
+    let library = Library::new(natives, &[("prelude.rpl", rpl_stdlib::PRELUDE)], &Digger::default(), &[]);
+    let library = Arc::new(library.unwrap_or_else(|rejected| panic!("{}", rejected.render(false))));
+    let loaded = library.load("test", text, &mut NoFiles);
+    let loaded = loaded.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+    let mut system = System::new(library, loaded, Digger::default());
+    while system.advance() == Progress::Running {}
+    let shown = system.with_machine(|machine, around| machine.show(around.program, machine.tasks[machine.main].result));
+    (shown, system.outside)
+}
+
+#[test]
+fn it_waits_for_success() {
+    let (value, digger) = dig("(run-behaviour digging :steps 3) (now)");
+    assert_eq!(value, "3.0");
+    assert_eq!(digger.steps_left, None);
+}
+
+#[test]
+fn it_fails_as_the_behaviour_does() {
+    let (value, digger) = dig("(run-behaviour digging :rock t)");
+    assert_eq!(value, "blocked: a rock");
+    assert_eq!(digger.steps_left, None);
+}
+
+#[test]
+fn cut_short_it_stops_the_behaviour() {
+    let (value, digger) =
+        dig("(ignore-failures (timeout) (with-timeout 2.5 (run-behaviour digging :steps 100))) (now)");
+    assert_eq!(value, "2.5");
+    assert_eq!((digger.steps_left, digger.stops), (None, 1), "it would still be digging");
+}
+
+#[test]
+fn the_behaviour_may_be_computed_once() {
+    let (value, _) = dig("(let ((n 0)) (run-behaviour (progn (incf n) digging)) (list n (now)))");
+    assert_eq!(value, "(1 2.0)");
+}

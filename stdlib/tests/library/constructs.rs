@@ -1,0 +1,239 @@
+//! The prelude's macros.
+
+use crate::evaluate::{check, check_failures};
+
+#[test]
+fn conditions() {
+    check(&[
+        ("(list (when t 1 2) (when nil 1) (unless nil 1 2) (unless t 1) (when t))", "(2 nil 2 nil nil)"),
+        ("(defun f (x) (cond ((< x 0) 'negative) ((= x 0)) ((= x 1) 'x 'one) (t 'many))) (map f '(-1 0 1 2))", "(negative t one many)"),
+        ("(list (cond) (cond (nil 1)) (cond (nil 1) (else 2)) (cond (5)) (cond (nil) (t)))", "(nil nil 2 5 t)"),
+        ("(defun f (x) (case x (a 1) ((b 2) 'two) (\"s\" 'string) (1.5 'float) (nil 'never) ((nil) 'empty) (otherwise 'other)))
+          (list (f 'a) (f 'b) (f 2) (f \"s\") (f 1.5) (f nil) (f 2.0))", "(1 two two string float empty other)"),
+        ("(list (case 1 (2 3)) (case 1 (t 5)) (case 1) (case 1 (1)))", "(nil 5 nil nil)"),
+        ("(let ((n 0)) (case (incf n) (2 'two) (1 (list 'one n))))", "(one 1)"),
+        ("(when t (let () 1))", "1"),
+        // An empty list passes through a macro.
+        ("(when t ((lambda () 2)))", "2"),
+        ("(when t (with-failure-handling ((failure () 3)) (fail)))", "3"),
+        ("(when t (with-failure-handling () 4))", "4"),
+    ]);
+    check_failures(&[
+        ("(cond (t 1) (nil 2))", "only the last test may be `t` or `else`"),
+        ("(cond 5)", "this is not of the form `(cond (TEST FORM...)...)`"),
+        ("(case 1 (otherwise 1) (2 3))", "only the last clause may be `otherwise`"),
+    ]);
+}
+
+#[test]
+fn loops() {
+    check(&[
+        ("(let ((n 0)) (while (< n 5) (incf n)) n)", "5"),
+        ("(let ((n 0)) (while t (incf n) (when (= n 3) (return n))))", "3"),
+        ("(let ((sum 0)) (dolist (x '(1 2 3)) (incf sum x)) sum)", "6"),
+        ("(dolist (x '(1 2 3)) x)", "nil"),
+        ("(let ((sum 0)) (dolist (x '(1 2 3) (list sum x)) (incf sum x)))", "(6 nil)"),
+        ("(dolist (x '(1 2 3) 'none) (when (evenp x) (return x)))", "2"),
+        (
+            "(map (lambda (f) (f)) (let ((all nil)) (dolist (x '(1 2 3) (reverse all)) (push (lambda () x) all))))",
+            "(1 2 3)",
+        ),
+        ("(let ((l nil)) (dotimes (i 3) (push i l)) l)", "(2 1 0)"),
+        ("(let ((n 2) (l nil)) (dotimes (i (incf n) (list i l n)) (push i l)))", "(3 (2 1 0) 3)"),
+        ("(dotimes (i 10 'none) (when (= i 4) (return i)))", "4"),
+        ("(dotimes (i -1 'done))", "done"),
+        (
+            "(map (lambda (f) (f)) (let ((all nil)) (dotimes (i 3 all) (push (lambda () (incf i 10)) all))))",
+            "(12 11 10)",
+        ),
+        ("(let ((n 0)) (n-times 4 (incf n)) n)", "4"),
+        ("(let ((n 0)) (n-times 4 (incf n) until (= n 2)) n)", "2"),
+        ("(let ((rest '(1 2)) (list 'x) (n 0)) (dolist (e rest n) (incf n e)))", "3"),
+    ]);
+    check_failures(&[
+        ("(dolist (x) x)", "this is not of the form `(dolist (NAME LIST [RESULT]) FORM...)`"),
+        ("(dotimes 5 1)", "this is not of the form `(dotimes (NAME COUNT [RESULT]) FORM...)`"),
+        ("(dolist (x 5) x)", "type-error"),
+        // A macro that fails does not keep the next one from being expanded.
+        ("(dolist 5) (dotimes 5)", "`(dotimes (NAME COUNT [RESULT]) FORM...)`"),
+    ]);
+}
+
+#[test]
+fn changing_places() {
+    check(&[
+        ("(let ((x 1)) (list (incf x) (incf x 5) (decf x) (decf x 2.5) x))", "(2 7 6 3.5 3.5)"),
+        ("(let ((n 0) (l (list 1 2 3))) (incf (nth (incf n) l) 10) (list n l))", "(1 (1 12 3))"),
+        ("(let ((f (create-fluent 1))) (incf (value f)) (decf (value f) 5) (value f))", "-3"),
+        ("(let ((l nil)) (list (push 1 l) (push 2 l) (pop l) l (pop l) (pop l) l))", "((1) (2 1) 2 (1) 1 nil nil)"),
+        ("(let ((n 0) (l (list nil nil))) (push 'x (nth (incf n) l)) (list n l))", "(1 (nil (x)))"),
+        ("(let ((n -1) (l (list (list 1 2)))) (list (pop (nth (incf n) l)) n l))", "(1 0 ((2)))"),
+        ("(let ((l '(1))) (pushnew 1 l) (pushnew 2 l) l)", "(2 1)"),
+        ("(let ((n 0)) (list (prog1 n (incf n)) n))", "(0 1)"),
+        ("(destructuring-bind (a &optional (b 9) &rest more) '(1 2 3 4) (list a b more))", "(1 2 (3 4))"),
+        ("(destructuring-bind (a &optional (b 9)) '(1) (list a b))", "(1 9)"),
+    ]);
+}
+
+#[test]
+fn failing() {
+    check(&[
+        ("(assert (= 1 1))", "nil"),
+        ("(with-failure-handling ((plan-failure (f) (list (failure-class f) (failure-message f)))) (fail \"~a left\" 3))", "(plan-failure \"3 left\")"),
+        ("(def-failure lost () (place))
+          (with-failure-handling ((lost (f) (list (failure-message f) (failure-slot f 'place)))) (fail lost \"at ~a ~s\" 1 \"x\" :place 'hall))",
+         "(\"at 1 \\\"x\\\"\" hall)"),
+        ("(with-failure-handling ((unreachable (f) (failure-slot f 'destination))) (fail unreachable :destination 5))", "5"),
+        ("(let ((format 1)) (ignore-failures (timeout) (fail timeout \"~a\" format)))", "nil"),
+        ("(let ((m \"message ~a\")) (with-failure-handling ((failure (f) (failure-message f))) (fail plan-failure m 1)))", "\"message 1\""),
+        ("(ignore-failures (arithmetic-error) 5)", "5"),
+        ("(ignore-failures (arithmetic-error) (/ 1 0))", "nil"),
+        ("(ignore-failures (timeout error) (/ 1 0))", "nil"),
+        ("(ignore-failures () 1 2)", "2"),
+    ]);
+    check_failures(&[
+        ("(assert (= 1 2))", "plan-failure: this should be true: (= 1 2)"),
+        ("(assert nil \"~a is wrong\" 5)", "plan-failure: 5 is wrong"),
+        ("(fail)", "plan-failure: failed"),
+        ("(fail timeout \"late\")", "timeout: late"),
+        ("(fail no-such-class \"x\")", "there is no failure class `no-such-class`"),
+        ("(fail timeout \"late\" :colour 1)", "the class `timeout` has no slot `colour`"),
+        ("(ignore-failures (timeout) (/ 1 0))", "arithmetic-error"),
+    ]);
+}
+
+#[test]
+fn trying() {
+    check(&[
+        ("(try-in-order (fail \"a\") 2 (fail \"c\"))", "2"),
+        ("(try-in-order nil 2)", "nil"),
+        (
+            "(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f)))) (try-in-order (fail \"a\") (/ 1 0)))",
+            "(\"a\" \"division by zero\")",
+        ),
+        ("(with-failure-handling ((composite-failure (f) (failure-parts f))) (try-in-order))", "nil"),
+        ("(try-each-in-order (x '(1 2 3)) (if (evenp x) (* x 10) (fail \"odd\")))", "20"),
+        (
+            "(with-failure-handling ((composite-failure (f) (map failure-message (failure-parts f))))
+            (try-each-in-order (x '(1 2)) (fail \"not ~a\" x)))",
+            "(\"not 1\" \"not 2\")",
+        ),
+        ("(with-failure-handling ((composite-failure (f) (failure-parts f))) (try-each-in-order (x nil) x))", "nil"),
+        ("(let ((tries 0)) (dolist (y '(1)) (try-each-in-order (x '(1 2 3)) (incf tries) (return))) tries)", "1"),
+        // `retry` inside an alternative belongs to the handler around the whole.
+        (
+            "(let ((n 0))
+            (with-failure-handling ((timeout (f) (try-in-order (if (< (incf n) 3) (retry) (list 'done n)))))
+              (fail timeout \"x\")))",
+            "(done 3)",
+        ),
+        ("(let ((clean nil)) (list (try-in-order (unwind-protect (fail \"a\") (push 'x clean)) 2) clean))", "(2 (x))"),
+    ]);
+}
+
+#[test]
+fn retrying() {
+    check(&[
+        // Three retries are four tries.
+        (
+            "(let ((tries 0))
+            (with-retry-counters ((again 3))
+              (with-failure-handling ((plan-failure (f) (do-retry again (retry)) (list 'gave-up tries)))
+                (incf tries)
+                (fail \"no\"))))",
+            "(gave-up 4)",
+        ),
+        (
+            "(let ((tries 0))
+            (with-retry-counters ((again 3))
+              (with-failure-handling ((plan-failure (f) (do-retry again (retry))))
+                (when (< (incf tries) 3) (fail \"no\"))
+                tries)))",
+            "3",
+        ),
+        ("(with-retry-counters ((c 0)) (do-retry c 5))", "nil"),
+        ("(with-retry-counters ((c 1)) (list (do-retry c 5) (do-retry c 5)))", "(5 nil)"),
+    ]);
+}
+
+#[test]
+fn policies() {
+    check(&[
+        // The first policy ranks highest and starts first.
+        ("(let ((l nil)) (with-policies ((push 'a l) (push 'b l)) (push 'c l)) (reverse l))", "(a b c)"),
+        ("(with-policies () 1 2)", "2"),
+        ("(with-policies ((wait-time 100)) (wait-time 1) 'done)", "done"),
+    ]);
+    check_failures(&[("(with-policies ((fail \"policy\")) 5)", "plan-failure: policy")]);
+}
+
+#[test]
+fn goals() {
+    check(&[(
+        "(def-goal (achieve (at-place ?robot ?place)) \"Drives.\" (list ?robot 'at ?place)) (achieve (at-place 'r1 (+ 1 2)))",
+        "(r1 at 3)",
+    )]);
+    check_failures(&[
+        ("(achieve (no-such-goal 1))", "`achieve-no-such-goal` is not defined anywhere"),
+        ("(def-goal wrong 1)", "this is not of the form `(def-goal (achieve (NAME PARAMETER...)) FORM...)`"),
+    ]);
+}
+
+#[test]
+fn networks_use_the_library() {
+    check(&[
+        (
+            "(let ((a (create-fluent 1)) (b (create-fluent -1)))
+            (par (wait-for (every plusp (list a b)))
+                 (seq (wait-time 1) (setf (value b) 2)))
+            (now))",
+            "1.0",
+        ),
+        (
+            "(let ((f (create-fluent 'off)))
+            (par (wait-for (case f ((on half) t) (otherwise nil))) (seq (wait-time 2) (setf (value f) 'on)))
+            (now))",
+            "2.0",
+        ),
+        (
+            "(let ((f (create-fluent nil)))
+            (par (wait-for (equal (sort < (map abs f)) '(1 2))) (seq (wait-time 1) (setf (value f) '(-2 1))))
+            (now))",
+            "1.0",
+        ),
+        // A network that fails does so for those that wait for it, each time.
+        (
+            "(let ((f (create-fluent 0)))
+            (list (ignore-failures (error) (wait-for (/ 1 f)))
+                  (ignore-failures (error) (wait-for (/ 2 f)))
+                  (progn (setf (value f) 2) (wait-for (/ 4 f)))))",
+            "(nil nil 2)",
+        ),
+    ]);
+    check_failures(&[
+        ("(let ((f (create-fluent 0))) (wait-for (let ((x f)) (incf x))))", "a fluent network cannot assign"),
+        (
+            "(let ((f (create-fluent 0)) (h (make-hash-table))) (wait-for (remhash f h)))",
+            "`remhash` cannot stand in a fluent network",
+        ),
+    ]);
+}
+
+#[test]
+fn the_library_keeps_its_own_meaning() {
+    check(&[
+        (
+            "(defun filter (l) 'mine) (defun reverse (l) 'mine) (list (filter 1) (remove-if-not evenp '(1 2)) (cond (nil 1) (t 2)))",
+            "(mine (2) 2)",
+        ),
+        // Names of plans that are functions elsewhere do not reach into expansions.
+        (
+            "(let ((list '(1)) (reverse 1) (first 2) (length 3) (append 4) (format 5))
+            (push 5 list)
+            (dolist (x list) (incf length (cond ((= x 1) first) (t 0))))
+            (ignore-failures (plan-failure) (fail plan-failure \"~a\" format))
+            (cons length list))",
+            "(5 5 1)",
+        ),
+    ]);
+}

@@ -1,0 +1,9 @@
+//! The library, expression by expression.
+
+mod behaviours;
+mod constructs;
+mod documentation;
+mod evaluate;
+mod lists;
+mod numbers;
+mod text;
