@@ -23,7 +23,12 @@ pub enum Origin {
     /// The robot or the system assigns it; a plan cannot.
     System,
     /// Code computes it from other fluents.
-    Network { code: u32, captured: Box<[Value]> },
+    Network {
+        /// The code.
+        code: u32,
+        /// The values it captured.
+        captured: Box<[Value]>,
+    },
     /// True in the propagation of a pulse of its input.
     Pulsed,
     /// True in the propagation of a change of its input.

@@ -127,12 +127,10 @@ impl Machine {
     fn mark(&self, marker: &mut Marker) {
         while let Some(value) = marker.waiting.pop() {
             match value {
-                Value::Cons(pair) => {
-                    if marker.heap.pairs.set(pair) {
-                        let (car, cdr) = self.heap.pair(pair);
-                        marker.waiting.push(car);
-                        marker.waiting.push(cdr);
-                    }
+                Value::Cons(pair) if marker.heap.pairs.set(pair) => {
+                    let (car, cdr) = self.heap.pair(pair);
+                    marker.waiting.push(car);
+                    marker.waiting.push(cdr);
                 }
                 Value::Str(text) => drop(marker.heap.strings.set(text)),
                 Value::Cell(cell) => {

@@ -205,7 +205,7 @@ impl Heap {
             Value::True => Key::True,
             Value::Int(value) => Key::Int(value),
             // `equal` takes both zeros for the same, and all that is not a number.
-            Value::Float(value) if value == 0.0 => Key::Float(0),
+            Value::Float(0.0) => Key::Float(0),
             Value::Float(value) if value.is_nan() => Key::Float(f64::NAN.to_bits()),
             Value::Float(value) => Key::Float(value.to_bits()),
             Value::Symbol(symbol) => Key::Symbol(symbol),

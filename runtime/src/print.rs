@@ -35,7 +35,7 @@ pub fn readable(machine: &Machine, program: &Program, value: Value) -> String {
     let mut waiting = vec![Piece::Value(value)];
     while let Some(piece) = waiting.pop() {
         if text.len() > MAX_CHARACTERS {
-            text.push_str("…");
+            text.push('…');
             break;
         }
         match piece {

@@ -91,8 +91,13 @@ pub enum Waiting {
     /// Nothing.
     #[default]
     Nothing,
-    /// A fluent to be true; `owned` ones die with the wait.
-    Fluent { fluent: u32, owned: bool },
+    /// A fluent to be true.
+    Fluent {
+        /// The fluent.
+        fluent: u32,
+        /// Whether it dies with the wait.
+        owned: bool,
+    },
     /// A watched fluent to become true.
     Watch(u32),
     /// A time.
@@ -130,12 +135,29 @@ pub enum Leaving {
     Evaporate,
     /// A failure looks for its handler.
     Fail(Value),
-    /// A spawned child failed: the plan call whose scope has this index fails.
-    FailCall { scope: u32, failure: Value },
-    /// To the block with this identity.
-    Block { identity: u64, value: Value },
-    /// To an instruction of the frame at this depth, once only so many scopes are left.
-    Jump { scopes: u32, target: u32, depth: u32 },
+    /// A spawned child failed, and so does the plan call it belongs to.
+    FailCall {
+        /// Index of the plan call's scope.
+        scope: u32,
+        /// The child's failure.
+        failure: Value,
+    },
+    /// Out of a block.
+    Block {
+        /// The block.
+        identity: u64,
+        /// The block's value.
+        value: Value,
+    },
+    /// To an instruction, once the scopes in between are left.
+    Jump {
+        /// Scopes that stay.
+        scopes: u32,
+        /// The instruction.
+        target: u32,
+        /// Frames below the one it is in.
+        depth: u32,
+    },
 }
 
 /// What follows a clean-up.
@@ -219,11 +241,30 @@ impl Children {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ScopeKind {
     /// A block that can be left from inside a closure.
-    Block { identity: u64, result: Reg, target: u32 },
-    /// Catches failures: the list of clauses is `codes[code].handlers[index]`.
-    Handler { code: u32, index: u32, failure: Reg, target: u32 },
+    Block {
+        /// By which a closure names it.
+        identity: u64,
+        /// The register of its value.
+        result: Reg,
+        /// The instruction behind it.
+        target: u32,
+    },
+    /// Catches failures.
+    Handler {
+        /// The code whose list of clauses it has.
+        code: u32,
+        /// Which of that code's lists.
+        index: u32,
+        /// The register of the failure; the next one gets the number of the clause.
+        failure: Reg,
+        /// The instruction where the clauses begin.
+        target: u32,
+    },
     /// A clean-up that runs when the scope is left early.
-    Cleanup { target: u32 },
+    Cleanup {
+        /// The instruction where it begins.
+        target: u32,
+    },
     /// A clean-up is running.
     InCleanup(Box<Then>),
     /// A plan call.

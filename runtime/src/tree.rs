@@ -91,8 +91,7 @@ impl Machine {
     pub(crate) fn path_within(&self, task: u32, scopes: usize) -> String {
         let mut parts = Vec::new();
         let (mut at, mut upto) = (task, scopes);
-        loop {
-            let Some(record) = self.tasks.get(at) else { break };
+        while let Some(record) = self.tasks.get(at) {
             for (index, scope) in record.scopes.iter().enumerate().take(upto).rev() {
                 if let ScopeKind::Call(call) = &scope.kind
                     && (index > 0 || record.parent != NONE || at != self.main)
@@ -326,7 +325,7 @@ impl Machine {
         let mut children = self.children(task);
         children.retain(|&child| {
             let child = &self.tasks[child];
-            !child.named_as_hook() && !(cleans_up && record.is_within_clean_up(child.parent_scope))
+            !(child.named_as_hook() || cleans_up && record.is_within_clean_up(child.parent_scope))
         });
         children
     }

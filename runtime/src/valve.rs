@@ -37,9 +37,17 @@ pub struct Hold {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Handover {
     /// Hooks of the interrupted subtree run; then the requester gets the valve.
-    Lend { to: TaskRef, interrupted: TaskRef },
+    Lend {
+        /// The requester.
+        to: TaskRef,
+        /// The root of the interrupted subtree.
+        interrupted: TaskRef,
+    },
     /// Hooks run before the interrupted subtree goes on.
-    GiveBack { to: TaskRef },
+    GiveBack {
+        /// The root of that subtree.
+        to: TaskRef,
+    },
 }
 
 /// A valve.
