@@ -1240,7 +1240,13 @@ impl Machine {
     #[cold]
     #[inline(never)]
     fn runaway(&self) -> Raise {
-        Raise::new("runaway", format!("{} steps in one instant without blocking", self.limits.steps))
+        Raise::new(
+            "runaway",
+            format!(
+                "{} steps in one instant without blocking; let it wait, as with `(wait-time 0.1)`, or end it, as with `until`",
+                self.limits.steps
+            ),
+        )
     }
 
     #[cold]

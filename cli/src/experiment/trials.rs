@@ -107,7 +107,7 @@ pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
                 .filter_map(|&(_, value)| value)
                 .collect()
         };
-        let total = |measure: &str| numbers(measure).iter().sum::<f64>();
+        let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
         let median = |measure: &str| {
             Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
         };
