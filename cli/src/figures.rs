@@ -2,7 +2,7 @@
 //! path, and where the robot may be.
 
 use crate::drive::Records;
-use crate::mission::PositionBelief;
+use crate::mission::{PositionBelief, Sight};
 use anyhow::{Context, Result};
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
@@ -64,6 +64,14 @@ impl<'a> Figure<'a> {
             markers: Vec::new(),
         }
     }
+
+    /// Marks the robot and its estimate; two labels in one place could not be read.
+    fn mark(&mut self, sight: &Sight) {
+        let is_apart = sight.robot_in_map.distance_m(sight.estimate_in_map) > 1.0;
+        let label = if is_apart { "estimate" } else { "" };
+        self.markers.push(Marker { pose_in_map: sight.robot_in_map, label: "robot", is_true: true });
+        self.markers.push(Marker { pose_in_map: sight.estimate_in_map, label, is_true: false });
+    }
 }
 
 /// Writes the drawings of a mission into a folder, which is made if it is not there.
@@ -86,8 +94,7 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
         let mut figure = Figure::of_map("belief at the end, and the robot", &map, &world.rooms);
         figure.belief = belief;
         if let Some(last) = track.last() {
-            figure.markers.push(Marker { pose_in_map: last.robot_in_map, label: "robot", is_true: true });
-            figure.markers.push(Marker { pose_in_map: last.estimate_in_map, label: "estimate", is_true: false });
+            figure.mark(last);
         }
         write(folder, "belief.svg", &figure)?;
     }
@@ -97,8 +104,7 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
         figure.belief = Some(&scene.belief);
         let before = &track[..scene.track_length];
         figure.true_path_in_map = before.iter().map(|sight| sight.robot_in_map.point()).collect();
-        figure.markers.push(Marker { pose_in_map: scene.sight.robot_in_map, label: "robot", is_true: true });
-        figure.markers.push(Marker { pose_in_map: scene.sight.estimate_in_map, label: "estimate", is_true: false });
+        figure.mark(&scene.sight);
         write(folder, &format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-")), &figure)?;
     }
     Ok(())
