@@ -35,14 +35,20 @@ fn reloading_at_every_step_changes_nothing() {
     assert_eq!(reloaded(&errand(), 1, 60.0), undisturbed(&errand(), 60.0));
 }
 
-#[test]
-fn reloading_the_full_grid_changes_nothing() {
+/// The delivery in the department, with a turn by hand on the way.
+fn delivery(grid: Grid) -> Mission {
     let plan = include_str!("../../../examples/delivery.rpl");
-    let scenario = "(wait-time 4) (rotate-robot! 70deg)";
-    let mission = Mission::new(builtin("dept", Grid::Full), plan).with_scenario(scenario);
-    let trace = undisturbed(&mission, 15.0);
-    assert!(trace.contains("position lost"), "{trace}");
-    assert_eq!(reloaded(&mission, 100, 15.0), trace);
+    Mission::new(builtin("dept", grid), plan).with_scenario("(wait-time 4) (rotate-robot! 70deg)")
+}
+
+#[test]
+fn reloading_a_delivery_changes_nothing() {
+    for (grid, every) in [(Grid::Coarse, 1), (Grid::Full, 100)] {
+        let mission = delivery(grid);
+        let trace = undisturbed(&mission, 300.0);
+        assert!(trace.contains("position lost") && trace.contains("mail delivered"), "{trace}");
+        assert_eq!(reloaded(&mission, every, 300.0), trace);
+    }
 }
 
 #[test]
