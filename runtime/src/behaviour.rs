@@ -202,17 +202,17 @@ impl Machine {
     fn behaviour_ended(&mut self, around: &mut Surroundings<'_>, behaviour: u16, ending: Ending) {
         let signal = match ending {
             Ending::Success => Ok(()),
-            Ending::Failure(class, message) => Err(self.behaviour_failure(around, behaviour, &class, message)),
+            Ending::Failure(class, message) => Err(self.behaviour_failure(behaviour, &class, message)),
         };
         self.activation(behaviour).phase = Phase::Done;
         self.signal(around, behaviour, signal);
         self.release_activation(around, behaviour);
     }
 
-    fn behaviour_failure(&mut self, around: &Surroundings<'_>, behaviour: u16, class: &str, message: String) -> Value {
+    fn behaviour_failure(&mut self, behaviour: u16, class: &str, message: String) -> Value {
         let class = self.symbols.intern(class);
         let slot = self.symbols.intern("behaviour");
-        let failure = self.new_failure(around.program, class, message, vec![(slot, Value::Behaviour(behaviour))]);
+        let failure = self.new_failure(class, message, vec![(slot, Value::Behaviour(behaviour))]);
         let task = self.activation(behaviour).task.and_then(|task| self.tasks.find(task));
         if let (Value::Failure(index), Some(task)) = (failure, task) {
             self.heap.failures[index].path = self.path(task);
@@ -330,12 +330,8 @@ impl Machine {
                 self.trace_behaviour(around, behaviour, "interrupted");
                 self.activation(behaviour).phase = Phase::Interrupted;
                 self.apply_outbox(around, outbox);
-                let failure = self.behaviour_failure(
-                    around,
-                    behaviour,
-                    "interrupted",
-                    "the behaviour was interrupted".to_string(),
-                );
+                let failure =
+                    self.behaviour_failure(behaviour, "interrupted", "the behaviour was interrupted".to_string());
                 self.signal(around, behaviour, Err(failure));
             }
         }

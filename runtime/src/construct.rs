@@ -79,7 +79,7 @@ impl Machine {
         let seconds = self.construct_argument(construct, base)?;
         let occurrence = self.count_use(parent, construct.name);
         if total == 0 {
-            return self.empty_construct(around, construct.rule);
+            return self.empty_construct(construct.rule);
         }
         let scope = self.tasks[parent].scopes.len() as u32;
         let depth = self.scratch.frames.len() as u32;
@@ -207,21 +207,21 @@ impl Machine {
         }
     }
 
-    fn empty_construct(&mut self, around: &Surroundings<'_>, rule: Rule) -> Result<Option<Value>, Raise> {
+    fn empty_construct(&mut self, rule: Rule) -> Result<Option<Value>, Raise> {
         match rule {
-            Rule::Pursue | Rule::TryAll => Err(Raise::Again(self.composite(around, Vec::new()))),
+            Rule::Pursue | Rule::TryAll => Err(Raise::Again(self.composite(Vec::new()))),
             _ => Ok(Some(Value::Nil)),
         }
     }
 
-    pub(crate) fn composite(&mut self, around: &Surroundings<'_>, parts: Vec<Value>) -> Value {
+    pub(crate) fn composite(&mut self, parts: Vec<Value>) -> Value {
         let message = match parts.len() {
             0 => "there was nothing that could succeed".to_string(),
             1 => "the only way failed".to_string(),
             count => format!("all {count} ways failed"),
         };
         let class = self.symbols.intern("composite-failure");
-        let failure = self.new_failure(around.program, class, message, Vec::new());
+        let failure = self.new_failure(class, message, Vec::new());
         if let Value::Failure(index) = failure {
             let is_runaway =
                 |part: &Value| matches!(part, Value::Failure(part) if self.heap.failures[*part].is_runaway);
@@ -249,12 +249,8 @@ impl Machine {
         let seconds = children.seconds;
         let slot = self.symbols.intern("seconds");
         let class = self.symbols.intern("timeout");
-        let failure = self.new_failure(
-            around.program,
-            class,
-            format!("not done within {seconds} s"),
-            vec![(slot, Value::Float(seconds))],
-        );
+        let failure =
+            self.new_failure(class, format!("not done within {seconds} s"), vec![(slot, Value::Float(seconds))]);
         if let Value::Failure(index) = failure {
             self.heap.failures[index].path = self.path(task);
             self.heap.failures[index].calls = self.plan_calls(task);
@@ -373,7 +369,7 @@ impl Machine {
         let decision = match (children.decided, children.rule) {
             (Some(decision), _) => decision,
             (None, Rule::Pursue | Rule::TryAll) => {
-                let failure = self.composite(around, children.failures);
+                let failure = self.composite(children.failures);
                 if let Value::Failure(index) = failure {
                     self.heap.failures[index].path = self.path(parent);
                     self.heap.failures[index].calls = self.plan_calls(parent);

@@ -155,7 +155,7 @@ impl Machine {
     fn finish(&mut self, around: &mut Surroundings<'_>, task: u32, value: Value) {
         while let Some(scope) = self.tasks[task].scopes.pop() {
             if let ScopeKind::Call(call) = scope.kind {
-                self.end_call(around, task, &call.tags);
+                self.end_call(around, &call.tags);
             }
         }
         self.die(around, task, State::Succeeded, value);
@@ -225,10 +225,10 @@ impl Machine {
         match (exit, leaving) {
             (Exit::Returned(value), _) => Ok(value),
             (_, Some(Leaving::Fail(failure))) => Err(failure),
-            _ => Err(self.failure_from(
-                around.program,
-                Raise::new("network-error", "this cannot be done while a fluent network or a macro is evaluated"),
-            )),
+            _ => Err(self.failure_from(Raise::new(
+                "network-error",
+                "this cannot be done while a fluent network or a macro is evaluated",
+            ))),
         }
     }
 
@@ -262,7 +262,7 @@ impl Machine {
     fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Place, raise: Raise) -> Option<Exit> {
         let code = &around.program.codes[place.frame.code as usize];
         let span = code.spans.get((place.frame.pc as usize).saturating_sub(1)).copied();
-        let failure = self.failure_from(around.program, raise);
+        let failure = self.failure_from(raise);
         if let Value::Failure(index) = failure {
             let record = &mut self.heap.failures[index];
             record.span = record.span.or(span);
@@ -965,7 +965,7 @@ impl Machine {
                         let task = self.current;
                         self.trace_return(program, task, value);
                         if let Some(Scope { kind: ScopeKind::Call(call), .. }) = self.tasks[task].scopes.pop() {
-                            self.end_call(around, task, &call.tags);
+                            self.end_call(around, &call.tags);
                         }
                         check_switch!();
                         continue 'frame;
@@ -1292,7 +1292,7 @@ impl Machine {
         let (number, captured) = match function {
             Value::Function(number) => (number, None),
             Value::Closure(index) => (self.heap.closures[index].code, Some(self.heap.closures[index].captured.clone())),
-            Value::Native(native) => return self.call_native_value(around, place, native, arguments, tail, result),
+            Value::Native(native) => return self.call_native_value(around, place, native, arguments, result),
             other => return Err(self.not_a_function(other)),
         };
         let callee = &around.program.codes[number as usize];
@@ -1325,7 +1325,6 @@ impl Machine {
         place: &mut Place,
         native: u16,
         arguments: &[Value],
-        tail: bool,
         result: Reg,
     ) -> Result<Option<Exit>, Raise> {
         let (min, max) = around.natives[usize::from(native)].arity();
@@ -1334,7 +1333,6 @@ impl Machine {
             let name = around.natives[usize::from(native)].name;
             return Err(Raise::new("arity-error", format!("`{name}` cannot take {count} arguments")));
         }
-        let _ = tail;
         match self.call_native(around, native, arguments)? {
             Reply::Value(value) => {
                 self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;

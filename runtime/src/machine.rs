@@ -277,30 +277,23 @@ impl Machine {
     }
 
     /// Makes a failure object.
-    pub(crate) fn failure_from(&mut self, program: &Program, raise: Raise) -> Value {
+    pub(crate) fn failure_from(&mut self, raise: Raise) -> Value {
         match raise {
             Raise::Again(failure) => failure,
             Raise::New { class, message, slots } => {
                 let class = self.symbols.intern(class);
                 let slots = slots.into_iter().map(|(name, value)| (self.symbols.intern(name), value)).collect();
-                self.new_failure(program, class, message, slots)
+                self.new_failure(class, message, slots)
             }
         }
     }
 
     /// Makes a failure of a class, raised by the current task.
-    pub(crate) fn new_failure(
-        &mut self,
-        program: &Program,
-        class: Symbol,
-        message: String,
-        slots: Vec<(Symbol, Value)>,
-    ) -> Value {
+    pub(crate) fn new_failure(&mut self, class: Symbol, message: String, slots: Vec<(Symbol, Value)>) -> Value {
         let (path, calls) = match self.current {
             NONE => (String::new(), Vec::new()),
             task => (self.path(task), self.plan_calls(task)),
         };
-        let _ = program;
         let is_runaway = self.symbols.name(class) == "runaway";
         self.heap.allocated += 8;
         Value::Failure(self.heap.failures.insert(Failure {

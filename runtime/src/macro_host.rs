@@ -126,7 +126,7 @@ impl Machine {
                 Raise::New { message, .. } => Raise::new("arity-error", message),
                 again => again,
             };
-            return Err(self.failure_from(around.program, raise));
+            return Err(self.failure_from(raise));
         }
         let arranged = self.scratch.stack[top..top + count].to_vec();
         self.evaluate_code(around, code, &arranged)

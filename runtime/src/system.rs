@@ -10,10 +10,9 @@ use crate::scheduler::Alarm;
 use crate::task::{Leaving, NONE, State, Wake};
 use crate::tree::is_current;
 use crate::value::Value;
-use rpl_lang::code::{GlobalKind, Program};
+use rpl_lang::code::Program;
 use rpl_lang::pretty;
 use rpl_lang::source::{SourceId, Span};
-use rpl_lang::symbol::Symbol;
 use rpl_lang::syntax::Tree;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -260,7 +259,7 @@ impl<O: Outside> System<O> {
                 .collect();
             let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
             let failing = machine.deadlocked_task();
-            let failure = machine.failure_from(around.program, Raise::new("deadlock", message));
+            let failure = machine.failure_from(Raise::new("deadlock", message));
             if let Value::Failure(index) = failure {
                 let (path, calls) = (machine.path(failing), machine.plan_calls(failing));
                 let record = &mut machine.heap.failures[index];
@@ -279,7 +278,7 @@ impl<O: Outside> System<O> {
             Ok(code) => machine.enter(around, task, code),
             Err(message) => {
                 let raise = Raise::new("error", message);
-                let failure = machine.failure_from(around.program, raise);
+                let failure = machine.failure_from(raise);
                 machine.fail_execution(task, failure);
             }
         });
@@ -312,27 +311,6 @@ impl<O: Outside> System<O> {
             Arc::make_mut(&mut self.units).insert(text, compiled.main);
         }
         Ok(compiled.main)
-    }
-
-    /// Assigns a global variable or fluent of the program before it runs.
-    ///
-    /// # Errors
-    /// Says why the name cannot be set.
-    pub fn set_global(&mut self, name: &str, value: Value) -> Result<(), String> {
-        let global = self.machine.symbols.find(name).and_then(|name| self.program.names.get(&name).copied());
-        let Some(global) = global else { return Err(format!("the plan has no variable `{name}`")) };
-        match self.program.globals[global as usize].kind {
-            GlobalKind::Variable | GlobalKind::Constant => {
-                self.machine.globals[global as usize] = value;
-                Ok(())
-            }
-            _ => Err(format!("`{name}` is not a variable")),
-        }
-    }
-
-    /// The symbol of a name.
-    pub fn symbol(&mut self, name: &str) -> Symbol {
-        self.machine.symbols.intern(name)
     }
 }
 

@@ -373,7 +373,7 @@ impl Machine {
                 if let Some(failure) = late {
                     self.attach_late(around, &leaving, failure);
                 }
-                self.end_call(around, task, &call.tags);
+                self.end_call(around, &call.tags);
                 self.trace_call_end(task, &leaving);
                 self.tasks[task].scopes.pop();
                 if let Leaving::FailCall { scope, failure } = leaving
@@ -478,7 +478,7 @@ impl Machine {
             }
             Leaving::Block { .. } | Leaving::Jump { .. } => {
                 let raise = Raise::new("control-error", "the block to return from is no longer there");
-                let failure = self.failure_from(around.program, raise);
+                let failure = self.failure_from(raise);
                 self.die(around, task, State::Failed, failure);
             }
         }
@@ -486,8 +486,7 @@ impl Machine {
     }
 
     /// Ends a plan call's tags.
-    pub(crate) fn end_call(&mut self, around: &mut Surroundings<'_>, task: u32, tags: &[TaskRef]) {
-        let _ = task;
+    pub(crate) fn end_call(&mut self, around: &mut Surroundings<'_>, tags: &[TaskRef]) {
         for &tag in tags {
             if let Some(index) = self.tasks.find_alive(tag)
                 && self.tasks[index].state == State::Created

@@ -331,7 +331,7 @@ impl Board {
     }
 
     /// Stops a behaviour.
-    pub(super) fn stop(&mut self, model: &OfficeModel, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+    pub(super) fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
         let phase = match how {
             Stop::Deactivated => Phase::Inactive,
             Stop::Interrupted => Phase::Interrupted,
@@ -353,7 +353,6 @@ impl Board {
             GRIPPER => self.gripper_task = None,
             _ => {}
         }
-        let _ = model;
     }
 }
 

@@ -229,7 +229,7 @@ impl Outside for OfficeRobot {
     }
 
     fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
-        self.board.stop(&self.model, behaviour, how, outbox);
+        self.board.stop(behaviour, how, outbox);
     }
 
     fn period_us(&self) -> Option<u64> {
