@@ -24,6 +24,7 @@ pub mod natives;
 pub mod print;
 pub mod save;
 pub mod scheduler;
+pub mod session;
 pub mod slab;
 pub mod system;
 pub mod task;
