@@ -25,6 +25,8 @@ pub(crate) enum Exit {
     Blocked,
     /// A more important task is ready, or the task is suspended.
     Switched,
+    /// The stepper is to look at the task before the next instruction.
+    Paused,
     /// The task is dead.
     Dead,
     /// A datum is to be compiled; its code goes on in the register.
@@ -123,12 +125,13 @@ impl Machine {
         match exit {
             Exit::Returned(value) => self.finish(around, task, value),
             Exit::Dead => {}
-            Exit::Blocked | Exit::Switched | Exit::Execute(..) if alive => {
+            Exit::Blocked | Exit::Switched | Exit::Paused | Exit::Execute(..) if alive => {
                 let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
                 self.store(task, place.frame, registers);
                 self.current = NONE;
                 match exit {
                     Exit::Switched => self.requeue_running(task),
+                    Exit::Paused => self.set_aside(task),
                     Exit::Execute(value, register) => {
                         self.tasks[task].wake_register = register;
                         datum = Some(value);
@@ -234,7 +237,11 @@ impl Machine {
 
     fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Exit {
         loop {
-            let raise = match self.instructions(around, place, entry) {
+            let exit = match self.scratch.stepping.is_on {
+                false => self.instructions::<false>(around, place, entry),
+                true => self.instructions::<true>(around, place, entry),
+            };
+            let raise = match exit {
                 Ok(Exit::Blocked) if self.is_leaving() => {
                     if self.unwind_running(around, place) {
                         continue;
@@ -408,7 +415,12 @@ impl Machine {
         clippy::too_many_lines,
         reason = "one arm an instruction; the loop must be one function to keep its state in registers"
     )]
-    fn instructions(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Result<Exit, Raise> {
+    fn instructions<const STEPPING: bool>(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        entry: usize,
+    ) -> Result<Exit, Raise> {
         let program = around.program;
         let mut code: &Code = &program.codes[place.frame.code as usize];
         let mut code_number = place.frame.code;
@@ -501,6 +513,13 @@ impl Machine {
             if self.scratch.stack.len() < base + REACH {
                 self.grow_stack(base);
             }
+            if STEPPING {
+                let frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                save!();
+                if self.stops_before(program, &code.ops[pc], frame) {
+                    return Ok(Exit::Paused);
+                }
+            }
             let Some(r) = self.scratch.stack[base..].first_chunk_mut::<REACH>() else {
                 unreachable!("the stack reaches a window beyond the base");
             };
@@ -568,7 +587,11 @@ impl Machine {
                     pc = (pc as i64 + i64::from(distance)) as usize;
                 }};
             }
+            let mut is_looked_at = STEPPING;
             loop {
+                if STEPPING && !std::mem::take(&mut is_looked_at) {
+                    continue 'frame;
+                }
                 let op = &code.ops[pc];
                 pc += 1;
                 match *op {

@@ -26,6 +26,7 @@ pub mod save;
 pub mod scheduler;
 pub mod session;
 pub mod slab;
+pub mod stepping;
 pub mod system;
 pub mod task;
 pub mod trace;

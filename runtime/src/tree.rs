@@ -231,6 +231,12 @@ impl Machine {
         self.queue(task, true);
     }
 
+    /// Puts the running task back as if nothing had happened: no fluent tells of it.
+    pub(crate) fn set_aside(&mut self, task: u32) {
+        self.tasks[task].state = State::Ready;
+        self.queue(task, true);
+    }
+
     /// Takes a task out of the run queue, if it stands there.
     pub(crate) fn unqueue(&mut self, task: u32) {
         if self.is_queued(task) {
