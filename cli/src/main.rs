@@ -16,6 +16,7 @@ mod files;
 mod interrupt;
 mod mission;
 mod overrides;
+mod repl;
 mod run;
 mod special_forms;
 mod status;
@@ -32,18 +33,35 @@ use std::process::ExitCode;
 
 /// Reactive plans, and a robot that carries them out
 #[derive(Parser, Debug)]
-#[command(name = "rpl", version, arg_required_else_help = true)]
+#[command(name = "rpl", version)]
 #[command(after_help = "Exit status: 0 success, 1 the plan failed, 2 the text or the command line is wrong, \
                         3 --until was reached, 130 interrupted.")]
 struct CommandLine {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    #[command(flatten)]
+    prompt: PromptArguments,
+}
+
+/// What `rpl` alone takes, which is the prompt.
+#[derive(clap::Args, Clone, Debug)]
+struct PromptArguments {
+    /// Without a command: the world of the prompt's robot
+    #[arg(long, value_name = "W")]
+    world: Option<String>,
+    /// Without a command: the seed of every random stream
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
 }
 
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Runs a plan
     Run(Box<run::Arguments>),
+    /// Reads forms and runs them: the prompt, with the stepper. So does `rpl` alone
+    Repl(repl::Arguments),
+    /// The same, stopped before the first form of a file
+    Step(repl::Arguments),
     /// Checks plans without running them
     Check {
         /// Plan files
@@ -84,7 +102,10 @@ enum Command {
 
 fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
-        Ok(line) => line.command,
+        Ok(CommandLine { command: Some(command), .. }) => command,
+        Ok(CommandLine { prompt: PromptArguments { world, seed }, .. }) => {
+            Command::Repl(repl::Arguments { world, seed, ..repl::Arguments::default() })
+        }
         Err(error) => {
             // What cannot be written has nobody to read it.
             error.print().ok();
@@ -109,6 +130,8 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
+        Command::Repl(arguments) => repl::run(arguments, false, console),
+        Command::Step(arguments) => repl::run(arguments, true, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
         Command::Eval { expression } => eval::run(expression, console),
         Command::Worlds(arguments) => worlds::run(arguments, console),

@@ -8,7 +8,7 @@ use crate::library::{Library, Rejected, has_error};
 use crate::system::System;
 use crate::task::{Leaving, ScopeKind, State, Waiting};
 use crate::value::Value;
-use rpl_lang::code::GlobalKind;
+use rpl_lang::code::{CodeKind, GlobalKind};
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_lang::diagnostic::Diagnostic;
 use rpl_lang::source::Span;
@@ -55,6 +55,10 @@ pub struct Submitted {
     pub redefined: Vec<Redefined>,
 }
 
+/// A condition over fluents, compiled into one session's program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Condition(u32);
+
 /// A function or plan with a new definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Redefined {
@@ -83,6 +87,58 @@ impl<O: Outside> System<O> {
     /// The findings in the text.
     pub fn submit(&mut self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Submitted, Rejected> {
         assert!(self.is_waiting_for_form(), "a form is handed in only when the one before has ended");
+        let (form, submitted) = self.extend(name, text, loader)?;
+        self.set_session_variable("%outcome", Value::Nil);
+        self.set_session_variable("%form", Value::Function(form));
+        if let Some(Value::Fluent(has_form)) = self.session_variable("%form?") {
+            self.with_machine(|machine, around| machine.assign_all(around, &[(has_form, Value::True)]));
+        }
+        Ok(submitted)
+    }
+
+    /// Compiles a text into the running program and evaluates it beside the form that runs: it may
+    /// define functions and plans and look at everything, but neither assign nor wait. The value,
+    /// or the failure.
+    ///
+    /// # Errors
+    /// The findings in the text; then nothing changes.
+    pub fn inspect(
+        &mut self,
+        name: &str,
+        text: &str,
+        loader: &mut dyn Loader,
+    ) -> Result<(Submitted, Result<Value, Value>), Rejected> {
+        let (form, submitted) = self.extend(name, text, loader)?;
+        let value = self.with_machine(|machine, around| machine.evaluate_code(around, form, &[]));
+        Ok((submitted, value))
+    }
+
+    /// Compiles a condition over fluents, written as in fluent position, for
+    /// [`System::holds`].
+    ///
+    /// # Errors
+    /// The findings in the text.
+    pub fn condition(&mut self, text: &str) -> Result<Condition, Rejected> {
+        let before = self.program.codes.len();
+        self.extend("condition", &format!("(fluent {text})"), &mut NoFiles)?;
+        let network = self.program.codes.iter().rposition(|code| code.kind == CodeKind::Network);
+        match network.filter(|&code| code >= before) {
+            Some(code) => Ok(Condition(code as u32)),
+            None => unreachable!("`fluent` compiles to a network"),
+        }
+    }
+
+    /// Whether a condition holds now.
+    ///
+    /// # Errors
+    /// The failure of its evaluation.
+    pub fn holds(&mut self, condition: Condition) -> Result<bool, Value> {
+        let value = self.with_machine(|machine, around| machine.evaluate_code(around, condition.0, &[]));
+        value.map(|value| value != Value::Nil)
+    }
+
+    /// Adds a text to the program: the code of its forms, and what it redefined.
+    fn extend(&mut self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<(u32, Submitted), Rejected> {
         let mut program = (*self.program).clone();
         let mut symbols = self.machine.symbols.clone();
         let compiled = self.library.extend(&mut program, &mut symbols, name, text, loader);
@@ -94,12 +150,7 @@ impl<O: Outside> System<O> {
         self.program = program;
         self.machine.symbols = symbols;
         self.machine.bring_up_to(&self.program, &[]);
-        self.set_session_variable("%outcome", Value::Nil);
-        self.set_session_variable("%form", Value::Function(compiled.main));
-        if let Some(Value::Fluent(has_form)) = self.session_variable("%form?") {
-            self.with_machine(|machine, around| machine.assign_all(around, &[(has_form, Value::True)]));
-        }
-        Ok(Submitted { warnings: compiled.diagnostics, redefined })
+        Ok((compiled.main, Submitted { warnings: compiled.diagnostics, redefined }))
     }
 
     /// Whether the main task has nothing to run.
