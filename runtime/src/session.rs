@@ -97,8 +97,8 @@ impl<O: Outside> System<O> {
     }
 
     /// Compiles a text into the running program and evaluates it beside the form that runs: it may
-    /// define functions and plans and look at everything, but neither assign nor wait. The value,
-    /// or the failure.
+    /// define functions and plans and look at everything, `variables` included, but neither assign
+    /// nor wait. The value, or the failure.
     ///
     /// # Errors
     /// The findings in the text; then nothing changes.
@@ -106,11 +106,24 @@ impl<O: Outside> System<O> {
         &mut self,
         name: &str,
         text: &str,
+        variables: &[(Symbol, Value)],
         loader: &mut dyn Loader,
     ) -> Result<(Submitted, Result<Value, Value>), Rejected> {
+        let evaluate = |system: &mut Self, code, arguments: &[Value]| {
+            system.with_machine(|machine, around| machine.evaluate_code(around, code, arguments))
+        };
+        // Definitions stand at the top level, so only an expression can be put into a function.
+        let names: Vec<&str> = variables.iter().map(|&(name, _)| self.machine.symbols.name(name)).collect();
+        let function = format!("(lambda ({}) {text})", names.join(" "));
+        if !variables.is_empty()
+            && let Ok((form, submitted)) = self.extend(name, &function, loader)
+            && let Ok(Value::Function(code)) = evaluate(self, form, &[])
+        {
+            let values: Vec<Value> = variables.iter().map(|&(_, value)| value).collect();
+            return Ok((submitted, evaluate(self, code, &values)));
+        }
         let (form, submitted) = self.extend(name, text, loader)?;
-        let value = self.with_machine(|machine, around| machine.evaluate_code(around, form, &[]));
-        Ok((submitted, value))
+        Ok((submitted, evaluate(self, form, &[])))
     }
 
     /// Compiles a condition over fluents, written as in fluent position, for

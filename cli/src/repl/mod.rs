@@ -383,7 +383,7 @@ impl Prompt<'_> {
         for watch in self.session.watches.clone() {
             // In a copy: what is watched must not touch the run.
             let mut copy = self.session.branch.system.clone();
-            let shown = match copy.inspect("watch", &watch, &mut NoFiles) {
+            let shown = match copy.inspect("watch", &watch, &[], &mut NoFiles) {
                 Ok((_, Ok(value))) => view::value_text(&copy, value),
                 Ok((_, Err(failure))) => copy.machine.show(&copy.program, failure),
                 Err(_) => "not a form that can be evaluated here".to_string(),

@@ -1,13 +1,14 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use super::timeline::{Past, Position, Timeline};
+use super::timeline::{Past, Position, Timeline, is_shown};
 use crate::console::Console;
 use crate::events;
 use crate::files::Folder;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
 use anyhow::{Result, anyhow};
+use rpl_lang::symbol::Symbol;
 use rpl_runtime::library::Rejected;
 use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::session::{Answer, Submitted};
@@ -127,14 +128,15 @@ impl Session {
         Ok(submitted)
     }
 
-    /// Evaluates forms beside the one that runs.
+    /// Evaluates forms beside the one that runs, with the variables of the call it stands in.
     ///
     /// # Errors
     /// The findings in the text.
     pub fn inspect(&mut self, name: &str, text: &str) -> Result<(Submitted, Result<Value, Value>), Rejected> {
         let mut folder = self.folder.clone();
         let branch = &mut self.branch;
-        let found = branch.system.inspect(name, text, &mut folder)?;
+        let variables = variables_at(branch);
+        let found = branch.system.inspect(name, text, &variables, &mut folder)?;
         branch.timeline.handed_in(&branch.system);
         Ok(found)
     }
@@ -188,6 +190,13 @@ impl Session {
         let system = &mut self.branch.system;
         self.breakpoints.iter_mut().for_each(|place| place.restore(system));
     }
+}
+
+/// What the stopped task sees where it stands.
+fn variables_at(branch: &Branch) -> Vec<(Symbol, Value)> {
+    let task = branch.stop.as_ref().and_then(|stop| branch.system.machine.tasks.find_alive(stop.task));
+    let calls = task.map(|task| branch.system.machine.variables(&branch.system.program, task));
+    calls.and_then(|calls| calls.into_iter().next()).map_or(Vec::new(), |(_, variables)| variables)
 }
 
 fn fluent_named(system: &System<Robot>, name: &str) -> Option<u32> {
@@ -253,6 +262,9 @@ impl Runner<'_> {
 
     fn halt_before(&self, stop: &Stop, start: Option<&Stop>) -> Option<Halt> {
         let system = &self.session.branch.system;
+        if !is_shown(system, stop) {
+            return None;
+        }
         let is_here = |place: &Breakpoint| place.is_at(system, stop, self.session.file.as_deref());
         let same_task = start.is_none_or(|start| start.task == stop.task);
         let was_depth = start.map_or(u32::MAX, |start| start.depth);

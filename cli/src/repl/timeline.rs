@@ -76,11 +76,6 @@ impl Timeline {
         self.copied = Instant::now();
     }
 
-    /// How many copies are kept.
-    pub fn copies(&self) -> usize {
-        self.copies.len()
-    }
-
     /// Forgets what came after a position, and goes on from there.
     pub fn go_back_to(&mut self, position: Position) {
         self.copies.retain(|copy| copy.segment <= position.segment);
@@ -156,6 +151,14 @@ impl Timeline {
     }
 }
 
+/// Texts a user does not step through: the prompt's own loop, and the macros of the library.
+const HIDDEN: &[&str] = &["session", "prelude"];
+
+/// Whether a user wants to see a stop.
+pub fn is_shown(system: &System<Robot>, stop: &Stop) -> bool {
+    !HIDDEN.contains(&&*system.program.sources.get(stop.span.source).name)
+}
+
 /// Every position between a copy and a later position at which a stepper would stop.
 fn stops_between(copy: &Copy, end: Position) -> Vec<Position> {
     let mut system = copy.system.clone();
@@ -163,9 +166,9 @@ fn stops_between(copy: &Copy, end: Position) -> Vec<Position> {
     let mut stops = Vec::new();
     while position < end {
         match system.step_form() {
-            Stepped::Before(_) => {
+            Stepped::Before(stop) => {
                 position.step += 1;
-                if position < end {
+                if position < end && is_shown(&system, &stop) {
                     stops.push(position);
                 }
             }
