@@ -13,6 +13,7 @@ mod experiment;
 mod failure_report;
 mod figures;
 mod files;
+mod fmt;
 mod interrupt;
 mod mission;
 mod overrides;
@@ -53,6 +54,8 @@ enum Command {
         #[arg(long)]
         scenario: bool,
     },
+    /// Formats plans: indentation, spaces, and lines that are too long
+    Fmt(fmt::Arguments),
     /// Evaluates an expression, or standard input, and prints the value
     Eval {
         /// The expression; `-` for standard input
@@ -110,6 +113,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
+        Command::Fmt(arguments) => fmt::run(arguments, console),
         Command::Eval { expression } => eval::run(expression, console),
         Command::Worlds(arguments) => worlds::run(arguments, console),
         Command::Examples { name } => examples::run(name.as_deref(), console),

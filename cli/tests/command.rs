@@ -294,3 +294,31 @@ fn an_experiment_makes_a_table_however_many_jobs() {
     assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
     assert!(tables[0].contains("time [s]                  6      90.00       0.00"), "{}", tables[0]);
 }
+
+#[test]
+fn fmt_formats_files_in_place_and_check_only_lists_them() {
+    let folder = folder("fmt");
+    let ugly = plan(&folder, "ugly.rpl", "(par (wait-time 1)\n(wait-time   2) ; long\n)\n");
+    let good = plan(&folder, "good.rpl", "(print 1)\n");
+    let wrong = plan(&folder, "wrong.rpl", "(print  (1)");
+    let found = output(&["fmt", "--check", &ugly, &good]);
+    assert_eq!((stdout(&found), status(&found)), (format!("{ugly}\n").as_str(), 1));
+    let found = output(&["fmt", &wrong, &ugly, &good]);
+    assert_eq!(status(&found), 2);
+    assert!(stderr(&found).contains("never closed") && stderr(&found).contains("left as it is"), "{}", stderr(&found));
+    assert_eq!(fs::read_to_string(&wrong).expect("it is there"), "(print  (1)");
+    let formatted = "(par (wait-time 1)\n     (wait-time 2)) ; long\n";
+    assert_eq!(fs::read_to_string(&ugly).expect("it is there"), formatted);
+    let found = output(&["fmt", "--check", &ugly, &good]);
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("", "", 0));
+    let left: Vec<_> = fs::read_dir(&folder).expect("it is a folder").collect();
+    assert_eq!(left.len(), 3, "{left:?}");
+}
+
+#[test]
+fn fmt_formats_standard_input() {
+    let mut command = rpl(&["fmt", "-"]);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts");
+    child.stdin.take().expect("it reads").write_all(b"( print\n1 )").expect("it takes the text");
+    assert_eq!(stdout(&child.wait_with_output().expect("it ends")), "(print\n  1)\n");
+}
