@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::Reporter;
+use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
 use crate::mission::Site;
@@ -38,7 +38,7 @@ pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
         }
         Ending::Outcome(Outcome::Failed(failure)) => {
             let reporter = Reporter { machine: &system.machine, program: &system.program, colour: console.colour };
-            console.note(reporter.text(failure).trim_end());
+            console.note(reporter.text(PLAN_FAILED, failure).trim_end());
         }
         Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted => {}
     }

@@ -20,6 +20,7 @@ mod overrides;
 mod run;
 mod special_forms;
 mod status;
+mod test;
 mod time;
 mod trace_file;
 mod worlds;
@@ -54,6 +55,8 @@ enum Command {
         #[arg(long)]
         scenario: bool,
     },
+    /// Runs the tests in plans
+    Test(test::Arguments),
     /// Formats plans: indentation, spaces, and lines that are too long
     Fmt(fmt::Arguments),
     /// Evaluates an expression, or standard input, and prints the value
@@ -113,6 +116,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
+        Command::Test(arguments) => test::run(arguments, console),
         Command::Fmt(arguments) => fmt::run(arguments, console),
         Command::Eval { expression } => eval::run(expression, console),
         Command::Worlds(arguments) => worlds::run(arguments, console),

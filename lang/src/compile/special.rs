@@ -28,6 +28,7 @@ pub(crate) enum Special {
     DefValve,
     DefFailure,
     Load,
+    Deftest,
     Par,
     Pursue,
     TryAll,
@@ -68,6 +69,7 @@ impl Special {
                 | Special::DefValve
                 | Special::DefFailure
                 | Special::Load
+                | Special::Deftest
         )
     }
 
@@ -128,6 +130,7 @@ pub(crate) const TABLE: &[(&str, Special)] = &[
     ("def-valve", Special::DefValve),
     ("def-failure", Special::DefFailure),
     ("load", Special::Load),
+    ("deftest", Special::Deftest),
     ("par", Special::Par),
     ("pursue", Special::Pursue),
     ("try-all", Special::TryAll),
