@@ -17,8 +17,8 @@ mod fmt;
 mod interrupt;
 mod mission;
 mod overrides;
+mod reference;
 mod run;
-mod special_forms;
 mod status;
 mod test;
 mod time;
@@ -73,9 +73,10 @@ enum Command {
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
-    /// Documents a name, or lists all; `behaviours` documents the robot
+    /// Documents a name or a topic, searches for a word, or lists all names
     Doc {
-        /// A function, plan, macro, special form, fluent or behaviour
+        /// Whatever has a name in the language, the library or the robot, a command, a topic such as
+        /// `behaviours`, or a word to search for
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },

@@ -247,7 +247,7 @@ impl Session<'_> {
             Ending::Outcome(Outcome::Succeeded(_)) => ("succeeded", None, String::new()),
             Ending::Outcome(Outcome::Failed(failure)) => {
                 let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.colour };
-                ("failed", reporter.record(failure), reporter.text("", failure))
+                ("failed", reporter.record(failure), reporter.text("", failure).trim_end().to_string())
             }
             Ending::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),
             Ending::TimeUp => ("timeout", None, format!("it had not ended after {} s", until_us as f64 / 1e6)),
@@ -262,7 +262,7 @@ impl Session<'_> {
         console.print(&format!("{word}  {:width$}  {:>8.1} s", record.name, record.time_s))?;
         if !has_succeeded {
             let printed = record.output.iter().flat_map(|text| text.lines()).map(|line| format!("printed: {line}"));
-            for line in record.reason.trim_end().lines().map(str::to_string).chain(printed) {
+            for line in record.reason.lines().map(str::to_string).chain(printed) {
                 console.print(format!("        {line}").trim_end())?;
             }
         }

@@ -73,7 +73,13 @@ impl Library {
             define(&mut program, &mut symbols, fluent.name, GlobalKind::Fluent, fluent.doc);
         }
         for &valve in outside.valves() {
-            define(&mut program, &mut symbols, valve, GlobalKind::Valve, "a valve of the robot");
+            define(
+                &mut program,
+                &mut symbols,
+                valve,
+                GlobalKind::Valve,
+                "A valve of the robot: whatever moves what it guards holds it.",
+            );
         }
         let signatures = natives.iter().map(Native::signature).collect();
         let mut library = Self { natives: natives.into(), signatures, program, symbols, robot_names };

@@ -18,6 +18,7 @@ use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, Tree};
 use ir::{BlockId, Function, Ir, IrKind, VarId, Variable};
 use special::Special;
+pub use special::{SpecialForm, special_forms};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use test_form::TestForm;
@@ -195,7 +196,7 @@ impl<'a> Compiler<'a> {
         let Compilation { program, symbols, natives, macros, loader, robot_names } = surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
-        let specials = special::TABLE.iter().map(|&(name, special)| (symbols.intern(name), special)).collect();
+        let specials = special::names().map(|(name, special)| (symbols.intern(name), special)).collect();
         Self {
             program,
             symbols,
@@ -324,7 +325,7 @@ impl<'a> Compiler<'a> {
     fn suggestion(&self, text: &str) -> Option<String> {
         let globals = self.program.names.keys().map(|&name| self.symbols.name(name));
         let natives = self.natives.iter().map(|native| native.name.as_str());
-        let specials = special::TABLE.iter().map(|&(name, _)| name);
+        let specials = special::names().map(|(name, _)| name);
         let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
         let locals = self.bindings.iter().map(|&(name, _)| self.symbols.name(name));
         let known = globals.chain(natives).chain(specials).chain(macros).chain(locals);
