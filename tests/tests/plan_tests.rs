@@ -46,10 +46,7 @@ fn a_test_runs_the_definitions_and_no_other_form_each_time_anew() {
 /// r[test.ignored]
 #[test]
 fn a_run_ignores_tests_but_their_faults_are_found() {
-    assert_eq!(
-        rpl_tests::run("(deftest never (print \"no\")) (print \"yes\")"),
-        "yes\n=> yes".replace("=> yes", "=> \"yes\"")
-    );
+    assert_eq!(rpl_tests::run("(deftest never (print \"no\")) (print \"yes\")"), "yes\n=> \"yes\"");
     assert!(rpl_tests::run("(deftest never (prnt 1))").contains("did you mean `print`?"));
     assert!(rpl_tests::run("(deftest)").contains("this is not of the form `(deftest NAME"));
     assert!(rpl_tests::run("(seq (print 1) (let () (deftest a 1)))").contains("can only stand at top level"));
@@ -92,8 +89,11 @@ fn assert_tells_the_values_of_the_arguments_of_a_call() {
     };
     starts("(let ((a 1)) (assert (= a (+ 1 1) 3)))", "this should be true: (= a (+ 1 1) 3); a is 1, (+ 1 1) is 2");
     starts("(assert (equal (double 2) \"x\"))", "this should be true: (equal (double 2) \"x\"); (double 2) is 4");
-    starts("(assert (member 3 '(1 2)))", "this should be true: (member 3 '(1 2))");
-    starts("(let ((words '(\"a~b\"))) (assert (every integerp words)))", "this should be true: (every integerp words)");
+    starts("(assert (member 3 '(1 2)))", "this should be true: (member 3 (quote (1 2)))");
+    starts(
+        "(let ((words '(\"a~b\"))) (assert (every integerp words)))",
+        "this should be true: (every integerp words); words is (\"a~b\")",
+    );
     // Nothing is evaluated that would not be.
     starts("(assert (and nil (fail \"evaluated\")))", "this should be true: (and nil (fail \"evaluated\"))");
     starts("(assert (= 1 2) \"one is ~a\" 2)", "one is 2");
