@@ -47,7 +47,9 @@ impl Breakpoint {
         let meant = suggest(&name, known.iter().map(String::as_str));
         Err(match meant {
             Some(meant) => format!("no plan, function or tag is called `{name}`; did you mean `{meant}`?"),
-            None => format!("no plan, function or tag is called `{name}`; a line is a number, a condition stands in ( )"),
+            None => {
+                format!("no plan, function or tag is called `{name}`; a line is a number, a condition stands in ( )")
+            }
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::command::COMMANDS;
 use super::session::Session;
+use crate::reference::Reference;
 use anyhow::Result;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
@@ -44,7 +45,9 @@ impl Editor {
     pub fn new(colour: bool) -> Result<Self> {
         let config = Config::builder().max_history_size(HISTORY)?.auto_add_history(true).build();
         let mut inner = rustyline::Editor::with_config(config)?;
-        inner.set_helper(Some(Assistant { names: BTreeMap::new(), colour }));
+        let library: BTreeMap<String, String> =
+            Reference::new()?.signatures().map(|(name, signature)| (name.to_string(), signature.to_string())).collect();
+        inner.set_helper(Some(Assistant { names: library.clone(), library, colour }));
         let history = history_file();
         if let Some(file) = &history {
             // The first session has none.
@@ -56,7 +59,8 @@ impl Editor {
     /// Takes over the names that can be typed now.
     pub fn learn(&mut self, session: &Session) {
         if let Some(assistant) = self.inner.helper_mut() {
-            assistant.names = names(session);
+            assistant.names = assistant.library.clone();
+            assistant.names.extend(defined_names(session));
         }
     }
 
@@ -93,28 +97,16 @@ pub fn terminal_size() -> (usize, usize) {
     (usize::from(columns), usize::from(rows))
 }
 
-/// Names that can be typed, with a signature for those that are called.
-fn names(session: &Session) -> BTreeMap<String, String> {
+/// Names that the session's own texts define, with how functions are called.
+fn defined_names(session: &Session) -> BTreeMap<String, String> {
     let system = &session.branch.system;
-    let symbols = &system.machine.symbols;
-    let mut names: BTreeMap<String, String> = BTreeMap::new();
-    for global in &system.program.globals {
-        names.insert(symbols.name(global.name).to_string(), String::new());
-    }
-    for name in system.program.macros.keys() {
-        names.insert(symbols.name(*name).to_string(), String::new());
-    }
-    for native in system.library.natives.iter() {
-        names.insert(native.name.to_string(), native.parameters.to_string());
-    }
-    for form in crate::special_forms::SPECIAL_FORMS {
-        form.names.iter().for_each(|name| drop(names.insert(name.to_string(), String::new())));
-    }
-    names.retain(|name, _| !name.starts_with(['%', '#']));
-    names
+    let own = system.program.globals.iter().skip(system.program.library_globals as usize);
+    let names = own.map(|global| (system.machine.symbols.name(global.name).to_string(), String::new()));
+    names.filter(|(name, _)| !name.starts_with(['%', '#'])).collect()
 }
 
 struct Assistant {
+    library: BTreeMap<String, String>,
     names: BTreeMap<String, String>,
     colour: bool,
 }
@@ -144,12 +136,12 @@ impl Hinter for Assistant {
         if end < line.len() {
             return None;
         }
-        // The parameters of the function whose call was just opened.
+        // How the function is called whose name has just been typed.
         let called = line.strip_suffix(' ')?;
         let start = word_start(called, called.len());
         let is_call = called[..start].ends_with('(');
-        let parameters = self.names.get(&called[start..].to_lowercase()).filter(|text| is_call && !text.is_empty())?;
-        Some(format!("  {parameters}"))
+        let signature = self.names.get(&called[start..].to_lowercase()).filter(|text| is_call && !text.is_empty())?;
+        Some(format!("   {signature}"))
     }
 }
 

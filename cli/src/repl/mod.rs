@@ -65,12 +65,21 @@ pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -
     let map = world.as_ref().map(|world| world.map(MAP_CELL_M));
     let site = Site::new(world, scenario, OfficeSettings::default())?;
     let plan = arguments.file.as_deref().map(files::plan).transpose()?;
-    let mut prompt =
-        Prompt { session: Session::new(&site, arguments.seed)?, map, console, repeated: None, worst: Status::Succeeded };
+    let mut prompt = Prompt {
+        session: Session::new(&site, arguments.seed)?,
+        map,
+        console,
+        repeated: None,
+        worst: Status::Succeeded,
+    };
     if let Some(plan) = plan {
         prompt.load(plan, if stops_at_start { Until::Step } else { Until::End })?;
     }
-    if io::stdin().is_terminal() { prompt.converse()? } else { prompt.read_all()? }
+    if io::stdin().is_terminal() {
+        prompt.converse()?
+    } else {
+        prompt.read_all()?
+    }
     prompt.console.flush()?;
     Ok(prompt.worst)
 }
@@ -177,7 +186,9 @@ impl Prompt<'_> {
                 Ok(plan) => self.load(plan, Until::End)?,
                 Err(error) => self.wrong(&format!("{error:#}")),
             },
-            Verb::Run if rest.is_empty() => self.wrong("`:run FORM`: a form is expected, such as `:run (deliver 'mail)`"),
+            Verb::Run if rest.is_empty() => {
+                self.wrong("`:run FORM`: a form is expected, such as `:run (deliver 'mail)`")
+            }
             Verb::Run => {
                 let breakpoints = std::mem::take(&mut self.session.breakpoints);
                 let done = self.forms(rest, &Until::End);
@@ -366,7 +377,8 @@ impl Prompt<'_> {
                 self.show_stop()?;
             }
             Halt::Interrupted => {
-                self.console.note("interrupted; `:continue` goes on, `:abort` gives the form up, `:why` tells what it does");
+                self.console
+                    .note("interrupted; `:continue` goes on, `:abort` gives the form up, `:why` tells what it does");
                 self.show_stop()?;
             }
         }
@@ -396,7 +408,9 @@ impl Prompt<'_> {
     fn until(&mut self, rest: &str) -> Result<()> {
         let until = match parse_duration_us(rest) {
             Ok(time_us) if !rest.chars().all(|c| c.is_ascii_digit()) => Until::Time(time_us),
-            _ if rest.is_empty() => return Ok(self.wrong("`:until` needs a time such as 12.5s, a line, a name or a condition")),
+            _ if rest.is_empty() => {
+                return Ok(self.wrong("`:until` needs a time such as 12.5s, a line, a name or a condition"));
+            }
             _ => match Breakpoint::parse(rest, &mut self.session.branch.system, self.console.colour) {
                 Ok(place) => Until::Place(place),
                 Err(reason) => return Ok(self.wrong(&reason)),
@@ -410,7 +424,9 @@ impl Prompt<'_> {
             let places = self.session.breakpoints.iter().enumerate();
             let mut lines: Vec<String> = places.map(|(index, place)| format!("{}  {place}", index + 1)).collect();
             if lines.is_empty() {
-                lines.push("no breakpoints; `:break NAME`, `:break 12` or `:break (< pos-certainty* 0.5)` sets one".into());
+                lines.push(
+                    "no breakpoints; `:break NAME`, `:break 12` or `:break (< pos-certainty* 0.5)` sets one".into(),
+                );
             }
             return self.print(&lines);
         }

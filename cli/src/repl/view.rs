@@ -141,9 +141,9 @@ pub fn stop(session: &Session, stop: &Stop, colour: bool) -> Vec<String> {
     if let Some((_, variables)) = machine.variables(&system.program, task).first()
         && !variables.is_empty()
     {
-        let shown = variables.iter().map(|&(name, value)| {
-            format!("{} = {}", machine.symbols.name(name), value_text(system, value))
-        });
+        let shown = variables
+            .iter()
+            .map(|&(name, value)| format!("{} = {}", machine.symbols.name(name), value_text(system, value)));
         lines.push(format!("    {}", shown.collect::<Vec<_>>().join(", ")));
     }
     lines

@@ -99,9 +99,10 @@ fn inputs(session: &Session, fluent: u32, depth: usize, lines: &mut Vec<String>)
         return;
     };
     let name = system.machine.symbols.name(name);
-    let changed = session.branch.log.iter().rev().find(|event| {
-        matches!(event.kind, EventKind::Fluent | EventKind::Pulse) && detail(event, "fluent") == name
-    });
+    let changed =
+        session.branch.log.iter().rev().find(|event| {
+            matches!(event.kind, EventKind::Fluent | EventKind::Pulse) && detail(event, "fluent") == name
+        });
     let last = match changed {
         Some(event) => format!(", since {:.3} s, by {}", event.time_us as f64 / 1e6, author(event)),
         None => String::new(),
@@ -122,17 +123,13 @@ fn ended(session: &Session, path: &str) -> Vec<String> {
     let end = log.iter().rposition(|event| event.kind == EventKind::End && is_meant(&event.path, path));
     let Some(end) = end else { return missing(session, path) };
     let event = &log[end];
-    let mut lines = vec![format!(
-        "{}  {} at {:.3} s",
-        event.path,
-        detail(event, "state"),
-        event.time_us as f64 / 1e6
-    )];
+    let mut lines = vec![format!("{}  {} at {:.3} s", event.path, detail(event, "state"), event.time_us as f64 / 1e6)];
     let reason = ["failure", "value"].map(|name| detail(event, name)).into_iter().find(|text| !text.is_empty());
     lines.extend(reason.map(|reason| format!("  {}", view::shortened(reason))));
-    let raised = log[..end].iter().rev().find(|earlier| {
-        earlier.kind == EventKind::Failed && earlier.path.starts_with(&event.path)
-    });
+    let raised = log[..end]
+        .iter()
+        .rev()
+        .find(|earlier| earlier.kind == EventKind::Failed && earlier.path.starts_with(&event.path));
     if detail(event, "state") == State::Failed.name()
         && let Some(raised) = raised
     {
