@@ -14,5 +14,6 @@ pub mod suggest;
 pub mod symbol;
 pub mod syntax;
 
+pub mod check;
 pub mod code;
 pub mod compile;
