@@ -41,7 +41,7 @@ impl<'a> Bindings<'a> {
                 bindings.note_forms(function);
             }
         }
-        resolved.forms.iter().for_each(|form| bindings.note_forms(form));
+        resolved.forms.iter().chain(&resolved.tests).for_each(|form| bindings.note_forms(form));
         bindings
     }
 

@@ -159,19 +159,20 @@ impl<'a> Check<'a> {
         &self.bindings[self.bindings.len() - 1]
     }
 
-    /// Every function of the text that stands at the top: definitions, then forms.
+    /// Every function of the text that stands at the top: definitions, forms, tests.
     fn roots(&self) -> impl Iterator<Item = &'a Function> + use<'a> {
         let definitions = self.subject.text.definitions.iter().filter_map(|definition| match &definition.defined {
             Defined::Function(_, function) | Defined::Macro(function) => Some(function),
             Defined::Value | Defined::Failure => None,
         });
-        definitions.chain(&self.subject.text.forms)
+        definitions.chain(&self.subject.text.forms).chain(&self.subject.text.tests)
     }
 
     /// The places of definitions and forms that have an error.
     fn faulty(&self, errors: &[Diagnostic]) -> Vec<Span> {
         let definitions = self.subject.text.definitions.iter().map(|definition| definition.span);
-        let spans = definitions.chain(self.subject.text.forms.iter().map(|form| form.span));
+        let forms = self.subject.text.forms.iter().chain(&self.subject.text.tests).map(|form| form.span);
+        let spans = definitions.chain(forms);
         let is_error = |error: &&Diagnostic| error.severity == Severity::Error;
         spans.filter(|&span| errors.iter().filter(is_error).any(|error| lies_in(error.span, span))).collect()
     }

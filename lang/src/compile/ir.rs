@@ -41,6 +41,8 @@ pub struct Resolved {
     pub(crate) definitions: Vec<Definition>,
     /// What runs, in order: forms, and the values of definitions.
     pub(crate) forms: Vec<Function>,
+    /// Bodies of tests.
+    pub(crate) tests: Vec<Function>,
     /// By number.
     pub(crate) variables: Vec<Variable>,
 }

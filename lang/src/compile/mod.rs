@@ -9,6 +9,7 @@ mod lambda_list;
 mod plan_forms;
 mod resolve;
 mod special;
+mod test_form;
 
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
@@ -18,8 +19,11 @@ use crate::syntax::{NodeId, Tree};
 pub use ir::Resolved;
 use ir::{BlockId, Defined, Definition, Function, Ir, IrKind, VarId, Variable};
 use special::Special;
+pub use special::{SpecialForm, special_forms};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use test_form::TestForm;
+pub use test_form::{Test, TestOptions};
 
 /// What the compiler knows of a native function.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,6 +106,8 @@ pub struct Compilation<'a> {
 pub struct Compiled {
     /// Code without parameters that runs the forms in order; its value is the last form's.
     pub main: u32,
+    /// The tests of the text, in order; those of loaded files are not among them.
+    pub tests: Vec<Test>,
     /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
     /// What the text was resolved to.
@@ -156,6 +162,16 @@ pub(crate) struct Unknown {
     locals: Vec<Symbol>,
 }
 
+/// A top-level form with something to run.
+pub(crate) enum TopLevel {
+    /// The value of a definition.
+    Definition(Function),
+    /// A form of the main task.
+    Form(Function),
+    /// A test and its body.
+    Test(TestForm, Function),
+}
+
 pub(crate) struct Compiler<'a> {
     program: &'a mut Program,
     symbols: &'a mut Symbols,
@@ -170,6 +186,8 @@ pub(crate) struct Compiler<'a> {
     diagnostics: Vec<Diagnostic>,
     variables: Vec<Variable>,
     definitions: Vec<Definition>,
+    forms: Vec<Function>,
+    test_bodies: Vec<Function>,
     bindings: Vec<(Symbol, VarId)>,
     functions: Vec<FunctionScope>,
     blocks: Vec<BlockScope>,
@@ -184,6 +202,8 @@ pub(crate) struct Compiler<'a> {
     calls: Vec<(u32, usize, Span)>,
     expansions: u32,
     loading: Vec<String>,
+    /// Names of the tests so far, with their places.
+    tests: BTreeMap<Arc<str>, Span>,
 }
 
 /// Macros that expand into macros without end are cut here.
@@ -194,7 +214,7 @@ impl<'a> Compiler<'a> {
         let Compilation { program, symbols, natives, macros, loader, robot_names } = surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
-        let specials = special::TABLE.iter().map(|&(name, special)| (symbols.intern(name), special)).collect();
+        let specials = special::names().map(|(name, special)| (symbols.intern(name), special)).collect();
         Self {
             program,
             symbols,
@@ -209,6 +229,8 @@ impl<'a> Compiler<'a> {
             diagnostics: Vec::new(),
             variables: Vec::new(),
             definitions: Vec::new(),
+            forms: Vec::new(),
+            test_bodies: Vec::new(),
             bindings: Vec::new(),
             functions: Vec::new(),
             blocks: Vec::new(),
@@ -219,6 +241,7 @@ impl<'a> Compiler<'a> {
             calls: Vec::new(),
             expansions: 0,
             loading: Vec::new(),
+            tests: BTreeMap::new(),
         }
     }
 
@@ -229,26 +252,57 @@ impl<'a> Compiler<'a> {
         for &form in forms {
             self.top_level(form, &mut bodies);
         }
-        let main = self.emit_main(name, &bodies, span);
+        let (main, tests) = self.emit_main(name, bodies, span);
         self.check_undefined();
         self.check_classes();
         self.check_calls();
         if self.purpose == Purpose::Library {
             self.program.library_globals = self.program.globals.len() as u32;
         }
-        let resolved = Resolved { definitions: self.definitions, forms: bodies, variables: self.variables };
-        Compiled { main, diagnostics: self.diagnostics, resolved }
+        let resolved = Resolved {
+            definitions: self.definitions,
+            forms: self.forms,
+            tests: self.test_bodies,
+            variables: self.variables,
+        };
+        Compiled { main, tests, diagnostics: self.diagnostics, resolved }
     }
 
-    /// One code that runs each form's code in turn: a form is a plan body of its own.
-    fn emit_main(&mut self, name: Symbol, bodies: &[Function], span: Span) -> u32 {
-        let mut calls = Vec::new();
+    /// One code that runs each form's code in turn: a form is a plan body of its own. One more for
+    /// each test, which runs the definitions and then the test.
+    fn emit_main(&mut self, name: Symbol, bodies: Vec<TopLevel>, span: Span) -> (u32, Vec<Test>) {
+        let (mut calls, mut definitions, mut forms) = (Vec::new(), Vec::new(), Vec::new());
         for body in bodies {
-            let place = body.span;
-            calls.push((emit::emit(self, body, &[]), place));
+            match body {
+                TopLevel::Definition(body) => {
+                    let call = self.emit_call(&body);
+                    definitions.push(call);
+                    calls.push(call);
+                    self.forms.push(body);
+                }
+                TopLevel::Form(body) => {
+                    calls.push(self.emit_call(&body));
+                    self.forms.push(body);
+                }
+                TopLevel::Test(form, body) => {
+                    forms.push((form, self.emit_call(&body)));
+                    self.test_bodies.push(body);
+                }
+            }
         }
-        let code = emit::sequence(name, span, &calls);
-        self.add_code(code)
+        let main = self.add_code(emit::sequence(name, span, &calls));
+        let tests = forms
+            .into_iter()
+            .map(|(form, call)| {
+                let calls = [definitions.as_slice(), &[call]].concat();
+                form.with_code(self.add_code(emit::sequence(name, span, &calls)))
+            })
+            .collect();
+        (main, tests)
+    }
+
+    fn emit_call(&mut self, body: &Function) -> (u32, Span) {
+        (emit::emit(self, body, &[]), body.span)
     }
 
     fn note_definition(&mut self, name: Symbol, span: Span, defined: Defined) {
@@ -343,7 +397,7 @@ impl<'a> Compiler<'a> {
     fn suggestion(&self, text: &str, locals: &[Symbol]) -> Option<String> {
         let globals = self.program.names.keys().map(|&name| self.symbols.name(name));
         let natives = self.natives.iter().map(|native| native.name.as_str());
-        let specials = special::TABLE.iter().map(|&(name, _)| name);
+        let specials = special::names().map(|(name, _)| name);
         let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
         let locals = locals.iter().map(|&name| self.symbols.name(name));
         let known = locals.chain(globals).chain(natives).chain(specials).chain(macros);
