@@ -64,7 +64,11 @@ enum Command {
     Repl(repl::Arguments),
     /// The same, stopped before the first form of a file
     Step(repl::Arguments),
-    /// Checks plans without running them
+    /// Checks plans without running them: all faults at once, and what is probably wrong.
+    ///
+    /// An error is what keeps a plan from running, and makes the exit status 2; a warning is not, and
+    /// leaves it 0. Each warning has the name of its rule. A comment `; check: allow RULE` in its line,
+    /// or in the line above, takes it away; what is unused on purpose begins with an underscore.
     Check {
         /// Plan files
         #[arg(value_name = "FILE", required = true)]

@@ -16,5 +16,6 @@ pub mod suggest;
 pub mod symbol;
 pub mod syntax;
 
+pub mod check;
 pub mod code;
 pub mod compile;

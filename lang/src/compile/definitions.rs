@@ -1,6 +1,6 @@
 //! Top-level forms: definitions, loaded files, and forms that run.
 
-use super::ir::{Function, Ir, IrKind};
+use super::ir::{Defined, Function, Ir, IrKind};
 use super::special::Special;
 use super::{Compiler, Purpose, TopLevel, emit, thunk};
 use crate::code::{CodeKind, FailureClass, GlobalKind};
@@ -152,19 +152,12 @@ impl Compiler<'_> {
         let (doc, skip) = self.documentation(&rest[2..]);
         // The name is known inside the body, so that a function can call itself.
         let global = self.define_global(name, GlobalKind::Function(u32::MAX), doc.clone(), Some(span));
-        let text = self.symbols.name(name).to_string();
-        if self.program.macros.remove(&name).is_some() && self.purpose == Purpose::User {
-            self.diagnostics.push(crate::diagnostic::Diagnostic::warning(
-                "redefines-library",
-                span,
-                format!("`{text}` was a macro and is now a function"),
-                "defined again here",
-            ));
-        }
+        self.program.macros.remove(&name);
         let mut function = self.function(name, kind, parameters, &rest[2 + skip..], span);
         function.doc = doc;
-        let code = emit::emit(self, function, &[]);
+        let code = emit::emit(self, &function, &[]);
         self.program.globals[global as usize].kind = GlobalKind::Function(code);
+        self.note_definition(name, span, Defined::Function(global, function));
     }
 
     fn define_macro(&mut self, rest: &[NodeId], span: Span) {
@@ -178,10 +171,11 @@ impl Compiler<'_> {
         let errors = self.diagnostics.len();
         let mut function = self.function(name, CodeKind::Function, parameters, &rest[2 + skip..], span);
         function.doc = doc;
-        let code = emit::emit(self, function, &[]);
+        let code = emit::emit(self, &function, &[]);
         if self.diagnostics.len() == errors {
             self.program.macros.insert(name, code);
         }
+        self.note_definition(name, span, Defined::Macro(function));
     }
 
     fn define_value(&mut self, special: Special, rest: &[NodeId], span: Span) -> Option<Function> {
@@ -205,6 +199,7 @@ impl Compiler<'_> {
             _ => GlobalKind::Fluent,
         };
         let global = self.define_global(name, kind, doc, Some(span));
+        self.note_definition(name, span, Defined::Value);
         let value = rest.get(1).copied();
         let body_name = self.symbols.intern("form");
         let (value, scope) = self.in_function(CodeKind::Function, true, |compiler| match value {
@@ -229,6 +224,7 @@ impl Compiler<'_> {
             _ => None,
         });
         self.define_global(name, GlobalKind::Valve, doc, Some(span));
+        self.note_definition(name, span, Defined::Value);
     }
 
     /// `(def-failure NAME (PARENT) (SLOT...))`
@@ -241,13 +237,13 @@ impl Compiler<'_> {
         let parents = rest.get(1).map(|&list| self.tree.items(list).to_vec()).unwrap_or_default();
         let parent = match parents.as_slice() {
             [] => Some(self.symbols.intern("plan-failure")),
-            [parent] => self.failure_class(*parent),
+            [parent] => self.parent_class(*parent),
             _ => {
                 self.malformed(span, form);
                 return;
             }
         };
-        let Some(parent) = parent.filter(|parent| self.program.failure_classes.contains_key(parent)) else { return };
+        let Some(parent) = parent else { return };
         if self.program.is_failure_subclass(parent, name) {
             self.error("failure-cycle", span, "a failure class cannot be below itself", "circular");
             return;
@@ -255,6 +251,21 @@ impl Compiler<'_> {
         let slots = rest.get(2).map(|&list| self.tree.items(list).to_vec()).unwrap_or_default();
         let slots = slots.into_iter().filter_map(|slot| self.tree.symbol(slot)).collect();
         self.program.failure_classes.insert(name, FailureClass { parent: Some(parent), slots });
+        self.note_definition(name, span, Defined::Failure);
+    }
+
+    /// The class above another: it must stand above it in the text, too.
+    fn parent_class(&mut self, node: NodeId) -> Option<Symbol> {
+        let span = self.tree.span(node);
+        let Some(name) = self.tree.symbol(node) else {
+            self.malformed(span, "the name of a failure class");
+            return None;
+        };
+        if !self.program.failure_classes.contains_key(&name) {
+            self.unknown_class(name, span, false);
+            return None;
+        }
+        Some(name)
     }
 
     fn load(&mut self, rest: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
