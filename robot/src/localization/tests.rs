@@ -322,6 +322,27 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
+fn all_instructions_give_the_same_bits() {
+    let run = |instructions: Instructions| {
+        let model = model(fine()).with_instructions(instructions);
+        let mut localization = Localization::start_uniform(&model);
+        let mut bytes = Vec::new();
+        for (step, (odometry, mut scan_m)) in drive(&model, 10_004, 16).into_iter().enumerate() {
+            // Any number of readings, also one that is no multiple of what is looked up together.
+            scan_m[SONARS - step % SONARS..].fill(f32::NAN);
+            localization.observe(&model, odometry, Some(&scan_m));
+            bytes.push(postcard::to_allocvec(&localization).expect("it can be written"));
+            bytes.push(localization.entropy(&model).to_bits().to_le_bytes().to_vec());
+        }
+        bytes
+    };
+    let portable = run(Instructions::PORTABLE);
+    for instructions in Instructions::available() {
+        assert!(run(instructions) == portable, "{}", instructions.name());
+    }
+}
+
+#[test]
 fn parameters_that_describe_no_grid_are_errors() {
     let error = |parameters| LocalizationModel::new(&room(), parameters).err();
     assert_eq!(error(LocalizationParameters { angle_step_deg: 7, ..parameters() }), Some(ModelError::AngleStep(7)));
