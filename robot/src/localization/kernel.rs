@@ -146,7 +146,7 @@ pub(super) fn exp2(x: f32) -> f32 {
     let series = 1.326_472_7e-3 * fraction + 9.671_513e-3;
     let series = series * fraction + 5.550_733_7e-2;
     let series = series * fraction + 2.402_224_2e-1;
-    let series = series * fraction + 6.931_47e-1;
+    let series = series * fraction + std::f32::consts::LN_2;
     f32::from_bits((series * fraction + 1.0).to_bits().wrapping_add(power))
 }
 
@@ -162,7 +162,7 @@ fn ln(x: f32) -> f32 {
     let series = series * t - 2.489_679_3e-1;
     let series = series * t + 3.331_603e-1;
     let series = series * t - 5.000_14e-1;
-    let series = series * t + 1.000_000_9;
+    let series = series * t + 1.000_001;
     exponent as f32 * std::f32::consts::LN_2 + series * t
 }
 
@@ -183,6 +183,9 @@ pub(super) fn entropy(cells: &[f32], admissible: &[f32], [factor, floor]: [f32; 
     sum
 }
 
+/// Cells a turn of the portable loop looks up.
+const UNROLLED: usize = 4;
+
 /// Sums the costs of a scan for the blocks of a tile that are `loud`, in that order.
 pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize]) {
     for four in beams {
@@ -190,11 +193,13 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
         let expected = four.map(|beam| beam.expected.as_chunks::<BLOCK>().0);
         for (sums, &block) in sums.iter_mut().zip(loud) {
             let [at_a, at_b, at_c, at_d] = expected.map(|blocks| &blocks[block]);
-            for lane in 0..BLOCK {
-                sums[lane] += u16::from(a[usize::from(at_a[lane])])
-                    + u16::from(b[usize::from(at_b[lane])])
-                    + u16::from(c[usize::from(at_c[lane])])
-                    + u16::from(d[usize::from(at_d[lane])]);
+            for first in (0..BLOCK).step_by(UNROLLED) {
+                for lane in first..first + UNROLLED {
+                    sums[lane] += u16::from(a[usize::from(at_a[lane])])
+                        + u16::from(b[usize::from(at_b[lane])])
+                        + u16::from(c[usize::from(at_c[lane])])
+                        + u16::from(d[usize::from(at_d[lane])]);
+                }
             }
         }
     }
@@ -207,7 +212,7 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
 #[inline(always)]
 pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
     let [factor, floor] = part.terms;
-    let lifted = part.terms.map(|term| term * LIFT);
+    let lifted = [factor * LIFT, floor * LIFT];
     let cells = part.cells.as_chunks_mut::<BLOCK>().0;
     let admissible = part.admissible.as_chunks::<BLOCK>().0;
     let mut lanes = Lanes::new();
