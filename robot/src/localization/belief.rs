@@ -118,7 +118,8 @@ impl Belief {
     /// A motion moves planes by whole cells and headings by whole steps; the rest is kept beside
     /// each plane as the true place of its cells, and noise is kept until it amounts to something.
     /// Interpolating at each step instead would blur by up to a quarter of a squared cell, far
-    /// more than odometry errs. What moves into walls is lost until the next normalization.
+    /// more than odometry errs. What moves into walls is lost until the next normalization. What
+    /// mixing has added, the same everywhere, stays.
     pub fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
         let (grid, error) = (&model.grid, &model.parameters.odometry);
         let distance_m = libm::hypot(motion.x_m, motion.y_m);

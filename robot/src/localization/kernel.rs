@@ -41,7 +41,7 @@ pub(super) struct Part<'a> {
     pub beams: &'a [[Beam<'a>; TOGETHER]],
     /// Binary logarithm of the weight a unit of cost amounts to.
     pub log2_per_cost: f32,
-    /// Weight of blocks that are wholly below the threshold.
+    /// Weight of blocks that are wholly below the threshold, or empty.
     pub average: f32,
     /// θ.
     pub threshold: f32,
@@ -70,9 +70,9 @@ impl Lanes {
 
     #[inline(always)]
     fn add(&mut self, cells: &[f32; LANES]) {
-        for lane in 0..LANES {
-            self.sums[lane] += cells[lane];
-            self.peaks[lane] = larger(cells[lane], self.peaks[lane]);
+        for ((sum, peak), &cell) in self.sums.iter_mut().zip(&mut self.peaks).zip(cells) {
+            *sum += cell;
+            *peak = larger(cell, *peak);
         }
     }
 
@@ -112,8 +112,8 @@ impl Extent {
 fn block_peak(cells: &[f32; BLOCK]) -> f32 {
     let mut peaks = [0f32; LANES];
     for chunk in cells.as_chunks::<LANES>().0 {
-        for lane in 0..LANES {
-            peaks[lane] = larger(chunk[lane], peaks[lane]);
+        for (peak, &cell) in peaks.iter_mut().zip(chunk) {
+            *peak = larger(cell, *peak);
         }
     }
     peaks.iter().copied().fold(0.0, larger)
@@ -206,9 +206,13 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
 }
 
 /// Multiplies a part by the weights of a scan (Eq. (2) without the normalizer); blocks wholly below
-/// the threshold are multiplied by the average weight (Eq. (3)). The cells are read by the part's
+/// the threshold, and empty ones, are multiplied by the average weight (Eq. (3)). The cells are read by the part's
 /// terms, which bring in the last normalization; cells that are not admissible become 0. What is
 /// stored and returned is [`LIFT`] times as large.
+///
+/// # Deviation
+/// A weight is at least 2⁻¹⁰⁰ and an admissible cell is read as at least [`FLOOR`], so that no
+/// number becomes denormal.
 #[inline(always)]
 pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
     let [factor, floor] = part.terms;
@@ -218,7 +222,8 @@ pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGET
     let mut lanes = Lanes::new();
     let (mut loud, mut count) = ([0; TILE_BLOCKS], 0);
     for (block, (cells, admissible)) in cells.iter_mut().zip(admissible).enumerate() {
-        if !part.beams.is_empty() && block_peak(cells) * factor + floor >= part.threshold {
+        let peak = block_peak(cells);
+        if !part.beams.is_empty() && peak > 0.0 && peak * factor + floor >= part.threshold {
             loud[count] = block;
             count += 1;
         } else {
@@ -367,6 +372,19 @@ fn add_row(out: &mut [f32], row: usize, other: &Share, (columns, rows): (usize, 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exponential_and_logarithm_are_as_exact_as_they_say() {
+        for step in 0..=100_000 {
+            let x = -100.0 * step as f32 / 100_000.0;
+            let exact = libm::exp2(f64::from(x));
+            assert!((f64::from(exp2(x)) / exact - 1.0).abs() < 3e-7, "{x}");
+            let p = exp2(x);
+            assert!((f64::from(ln(p)) - libm::log(f64::from(p))).abs() < 2e-6 - 1e-7 * libm::log(exact), "{p}");
+        }
+        assert_eq!(exp2(-1e9), exp2(LEAST_LOG2));
+        assert_eq!(0.0 * ln(0.0), 0.0);
+    }
 
     #[test]
     fn a_shift_moves_a_point_and_drops_what_leaves() {
