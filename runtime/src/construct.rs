@@ -10,19 +10,18 @@ use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
 impl Machine {
     /// A task for code, with the values it captures from registers of the current frame.
     fn child_task(
-        &self,
+        &mut self,
         around: &Surroundings<'_>,
         child: &Child,
-        arguments: &[Value],
+        argument: Option<Value>,
         base: usize,
         priority: (u32, u16),
     ) -> Task {
         let code = &around.program.codes[child.code as usize];
-        let mut registers = vec![Value::Nil; usize::from(code.registers)].into_boxed_slice();
-        registers[..arguments.len()].copy_from_slice(arguments);
-        for (at, &reg) in code.captures.iter().enumerate() {
-            registers[arguments.len() + at] = self.scratch.stack[base + usize::from(reg)];
-        }
+        let stack = &self.scratch.stack[base..];
+        let captured = code.captures.iter().map(|&register| stack[usize::from(register)]);
+        let count = usize::from(argument.is_some()) + code.captures.len();
+        let registers = self.tasks.registers.make(count, argument.into_iter().chain(captured));
         let mut task = Task::new(child.code, registers, code.name, priority.0);
         task.priority_depth = priority.1;
         let maker = &self.tasks[self.current];
@@ -62,20 +61,23 @@ impl Machine {
         index
     }
 
-    /// Starts a construct in the current task. `elements` gives one child for each element instead
-    /// of the listed children.
+    /// Starts a construct in the current task. `elements` is a proper list: there is one child for
+    /// each element instead of the listed children.
     ///
     /// Gives the decision if there is nothing to wait for.
     pub(crate) fn start_construct(
         &mut self,
         around: &mut Surroundings<'_>,
         construct: &Construct,
-        elements: Option<&[Value]>,
+        elements: Option<Value>,
         result: Reg,
         base: usize,
     ) -> Result<Option<Value>, Raise> {
         let parent = self.current;
-        let total = elements.map_or(construct.children.len(), <[Value]>::len);
+        let total = match elements {
+            Some(elements) => self.heap.length(elements).unwrap_or(0),
+            None => construct.children.len(),
+        };
         let seconds = self.construct_argument(construct, base)?;
         let occurrence = self.count_use(parent, construct.name);
         if total == 0 {
@@ -100,13 +102,18 @@ impl Machine {
             expired: false,
         };
         self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
+        let mut rest = elements.unwrap_or_default();
         for position in 0..total {
-            let (child, arguments) = match elements {
-                Some(elements) => (&construct.children[0], &elements[position..=position]),
-                None => (&construct.children[position], &[][..]),
+            let (child, argument) = match rest {
+                Value::Cons(pair) => {
+                    let (element, next) = self.heap.pair(pair);
+                    rest = next;
+                    (&construct.children[0], Some(element))
+                }
+                _ => (&construct.children[position], None),
             };
             let priority = self.child_priority(construct, parent, position, seconds);
-            let task = self.child_task(around, child, arguments, base, priority);
+            let task = self.child_task(around, child, argument, base, priority);
             let index = self.place_task(child, task, base);
             self.name_child(index, child, construct, position, occurrence);
             self.adopt(parent, scope, index);
@@ -141,7 +148,7 @@ impl Machine {
             return Err(Raise::new("control-error", "`spawn` needs a plan around it that the child belongs to"));
         };
         let record = &self.tasks[self.current];
-        let task = self.child_task(around, child, &[], base, (record.priority, record.priority_depth));
+        let task = self.child_task(around, child, None, base, (record.priority, record.priority_depth));
         let index = self.place_task(child, task, base);
         let occurrence = self.count_use(owner, child.name.unwrap_or(construct.name));
         self.name_child(index, child, construct, 0, occurrence);
@@ -285,7 +292,7 @@ impl Machine {
     }
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        let (state, result, position) = (self.tasks[child].state, self.tasks[child].result, self.tasks[child].position);
+        let (state, result, position) = (self.tasks[child].state, self.tasks[child].value, self.tasks[child].position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {
@@ -357,7 +364,7 @@ impl Machine {
         if children.alive > 0 || record.state != State::Blocked || record.scopes.len() != scope as usize + 1 {
             return;
         }
-        if record.leaving.is_some() {
+        if record.is_leaving() {
             self.unwind(around, parent);
             return;
         }
@@ -391,7 +398,7 @@ impl Machine {
     fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
         if state == State::Failed {
             let record = &self.tasks[owner];
-            if record.leaving.is_some() || record.scopes[scope as usize..].iter().any(is_clean_up) {
+            if record.is_leaving() || record.scopes[scope as usize..].iter().any(is_clean_up) {
                 // It takes effect when the clean-up is over, or is attached to what is under way.
                 if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope as usize].kind {
                     match call.failure {
@@ -407,7 +414,7 @@ impl Machine {
         let record = &self.tasks[owner];
         let none_left = matches!(&record.scopes[scope as usize].kind, ScopeKind::Call(call) if call.spawned == 0);
         if none_left && record.state == State::Blocked && record.waiting == Waiting::Spawned {
-            if record.leaving.is_some() {
+            if record.is_leaving() {
                 self.unwind(around, owner);
             } else {
                 self.wake(owner, Wake::Nothing);

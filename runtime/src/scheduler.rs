@@ -23,9 +23,11 @@ impl Default for Line {
 
 impl Line {
     /// Adds at the end.
+    #[inline]
     pub fn push_back(&mut self, tasks: &mut Tasks, task: u32) {
-        tasks[task].previous = self.last;
-        tasks[task].next = NONE;
+        let record = &mut tasks[task];
+        record.previous = self.last;
+        record.next = NONE;
         if self.last == NONE {
             self.first = task;
         } else {
@@ -44,6 +46,22 @@ impl Line {
             tasks[self.first].previous = task;
         }
         self.first = task;
+    }
+
+    /// Takes the first task out.
+    #[inline]
+    pub fn pop_front(&mut self, tasks: &mut Tasks) -> Option<u32> {
+        let task = self.first;
+        if task == NONE {
+            return None;
+        }
+        self.first = std::mem::replace(&mut tasks[task].next, NONE);
+        if self.first == NONE {
+            self.last = NONE;
+        } else {
+            tasks[self.first].previous = NONE;
+        }
+        Some(task)
     }
 
     /// The tasks in line, the first one first.
@@ -134,8 +152,9 @@ impl Priorities {
     }
 
     /// Whether the first is more important.
+    #[inline]
     pub fn is_higher(&self, left: u32, right: u32) -> bool {
-        self.ranks[left as usize] < self.ranks[right as usize]
+        left != right && self.ranks[left as usize] < self.ranks[right as usize]
     }
 
     /// The more important of two.
@@ -167,10 +186,7 @@ impl Priorities {
     /// The next task to run, taken out of its line.
     pub fn pop(&mut self, tasks: &mut Tasks) -> Option<u32> {
         while let Some(&number) = self.order.get(self.first_used as usize) {
-            let line = &mut self.lines[number as usize];
-            if line.first != NONE {
-                let task = line.first;
-                line.remove(tasks, task);
+            if let Some(task) = self.lines[number as usize].pop_front(tasks) {
                 return Some(task);
             }
             self.first_used += 1;
