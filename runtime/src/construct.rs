@@ -3,7 +3,7 @@
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::scheduler::Alarm;
-use crate::task::{Children, Decision, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
+use crate::task::{Children, Decision, Held, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
 
@@ -95,13 +95,15 @@ impl Machine {
             decided: None,
             last_value: Value::Nil,
             failures: Vec::new(),
-            order: construct.order.clone(),
-            dead: Vec::new(),
+            order: sorted(&construct.order),
+            held: Vec::new(),
             seconds: seconds.unwrap_or(0.0),
             timer: 0,
             expired: false,
         };
         self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
+        let constraints = constraints_of(&construct.order, total);
+        let mut held = Vec::new();
         let mut rest = elements.unwrap_or_default();
         for position in 0..total {
             let (child, argument) = match rest {
@@ -117,10 +119,15 @@ impl Machine {
             let index = self.place_task(child, task, base);
             self.name_child(index, child, construct, position, occurrence);
             self.adopt(parent, scope, index);
-            let held_back = construct.order.iter().any(|&(_, after)| usize::from(after) == position);
-            if !held_back {
-                self.start_task(around, index);
+            match constraints.get(position) {
+                Some(&constraints @ 1..) => {
+                    held.push(Held { position: position as u16, constraints, task: self.tasks.reference(index) });
+                }
+                _ => self.start_task(around, index),
             }
+        }
+        if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
+            children.held = held;
         }
         if construct.rule == Rule::Timeout {
             self.set_deadline(parent, scope, seconds.unwrap_or(0.0));
@@ -301,9 +308,6 @@ impl Machine {
             }
             ScopeKind::Children(children) => {
                 children.alive -= 1;
-                if children.rule == Rule::Plan {
-                    children.dead.push(position as u16);
-                }
                 let decided = children.decided;
                 match (decided, verdict(children, state, result, position)) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
@@ -341,15 +345,21 @@ impl Machine {
     }
 
     fn start_successors(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, dead: u16) {
-        let ScopeKind::Children(children) = &self.tasks[parent].scopes[scope as usize].kind else { return };
-        if !children.order.iter().any(|&(before, _)| before == dead) {
-            return;
+        let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind else { return };
+        let Children { order, held, .. } = &mut **children;
+        let first = order.partition_point(|&(before, _)| before < dead);
+        let mut free = Vec::new();
+        for &(_, after) in order[first..].iter().take_while(|&&(before, _)| before == dead) {
+            let Ok(at) = held.binary_search_by_key(&after, |held| held.position) else { continue };
+            held[at].constraints -= 1;
+            if held[at].constraints == 0 {
+                free.push(held[at].task);
+            }
         }
-        let (order, dead) = (children.order.clone(), children.dead.clone());
-        for child in self.children_of_scope(parent, scope) {
-            let position = self.tasks[child].position as u16;
-            let may_start = order.iter().all(|&(before, after)| after != position || dead.contains(&before));
-            if self.tasks[child].state == State::Created && may_start {
+        for child in free {
+            if let Some(child) = self.tasks.find_alive(child)
+                && self.tasks[child].state == State::Created
+            {
                 self.start_task(around, child);
             }
         }
@@ -421,6 +431,21 @@ impl Machine {
             }
         }
     }
+}
+
+fn sorted(order: &[(u16, u16)]) -> Vec<(u16, u16)> {
+    let mut order = order.to_vec();
+    order.sort_unstable();
+    order
+}
+
+/// How many constraints there are on each child; nothing where there is no order at all.
+fn constraints_of(order: &[(u16, u16)], children: usize) -> Vec<u32> {
+    let mut constraints = vec![0; if order.is_empty() { 0 } else { children }];
+    for &(_, after) in order {
+        constraints[usize::from(after)] += 1;
+    }
+    constraints
 }
 
 fn is_clean_up(scope: &Scope) -> bool {

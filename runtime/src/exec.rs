@@ -9,6 +9,7 @@ use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, The
 use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
+use rpl_lang::compile::NativeSignature;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -53,6 +54,7 @@ impl Limits {
 fn copied(value: &Value) -> Value {
     match *value {
         Value::Int(value) => Value::Int(black_box(value)),
+        Value::Cons(pair) => Value::Cons(black_box(pair)),
         other => other,
     }
 }
@@ -497,6 +499,16 @@ impl Machine {
                 }
             };
         }
+        // After a call of a value, which may have been entered, or done if it is a native.
+        macro_rules! go_on {
+            () => {
+                (code_number, pc, base) = (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                code = &program.codes[code_number as usize];
+                fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                check_leaving!();
+                check_switch!();
+            };
+        }
         macro_rules! block {
             ($register:expr) => {{
                 save!();
@@ -676,37 +688,37 @@ impl Machine {
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
                     Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
-                    Op::Not(a, b) => r!(a) = Value::truth(r!(b) == Value::Nil),
+                    Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                     Op::Cons(a, b, c) => {
-                        r!(a) = self.heap.cons(r!(b), r!(c));
+                        r!(a) = self.heap.cons(copied(&r!(b)), copied(&r!(c)));
                         if self.heap.is_full() {
                             collect_if_full!();
                             continue 'frame;
                         }
                     }
-                    Op::Car(a, b) => match r!(b) {
-                        Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                    Op::Car(a, b) => match &r!(b) {
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
                         Value::Nil => r!(a) = Value::Nil,
-                        other => fail!(self.wrong_type("the argument of `car`", "a list", other)),
+                        &other => fail!(self.wrong_type("the argument of `car`", "a list", other)),
                     },
-                    Op::Cdr(a, b) => match r!(b) {
-                        Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
+                    Op::Cdr(a, b) => match &r!(b) {
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
                         Value::Nil => r!(a) = Value::Nil,
-                        other => fail!(self.wrong_type("the argument of `cdr`", "a list", other)),
+                        &other => fail!(self.wrong_type("the argument of `cdr`", "a list", other)),
                     },
                     Op::Jump(distance) => jump!(distance),
                     Op::JumpIfNil(a, distance) => {
-                        if r!(a) == Value::Nil {
+                        if matches!(r!(a), Value::Nil) {
                             jump!(distance);
                         }
                     }
                     Op::JumpIfTrue(a, distance) => {
-                        if r!(a) != Value::Nil {
+                        if !matches!(r!(a), Value::Nil) {
                             jump!(distance);
                         }
                     }
                     Op::JumpIfGiven(a, distance) => {
-                        if r!(a) != Value::Unbound {
+                        if !matches!(r!(a), Value::Unbound) {
                             jump!(distance);
                         }
                     }
@@ -786,11 +798,7 @@ impl Machine {
                                 )? {
                                     Some(exit) => return Ok(exit),
                                     None => {
-                                        (code_number, pc, base) =
-                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                        code = &program.codes[code_number as usize];
-                                        check_leaving!();
-                                        check_switch!();
+                                        go_on!();
                                         continue 'frame;
                                     }
                                 }
@@ -822,11 +830,7 @@ impl Machine {
                                 match self.call_value(around, place, function, &arguments, first, true, first as Reg)? {
                                     Some(exit) => return Ok(exit),
                                     None => {
-                                        (code_number, pc, base) =
-                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                        code = &program.codes[code_number as usize];
-                                        check_leaving!();
-                                        check_switch!();
+                                        go_on!();
                                         continue 'frame;
                                     }
                                 }
@@ -836,11 +840,11 @@ impl Machine {
                     Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
                         burn!();
                         let tail = matches!(op, Op::TailCallValue(..));
-                        let function = r!(callee);
+                        let function = &r!(callee);
                         let first = usize::from(callee) + 1;
                         let known = match function {
-                            Value::Function(number) => Some((number, &[][..])),
-                            Value::Closure(index) => {
+                            &Value::Function(number) => Some((number, &[][..])),
+                            &Value::Closure(index) => {
                                 let closure = &self.heap.closures[index];
                                 Some((closure.code, &*closure.captured))
                             }
@@ -866,16 +870,13 @@ impl Machine {
                             (code, code_number, pc, base) = (callee, number, 0, base + start);
                             continue 'frame;
                         }
+                        let function = *function;
                         let arguments = r[first..first + usize::from(count)].to_vec();
                         save!();
                         match self.call_value(around, place, function, &arguments, first, tail, first as Reg)? {
                             Some(exit) => return Ok(exit),
                             None => {
-                                (code_number, pc, base) =
-                                    (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                code = &program.codes[code_number as usize];
-                                check_leaving!();
-                                check_switch!();
+                                go_on!();
                                 continue 'frame;
                             }
                         }
@@ -939,11 +940,7 @@ impl Machine {
                                 )? {
                                     Some(exit) => return Ok(exit),
                                     None => {
-                                        (code_number, pc, base) =
-                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                        code = &program.codes[code_number as usize];
-                                        check_leaving!();
-                                        check_switch!();
+                                        go_on!();
                                     }
                                 }
                             }
@@ -1387,7 +1384,7 @@ impl Machine {
         arguments: &[Value],
         result: Reg,
     ) -> Result<Option<Exit>, Raise> {
-        let (min, max) = around.natives[usize::from(native)].arity();
+        let NativeSignature { min, max, .. } = around.signatures[usize::from(native)];
         let count = arguments.len();
         if count < usize::from(min) || max.is_some_and(|max| count > usize::from(max)) {
             let name = around.natives[usize::from(native)].name;

@@ -123,10 +123,21 @@ impl Machine {
     fn mark(&self, marker: &mut Marker) {
         while let Some(value) = marker.waiting.pop() {
             match value {
-                Value::Cons(pair) if marker.heap.pairs.set(pair) => {
-                    let (car, cdr) = self.heap.pair(pair);
-                    marker.waiting.push(car);
-                    marker.waiting.push(cdr);
+                Value::Cons(first) => {
+                    let mut at = first;
+                    while marker.heap.pairs.set(at) {
+                        let (car, cdr) = &self.heap.pairs[at as usize];
+                        if is_object(car) {
+                            marker.waiting.push(*car);
+                        }
+                        match cdr {
+                            Value::Cons(next) => at = *next,
+                            other => {
+                                marker.waiting.push(*other);
+                                break;
+                            }
+                        }
+                    }
                 }
                 Value::Str(text) => drop(marker.heap.strings.set(text)),
                 Value::Cell(cell) => {
@@ -185,6 +196,11 @@ impl Machine {
             marker.waiting.extend_from_slice(captured);
         }
     }
+}
+
+/// Whether there may be something to mark.
+fn is_object(value: &Value) -> bool {
+    !matches!(value, Value::Nil | Value::True | Value::Int(_) | Value::Float(_) | Value::Symbol(_) | Value::Keyword(_))
 }
 
 fn mark_leaving(marker: &mut Marker, leaving: &Leaving) {

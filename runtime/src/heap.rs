@@ -257,12 +257,19 @@ impl Heap {
     /// Frees what is not marked and sets the next threshold.
     pub fn sweep(&mut self, marks: &HeapMarks) {
         let mut live = 0;
-        for index in 0..self.pairs.len() {
-            if marks.pairs.is_set(index as u32) {
-                live += 1;
-            } else if self.pairs[index].0 != Value::Unbound {
-                self.pairs[index] = (Value::Unbound, Value::Nil);
-                self.free_pairs.push(index as u32);
+        for (group, pairs) in self.pairs.chunks_mut(64).enumerate() {
+            let first = group * 64;
+            if marks.pairs.are_all_set(first) {
+                live += pairs.len();
+                continue;
+            }
+            for (index, pair) in (first as u32..).zip(pairs) {
+                if marks.pairs.is_set(index) {
+                    live += 1;
+                } else if !matches!(pair.0, Value::Unbound) {
+                    *pair = (Value::Unbound, Value::Nil);
+                    self.free_pairs.push(index);
+                }
             }
         }
         let mut string_bytes = 0;

@@ -15,6 +15,7 @@ use crate::unwind::Departure;
 use crate::value::{TaskRef, Value};
 use crate::valve::Valve;
 use rpl_lang::code::{Constant, GlobalKind, Program};
+use rpl_lang::compile::NativeSignature;
 use rpl_lang::symbol::{Symbol, Symbols};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -25,6 +26,8 @@ pub struct Surroundings<'a> {
     pub program: &'a Program,
     /// The native functions, by number.
     pub natives: &'a [Native],
+    /// How many arguments each of them takes.
+    pub signatures: &'a [NativeSignature],
     /// The robot, or [`crate::behaviour::NoRobot`].
     pub outside: &'a mut dyn Outside,
 }

@@ -265,7 +265,8 @@ pub struct Timer {
 pub struct Timers {
     heap: BinaryHeap<Reverse<Timer>>,
     next_number: u64,
-    cancelled: usize,
+    /// How many have nothing to do any more, as far as is known.
+    cancelled: i64,
 }
 
 impl PartialEq for Timers {
@@ -291,7 +292,7 @@ impl Timers {
     /// `is_current`.
     pub fn note_cancelled(&mut self, is_current: impl Fn(&Timer) -> bool) {
         self.cancelled += 1;
-        if self.cancelled > 64 && self.cancelled * 2 > self.heap.len() {
+        if self.cancelled > 64 && self.cancelled * 2 > self.heap.len() as i64 {
             self.heap.retain(|timer| is_current(&timer.0));
             self.cancelled = 0;
         }
@@ -304,14 +305,15 @@ impl Timers {
                 return Some(timer);
             }
             self.heap.pop();
-            self.cancelled = self.cancelled.saturating_sub(1);
+            self.cancelled -= 1;
         }
         None
     }
 
-    /// Takes the timer that [`Timers::next`] gave.
+    /// Takes the timer that [`Timers::next`] gave. What it ends notes it as cancelled.
     pub fn take(&mut self) {
         self.heap.pop();
+        self.cancelled -= 1;
     }
 
     /// All timers.
@@ -335,5 +337,23 @@ mod tests {
         assert!(priorities.is_higher(inner_policy, body));
         assert!(priorities.is_higher(body, demoted));
         assert!(!priorities.is_higher(body, 0) && !priorities.is_higher(0, body));
+    }
+
+    #[test]
+    fn timers_that_fire_are_looked_at_once() {
+        use std::cell::Cell;
+        let (mut timers, looks) = (Timers::default(), Cell::new(0));
+        let is_current = |_: &Timer| {
+            looks.set(looks.get() + 1);
+            true
+        };
+        for number in 0..1_000 {
+            timers.set(number, TaskRef { index: 0, generation: 0 }, Alarm::Wake(0));
+        }
+        while timers.next(is_current).is_some() {
+            timers.take();
+            timers.note_cancelled(is_current);
+        }
+        assert_eq!(looks.get(), 1_000, "the heap is not cleaned while no timer was cancelled");
     }
 }

@@ -96,8 +96,12 @@ impl<O: Outside> System<O> {
 
     /// Calls something of the machine that needs its surroundings.
     pub fn with_machine<T>(&mut self, act: impl FnOnce(&mut Machine, &mut Surroundings<'_>) -> T) -> T {
-        let mut around =
-            Surroundings { program: &self.program, natives: &self.library.natives, outside: &mut self.outside };
+        let mut around = Surroundings {
+            program: &self.program,
+            natives: &self.library.natives,
+            signatures: &self.library.signatures,
+            outside: &mut self.outside,
+        };
         act(&mut self.machine, &mut around)
     }
 

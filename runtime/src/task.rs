@@ -200,6 +200,17 @@ pub enum Decision {
     Fail(Value),
 }
 
+/// A child that a partial order holds back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Held {
+    /// Its place among the children.
+    pub position: u16,
+    /// How many constraints keep it from starting.
+    pub constraints: u32,
+    /// The child.
+    pub task: TaskRef,
+}
+
 /// The children of a construct in progress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Children {
@@ -221,10 +232,10 @@ pub struct Children {
     pub last_value: Value,
     /// Failures of children, in the order in which they failed.
     pub failures: Vec<Value>,
-    /// For a partial order: constraints between positions.
+    /// For a partial order: constraints between positions, sorted.
     pub order: Vec<(u16, u16)>,
-    /// For a partial order: positions that are dead.
-    pub dead: Vec<u16>,
+    /// For a partial order: the children that cannot start at once, by position.
+    pub held: Vec<Held>,
     /// For a timeout: seconds, and the number of its timer.
     pub seconds: f64,
     /// The timer of a timeout.
