@@ -842,9 +842,9 @@ impl Machine {
                         let tail = matches!(op, Op::TailCallValue(..));
                         let function = &r!(callee);
                         let first = usize::from(callee) + 1;
-                        let known = match function {
-                            &Value::Function(number) => Some((number, &[][..])),
-                            &Value::Closure(index) => {
+                        let known = match *function {
+                            Value::Function(number) => Some((number, &[][..])),
+                            Value::Closure(index) => {
                                 let closure = &self.heap.closures[index];
                                 Some((closure.code, &*closure.captured))
                             }

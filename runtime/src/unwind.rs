@@ -332,7 +332,7 @@ impl Machine {
     }
 
     fn land(&mut self, task: u32, landing: Landing) -> Unwound {
-        drop(self.tasks[task].take_leaving());
+        self.tasks[task].take_leaving();
         Unwound::Land(landing)
     }
 

@@ -42,6 +42,7 @@ pub(crate) fn integer(number: i64) -> Answer {
 /// Answers with a new string.
 pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> Answer {
     room_for(call, text.len())?;
+    call.burn(text.len() / CHARACTERS_A_STEP);
     value(call.machine.heap.string(text))
 }
 
