@@ -13,12 +13,14 @@ mod experiment;
 mod failure_report;
 mod figures;
 mod files;
+mod fmt;
 mod interrupt;
 mod mission;
 mod overrides;
+mod reference;
 mod run;
-mod special_forms;
 mod status;
+mod test;
 mod time;
 mod trace_file;
 mod worlds;
@@ -53,6 +55,10 @@ enum Command {
         #[arg(long)]
         scenario: bool,
     },
+    /// Runs the tests in plans
+    Test(test::Arguments),
+    /// Formats plans: indentation, spaces, and lines that are too long
+    Fmt(fmt::Arguments),
     /// Evaluates an expression, or standard input, and prints the value
     Eval {
         /// The expression; `-` for standard input
@@ -67,9 +73,10 @@ enum Command {
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
-    /// Documents a name, or lists all; `behaviours` documents the robot
+    /// Documents a name or a topic, searches for a word, or lists all names
     Doc {
-        /// A function, plan, macro, special form, fluent or behaviour
+        /// Whatever has a name in the language, the library or the robot, a command, a topic such as
+        /// `behaviours`, or a word to search for
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
@@ -110,6 +117,8 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
+        Command::Test(arguments) => test::run(arguments, console),
+        Command::Fmt(arguments) => fmt::run(arguments, console),
         Command::Eval { expression } => eval::run(expression, console),
         Command::Worlds(arguments) => worlds::run(arguments, console),
         Command::Examples { name } => examples::run(name.as_deref(), console),

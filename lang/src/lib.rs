@@ -4,6 +4,8 @@
 //! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`].
 
 pub mod diagnostic;
+pub mod formatter;
+pub mod indentation;
 pub mod lexer;
 mod nesting;
 pub mod number;

@@ -5,7 +5,7 @@ use crate::failure::base_classes;
 use crate::macro_host::MacroMachine;
 use crate::native::Native;
 use rpl_lang::code::{Global, GlobalKind, Program};
-use rpl_lang::compile::{self, Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose};
+use rpl_lang::compile::{self, Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose, Test};
 use rpl_lang::diagnostic::{Diagnostic, Severity};
 use rpl_lang::symbol::Symbols;
 use std::sync::Arc;
@@ -19,6 +19,8 @@ pub struct Loaded {
     pub symbols: Symbols,
     /// Code of the file's forms.
     pub main: u32,
+    /// The file's tests: to run one, its code takes the place of `main`.
+    pub tests: Vec<Test>,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
 }
@@ -71,7 +73,13 @@ impl Library {
             define(&mut program, &mut symbols, fluent.name, GlobalKind::Fluent, fluent.doc);
         }
         for &valve in outside.valves() {
-            define(&mut program, &mut symbols, valve, GlobalKind::Valve, "a valve of the robot");
+            define(
+                &mut program,
+                &mut symbols,
+                valve,
+                GlobalKind::Valve,
+                "A valve of the robot: whatever moves what it guards holds it.",
+            );
         }
         let signatures = natives.iter().map(Native::signature).collect();
         let mut library = Self { natives: natives.into(), signatures, program, symbols, robot_names };
@@ -123,7 +131,7 @@ impl Library {
         if has_error(&compiled.diagnostics) {
             return Err(Rejected { diagnostics: compiled.diagnostics, program });
         }
-        Ok(Loaded { program, symbols, main: compiled.main, warnings: compiled.diagnostics })
+        Ok(Loaded { program, symbols, main: compiled.main, tests: compiled.tests, warnings: compiled.diagnostics })
     }
 
     /// Compiles a datum into a program that runs.

@@ -2,7 +2,7 @@
 
 use super::ir::{Function, Ir, IrKind};
 use super::special::Special;
-use super::{Compiler, Purpose, emit, thunk};
+use super::{Compiler, Purpose, TopLevel, emit, thunk};
 use crate::code::{CodeKind, FailureClass, GlobalKind};
 use crate::source::Span;
 use crate::symbol::Symbol;
@@ -20,7 +20,8 @@ impl Compiler<'_> {
             let special = self.tree.head(form).and_then(|head| self.specials.get(&head).copied());
             let Some(name) = self.tree.items(form).get(1).and_then(|&name| self.tree.symbol(name)) else { continue };
             let defines_value = special.is_some_and(|special| {
-                special.is_definition() && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load)
+                special.is_definition()
+                    && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load | Special::Deftest)
             });
             let shadows = self.program.names.get(&name).is_some_and(|&global| self.is_library(global))
                 || self.native_numbers.contains_key(&name);
@@ -38,11 +39,11 @@ impl Compiler<'_> {
         is_defined && self.robot_names.contains(&self.symbols.name(name))
     }
 
-    pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<Function>) {
+    pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
         let span = self.tree.span(node);
         let items = self.tree.items(node).to_vec();
         let Some(head) = self.tree.head(node) else {
-            return bodies.push(self.top_level_form(node));
+            return bodies.push(TopLevel::Form(self.top_level_form(node)));
         };
         if let Some(&code) = self.program.macros.get(&head) {
             if let Some(expansion) = self.expand(code, node) {
@@ -56,18 +57,18 @@ impl Compiler<'_> {
                 // Definitions may stand in a top-level `progn`, so that a macro can make several.
                 let holds_definition = items[1..].iter().any(|&item| self.is_definition_form(item));
                 if !holds_definition {
-                    return bodies.push(self.top_level_form(node));
+                    return bodies.push(TopLevel::Form(self.top_level_form(node)));
                 }
                 for &item in &items[1..] {
                     self.top_level(item, bodies);
                 }
             }
             Some(special) if special.is_definition() => self.definition(special, &items, span, bodies),
-            _ => bodies.push(self.top_level_form(node)),
+            _ => bodies.push(TopLevel::Form(self.top_level_form(node))),
         }
     }
 
-    fn top_level_expansion(&mut self, expansion: NodeId, bodies: &mut Vec<Function>) {
+    fn top_level_expansion(&mut self, expansion: NodeId, bodies: &mut Vec<TopLevel>) {
         stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.top_level(expansion, bodies));
     }
 
@@ -86,17 +87,18 @@ impl Compiler<'_> {
         thunk(name, CodeKind::Function, body, scope, span)
     }
 
-    fn definition(&mut self, special: Special, items: &[NodeId], span: Span, bodies: &mut Vec<Function>) {
+    fn definition(&mut self, special: Special, items: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
         let rest = &items[1..];
         match special {
             Special::Defun | Special::DefPlan => self.define_function(special, rest, span),
             Special::Defmacro => self.define_macro(rest, span),
             Special::Defvar | Special::Defconstant | Special::DefFluent => {
-                bodies.extend(self.define_value(special, rest, span));
+                bodies.extend(self.define_value(special, rest, span).map(TopLevel::Definition));
             }
             Special::DefValve => self.define_valve(rest, span),
             Special::DefFailure => self.define_failure(rest, span),
             Special::Load => self.load(rest, span, bodies),
+            Special::Deftest => bodies.extend(self.define_test(rest, span)),
             _ => unreachable!("only definitions come here"),
         }
     }
@@ -255,7 +257,7 @@ impl Compiler<'_> {
         self.program.failure_classes.insert(name, FailureClass { parent: Some(parent), slots });
     }
 
-    fn load(&mut self, rest: &[NodeId], span: Span, bodies: &mut Vec<Function>) {
+    fn load(&mut self, rest: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
         let path = match rest {
             [path] => match &self.tree.get(*path).kind {
                 Kind::Str(path) => path.clone(),

@@ -9,6 +9,7 @@ mod lambda_list;
 mod plan_forms;
 mod resolve;
 mod special;
+mod test_form;
 
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
@@ -17,8 +18,11 @@ use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, Tree};
 use ir::{BlockId, Function, Ir, IrKind, VarId, Variable};
 use special::Special;
+pub use special::{SpecialForm, special_forms};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use test_form::TestForm;
+pub use test_form::{Test, TestOptions};
 
 /// What the compiler knows of a native function.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,6 +103,8 @@ pub struct Compilation<'a> {
 pub struct Compiled {
     /// Code without parameters that runs the forms in order; its value is the last form's.
     pub main: u32,
+    /// The tests of the text, in order; those of loaded files are not among them.
+    pub tests: Vec<Test>,
     /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -144,6 +150,16 @@ pub(crate) struct HandlerScope {
     failure: VarId,
 }
 
+/// A top-level form with something to run.
+pub(crate) enum TopLevel {
+    /// The value of a definition.
+    Definition(Function),
+    /// A form of the main task.
+    Form(Function),
+    /// A test and its body.
+    Test(TestForm, Function),
+}
+
 pub(crate) struct Compiler<'a> {
     program: &'a mut Program,
     symbols: &'a mut Symbols,
@@ -168,6 +184,8 @@ pub(crate) struct Compiler<'a> {
     calls: Vec<(u32, usize, Span)>,
     expansions: u32,
     loading: Vec<String>,
+    /// Names of the tests so far, with their places.
+    tests: BTreeMap<Arc<str>, Span>,
 }
 
 /// Macros that expand into macros without end are cut here.
@@ -178,7 +196,7 @@ impl<'a> Compiler<'a> {
         let Compilation { program, symbols, natives, macros, loader, robot_names } = surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
-        let specials = special::TABLE.iter().map(|&(name, special)| (symbols.intern(name), special)).collect();
+        let specials = special::names().map(|(name, special)| (symbols.intern(name), special)).collect();
         Self {
             program,
             symbols,
@@ -201,6 +219,7 @@ impl<'a> Compiler<'a> {
             calls: Vec::new(),
             expansions: 0,
             loading: Vec::new(),
+            tests: BTreeMap::new(),
         }
     }
 
@@ -211,24 +230,44 @@ impl<'a> Compiler<'a> {
         for &form in forms {
             self.top_level(form, &mut bodies);
         }
-        let main = self.emit_main(name, bodies, span);
+        let (main, tests) = self.emit_main(name, bodies, span);
         self.check_undefined();
         self.check_calls();
         if self.purpose == Purpose::Library {
             self.program.library_globals = self.program.globals.len() as u32;
         }
-        Compiled { main, diagnostics: self.diagnostics }
+        Compiled { main, tests, diagnostics: self.diagnostics }
     }
 
-    /// One code that runs each form's code in turn: a form is a plan body of its own.
-    fn emit_main(&mut self, name: Symbol, bodies: Vec<Function>, span: Span) -> u32 {
-        let mut calls = Vec::new();
+    /// One code that runs each form's code in turn: a form is a plan body of its own. One more for
+    /// each test, which runs the definitions and then the test.
+    fn emit_main(&mut self, name: Symbol, bodies: Vec<TopLevel>, span: Span) -> (u32, Vec<Test>) {
+        let (mut calls, mut definitions, mut forms) = (Vec::new(), Vec::new(), Vec::new());
         for body in bodies {
-            let place = body.span;
-            calls.push((emit::emit(self, body, &[]), place));
+            match body {
+                TopLevel::Definition(body) => {
+                    let call = self.emit_call(body);
+                    definitions.push(call);
+                    calls.push(call);
+                }
+                TopLevel::Form(body) => calls.push(self.emit_call(body)),
+                TopLevel::Test(form, body) => forms.push((form, self.emit_call(body))),
+            }
         }
-        let code = emit::sequence(name, span, &calls);
-        self.add_code(code)
+        let main = self.add_code(emit::sequence(name, span, &calls));
+        let tests = forms
+            .into_iter()
+            .map(|(form, call)| {
+                let calls = [definitions.as_slice(), &[call]].concat();
+                form.with_code(self.add_code(emit::sequence(name, span, &calls)))
+            })
+            .collect();
+        (main, tests)
+    }
+
+    fn emit_call(&mut self, body: Function) -> (u32, Span) {
+        let place = body.span;
+        (emit::emit(self, body, &[]), place)
     }
 
     fn add_code(&mut self, code: Code) -> u32 {
@@ -286,7 +325,7 @@ impl<'a> Compiler<'a> {
     fn suggestion(&self, text: &str) -> Option<String> {
         let globals = self.program.names.keys().map(|&name| self.symbols.name(name));
         let natives = self.natives.iter().map(|native| native.name.as_str());
-        let specials = special::TABLE.iter().map(|&(name, _)| name);
+        let specials = special::names().map(|(name, _)| name);
         let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
         let locals = self.bindings.iter().map(|&(name, _)| self.symbols.name(name));
         let known = globals.chain(natives).chain(specials).chain(macros).chain(locals);
