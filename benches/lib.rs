@@ -183,6 +183,21 @@ pub fn least_ms(runs: usize, on_this_thread: bool, mut prepare: impl FnMut(), mu
     times.fold(f64::INFINITY, f64::min)
 }
 
+/// Set in a process that measures one row for another.
+const IS_FRESH: &str = "RPL_BENCH_FRESH";
+
+/// The figure of a row as a new process measures it, whose memory nobody has used before; what
+/// `measure` gives in that process itself.
+pub fn in_fresh_process(row: &str, measure: impl FnOnce() -> f64) -> f64 {
+    if std::env::var_os(IS_FRESH).is_some() {
+        return measure();
+    }
+    let output = std::env::current_exe()
+        .and_then(|program| Command::new(program).args([row, "--alone"]).env(IS_FRESH, "1").output());
+    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
+    text.split_whitespace().nth(1).and_then(|figure| figure.parse().ok()).unwrap_or(f64::NAN)
+}
+
 /// Bytes of memory this process has in use, as the kernel counts them; none where that is unknown.
 pub fn resident_bytes() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;

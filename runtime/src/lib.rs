@@ -22,6 +22,7 @@ mod macro_host;
 pub mod native;
 pub mod natives;
 pub mod print;
+pub mod registers;
 pub mod save;
 pub mod scheduler;
 pub mod slab;

@@ -2,6 +2,7 @@
 
 use crate::behaviour::{NoRobot, Outbox, Outside};
 use crate::datum::{self, Origins};
+use crate::exec::Ran;
 use crate::failure::Raise;
 use crate::library::{Library, Loaded, has_error};
 use crate::machine::{Machine, Surroundings};
@@ -95,8 +96,12 @@ impl<O: Outside> System<O> {
 
     /// Calls something of the machine that needs its surroundings.
     pub fn with_machine<T>(&mut self, act: impl FnOnce(&mut Machine, &mut Surroundings<'_>) -> T) -> T {
-        let natives = self.library.natives.clone();
-        let mut around = Surroundings { program: &self.program, natives: &natives, outside: &mut self.outside };
+        let mut around = Surroundings {
+            program: &self.program,
+            natives: &self.library.natives,
+            signatures: &self.library.signatures,
+            outside: &mut self.outside,
+        };
         act(&mut self.machine, &mut around)
     }
 
@@ -120,17 +125,29 @@ impl<O: Outside> System<O> {
 
     /// Runs one ready task until it blocks; tells whether there was one.
     pub fn step_task(&mut self) -> bool {
-        let Some(task) = self.machine.priorities.pop(&mut self.machine.tasks) else { return false };
-        let datum = self.with_machine(|machine, around| machine.run_task(around, task));
-        if let Some(datum) = datum {
-            self.execute_datum(task, datum);
+        match self.with_machine(|machine, around| machine.run_next(around)) {
+            Ran::Nothing => return false,
+            Ran::Task => {}
+            Ran::Asked(task, datum) => self.execute_datum(task, datum),
         }
         true
     }
 
     /// Runs ready tasks until all are blocked.
     pub fn settle(&mut self) {
-        while self.step_task() {}
+        loop {
+            let asked = self.with_machine(|machine, around| {
+                loop {
+                    match machine.run_next(around) {
+                        Ran::Nothing => return None,
+                        Ran::Task => {}
+                        Ran::Asked(task, datum) => return Some((task, datum)),
+                    }
+                }
+            });
+            let Some((task, datum)) = asked else { return };
+            self.execute_datum(task, datum);
+        }
     }
 
     /// Goes on to the end of the next instant.
@@ -228,8 +245,8 @@ impl<O: Outside> System<O> {
     pub fn outcome(&self) -> Option<Outcome> {
         let main = &self.machine.tasks[self.machine.main];
         match main.state {
-            State::Succeeded => Some(Outcome::Succeeded(main.result)),
-            State::Failed => Some(Outcome::Failed(main.result)),
+            State::Succeeded => Some(Outcome::Succeeded(main.value)),
+            State::Failed => Some(Outcome::Failed(main.value)),
             State::Evaporated => Some(Outcome::Evaporated),
             _ => None,
         }
@@ -274,14 +291,15 @@ impl<O: Outside> System<O> {
     /// Compiles a datum for the task that asked for it, and lets the task go on in it.
     fn execute_datum(&mut self, task: u32, datum: Value) {
         let outcome = self.compile_datum(datum);
-        self.with_machine(|machine, around| match outcome {
-            Ok(code) => machine.enter(around, task, code),
+        let machine = &mut self.machine;
+        match outcome {
+            Ok(code) => machine.enter(task, code),
             Err(message) => {
                 let raise = Raise::new("error", message);
                 let failure = machine.failure_from(raise);
                 machine.fail_execution(task, failure);
             }
-        });
+        }
     }
 
     fn compile_datum(&mut self, datum: Value) -> Result<u32, String> {

@@ -136,7 +136,7 @@ impl Machine {
         if !self.trace.enabled {
             return;
         }
-        let (state, result) = (self.tasks[task].state, self.tasks[task].result);
+        let (state, result) = (self.tasks[task].state, self.tasks[task].value);
         let mut details = vec![("state", state.name().to_string())];
         match state {
             State::Succeeded => details.push(("value", self.write(program, result))),

@@ -135,3 +135,23 @@ fn two_thousand_requests_of_one_valve() {
         "=> 1.0"
     );
 }
+
+#[test]
+fn walking_long_data_costs_steps() {
+    for walk in ["(append l nil)", "(sort < l)", "(equal l (copy-list l))", "(write-to-string l)"] {
+        let text =
+            format!("(defvar l nil) (dotimes (i 1000) (push i l)) (wait-time 1) (dotimes (i 100) {walk}) 'cheap");
+        let (scarce, ample) = (run_limited(&text, 20_000, 1 << 28), run_limited(&text, 10_000_000, 1 << 28));
+        assert!(scarce.contains("failed: runaway"), "{walk}: {scarce}");
+        assert_eq!(ample, "=> cheap", "{walk}");
+    }
+}
+
+#[test]
+fn a_partial_order_starts_each_step_when_all_before_it_are_done() {
+    let text = "(plan ((:tag a (print 'a)) (:tag b (print 'b)) (:tag c (wait-time 1) (print 'c)) (:tag d (print 'd)))
+                  (:order a d) (:order c d) (:order d b))";
+    let result = run_limited(text, 100_000, 1 << 24);
+    let printed: Vec<&str> = result.lines().take(4).collect();
+    assert_eq!(printed, ["a", "c", "d", "b"], "{result}");
+}

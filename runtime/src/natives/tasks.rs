@@ -131,7 +131,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     call.machine.check_circle(current, index, "the end of a task")?;
     let me = call.machine.tasks.reference(current);
     call.machine.tasks[index].rare().mourners.push(me);
-    call.machine.tasks[current].waiting = Waiting::Death(task);
+    call.machine.tasks[current].waiting = Waiting::Death(index);
     Ok(Reply::Wait)
 }
 
