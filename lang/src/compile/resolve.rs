@@ -70,6 +70,7 @@ impl Compiler<'_> {
             Kind::Float(value) => Constant::Float(value),
             Kind::Str(text) => Constant::Str(text),
             Kind::Object(index) => Constant::Object(index),
+            Kind::Hole => Constant::Nil,
             Kind::List { dotted, .. } => {
                 let mut items: Vec<Constant> =
                     self.tree.items(node).to_vec().into_iter().map(|item| self.datum(item)).collect();
@@ -178,7 +179,7 @@ impl Compiler<'_> {
                 self.named_call(name, &items[1..], span)
             }
             Kind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
-            Kind::List { .. } | Kind::Object(_) => self.call_value(head, &items[1..], span),
+            Kind::List { .. } | Kind::Object(_) | Kind::Hole => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
