@@ -137,6 +137,8 @@ pub(crate) struct BlockScope {
     span: Span,
     token: Option<VarId>,
     used: bool,
+    /// Clean-ups around it.
+    clean_ups: u32,
 }
 
 pub(crate) struct HandlerScope {
@@ -161,6 +163,8 @@ pub(crate) struct Compiler<'a> {
     functions: Vec<FunctionScope>,
     blocks: Vec<BlockScope>,
     handlers: Vec<HandlerScope>,
+    /// Clean-ups around the form that is resolved.
+    clean_ups: u32,
     next_block: u32,
     /// Globals that were used before a definition was seen, with the first place.
     undefined: BTreeMap<u32, Span>,
@@ -196,6 +200,7 @@ impl<'a> Compiler<'a> {
             functions: Vec::new(),
             blocks: Vec::new(),
             handlers: Vec::new(),
+            clean_ups: 0,
             next_block: 0,
             undefined: BTreeMap::new(),
             calls: Vec::new(),
