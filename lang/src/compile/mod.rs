@@ -4,6 +4,7 @@
 mod definitions;
 mod emit;
 mod forms;
+mod goal;
 mod ir;
 mod lambda_list;
 mod plan_forms;
@@ -172,6 +173,8 @@ pub(crate) struct Compiler<'a> {
     calls: Vec<(u32, usize, Span)>,
     expansions: u32,
     loading: Vec<String>,
+    /// Methods of goals, by the plan that tries them.
+    methods: BTreeMap<Symbol, goal::Methods>,
 }
 
 /// Macros that expand into macros without end are cut here.
@@ -206,6 +209,7 @@ impl<'a> Compiler<'a> {
             calls: Vec::new(),
             expansions: 0,
             loading: Vec::new(),
+            methods: BTreeMap::new(),
         }
     }
 
@@ -271,6 +275,8 @@ impl<'a> Compiler<'a> {
                     "not known yet here",
                 )
                 .help = Some("move the defmacro above its first use".into());
+            } else if let Some(accessor) = text.strip_prefix("%set-") {
+                self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
             } else if self.robot_names.contains(&text.as_str()) {
                 self.error(
                     "needs-a-world",
@@ -280,9 +286,12 @@ impl<'a> Compiler<'a> {
                 )
                 .help = Some("add `--world dept` to the command".into());
             } else {
-                let suggestion = self.suggestion(&text);
+                let goal = text
+                    .strip_prefix(goal::PREFIX)
+                    .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
+                let suggestion = self.suggestion(&text).map(|near| format!("did you mean `{near}`?"));
                 self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
-                    suggestion.map(|near| format!("did you mean `{near}`?"));
+                    suggestion.or(goal);
             }
         }
     }

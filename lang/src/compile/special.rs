@@ -24,6 +24,7 @@ pub(crate) enum Special {
     Defun,
     Defmacro,
     DefPlan,
+    DefGoal,
     DefFluent,
     DefValve,
     DefFailure,
@@ -64,6 +65,7 @@ impl Special {
                 | Special::Defun
                 | Special::Defmacro
                 | Special::DefPlan
+                | Special::DefGoal
                 | Special::DefFluent
                 | Special::DefValve
                 | Special::DefFailure
@@ -123,6 +125,7 @@ pub(crate) const TABLE: &[(&str, Special)] = &[
     ("defmacro", Special::Defmacro),
     ("def-plan", Special::DefPlan),
     ("def-interp-proc", Special::DefPlan),
+    ("def-goal", Special::DefGoal),
     ("def-fluent", Special::DefFluent),
     ("global-fluent", Special::DefFluent),
     ("def-valve", Special::DefValve),
