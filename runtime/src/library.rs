@@ -87,6 +87,7 @@ impl Library {
             }
         }
         library.program.library_globals = library.program.globals.len() as u32;
+        library.program.library_sources = library.program.sources.len() as u32;
         Ok(library)
     }
 
