@@ -25,6 +25,7 @@ pub mod print;
 pub mod save;
 pub mod scheduler;
 pub mod slab;
+pub mod stall;
 pub mod system;
 pub mod task;
 pub mod trace;

@@ -8,6 +8,7 @@ use crate::native::Native;
 use crate::print;
 use crate::scheduler::{Priorities, Timers};
 use crate::slab::Slab;
+use crate::stall::Stall;
 use crate::task::{Call, Frame, NONE, Scope, ScopeKind, Task, Tasks};
 use crate::trace::Trace;
 use crate::unwind::Departure;
@@ -129,6 +130,8 @@ pub struct Machine {
     pub(crate) current: u32,
     /// How many tasks wait for others to be at rest.
     pub(crate) waits_for_rest: u32,
+    /// Since when nothing has happened, with a robot.
+    pub stall: Stall,
     /// The main task.
     pub main: u32,
     /// Events.
@@ -166,6 +169,7 @@ impl Machine {
             next_identity: 0,
             current: NONE,
             waits_for_rest: 0,
+            stall: Stall::default(),
             main: NONE,
             trace: Trace::default(),
             output: Vec::new(),
