@@ -133,6 +133,7 @@ fn json_has_its_keys_whatever_the_outcome() {
     assert_eq!(summary(&["--until", "1s"])["outcome"], "timeout");
 }
 
+/// r[trace.file], r[determinism.same]
 #[test]
 fn the_trace_is_the_same_every_time() {
     let folder = folder("trace");
@@ -186,6 +187,7 @@ fn an_endless_loop_that_prints_is_seen_and_ends_with_its_reader() {
 }
 
 #[cfg(unix)]
+/// r[cleanup.stop]
 #[test]
 fn an_interrupt_runs_the_clean_ups_and_says_130() {
     let folder = folder("interrupt");
@@ -220,6 +222,7 @@ fn missing_files_are_told_with_what_was_probably_meant() {
     assert_eq!(status(&found), 2);
 }
 
+/// r[eval.load]
 #[test]
 fn a_plan_loads_files_beside_it_and_none_outside() {
     let folder = folder("load");
