@@ -127,6 +127,8 @@ fn a_record_has_slots_that_are_places() {
     check(&format!("(let ((p (make-parcel))) (push 1 (parcel-item p)) p) {parcel} 'read"), "=> read");
     let wrong = run(&format!("{parcel} (parcel-item '(letter 1))"));
     assert!(wrong.starts_with("failed: type-error: this must be a `parcel`, and it is (letter 1)"), "{wrong}");
+    let few = run(&format!("{parcel} (setf (parcel-item) 2)"));
+    assert!(few.starts_with("error[arity]: `parcel-item` takes 1 argument, and 0 are given"), "{few}");
     refused("(setf (nowhere 1) 2)", "not-a-place");
     refused("(setf 3 2)", "not-a-place");
     refused("(let ((%set-x 1)) (setf (x 1) 2))", "not-a-place");

@@ -319,6 +319,22 @@ fn becoming_true_again_during_a_round_is_not_lost() {
     );
 }
 
+/// r[whenever.missed], r[wait-for.kept]
+#[test]
+fn what_happens_before_a_round_begins_belongs_to_it() {
+    let text = |mode: &str| {
+        format!(
+            "(def-fluent f nil)
+             (par (:tag a (whenever f {mode} (print (now))))
+                  (seq (wait-time 1) (suspend a) (pulse f) (wait-time 1) (pulse f) (wait-time 1) (resume a)
+                       (wait-time 1) (evaporate a)))"
+        )
+    };
+    check(&text(""), "3.0\n=> nil");
+    check(&text(":missed :always"), "3.0\n3.0\n=> nil");
+    check(&text(":missed :never"), "3.0\n=> nil");
+}
+
 /// r[network.failure]
 #[test]
 fn a_failing_network_hurts_nobody_else() {

@@ -235,6 +235,13 @@ fn a_priority_is_a_list_of_whole_numbers() {
               (seq (wait-time 1) (setf (value go) t)))",
         "deeper\nfirst\nsecond\nbelow\n=> t",
     );
+    // What is missing counts 0: the plain child began to wait first.
+    check(
+        "(def-fluent go nil)
+         (par (with-priority 0 (wait-for go) (print 'zero)) (seq (wait-for go) (print 'plain))
+              (seq (wait-time 1) (setf (value go) t)))",
+        "plain\nzero\n=> t",
+    );
 }
 
 /// r[priority.switch]

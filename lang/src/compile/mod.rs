@@ -316,7 +316,12 @@ impl<'a> Compiler<'a> {
                 let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
                 let expected = code.parameters.describe();
                 let definition = code.span;
-                self.arity_error(&name, count, &expected, span).related.push((definition, "defined here".into()));
+                // What is written is the place, and the value to assign is no argument of it.
+                let error = match name.strip_prefix("%set-") {
+                    Some(accessor) => self.arity_error(accessor, count - 1, "1 argument", span),
+                    None => self.arity_error(&name, count, &expected, span),
+                };
+                error.related.push((definition, "defined here".into()));
             }
         }
     }
