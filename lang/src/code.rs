@@ -419,6 +419,9 @@ pub struct Program {
     pub sources: Sources,
     /// How many globals belong to the library and the robot; those may be defined again.
     pub library_globals: u32,
+    /// How many texts are the library's and the robot's; a failure in them is shown where the plan
+    /// calls them.
+    pub library_sources: u32,
 }
 
 impl Program {

@@ -10,6 +10,7 @@ use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
 use rpl_lang::compile::NativeSignature;
+use rpl_lang::source::Span;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -85,10 +86,15 @@ impl Machine {
     pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
         match self.priorities.pop(&mut self.tasks) {
             None => Ran::Nothing,
-            Some(task) => match self.run_task(around, task) {
-                None => Ran::Task,
-                Some(datum) => Ran::Asked(task, datum),
-            },
+            Some(task) => {
+                if around.outside.period_us().is_some() {
+                    self.note_progress(task);
+                }
+                match self.run_task(around, task) {
+                    None => Ran::Task,
+                    Some(datum) => Ran::Asked(task, datum),
+                }
+            }
         }
     }
 
@@ -289,12 +295,11 @@ impl Machine {
 
     /// Raises a failure where the current task stands; answers how it left, if it did.
     fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Place, raise: Raise) -> Option<Exit> {
-        let code = &around.program.codes[place.frame.code as usize];
-        let span = code.spans.get((place.frame.pc as usize).saturating_sub(1)).copied();
         let failure = self.failure_from(raise);
-        if let Value::Failure(index) = failure {
-            let record = &mut self.heap.failures[index];
-            record.span = record.span.or(span);
+        if let Value::Failure(index) = failure
+            && self.heap.failures[index].span.is_none()
+        {
+            self.heap.failures[index].span = self.span_in_plan(around.program, place.frame);
         }
         let task = self.current;
         if task != SCRATCH_TASK {
@@ -307,6 +312,19 @@ impl Machine {
             return None;
         }
         Some(if self.is_alive() { Exit::Blocked } else { Exit::Dead })
+    }
+
+    /// Where the current task stands: inside a function of the library, where the plan calls it.
+    fn span_in_plan(&self, program: &Program, frame: Frame) -> Option<Span> {
+        let span_of = |frame: &Frame| {
+            program.codes[frame.code as usize].spans.get((frame.pc as usize).saturating_sub(1)).copied()
+        };
+        let here = span_of(&frame);
+        if here.is_none_or(|span| span.source.0 >= program.library_sources) {
+            return here;
+        }
+        let callers = self.scratch.frames.iter().rev().filter_map(span_of);
+        callers.into_iter().find(|span| span.source.0 >= program.library_sources).or(here)
     }
 
     /// Goes on with the current task's departure; tells whether code is to run now.

@@ -26,6 +26,7 @@ pub mod registers;
 pub mod save;
 pub mod scheduler;
 pub mod slab;
+pub mod stall;
 pub mod system;
 pub mod task;
 pub mod trace;

@@ -105,6 +105,7 @@ impl Library {
         }
         library.program.library_globals = library.program.globals.len() as u32;
         library.resolved = Arc::new(resolved);
+        library.program.library_sources = library.program.sources.len() as u32;
         Ok(library)
     }
 

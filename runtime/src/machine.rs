@@ -9,6 +9,7 @@ use crate::print;
 use crate::registers::Registers;
 use crate::scheduler::{Priorities, Timers};
 use crate::slab::Slab;
+use crate::stall::Stall;
 use crate::task::{Call, Frame, NONE, Scope, ScopeKind, Task, Tasks};
 use crate::trace::Trace;
 use crate::unwind::Departure;
@@ -133,6 +134,8 @@ pub struct Machine {
     pub(crate) current: u32,
     /// How many tasks wait for others to be at rest.
     pub(crate) waits_for_rest: u32,
+    /// Since when nothing has happened, with a robot.
+    pub stall: Stall,
     /// The main task.
     pub main: u32,
     /// Events.
@@ -170,6 +173,7 @@ impl Machine {
             next_identity: 0,
             current: NONE,
             waits_for_rest: 0,
+            stall: Stall::default(),
             main: NONE,
             trace: Trace::default(),
             output: Vec::new(),

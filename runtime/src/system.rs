@@ -8,7 +8,7 @@ use crate::library::{Library, Loaded, has_error};
 use crate::machine::{Machine, Surroundings};
 use crate::save::Base;
 use crate::scheduler::Alarm;
-use crate::task::{Leaving, NONE, State, Wake};
+use crate::task::{Leaving, State, Wake};
 use crate::tree::is_current;
 use crate::value::Value;
 use rpl_lang::code::Program;
@@ -110,7 +110,10 @@ impl<O: Outside> System<O> {
         let mut outbox = Outbox::default();
         self.outside.step(&mut outbox);
         self.next_step_us = self.machine.now_us + period;
-        self.with_machine(|machine, around| machine.apply_outbox(around, outbox));
+        self.with_machine(|machine, around| {
+            machine.apply_outbox(around, outbox);
+            machine.look_for_stall(around);
+        });
     }
 
     /// A second run from here on. The two share code and nothing else: each goes on as if it were
@@ -264,16 +267,7 @@ impl<O: Outside> System<O> {
     /// leaving already, the clean-up it waits for does.
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
-            let waits: Vec<String> = machine
-                .tasks
-                .iter()
-                .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
-                .filter(|(_, task)| !task.state.is_dead() && task.state != State::Created)
-                .map(|(index, task)| match task.is_held() {
-                    true => format!("{} is suspended", machine.path(index)),
-                    false => format!("{} waits for {}", machine.path(index), machine.describe_waiting(index)),
-                })
-                .collect();
+            let waits = machine.what_tasks_wait_for();
             let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
             let failing = machine.deadlocked_task();
             let failure = machine.failure_from(Raise::new("deadlock", message));

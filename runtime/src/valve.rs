@@ -93,7 +93,7 @@ impl Machine {
         }
         if let Some(holder) = self.valves[valve as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task))
         {
-            self.check_circle(task, holder, &format!("valve {}", self.valve_name(valve)))?;
+            self.check_circle(task, holder, Waiting::Valve(valve))?;
         }
         self.trace_valve(task, valve, "requested");
         self.tasks[task].waiting = Waiting::Valve(valve);
@@ -106,7 +106,7 @@ impl Machine {
         Ok(false)
     }
 
-    fn valve_name(&self, valve: u32) -> &str {
+    pub(crate) fn valve_name(&self, valve: u32) -> &str {
         self.symbols.name(self.valves[valve as usize].name)
     }
 
@@ -491,7 +491,7 @@ impl Machine {
     }
 
     /// A wait of `task` for `first` that would close a circle of waiting is a `deadlock`.
-    pub(crate) fn check_circle(&self, task: u32, first: u32, what: &str) -> Result<(), Raise> {
+    pub(crate) fn check_circle(&self, task: u32, first: u32, what: Waiting) -> Result<(), Raise> {
         let mut came_from = std::collections::BTreeMap::from([(first, NONE)]);
         let mut waiting = vec![first];
         while let Some(at) = waiting.pop() {
@@ -508,14 +508,14 @@ impl Machine {
         Ok(())
     }
 
-    fn describe_circle(&self, task: u32, what: &str, came_from: &std::collections::BTreeMap<u32, u32>) -> String {
+    fn describe_circle(&self, task: u32, what: Waiting, came_from: &std::collections::BTreeMap<u32, u32>) -> String {
         let mut parts = Vec::new();
         let mut at = came_from[&task];
         while at != NONE {
-            parts.push(format!("{} waits for {}", self.path(at), self.describe_waiting(at)));
+            parts.push(format!("{} waits for {}", self.path(at), self.describe(self.tasks[at].waiting)));
             at = came_from[&at];
         }
-        parts.push(format!("{} waits for {what}", self.path(task)));
+        parts.push(format!("{} waits for {}", self.path(task), self.describe(what)));
         parts.reverse();
         format!("this would close a circle of waiting: {}", parts.join("; "))
     }

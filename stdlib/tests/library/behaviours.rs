@@ -96,6 +96,7 @@ fn it_fails_as_the_behaviour_does() {
     assert_eq!(digger.steps_left, None);
 }
 
+/// r[behaviour.run]
 #[test]
 fn cut_short_it_stops_the_behaviour() {
     let (value, digger) =
