@@ -1,6 +1,6 @@
 //! Language and runtime: how fast plans run, how many tasks there can be, and what each costs.
 
-use rpl_benches::{Question, Report, median_ms, resident_bytes};
+use rpl_benches::{Question, Report, in_fresh_process, median_ms, resident_bytes};
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
@@ -287,12 +287,14 @@ fn state(report: &Report, library: &Arc<Library>) {
     let bytes = question("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
     report.row(anchored(bytes, "bytes", 1.0), || {
         const COUNT: usize = 200_000;
-        let mut system = settled(library, &with_count(BLOCKED, COUNT));
-        let before = resident_bytes().unwrap_or(f64::NAN);
-        system.advance();
-        let after = resident_bytes().unwrap_or(f64::NAN);
-        assert!(system.machine.tasks.iter().count() > COUNT);
-        (after - before) / COUNT as f64
+        in_fresh_process("bytes", || {
+            let mut system = settled(library, &with_count(BLOCKED, COUNT));
+            let before = resident_bytes().unwrap_or(f64::NAN);
+            system.advance();
+            let after = resident_bytes().unwrap_or(f64::NAN);
+            assert!(system.machine.tasks.iter().count() > COUNT);
+            (after - before) / COUNT as f64
+        })
     });
     let idle =
         question("idle", "what 100,000 blocked tasks add to an instant", "ns", 100.0, "CRAM: 1,000 take 1.6 cores");

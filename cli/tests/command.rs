@@ -133,6 +133,7 @@ fn json_has_its_keys_whatever_the_outcome() {
     assert_eq!(summary(&["--until", "1s"])["outcome"], "timeout");
 }
 
+/// r[trace.file], r[determinism.same]
 #[test]
 fn the_trace_is_the_same_every_time() {
     let folder = folder("trace");
@@ -186,6 +187,7 @@ fn an_endless_loop_that_prints_is_seen_and_ends_with_its_reader() {
 }
 
 #[cfg(unix)]
+/// r[cleanup.stop]
 #[test]
 fn an_interrupt_runs_the_clean_ups_and_says_130() {
     let folder = folder("interrupt");
@@ -204,6 +206,44 @@ fn an_interrupt_runs_the_clean_ups_and_says_130() {
     }
 }
 
+/// r[cleanup.stop]
+#[test]
+fn a_second_interrupt_ends_the_program_at_once() {
+    let folder = folder("interrupt-twice");
+    let text = "(unwind-protect (seq (print 'going) (wait-time 1000)) (seq (print 'cleaning) (wait-time 1000) (print 'clean)))";
+    let plan = plan(&folder, "patient.rpl", text);
+    let mut command = rpl(&["run", &plan, "--realtime", "1"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let id = child.id().to_string();
+    for _ in ["going", "cleaning"] {
+        wait_for_line(&mut child);
+        assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill runs").success());
+    }
+    let found = child.wait_with_output().expect("it ends");
+    assert_eq!((stdout(&found), status(&found)), ("", 130), "{}", stderr(&found));
+}
+
+/// r[limit.steps]
+#[test]
+fn the_budget_of_steps_can_be_set() {
+    let folder = folder("steps");
+    let plan = plan(&folder, "busy.rpl", "(dotimes (i 100000) i) 'done");
+    let found = output(&["run", &plan, "--max-steps", "1000"]);
+    assert!(stderr(&found).contains("runaway: 1000 steps"), "{}", stderr(&found));
+    assert_eq!((status(&found), status(&output(&["run", &plan]))), (1, 0));
+}
+
+/// r[eval.load]
+#[test]
+fn a_file_that_loads_itself_is_an_error_of_the_text() {
+    let folder = folder("circle");
+    let first = plan(&folder, "first.rpl", "(load \"second.rpl\")");
+    plan(&folder, "second.rpl", "(load \"first.rpl\")");
+    let found = output(&["run", &first]);
+    assert!(stderr(&found).contains("loads itself"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+}
+
 #[test]
 fn missing_files_are_told_with_what_was_probably_meant() {
     let folder = folder("missing");
@@ -220,6 +260,7 @@ fn missing_files_are_told_with_what_was_probably_meant() {
     assert_eq!(status(&found), 2);
 }
 
+/// r[eval.load]
 #[test]
 fn a_plan_loads_files_beside_it_and_none_outside() {
     let folder = folder("load");

@@ -258,6 +258,7 @@ fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
         Kind::Float(value) => format_float(*value),
         Kind::Str(value) => quote_string(value),
         Kind::Object(number) => format!("#<object {number}>"),
+        Kind::Hole => "nil".to_string(),
         Kind::List { .. } => String::new(),
     }
 }

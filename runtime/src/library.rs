@@ -47,7 +47,7 @@ impl Rejected {
 pub struct Library {
     /// The native functions, by number.
     pub natives: Arc<[Native]>,
-    signatures: Arc<[NativeSignature]>,
+    pub(crate) signatures: Arc<[NativeSignature]>,
     program: Program,
     symbols: Symbols,
     robot_names: &'static [&'static str],
@@ -105,6 +105,7 @@ impl Library {
         }
         library.program.library_globals = library.program.globals.len() as u32;
         library.resolved = Arc::new(resolved);
+        library.program.library_sources = library.program.sources.len() as u32;
         Ok(library)
     }
 
@@ -116,7 +117,7 @@ impl Library {
         purpose: Purpose,
         loader: &mut dyn Loader,
     ) -> Compiled {
-        let mut macros = MacroMachine::new(program, self.natives.clone());
+        let mut macros = MacroMachine::new(program, self.natives.clone(), self.signatures.clone());
         let surroundings = Compilation {
             program,
             symbols,
@@ -185,7 +186,7 @@ impl Library {
         tree: rpl_lang::syntax::Tree,
         root: rpl_lang::syntax::NodeId,
     ) -> Compiled {
-        let mut macros = MacroMachine::new(program, self.natives.clone());
+        let mut macros = MacroMachine::new(program, self.natives.clone(), self.signatures.clone());
         let surroundings = Compilation {
             program,
             symbols,

@@ -68,8 +68,18 @@ impl Call<'_, '_> {
     ///
     /// # Errors
     /// A `type-error` if it is no proper list.
-    pub fn list(&self, at: usize) -> Result<Vec<Value>, Raise> {
-        self.machine.heap.elements(self.argument(at)).map_err(|found| self.wrong_type(at, "a list", found))
+    pub fn list(&mut self, at: usize) -> Result<Vec<Value>, Raise> {
+        let elements = self.machine.heap.elements(self.argument(at));
+        let elements = elements.map_err(|found| self.wrong_type(at, "a list", found))?;
+        self.burn(elements.len());
+        Ok(elements)
+    }
+
+    /// Takes steps from the budget of the task: what walks long data costs as much as a loop over
+    /// it.
+    pub fn burn(&mut self, steps: usize) {
+        let burned = &mut self.machine.scratch.burned;
+        *burned = burned.saturating_add(u32::try_from(steps).unwrap_or(u32::MAX));
     }
 
     /// The argument at a position as a fluent.

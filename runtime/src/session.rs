@@ -198,7 +198,7 @@ impl<O: Outside> System<O> {
         let is_form = |kind: &ScopeKind| matches!(kind, ScopeKind::Block { .. });
         let form = self.machine.tasks[main].scopes.iter().find(|scope| is_form(&scope.kind));
         let Some(ScopeKind::Block { identity, .. }) = form.map(|scope| scope.kind.clone()) else { return };
-        if self.machine.tasks[main].leaving.is_some() {
+        if self.machine.tasks[main].is_leaving() {
             return;
         }
         let value = Value::Symbol(self.machine.symbols.intern("given-up"));

@@ -5,7 +5,7 @@
 use crate::behaviour::Outside;
 use crate::machine::{Machine, SCRATCH_TASK};
 use crate::system::System;
-use crate::task::{Frame, Task};
+use crate::task::Frame;
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Code, NO_REG, Op, Program, Reg};
 use rpl_lang::source::Span;
@@ -87,17 +87,18 @@ impl Machine {
         frames
             .filter_map(|frame| {
                 let code = program.codes.get(frame.code as usize)?;
-                Some((code.name, self.frame_variables(code, record, frame)))
+                Some((code.name, self.frame_variables(code, self.tasks.registers_of(task), frame)))
             })
             .collect()
     }
 
-    fn frame_variables(&self, code: &Code, record: &Task, frame: &Frame) -> Vec<(Symbol, Value)> {
+    fn frame_variables(&self, code: &Code, registers: &[Value], frame: &Frame) -> Vec<(Symbol, Value)> {
         let is_seen = |from: u32, to: u32| from <= frame.pc && frame.pc < to;
         let mut seen: Vec<(Symbol, Value)> = Vec::new();
         for local in code.locals.iter().filter(|local| is_seen(local.from, local.to)) {
-            let Some(value) = record.registers.get(frame.base as usize + usize::from(local.register)) else { continue };
-            let value = match *value {
+            // Registers behind the last that is not nil are not kept.
+            let register = frame.base as usize + usize::from(local.register);
+            let value = match registers.get(register).copied().unwrap_or_default() {
                 Value::Cell(cell) => self.heap.cells[cell],
                 value => value,
             };

@@ -34,13 +34,13 @@ pub const TOPICS: &[Topic] = &[
         "definitions",
         "Definitions",
         "def-plan def-interp-proc defun defmacro defvar defconstant def-fluent global-fluent def-valve def-failure \
-         def-goal achieve deftest load",
+         def-goal achieve defstruct deftest load",
     ),
     topic(
         "control",
         "Control",
         "if when unless cond case and or not let let* letrec progn seq prog1 block return-from return loop while \
-         dolist dotimes n-times destructuring-bind lambda fn quote quasiquote funcall apply",
+         dolist dotimes n-times do destructuring-bind lambda fn flet labels quote quasiquote funcall apply",
     ),
     topic(
         "parallel",
@@ -84,7 +84,7 @@ pub const TOPICS: &[Topic] = &[
         "functions",
         "Functions over lists",
         "map mapcar mapc append-map for-each filter remove-if remove-if-not partition reduce find find-if position-if \
-         count-if every some notany sort min-by max-by group-by identity complement constantly compose",
+         count count-if every some notany sort min-by max-by group-by identity complement constantly compose",
     ),
     topic(
         "tables",

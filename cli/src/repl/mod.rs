@@ -341,7 +341,7 @@ impl Prompt<'_> {
     fn show_failure(&mut self, failure: rpl_runtime::value::Value) {
         let system = &self.session.branch.system;
         let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.console.colour };
-        self.console.note(reporter.text(failure).trim_end());
+        self.console.note(reporter.text("failed: ", failure).trim_end());
         if self.worst == Status::Succeeded {
             self.worst = Status::Failed;
         }

@@ -59,7 +59,7 @@ pub fn condition_of(system: &System<Robot>, task: u32) -> String {
 /// What a blocked task waits for, with the text of its condition if there is one.
 pub fn waiting(system: &System<Robot>, task: u32) -> String {
     let machine = &system.machine;
-    let what = machine.describe_waiting(task);
+    let what = machine.describe(machine.tasks[task].waiting);
     match what.as_str() {
         "condition" => match form_of(system, task) {
             Some(span) => shortened(&one_line(system.program.sources.text_of(span))),

@@ -66,9 +66,7 @@ fn waits(session: &Session, task: u32, depth: usize, lines: &mut Vec<String>) {
             }
         }
         Waiting::Death(other) | Waiting::Rest(other) => {
-            if let Some(other) = machine.tasks.find_alive(other) {
-                waits(session, other, depth + 1, lines);
-            }
+            waits(session, other, depth + 1, lines);
         }
         Waiting::Nothing | Waiting::Time | Waiting::Signal(_) => {}
     }

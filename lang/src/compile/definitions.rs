@@ -91,6 +91,7 @@ impl Compiler<'_> {
         let rest = &items[1..];
         match special {
             Special::Defun | Special::DefPlan => self.define_function(special, rest, span),
+            Special::DefGoal => self.define_goal(rest, span),
             Special::Defmacro => self.define_macro(rest, span),
             Special::Defvar | Special::Defconstant | Special::DefFluent => {
                 bodies.extend(self.define_value(special, rest, span).map(TopLevel::Definition));
@@ -139,7 +140,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn define_function(&mut self, special: Special, rest: &[NodeId], span: Span) {
+    pub(super) fn define_function(&mut self, special: Special, rest: &[NodeId], span: Span) {
         let (form, kind) = match special {
             Special::Defun => ("`(defun NAME (PARAMETER...) FORM...)`", CodeKind::Function),
             _ => ("`(def-plan NAME (PARAMETER...) FORM...)`", CodeKind::Plan),

@@ -46,6 +46,7 @@ pub(super) fn emit(compiler: &mut Compiler<'_>, function: &Function, outer: &[(V
     let code = Code {
         name: function.name,
         kind: function.kind,
+        exact_count: function.parameters.exact_count(),
         parameters: function.parameters.clone(),
         registers: most.min(255) as u8,
         captures,
@@ -73,6 +74,7 @@ pub(super) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span)]) -> Code 
     Code {
         name,
         kind: CodeKind::Task,
+        exact_count: 0,
         parameters: Parameters::default(),
         registers: 1,
         captures: Vec::new(),
@@ -685,6 +687,12 @@ impl Emitter<'_, '_> {
         }
         let count = arguments.len() as u8;
         match callee {
+            Callee::Native(native) if self.compiler.natives[usize::from(*native)].name == "%set-value" => {
+                let [fluent, value] = arguments else { return };
+                let fluent_reg = self.operand(fluent, &[value]);
+                let value_reg = self.operand(value, &[]);
+                self.push(Op::Assign(into, fluent_reg, value_reg));
+            }
             Callee::Native(native) => {
                 let first = self.arguments(arguments);
                 if self.compiler.natives[usize::from(*native)].calls {

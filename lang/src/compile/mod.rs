@@ -4,6 +4,7 @@
 mod definitions;
 mod emit;
 mod forms;
+mod goal;
 pub(crate) mod ir;
 mod lambda_list;
 mod plan_forms;
@@ -148,6 +149,8 @@ pub(crate) struct BlockScope {
     span: Span,
     token: Option<VarId>,
     used: bool,
+    /// Clean-ups around it.
+    clean_ups: u32,
 }
 
 pub(crate) struct HandlerScope {
@@ -192,6 +195,8 @@ pub(crate) struct Compiler<'a> {
     functions: Vec<FunctionScope>,
     blocks: Vec<BlockScope>,
     handlers: Vec<HandlerScope>,
+    /// Clean-ups around the form that is resolved.
+    clean_ups: u32,
     next_block: u32,
     /// Globals that were used before a definition was seen, with the first place.
     undefined: BTreeMap<u32, Unknown>,
@@ -204,6 +209,8 @@ pub(crate) struct Compiler<'a> {
     loading: Vec<String>,
     /// Names of the tests so far, with their places.
     tests: BTreeMap<Arc<str>, Span>,
+    /// Methods of goals, by the plan that tries them.
+    methods: BTreeMap<Symbol, goal::Methods>,
 }
 
 /// Macros that expand into macros without end are cut here.
@@ -235,6 +242,7 @@ impl<'a> Compiler<'a> {
             functions: Vec::new(),
             blocks: Vec::new(),
             handlers: Vec::new(),
+            clean_ups: 0,
             next_block: 0,
             undefined: BTreeMap::new(),
             classes: Vec::new(),
@@ -242,6 +250,7 @@ impl<'a> Compiler<'a> {
             expansions: 0,
             loading: Vec::new(),
             tests: BTreeMap::new(),
+            methods: BTreeMap::new(),
         }
     }
 
@@ -345,6 +354,8 @@ impl<'a> Compiler<'a> {
                     "not known yet here",
                 )
                 .help = Some("move the defmacro above its first use".into());
+            } else if let Some(accessor) = text.strip_prefix("%set-") {
+                self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
             } else if self.robot_names.contains(&text.as_str()) {
                 self.error(
                     "needs-a-world",
@@ -354,9 +365,12 @@ impl<'a> Compiler<'a> {
                 )
                 .help = Some("add `--world dept` to the command".into());
             } else {
-                let suggestion = self.suggestion(&text, &locals);
+                let goal = text
+                    .strip_prefix(goal::PREFIX)
+                    .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
+                let suggestion = self.suggestion(&text, &locals).map(|near| format!("did you mean `{near}`?"));
                 self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
-                    suggestion.map(|near| format!("did you mean `{near}`?"));
+                    suggestion.or(goal);
             }
         }
     }
@@ -413,7 +427,12 @@ impl<'a> Compiler<'a> {
                 let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
                 let expected = code.parameters.describe();
                 let definition = code.span;
-                self.arity_error(&name, count, &expected, span).related.push((definition, "defined here".into()));
+                // What is written is the place, and the value to assign is no argument of it.
+                let error = match name.strip_prefix("%set-") {
+                    Some(accessor) => self.arity_error(accessor, count - 1, "1 argument", span),
+                    None => self.arity_error(&name, count, &expected, span),
+                };
+                error.related.push((definition, "defined here".into()));
             }
         }
     }

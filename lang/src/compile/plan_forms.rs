@@ -274,7 +274,9 @@ impl Compiler<'_> {
             return self.malformed(span, "`(evap-protect FORM CLEAN-UP...)`");
         };
         let body = Box::new(self.resolve(body));
+        self.clean_ups += 1;
         let cleanup = Box::new(self.body(cleanup, span));
+        self.clean_ups -= 1;
         Ir { span, kind: IrKind::Cleanup { always, body, cleanup } }
     }
 

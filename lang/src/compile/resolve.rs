@@ -70,6 +70,7 @@ impl Compiler<'_> {
             Kind::Float(value) => Constant::Float(value),
             Kind::Str(text) => Constant::Str(text),
             Kind::Object(index) => Constant::Object(index),
+            Kind::Hole => Constant::Nil,
             Kind::List { dotted, .. } => {
                 let mut items: Vec<Constant> =
                     self.tree.items(node).to_vec().into_iter().map(|item| self.datum(item)).collect();
@@ -179,7 +180,7 @@ impl Compiler<'_> {
                 self.named_call(name, &items[1..], span)
             }
             Kind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
-            Kind::List { .. } | Kind::Object(_) => self.call_value(head, &items[1..], span),
+            Kind::List { .. } | Kind::Object(_) | Kind::Hole => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
@@ -342,7 +343,8 @@ impl Compiler<'_> {
         let id = super::BlockId(self.next_block);
         self.next_block += 1;
         let function = self.functions.len() - 1;
-        self.blocks.push(BlockScope { name, id, function, span, token: None, used: false });
+        let clean_ups = self.clean_ups;
+        self.blocks.push(BlockScope { name, id, function, span, token: None, used: false, clean_ups });
         let body = inside(self, id);
         let block = self.blocks.pop().unwrap_or_else(|| unreachable!("the block was pushed above"));
         if block.used {
@@ -356,7 +358,10 @@ impl Compiler<'_> {
     pub(super) fn leave(&mut self, block: usize, value: Ir, span: Span) -> Ir {
         self.blocks[block].used = true;
         let (id, function) = (self.blocks[block].id, self.blocks[block].function);
-        if function == self.functions.len() - 1 {
+        // An exit from a clean-up may come too late: it must not touch the block's value before it
+        // is known to arrive.
+        let is_static = self.blocks[block].clean_ups == self.clean_ups || self.blocks[block].name.is_none();
+        if function == self.functions.len() - 1 && is_static {
             return Ir { span, kind: IrKind::Leave(id, Box::new(value)) };
         }
         let crossed = &self.functions[function + 1..];

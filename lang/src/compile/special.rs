@@ -24,6 +24,7 @@ pub(crate) enum Special {
     Defun,
     Defmacro,
     DefPlan,
+    DefGoal,
     DefFluent,
     DefValve,
     DefFailure,
@@ -65,6 +66,7 @@ impl Special {
                 | Special::Defun
                 | Special::Defmacro
                 | Special::DefPlan
+                | Special::DefGoal
                 | Special::DefFluent
                 | Special::DefValve
                 | Special::DefFailure
@@ -139,7 +141,7 @@ const TABLE: &[(Special, SpecialForm)] = forms! {
     Letrec ["letrec"] "(letrec ((NAME FUNCTION)...) FORM...)" "Runs the forms with functions bound that may call each other." "";
     Lambda ["lambda", "fn"] "(lambda (PARAMETER...) FORM...)" "A function that remembers the variables around it." "(map (lambda (n) (* n n)) '(1 2 3))";
     Setq ["setq"] "(setq NAME VALUE...)" "Assigns variables; gives the last value." "";
-    Setf ["setf"] "(setf PLACE VALUE...)" "Assigns places: a variable, (value F), (nth I LIST), (gethash KEY TABLE)." "";
+    Setf ["setf"] "(setf PLACE VALUE...)" "Assigns places: a variable, (value F), (nth I LIST), (gethash KEY TABLE), a slot of a `defstruct`; gives the last value." "";
     Progn ["progn", "seq"] "(seq FORM...)" "Succeeds if all forms did, in order; fails at the first failure. The value is the last." "";
     Block ["block"] "(block NAME FORM...)" "Runs the forms; `(return-from NAME VALUE)` leaves them." "";
     ReturnFrom ["return-from"] "(return-from NAME [VALUE])" "Leaves the block of that name with a value; clean-ups run." "";
@@ -150,6 +152,7 @@ const TABLE: &[(Special, SpecialForm)] = forms! {
     Defun ["defun"] "(defun NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a function." "";
     Defmacro ["defmacro"] "(defmacro NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a form that is written out as what its body gives." "";
     DefPlan ["def-plan", "def-interp-proc"] "(def-plan NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a plan: called like a function, and each call is a node of the task tree." "(def-plan wash (number)\n  \"Washes cups, one after the other.\"\n  (n-times number (wait-time 20)))";
+    DefGoal ["def-goal"] "(def-goal (achieve (NAME PARAMETER...)) FORM...)" "Defines how goals of this name are achieved, by `(achieve (NAME ARGUMENT...))`. Several definitions of one goal are methods, tried in their order." "(def-goal (achieve (clean room))\n  (print room))\n(achieve (clean 'hall))";
     DefFluent ["def-fluent", "global-fluent"] "(def-fluent NAME VALUE [\"DOC\"])" "Defines a fluent: a value that changes over time and wakes tasks." "(def-fluent cups 0 \"How many cups are washed.\")\n(par (wait-for (>= cups 1))\n     (setf (value cups) 1))";
     DefValve ["def-valve"] "(def-valve NAME [\"DOC\"])" "Defines a valve: a pre-emptible semaphore that guards an effector." "";
     DefFailure ["def-failure"] "(def-failure NAME (PARENT) (SLOT...))" "Defines a class of failure with slots." "(def-failure slipped (plan-failure) (object))\n(ignore-failures (slipped)\n  (fail slipped \"the cup slipped\" :object 'cup))";

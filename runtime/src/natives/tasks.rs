@@ -128,10 +128,10 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.tasks.find_alive(task).is_none() {
         return Ok(Reply::Value(Value::Nil));
     }
-    call.machine.check_circle(current, index, "the end of a task")?;
+    call.machine.check_circle(current, index, Waiting::Death(index))?;
     let me = call.machine.tasks.reference(current);
     call.machine.tasks[index].rare().mourners.push(me);
-    call.machine.tasks[current].waiting = Waiting::Death(task);
+    call.machine.tasks[current].waiting = Waiting::Death(index);
     Ok(Reply::Wait)
 }
 
@@ -204,7 +204,11 @@ fn wait_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn at_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let rest = seconds(call)? - call.machine.now_s();
+    let time = call.number(0)?;
+    if time.is_nan() {
+        return Err(Raise::type_error("a time must be a number that can be compared"));
+    }
+    let rest = time - call.machine.now_s();
     if rest <= 0.0 {
         return Ok(Reply::Value(Value::Nil));
     }
