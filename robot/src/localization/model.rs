@@ -1,10 +1,9 @@
 //! Everything about localization that never changes during a mission.
 
-use super::belief::Scan;
 use super::grid::{BeliefGrid, State};
-use super::parameters::{LocalizationParameters, SONARS};
+use super::parameters::LocalizationParameters;
 use super::ray::DistanceField;
-use super::sensor::{self, BINS, SensorModel};
+use super::sensor::{self, BINS, MAX_BEAMS, SensorModel};
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 use rayon::prelude::*;
@@ -22,6 +21,9 @@ pub enum ModelError {
     /// The cells are not a positive length, or smaller than those of the map.
     #[error("belief cells must be at least as large as the map's, {0} m")]
     CellSize(String),
+    /// A scan without beams, or with more than a sum of byte costs holds.
+    #[error("a scan has 1 to {MAX_BEAMS} beams, found {0}")]
+    Beams(usize),
     /// The robot fits nowhere.
     #[error("the map has no free cell the robot could stand in")]
     NoFreeCell,
@@ -35,7 +37,7 @@ pub struct LocalizationModel {
     pub parameters: LocalizationParameters,
     /// Where the cells lie.
     pub grid: BeliefGrid,
-    /// The sonar model.
+    /// The sensor model.
     pub sensor: SensorModel,
     /// Distances in the map.
     pub distances: DistanceField,
@@ -46,7 +48,7 @@ pub struct LocalizationModel {
     /// `[direction][row][column]` bins, each plane padded to whole blocks.
     expected: Vec<u8>,
     /// Expected scans of states spread evenly over all admissible ones.
-    samples: Vec<[u8; SONARS]>,
+    samples: Vec<Vec<u8>>,
 }
 
 impl LocalizationModel {
@@ -62,7 +64,11 @@ impl LocalizationModel {
         if !(parameters.cell_m.is_finite() && parameters.cell_m >= map.resolution_m - 1e-9) {
             return Err(ModelError::CellSize(map.resolution_m.to_string()));
         }
-        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg);
+        let beams = parameters.beams_deg.len();
+        if beams == 0 || beams > MAX_BEAMS {
+            return Err(ModelError::Beams(beams));
+        }
+        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, &parameters.beams_deg);
         let distances = DistanceField::new(map);
         let admissible = admissible_cells(map, &distances, &grid, parameters.clearance_m);
         let count = admissible.iter().filter(|&&cell| cell > 0.0).count();
@@ -112,17 +118,18 @@ impl LocalizationModel {
     }
 
     /// The noise-free scan at a state, in bins.
-    pub fn expected_scan(&self, state: State) -> [u8; SONARS] {
+    pub fn expected_scan(&self, state: State) -> Vec<u8> {
         let cell = state.row * self.grid.columns + state.column;
-        std::array::from_fn(|sonar| self.expected_plane(self.grid.direction(state.heading, sonar))[cell])
+        let beams = 0..self.grid.beams();
+        beams.map(|beam| self.expected_plane(self.grid.direction(state.heading, beam))[cell]).collect()
     }
 
     /// The costs of a scan at one cell for every heading.
-    pub(super) fn costs_by_heading(&self, scan: &Scan, column: usize, row: usize) -> Vec<usize> {
+    pub(super) fn costs_by_heading(&self, scan: &[Option<u8>], column: usize, row: usize) -> Vec<usize> {
         let cell = row * self.grid.columns + column;
         let around: Vec<u8> = (0..self.grid.directions).map(|direction| self.expected_plane(direction)[cell]).collect();
-        let cost = |heading: usize, (sonar, bin): (usize, &Option<u8>)| {
-            let expected = usize::from(around[self.grid.direction(heading, sonar)]);
+        let cost = |heading: usize, (beam, bin): (usize, &Option<u8>)| {
+            let expected = usize::from(around[self.grid.direction(heading, beam)]);
             bin.map_or(0, |bin| usize::from(self.sensor.costs(bin)[expected]))
         };
         let headings = 0..self.grid.headings;
@@ -136,7 +143,7 @@ impl LocalizationModel {
     }
 
     /// Expected scans of states spread evenly over cells and headings.
-    fn draw_samples(&self) -> Vec<[u8; SONARS]> {
+    fn draw_samples(&self) -> Vec<Vec<u8>> {
         let cells: Vec<usize> = (0..self.grid.cells()).filter(|&cell| self.admissible[cell] > 0.0).collect();
         let headings = self.grid.headings;
         let stride = (cells.len() * headings / SAMPLES).max(1);
@@ -159,9 +166,9 @@ impl LocalizationModel {
     /// robot would still look likelier than that. Here it is the average over a sample of states.
     pub(super) fn average_weight(&self, readings: &[(usize, u8)]) -> f64 {
         let costs: Vec<(usize, &[u8; BINS])> =
-            readings.iter().map(|&(sonar, bin)| (sonar, self.sensor.costs(bin))).collect();
-        let sum = |sample: &[u8; SONARS]| -> usize {
-            costs.iter().map(|&(sonar, costs)| usize::from(costs[usize::from(sample[sonar])])).sum()
+            readings.iter().map(|&(beam, bin)| (beam, self.sensor.costs(bin))).collect();
+        let sum = |sample: &[u8]| -> usize {
+            costs.iter().map(|&(beam, costs)| usize::from(costs[usize::from(sample[beam])])).sum()
         };
         let total: f64 = self.samples.iter().map(|sample| self.sensor.weight(sum(sample))).sum();
         total / self.samples.len() as f64

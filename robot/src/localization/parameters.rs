@@ -24,7 +24,9 @@ pub struct LocalizationParameters {
     pub angle_step_deg: u32,
     /// Positions nearer than this to anything occupied carry no mass: the robot is a disc.
     pub clearance_m: f64,
-    /// The sonar model.
+    /// Bearings of the beams of one scan, from straight ahead to the left, in whole degrees.
+    pub beams_deg: Vec<i32>,
+    /// The model of one beam.
     pub sensor: SensorParameters,
     /// The error model of the odometry.
     pub odometry: OdometryError,
@@ -56,6 +58,7 @@ impl Default for LocalizationParameters {
             cell_m: 0.15,
             angle_step_deg: 2,
             clearance_m: 0.15,
+            beams_deg: sonar_ring_deg(),
             sensor: SensorParameters::default(),
             odometry: OdometryError::default(),
             tempering: 0.15,
@@ -92,7 +95,12 @@ impl LocalizationParameters {
     }
 }
 
-/// P(s | o) of one sonar: a mixture of a Gaussian around the expected distance, a uniform and a
+/// Bearings of the sonars.
+pub fn sonar_ring_deg() -> Vec<i32> {
+    (0..SONARS).map(|sonar| (sonar * 360 / SONARS) as i32).collect()
+}
+
+/// P(s | o) of one beam, a sonar's cone or a laser's ray: a mixture of a Gaussian around the expected distance, a uniform and a
 /// geometric density (Fox, Burgard, Thrun §3.2), and the echo that never comes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorParameters {

@@ -1,7 +1,8 @@
-//! P(s | o): how likely a sonar reading is where a distance is expected, as byte tables.
+//! P(s | o): how likely a reading is where a distance is expected, as byte tables.
 
+use super::belief::Scan;
 use super::kernel::WEIGHTS;
-use super::parameters::{SONARS, SensorParameters};
+use super::parameters::SensorParameters;
 
 /// The bin of a reading, or an expected distance, without an echo in range.
 pub const NO_ECHO: u8 = 255;
@@ -13,8 +14,8 @@ pub(super) const BINS: usize = 256;
 /// beam, and the clip at 255 is 8 nats, beyond what the uniform part of the mixture allows.
 const UNITS_PER_NAT: f64 = 32.0;
 
-/// Every sum of the table's bytes over one scan has a weight.
-const _: () = assert!(SONARS * (u8::MAX as usize) < WEIGHTS);
+/// Beams of a scan, at most: every sum of the table's bytes over one scan has a weight.
+pub const MAX_BEAMS: usize = WEIGHTS / u8::MAX as usize;
 
 /// Smallest weight of a scan: keeps products of floats out of the denormal range.
 const MIN_WEIGHT: f64 = 1e-30;
@@ -52,6 +53,12 @@ impl SensorModel {
     /// The bin of a distance.
     pub fn bin(&self, range_m: f64) -> u8 {
         bin(range_m, self.max_range_m)
+    }
+
+    /// The bins of a scan in metres; readings that are not finite are missing.
+    pub(super) fn scan(&self, ranges_m: &[f32]) -> Scan {
+        let bin = |range_m: &f32| range_m.is_finite().then(|| self.bin(f64::from(*range_m)));
+        ranges_m.iter().map(bin).collect()
     }
 
     /// The middle of a bin, in metres; the maximal range for [`NO_ECHO`].

@@ -13,7 +13,7 @@ pub(super) const PLANES_FOR_THREADS: usize = 32;
 /// 360 kB and fits a second-level cache.
 const TILE: usize = 16 * BLOCK;
 
-/// A scan to be weighed: bins by sonar, and the average weight of such a scan.
+/// A scan to be weighed: bins by beam, and the average weight of such a scan.
 struct Evidence<'m> {
     model: &'m LocalizationModel,
     readings: &'m [(usize, u8)],
@@ -56,8 +56,8 @@ impl Evidence<'_> {
     fn weigh_part(&self, heading: usize, first: usize, cells: &mut [f32]) -> f64 {
         let model = self.model;
         let range = first..first + cells.len();
-        let beam = |&(sonar, bin): &(usize, u8)| Beam {
-            expected: &model.expected_plane(model.grid.direction(heading, sonar))[range.clone()],
+        let beam = |&(beam, bin): &(usize, u8)| Beam {
+            expected: &model.expected_plane(model.grid.direction(heading, beam))[range.clone()],
             costs: model.sensor.costs(bin),
         };
         let beams: Vec<Beam> = self.readings.iter().map(beam).collect();
