@@ -56,10 +56,9 @@ impl<'m> EntropyForecast<'m> {
             .iter()
             .zip(&views)
             .map(|(share, truth)| {
-                let weights =
-                    self.shares.iter().zip(&views).map(|(share, view)| {
-                        share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref())
-                    });
+                let weights = self.shares.iter().zip(&views).map(|(share, view)| {
+                    share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref())
+                });
                 share * (truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached)
             })
             .sum()

@@ -104,12 +104,7 @@ impl Localization {
     /// The belief is updated only after some motion, by `update_distance_m` and
     /// `update_angle_rad`: scans from one place repeat the same evidence. A robot at rest takes a
     /// few scans and no more, unless the scan changes: somebody may have turned it.
-    pub fn observe(
-        &mut self,
-        model: &LocalizationModel,
-        odometry_in_odom: Pose,
-        ranges_m: Option<&[f32]>,
-    ) -> bool {
+    pub fn observe(&mut self, model: &LocalizationModel, odometry_in_odom: Pose, ranges_m: Option<&[f32]>) -> bool {
         self.observed_at_in_odom = Some(odometry_in_odom);
         let since = odometry_in_odom.relative_to(*self.updated_at_in_odom.get_or_insert(odometry_in_odom));
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m

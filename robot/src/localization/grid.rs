@@ -154,7 +154,9 @@ mod tests {
     fn every_beam_at_every_heading_has_its_own_exact_direction() {
         let ring: Vec<i32> = (0..24).map(|sonar| 15 * sonar).collect();
         let fan: Vec<i32> = (0..13).map(|beam| -90 + 15 * beam).chain([-89, 4]).collect();
-        for (beams_deg, step_deg) in [&ring, &fan].into_iter().flat_map(|beams| [1, 2, 6, 8, 15].map(|step| (beams, step))) {
+        for (beams_deg, step_deg) in
+            [&ring, &fan].into_iter().flat_map(|beams| [1, 2, 6, 8, 15].map(|step| (beams, step)))
+        {
             let grid = grid(step_deg, beams_deg);
             for heading in 0..grid.headings {
                 for (beam, bearing_deg) in beams_deg.iter().enumerate() {

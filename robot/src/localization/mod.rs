@@ -32,5 +32,6 @@ pub use parameters::{
 };
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
+pub(crate) use sensor::{BINS, components};
 pub use sensor::{MAX_BEAMS, NO_ECHO, SensorModel};
 pub use summary::Maximum;

@@ -91,6 +91,16 @@ impl LocalizationModel {
         Ok(model)
     }
 
+    /// Memory that the tables and a belief on this map will take, without building them: two copies
+    /// of the belief, because noise is spread from one into the other.
+    pub fn needed_bytes(map: &OccupancyGrid, parameters: &LocalizationParameters) -> u64 {
+        let along = |cells: usize| libm::ceil(cells as f64 * map.resolution_m / parameters.cell_m).max(1.0);
+        let cells = along(map.columns) * along(map.rows);
+        let headings = 360.0 / f64::from(parameters.angle_step_deg.max(1));
+        // Whole degrees are the finest table of directions.
+        (cells * (headings * 2.0 * size_of::<f32>() as f64 + 360.0)) as u64
+    }
+
     /// Cells of (x, y) the robot can stand in.
     pub fn admissible_cells(&self) -> usize {
         self.admissible_cells

@@ -364,7 +364,11 @@ fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
                 ..Commands::default()
             };
             let percept = simulator.step(&mut state, &commands);
-            if localization.observe(&model, percept.odometry_in_odom, percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice())) {
+            if localization.observe(
+                &model,
+                percept.odometry_in_odom,
+                percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice()),
+            ) {
                 for pose in [state.true_pose(), mirrored(state.true_pose())] {
                     let mass = localization.belief().mass_near(&model, pose);
                     assert!((0.2..=0.8).contains(&mass), "{mass} after {:.1} m", state.distance_driven_m());
