@@ -1,7 +1,7 @@
 //! Plan texts: files in the working folder, the built-in examples, and what `load` may reach.
 
 use crate::examples;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
 use rpl_robot::occupancy::OccupancyGrid;
@@ -144,6 +144,16 @@ pub fn ros_map(name: &Path) -> Result<MapFile> {
     let image = GreyImage::decode(&bytes).map_err(|error| anyhow!("cannot use `{image_name}`: {error}"))?;
     let warning = map.warning(&image).map(|warning| format!("warning: {shown}: {warning}"));
     Ok(MapFile { grid: map.grid(&image), warning })
+}
+
+/// All of standard input as text.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn standard_input() -> Result<String> {
+    let mut bytes = Vec::new();
+    io::stdin().take(MAX_BYTES + 1).read_to_end(&mut bytes).context("cannot read standard input")?;
+    text_of(bytes).map_err(|reason| anyhow!("cannot read standard input: {reason}"))
 }
 
 /// Bytes as text.

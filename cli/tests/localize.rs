@@ -131,7 +131,6 @@ fn what_is_wrong_with_a_recording_is_told_and_nothing_is_written() {
         (change(2, "lost.yaml"), "no.pgm`, the image of the map `lost.yaml`: there is no such file"),
         (change(2, "short.yaml"), "truncated"),
         ([&DRIVE[..], &["--beams", "0"]].concat(), "at least one beam is needed"),
-        ([&DRIVE[..], &["--beams", "50"]].concat(), "1 to 32 beams, found 50"),
         ([&DRIVE[..], &["--beams", "500"]].concat(), "500 beams are more than the scan has"),
         ([&DRIVE[..], &["--memory", "0.001"]].concat(), "more than the 0.0 GiB of --memory"),
         ([&DRIVE[..], &["--window-length", "100"]].concat(), "a window of 100 m does not fit into a path of"),

@@ -3,7 +3,7 @@
 use crate::failure::Raise;
 use crate::fluent::{Fluent, Origin};
 use crate::machine::{Limits, MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
-use crate::native::{Call as NativeCall, Effect, Reply};
+use crate::native::{Call as NativeCall, Reply};
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
@@ -868,7 +868,7 @@ impl Machine {
                             Reply::Value(value) => {
                                 self.scratch.stack[base + usize::from(to)] = value;
                                 collect_if_full!();
-                                if self.scratch.switch || around.natives[usize::from(native)].effect == Effect::Acts {
+                                if self.scratch.switch || around.natives[usize::from(native)].effect.acts() {
                                     check_leaving!();
                                     check_switch!();
                                 }
@@ -1271,7 +1271,7 @@ impl Machine {
 
     fn call_native(&mut self, around: &mut Surroundings<'_>, native: u16, arguments: &[Value]) -> Result<Reply, Raise> {
         let entry = &around.natives[usize::from(native)];
-        if entry.effect == Effect::Acts && self.current == SCRATCH_TASK {
+        if entry.effect.acts() && self.current == SCRATCH_TASK {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
         (entry.code)(&mut NativeCall { machine: self, around, arguments })

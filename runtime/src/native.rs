@@ -124,10 +124,20 @@ pub struct Native {
 pub enum Effect {
     /// Nothing.
     None,
-    /// It waits, assigns or acts on tasks: a network may not call it.
+    /// It assigns or acts on tasks: a network may not call it.
     Acts,
+    /// It may block the task: a network may not call it either.
+    Waits,
     /// It goes on in code of the plan.
     Calls,
+}
+
+impl Effect {
+    /// Whether a network may not have it.
+    #[inline]
+    pub fn acts(self) -> bool {
+        matches!(self, Effect::Acts | Effect::Waits)
+    }
 }
 
 impl Native {
@@ -156,7 +166,8 @@ impl Native {
             name: self.name.to_string(),
             min,
             max,
-            effect: self.effect != Effect::None && self.effect != Effect::Calls,
+            effect: self.effect.acts(),
+            waits: self.effect == Effect::Waits,
             calls: self.effect == Effect::Calls,
         }
     }

@@ -189,7 +189,7 @@ impl Compiler<'_> {
                 Some(&value) => self.resolve(value),
                 None => self.nil(place),
             };
-            let variable = self.new_variable(name);
+            let variable = self.new_variable(name, place);
             bound.push((variable, value));
             if sequential {
                 self.bindings.push((name, variable));
@@ -220,7 +220,7 @@ impl Compiler<'_> {
                 self.malformed(place, "`(NAME VALUE)`");
                 continue;
             };
-            let variable = self.bind(name);
+            let variable = self.bind(name, place);
             bound.push((variable, self.nil(place)));
             values.push((variable, items[1]));
         }

@@ -2,7 +2,7 @@
 //! an instruction of their own are recognised.
 
 use super::ir::{Binary, Callee, Ir, IrKind, Unary, VarId};
-use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW};
+use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW, Unknown};
 use crate::code::{CodeKind, Constant, Global, GlobalKind};
 use crate::source::Span;
 use crate::symbol::Symbol;
@@ -135,7 +135,8 @@ impl Compiler<'_> {
         self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
-        self.undefined.insert(global, span);
+        let locals = self.bindings.iter().map(|&(local, _)| local).collect();
+        self.undefined.insert(global, Unknown { span, locals });
         Meaning::Global(global)
     }
 
@@ -268,6 +269,9 @@ impl Compiler<'_> {
             self.error("network-effect", span, message, "a network may only look").help =
                 Some("do it in the body, after the condition".into());
         }
+        if signature.name == "%fail" {
+            self.note_failed_class(nodes[0], span);
+        }
         if TAKES_FLUENTS.contains(&signature.name.as_str()) {
             return self.fluent_native(native, nodes, span);
         }
@@ -275,6 +279,16 @@ impl Compiler<'_> {
         match intrinsic(&signature.name, arguments, span) {
             Ok(ir) => ir,
             Err(arguments) => self.dereferenced(Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) }),
+        }
+    }
+
+    /// The class a `fail` names, if it is written out.
+    fn note_failed_class(&mut self, node: NodeId, span: Span) {
+        let quote = self.tree.head(node).is_some_and(|head| self.symbols.name(head) == "quote");
+        if let (true, [_, class]) = (quote, self.tree.items(node))
+            && let Some(name) = self.tree.symbol(*class)
+        {
+            self.note_class(name, span);
         }
     }
 
@@ -310,7 +324,7 @@ impl Compiler<'_> {
         let inner: Vec<_> = self.functions.drain(network..).collect();
         let arguments = self.arguments(nodes);
         let name = self.symbols.uninterned("count");
-        let variable = self.new_variable(name);
+        let variable = self.new_variable(name, span);
         self.functions.extend(inner);
         let counter = Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) };
         self.functions[network].hoisted.push((variable, counter));
@@ -357,7 +371,7 @@ impl Compiler<'_> {
             Some(token) => token,
             None => {
                 let name = self.symbols.uninterned("block");
-                self.variables.push(super::Variable { name, function, captured: false, assigned: false });
+                self.variables.push(super::Variable { name, span, function, captured: false, assigned: false });
                 let token = VarId(self.variables.len() as u32 - 1);
                 self.blocks[block].token = Some(token);
                 token

@@ -18,6 +18,7 @@ mod parameters;
 mod plane;
 mod ray;
 mod sensor;
+mod simd;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -34,4 +35,5 @@ pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{MAX_BEAMS, NO_ECHO, SensorModel};
+pub use simd::Instructions;
 pub use summary::Maximum;

@@ -130,7 +130,7 @@ fn faults_of_a_log_are_told_with_their_line() {
 
 #[test]
 fn beams_are_readings_at_whole_degrees_from_end_to_end() {
-    for (readings, beams) in [(361, 24), (180, 24), (181, 1), (541, 32), (19, 19)] {
+    for (readings, beams) in [(361, 24), (180, 24), (181, 1), (541, 180), (19, 19)] {
         let geometry = ScanGeometry::symmetric(readings, PI);
         let choice = BeamChoice::spread(&geometry, beams).expect("there are enough");
         assert_eq!(choice.readings.len(), beams);
