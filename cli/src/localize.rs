@@ -54,11 +54,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             gib(allowed)
         );
     }
+    if let Some(path) = &arguments.fit {
+        return fit(path, LocalizationModel::new(&map, parameters)?, &recording, &beams, console);
+    }
     let windows = windows(arguments, &recording)?;
     let model = LocalizationModel::new(&map, parameters)?;
-    if let Some(path) = &arguments.fit {
-        return fit(path, model, &recording, &beams, console);
-    }
     let trials = all_trials(arguments, console, &model, &recording, &beams, windows);
     if let Some(folder) = &arguments.figures {
         write_figures(folder, &map, &trials)?;
