@@ -234,6 +234,13 @@ impl Machine {
 
     fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Exit {
         loop {
+            // Where a departure ends, what was protected until then is stopped before it goes on.
+            if self.scratch.switch && self.current != SCRATCH_TASK {
+                self.scratch.switch = false;
+                if self.must_switch() {
+                    return Exit::Switched;
+                }
+            }
             let raise = match self.instructions(around, place, entry) {
                 Ok(Exit::Blocked) if self.is_leaving() => {
                     if self.unwind_running(around, place) {

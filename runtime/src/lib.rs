@@ -10,6 +10,7 @@
 pub mod behaviour;
 mod construct;
 mod datum;
+pub mod disturbance;
 mod exec;
 pub mod failure;
 pub mod fluent;

@@ -248,10 +248,11 @@ impl<O: Outside> System<O> {
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
             let waits: Vec<String> = machine
-                .tasks
-                .iter()
+                .living_tasks()
+                .into_iter()
+                .map(|index| (index, &machine.tasks[index]))
                 .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
-                .filter(|(_, task)| !task.state.is_dead() && task.state != State::Created)
+                .filter(|(_, task)| task.state != State::Created)
                 .map(|(index, task)| match task.is_held() {
                     true => format!("{} is suspended", machine.path(index)),
                     false => format!("{} waits for {}", machine.path(index), machine.describe_waiting(index)),

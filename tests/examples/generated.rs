@@ -1,0 +1,62 @@
+//! Runs generated programs, many of them:
+//! `cargo run --release -p rpl-tests --example generated -- --runs 1000000 --seed 1`.
+//!
+//! `--findings N` goes on until so many findings.
+
+use rpl_tests::generated::drive::{Case, Tally};
+use rpl_tests::generated::shrink::shrink;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Runs of one program.
+const RUNS_EACH: u64 = 10;
+
+/// Texts that are tried to make a finding small.
+const TRIES: usize = 3_000;
+
+/// The number after an option, or what it is without.
+fn option(name: &str, default: u64) -> u64 {
+    let arguments: Vec<String> = std::env::args().collect();
+    let place = arguments.iter().position(|argument| argument == name);
+    place.and_then(|at| arguments.get(at + 1)).and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(|_| {}));
+    let (runs, seed, most) = (option("--runs", 100_000), option("--seed", 1), option("--findings", 1));
+    let from = option("--from", 0);
+    let (start, mut tally, mut findings) = (Instant::now(), Tally::default(), 0);
+    let mut programs = from;
+    while tally.runs < runs {
+        let case = Case::generated(seed.wrapping_mul(0x1000_0000) + programs);
+        if let Err(finding) = case.judge(RUNS_EACH, &mut tally) {
+            report(&case, &finding);
+            findings += 1;
+            if findings == most {
+                return ExitCode::FAILURE;
+            }
+        }
+        programs += 1;
+        if programs.is_multiple_of((runs / RUNS_EACH / 20).max(1)) {
+            println!("{programs} programs in {:.0} s: {tally:?}", start.elapsed().as_secs_f64());
+        }
+    }
+    if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The words of a finding without its numbers and names, so that shrinking keeps to one fault.
+fn kind(finding: &str) -> String {
+    finding.split(|letter: char| !letter.is_alphabetic()).filter(|word| word.len() > 3).take(4).collect()
+}
+
+fn report(case: &Case, finding: &str) {
+    let wanted = kind(finding);
+    let mut tries = 0;
+    let judge = |text: &str| Case { seed: case.seed, text: text.to_string() }.judge(RUNS_EACH, &mut Tally::default());
+    let small = shrink(&case.text, |text| {
+        tries += 1;
+        tries < TRIES && judge(text).is_err_and(|found| kind(&found) == wanted)
+    });
+    let last = judge(&small).err().unwrap_or_default();
+    println!("seed {}: {finding}\nshrunk to\n{small}{last}\n", case.seed);
+}
