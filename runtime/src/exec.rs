@@ -1141,6 +1141,10 @@ impl Machine {
                             fail!(self.wrong_type("the condition of `whenever`", "a fluent", value));
                         };
                         let task = self.current;
+                        if owned {
+                            // It dies with the watch; nothing names it then.
+                            self.scratch.stack[base + usize::from(a)] = Value::Nil;
+                        }
                         let watch = self.start_watch(task, fluent, missed, owned);
                         self.push_scope(ScopeKind::Watch(watch));
                         continue 'frame;
@@ -1194,6 +1198,10 @@ impl Machine {
                         let value = r!(condition);
                         let timeout = if seconds == NO_REG { None } else { Some(r!(seconds)) };
                         attempt!(self.refuse_in_network("nothing can be waited for"));
+                        if owned {
+                            // It dies with the wait; nothing names it then.
+                            self.scratch.stack[base + usize::from(condition)] = Value::Nil;
+                        }
                         save!();
                         match self.wait_for(value, timeout, owned)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,

@@ -10,6 +10,7 @@
 pub mod behaviour;
 mod construct;
 mod datum;
+pub mod difference;
 pub mod disturbance;
 mod exec;
 pub mod failure;
@@ -31,5 +32,6 @@ pub mod task;
 pub mod trace;
 mod tree;
 mod unwind;
+mod validate;
 pub mod value;
 pub mod valve;

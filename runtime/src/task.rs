@@ -511,6 +511,13 @@ impl Tasks {
         self.slots.iter()
     }
 
+    /// Whether every slot has a generation, and the free ones are those without a task.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.generations.len() == self.slots.slots()
+            && self.generations.iter().all(|&generation| generation < u32::MAX / 2)
+            && self.slots.is_whole()
+    }
+
     /// How many slots there are.
     pub fn slots(&self) -> usize {
         self.slots.slots()

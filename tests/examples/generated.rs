@@ -1,10 +1,12 @@
 //! Runs generated programs, many of them:
 //! `cargo run --release -p rpl-tests --example generated -- --runs 1000000 --seed 1`.
 //!
-//! `--findings N` goes on until so many findings.
+//! `--findings N` goes on until so many findings. `--texts N` mangles texts for the reader and the
+//! compiler instead, `--forgeries N` forges saved runs.
 
 use rpl_tests::generated::drive::{Case, Tally};
 use rpl_tests::generated::shrink::shrink;
+use rpl_tests::generated::{forged, texts};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -24,9 +26,12 @@ fn option(name: &str, default: u64) -> u64 {
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|_| {}));
     let (runs, seed, most) = (option("--runs", 100_000), option("--seed", 1), option("--findings", 1));
-    let from = option("--from", 0);
+    let (texts, forgeries) = (option("--texts", 0), option("--forgeries", 0));
+    if texts + forgeries > 0 {
+        return other_inputs(seed, texts, forgeries, most);
+    }
     let (start, mut tally, mut findings) = (Instant::now(), Tally::default(), 0);
-    let mut programs = from;
+    let mut programs = 0;
     while tally.runs < runs {
         let case = Case::generated(seed.wrapping_mul(0x1000_0000) + programs);
         if let Err(finding) = case.judge(RUNS_EACH, &mut tally) {
@@ -41,6 +46,32 @@ fn main() -> ExitCode {
             println!("{programs} programs in {:.0} s: {tally:?}", start.elapsed().as_secs_f64());
         }
     }
+    if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Mangled texts and forged runs.
+fn other_inputs(seed: u64, texts: u64, forgeries: u64, most: u64) -> ExitCode {
+    let (start, mut findings, mut compiled, mut slowest) = (Instant::now(), 0, 0, 0.0_f64);
+    let mut tally = forged::Tally::default();
+    for at in 0..texts.max(forgeries) {
+        let seed = seed.wrapping_mul(0x1000_0000) + at;
+        let began = Instant::now();
+        let text = if at < texts { texts::judge(seed) } else { Ok(false) };
+        slowest = slowest.max(began.elapsed().as_secs_f64());
+        compiled += u64::from(text == Ok(true));
+        let state = if at < forgeries { forged::judge(seed, 20, &mut tally) } else { Ok(()) };
+        for finding in text.err().into_iter().chain(state.err()) {
+            println!("seed {seed}: {finding}");
+            findings += 1;
+            if findings >= most {
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "{texts} texts ({compiled} compiled, the slowest took {slowest:.1} s), forged runs: {tally:?}; {seconds:.0} s"
+    );
     if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 

@@ -31,8 +31,7 @@ pub enum Variation {
     Collected,
 }
 
-const VARIATIONS: [Variation; 4] =
-    [Variation::Plain, Variation::Forked, Variation::Saved, Variation::Collected];
+const VARIATIONS: [Variation; 4] = [Variation::Plain, Variation::Forked, Variation::Saved, Variation::Collected];
 
 /// A run to be judged.
 #[derive(Clone, Debug)]
@@ -220,8 +219,7 @@ impl Run<'_> {
             Variation::Saved => {
                 if self.vary.once_in(16) {
                     let saved = self.system.save();
-                    let again =
-                        System::load(&saved, library().clone(), self.loaded.clone(), Whim::default());
+                    let again = System::load(&saved, library().clone(), self.loaded.clone(), Whim::default());
                     let again = again.map_err(|error| format!("what was saved is not loaded: {error}"))?;
                     if again.save() != saved {
                         return Err("saved again, the bytes differ".into());
@@ -280,12 +278,19 @@ impl Run<'_> {
             take_note(&mut self.entries, &line).map_err(at)?;
             // Which slot a task has is nobody's business: collections free some earlier.
             let is_about_part = matches!(line.split(' ').next(), Some("enter" | "clean" | "pass"));
-            self.record.notes.push(if is_about_part { line.split(' ').take(2).collect() } else { without_slots(&line) });
+            self.record.notes.push(if is_about_part {
+                line.split(' ').take(2).collect()
+            } else {
+                without_slots(&line)
+            });
         }
         let tasks = &self.system.machine.tasks;
         if let Some((entry, _)) = self.entries.iter().find(|&(_, &task)| tasks.find_alive(task).is_none()) {
             let trace = self.record.trace.join("\n");
-            return Err(at(format!("the task of part {entry} is dead and its clean-up has not run\n{trace}\n{:?}", self.record.notes)));
+            return Err(at(format!(
+                "the task of part {entry} is dead and its clean-up has not run\n{trace}\n{:?}",
+                self.record.notes
+            )));
         }
         self.system.machine.check_invariants().map_err(at)
     }
@@ -295,8 +300,10 @@ impl Run<'_> {
         if let Some((index, task)) = machine.tasks.iter().skip(1).find(|(_, task)| !task.state.is_dead()) {
             return Err(format!("main is dead and {} is {}", machine.path(index), task.state.name()));
         }
-        if let Some(valve) =
-            machine.valves.iter().find(|valve| !(valve.holds.is_empty() && valve.line.is_empty() && valve.handover.is_none()))
+        if let Some(valve) = machine
+            .valves
+            .iter()
+            .find(|valve| !(valve.holds.is_empty() && valve.line.is_empty() && valve.handover.is_none()))
         {
             return Err(format!("main is dead and a valve is not free: {valve:?}"));
         }

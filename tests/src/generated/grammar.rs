@@ -204,7 +204,13 @@ impl Writer {
             },
             25 => self
                 .dice
-                .pick(&["(loop nil)", "(deep n)", "(car (list n 'x))", "(map both '(1) '(2))", "(value (fluent (car f0)))"])
+                .pick(&[
+                    "(loop nil)",
+                    "(deep n)",
+                    "(car (list n 'x))",
+                    "(map both '(1) '(2))",
+                    "(value (fluent (car f0)))",
+                ])
                 .into(),
             26 => format!(
                 "(if (> n 0) (execute-plan (list 'seq '(wait-time {time}) (list '{} (- n 1)))) nil)",
@@ -285,7 +291,12 @@ impl Writer {
                 format!("(let (({function} (lambda () {}))) ({function}))", self.forms(&place.in_task(), 2))
             }
             38 => format!("(map (lambda (n) {}) (list 0 n))", self.form(&place.in_task())),
-            _ => format!("(if {} {} {})", self.dice.pick(&["(value f0)", "(value g0)", "n"]), self.form(place), self.form(place)),
+            _ => format!(
+                "(if {} {} {})",
+                self.dice.pick(&["(value f0)", "(value g0)", "n"]),
+                self.form(place),
+                self.form(place)
+            ),
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! [`grammar`] writes a program, [`robot`] stands in for a robot, [`drive`] runs and judges,
 //! [`shrink`] makes a finding small. [`texts`] does to the reader and the compiler what these do to
-//! the runtime, [`forged`] to saved runs. All of it is a function of a seed.
+//! the runtime. All of it is a function of a seed.
 
 pub mod drive;
 pub mod forged;

@@ -1,5 +1,6 @@
 //! The robot and the native functions generated programs use.
 
+use rpl_lang::symbol::Symbol;
 use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Reading, Stop};
 use rpl_runtime::failure::Raise;
 use rpl_runtime::library::Library;
@@ -8,7 +9,6 @@ use rpl_runtime::native::{Call, Effect, Native, Reply};
 use rpl_runtime::save::SaveOutside;
 use rpl_runtime::task::ScopeKind;
 use rpl_runtime::value::Value;
-use rpl_lang::symbol::Symbol;
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 

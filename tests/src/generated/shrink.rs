@@ -7,9 +7,10 @@ pub fn shrink(text: &str, mut still_fails: impl FnMut(&str) -> bool) -> String {
     let mut best = parse(text);
     loop {
         let paths = paths_of(&best);
-        let smaller = paths.iter().flat_map(|path| candidates(&best, path)).find(|candidate| {
-            candidate.iter().all(tells_the_truth) && still_fails(&print(candidate))
-        });
+        let smaller = paths
+            .iter()
+            .flat_map(|path| candidates(&best, path))
+            .find(|candidate| candidate.iter().all(tells_the_truth) && still_fails(&print(candidate)));
         match smaller {
             Some(smaller) => best = smaller,
             None => return print(&best),
@@ -21,13 +22,18 @@ pub fn shrink(text: &str, mut still_fails: impl FnMut(&str) -> bool) -> String {
 /// has a clean-up that says it runs.
 fn tells_the_truth(form: &Form) -> bool {
     let text = form.to_string();
-    let is_part = text.strip_prefix("(let ((e").is_some_and(|rest| rest.trim_start_matches(|letter: char| letter.is_ascii_digit()).starts_with(" (note-enter)"));
+    let is_part = text.strip_prefix("(let ((e").is_some_and(|rest| {
+        rest.trim_start_matches(|letter: char| letter.is_ascii_digit()).starts_with(" (note-enter)")
+    });
     if !is_part {
-        let is_note = text.starts_with("(%note-enter") || text.starts_with("(note-enter") || text.starts_with("(note-clean");
+        let is_note =
+            text.starts_with("(%note-enter") || text.starts_with("(note-enter") || text.starts_with("(note-clean");
         let is_helper = text.starts_with("(defun note-enter");
         return if is_helper { text == NOTE_ENTER } else { !is_note && items_of(form).iter().all(tells_the_truth) };
     }
-    let Some([_, Form::List(bindings), Form::List(protected)]) = items_of(form).first_chunk::<3>() else { return false };
+    let Some([_, Form::List(bindings), Form::List(protected)]) = items_of(form).first_chunk::<3>() else {
+        return false;
+    };
     let Some(Form::List(binding)) = bindings.first() else { return false };
     let [Form::Atom(head), part, clean, rest @ ..] = &protected[..] else { return false };
     let (before, pass) = match (head.as_str(), part) {
@@ -35,7 +41,10 @@ fn tells_the_truth(form: &Form) -> bool {
         ("evap-protect", Form::List(items)) => match &items[..] {
             [_, Form::List(value), pass, _] if items.len() == 4 => {
                 let Some(Form::List(value)) = value.first() else { return false };
-                (value.get(1).cloned().unwrap_or(Form::Atom("nil".into())), pass.to_string() == format!("(note-pass {})", binding[0]))
+                (
+                    value.get(1).cloned().unwrap_or(Form::Atom("nil".into())),
+                    pass.to_string() == format!("(note-pass {})", binding[0]),
+                )
             }
             _ => return false,
         },
