@@ -58,7 +58,7 @@ impl<O: Outside> System<O> {
             Disturbance::Assign(fluent, value) => {
                 if machine.fluents.get(fluent).is_some() {
                     // What a plan may not assign stays as it is.
-                    let _refused = machine.assign_fluent(around, fluent, value);
+                    let _refused = machine.assign_fluent(around, Value::Fluent(fluent), value);
                 }
             }
             Disturbance::Pulse(fluent) => {

@@ -25,6 +25,10 @@ impl Machine {
             self.check_task(index, task, queued.is_set(index))
                 .map_err(|what| format!("{} (task {index}): {what}", self.path(index)))?;
         }
+        let resting = self.tasks.iter().filter(|(_, task)| matches!(task.waiting, Waiting::Rest(_))).count();
+        ensure(resting == self.waits_for_rest as usize, || {
+            format!("{resting} tasks wait for others to be at rest, and {} are counted", self.waits_for_rest)
+        })?;
         self.check_fluents()?;
         self.check_watches()?;
         self.check_valves()
@@ -32,7 +36,7 @@ impl Machine {
 
     fn check_task(&self, index: u32, task: &Task, is_queued: bool) -> Check {
         ensure(is_queued == (task.state == State::Ready && !task.is_held()), || {
-            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state.name(), task.stop)
+            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state.name(), task.stop())
         })?;
         ensure(task.state != State::Running, || "runs between two steps".into())?;
         ensure((task.state == State::Blocked) == (task.waiting != Waiting::Nothing), || {
@@ -56,10 +60,10 @@ impl Machine {
             let is_linked = if before == NONE { parent.first_child } else { self.tasks[before].next_sibling } == index;
             ensure(is_linked, || "is no child of its parent".into())?;
             if !task.named_as_hook() && !parent.is_within_clean_up(task.parent_scope) {
-                stops += parent.stop;
+                stops += parent.stop();
             }
         }
-        ensure(stops == task.stop, || format!("counts {} suspensions, and there are {stops}", task.stop))
+        ensure(stops == task.stop(), || format!("counts {} suspensions, and there are {stops}", task.stop()))
     }
 
     fn check_children(&self, index: u32, task: &Task) -> Check {
@@ -113,12 +117,12 @@ impl Machine {
             }
             Waiting::Death(other) => {
                 let me = self.tasks.reference(index);
-                let other = self.tasks.find_alive(other).and_then(|other| self.tasks[other].rare.as_ref());
+                let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
                 ensure(other.is_some_and(|other| other.mourners.contains(&me)), || "waits for nobody's death".into())
             }
             Waiting::Rest(other) => {
                 let me = self.tasks.reference(index);
-                let other = self.tasks.find_alive(other).and_then(|other| self.tasks[other].rare.as_ref());
+                let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
                 ensure(other.is_some_and(|other| other.resters.contains(&me)), || "waits for nobody's rest".into())
             }
             Waiting::Children | Waiting::Spawned => {

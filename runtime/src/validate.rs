@@ -5,7 +5,7 @@
 use crate::fluent::Origin;
 use crate::machine::{Machine, SCRATCH_TASK};
 use crate::scheduler::Line;
-use crate::task::{Children, Decision, Frame, Leaving, NONE, Scope, ScopeKind, Task, Then, Waiting, Wake};
+use crate::task::{Children, Decision, Leaving, NONE, Scope, ScopeKind, Task, Then, Waiting};
 use crate::value::{TaskRef, Value};
 use crate::valve::{Handover, Purpose};
 use rpl_lang::code::{Op, Program};
@@ -15,6 +15,9 @@ type Check = Result<(), String>;
 
 /// Counters that only grow stay far from their end.
 const MAX_COUNT: u32 = u32::MAX / 2;
+
+/// How far above its caller's a frame can begin.
+const WINDOW: u32 = 256;
 
 fn ensure(holds: bool, what: &str) -> Check {
     if holds { Ok(()) } else { Err(what.to_string()) }
@@ -210,35 +213,41 @@ impl Machine {
 
     fn validate_task(&self, bounds: &Bounds<'_>, task: &Task, has_code: bool) -> Check {
         self.symbol(task.name)?;
-        self.validate_values(bounds, task.registers.iter().chain([&task.result]))?;
+        self.validate_values(bounds, self.tasks.registers.get(task.registers).iter().chain([&task.value]))?;
+        ensure(
+            !task.raises || task.state.is_dead() || matches!(task.value, Value::Failure(_)),
+            "what is raised is no failure",
+        )?;
         let links =
             [task.first_child, task.last_child, task.next_sibling, task.previous_sibling, task.next, task.previous];
         // The record of a dead task may outlive that of its parent.
         let parent = if task.state.is_dead() { NONE } else { task.parent };
         links.into_iter().chain([parent]).try_for_each(|link| self.validate_link(link))?;
         ensure(self.priorities.knows(task.priority), "a priority is not in its table")?;
-        ensure(task.wait_number <= MAX_COUNT && task.stop <= MAX_COUNT, "a counter has run out")?;
+        ensure(task.wait_number <= MAX_COUNT && task.stop() <= MAX_COUNT, "a counter has run out")?;
         if has_code {
-            for (above, frame) in task.frames.iter().chain([&task.frame]).enumerate() {
-                self.validate_frame(bounds, task, frame, above == task.frames.len())?;
+            let mut base = 0;
+            for frame in task.frames.iter().chain([&task.frame]) {
+                bounds.code(frame.code)?;
+                let code = &bounds.program.codes[frame.code as usize];
+                ensure((frame.pc as usize) < code.ops.len(), "a frame goes on beyond its code")?;
+                ensure(frame.base >= base && frame.base - base <= WINDOW, "a frame lies beyond its caller's")?;
+                base = frame.base;
             }
         }
-        for scope in &task.scopes {
+        for scope in task.scopes.iter() {
             self.validate_scope(bounds, task, scope)?;
         }
-        match task.wake {
-            Wake::Raise(failure) => self.validate_failure(bounds, failure)?,
-            Wake::Value(value) => self.validate_value(bounds, value)?,
-            Wake::Nothing => {}
-        }
-        if let Some(leaving) = &task.leaving {
+        if let Some(leaving) = task.leaving() {
             self.validate_leaving(bounds, task, leaving)?;
         }
         match task.waiting {
             Waiting::Fluent { fluent, .. } => self.fluent(fluent)?,
             Waiting::Watch(watch) => ensure(self.watches.get(watch).is_some(), "a watch is not in its table")?,
             Waiting::Valve(valve) => ensure((valve as usize) < self.valves.len(), "there is no such valve")?,
-            Waiting::Death(task) | Waiting::Rest(task) => self.validate_reference(task)?,
+            Waiting::Death(other) | Waiting::Rest(other) => {
+                ensure(self.tasks.get(other).is_some(), "a task waits for one that is not there")?;
+            }
             Waiting::Signal(behaviour) => {
                 ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")?
             }
@@ -252,14 +261,6 @@ impl Machine {
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
         ensure(rare.hooks_for.is_none_or(|valve| (valve as usize) < self.valves.len()), "there is no such valve")
-    }
-
-    fn validate_frame(&self, bounds: &Bounds<'_>, task: &Task, frame: &Frame, is_top: bool) -> Check {
-        bounds.code(frame.code)?;
-        let code = &bounds.program.codes[frame.code as usize];
-        ensure((frame.pc as usize) < code.ops.len(), "a frame goes on beyond its code")?;
-        let end = frame.base as usize + if is_top { usize::from(code.registers) } else { 0 };
-        ensure(end <= task.registers.len(), "a frame reaches beyond its registers")
     }
 
     fn validate_scope(&self, bounds: &Bounds<'_>, task: &Task, scope: &Scope) -> Check {
@@ -298,6 +299,7 @@ impl Machine {
     fn validate_children(&self, bounds: &Bounds<'_>, children: &Children) -> Check {
         self.symbol(children.name)?;
         self.validate_value(bounds, children.last_value)?;
+        children.held.iter().try_for_each(|held| self.validate_reference(held.task))?;
         children.failures.iter().try_for_each(|&failure| self.validate_failure(bounds, failure))?;
         match children.decided {
             Some(Decision::Fail(failure)) => self.validate_failure(bounds, failure),

@@ -1,7 +1,7 @@
 //! Runs generated programs, many of them:
 //! `cargo run --release -p rpl-tests --example generated -- --runs 1000000 --seed 1`.
 //!
-//! `--findings N` goes on until so many findings. `--texts N` mangles texts for the reader and the
+//! `--skip N` begins behind so many programs. `--findings N` goes on until so many findings. `--texts N` mangles texts for the reader and the
 //! compiler instead, `--forgeries N` forges saved runs.
 
 use rpl_tests::generated::drive::{Case, Tally};
@@ -24,14 +24,18 @@ fn option(name: &str, default: u64) -> u64 {
 }
 
 fn main() -> ExitCode {
-    std::panic::set_hook(Box::new(|_| {}));
+    std::panic::set_hook(Box::new(|panic| {
+        if std::env::var_os("RUST_BACKTRACE").is_some() {
+            eprintln!("{panic}\n{}", std::backtrace::Backtrace::force_capture());
+        }
+    }));
     let (runs, seed, most) = (option("--runs", 100_000), option("--seed", 1), option("--findings", 1));
     let (texts, forgeries) = (option("--texts", 0), option("--forgeries", 0));
     if texts + forgeries > 0 {
         return other_inputs(seed, texts, forgeries, most);
     }
     let (start, mut tally, mut findings) = (Instant::now(), Tally::default(), 0);
-    let mut programs = 0;
+    let mut programs = option("--skip", 0);
     while tally.runs < runs {
         let case = Case::generated(seed.wrapping_mul(0x1000_0000) + programs);
         if let Err(finding) = case.judge(RUNS_EACH, &mut tally) {

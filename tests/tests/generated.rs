@@ -46,6 +46,14 @@ fn a_task_that_ends_its_ancestor_ends_with_it() {
 }
 
 #[test]
+fn a_tag_is_no_function() {
+    assert_eq!(
+        run("(par (:tag work (work)))"),
+        "failed: type-error: what is called must be a function, and it is a task"
+    );
+}
+
+#[test]
 fn a_suspension_that_a_clean_up_held_up_takes_effect_where_the_failure_is_handled() {
     let text = "(par (:tag a (with-failure-handling ((failure () (print 'handled)))
                        (unwind-protect (seq (wait-time 1) (fail)) (wait-time 1))))

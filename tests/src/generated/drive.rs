@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const STEPS: usize = 160;
 
 /// Steps of the scheduler in which it must then have ended.
-const STEPS_TO_END: usize = 5_000;
+const STEPS_TO_END: usize = 100_000;
 
 /// What else happens to a run that must make no difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
