@@ -10,6 +10,8 @@
 pub mod behaviour;
 mod construct;
 mod datum;
+pub mod difference;
+pub mod disturbance;
 mod exec;
 pub mod failure;
 pub mod fluent;
@@ -34,5 +36,6 @@ pub mod task;
 pub mod trace;
 mod tree;
 mod unwind;
+mod validate;
 pub mod value;
 pub mod valve;

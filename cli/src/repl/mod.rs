@@ -234,8 +234,8 @@ impl Prompt<'_> {
         let system = &self.session.branch.system;
         let or = |lines: Vec<String>, nothing: &str| if lines.is_empty() { vec![nothing.to_string()] } else { lines };
         match verb {
-            Verb::Why => why::why(&self.session, if rest.is_empty() { "main" } else { rest }),
-            Verb::Task => why::task(&self.session, if rest.is_empty() { "main" } else { rest }),
+            Verb::Why => why::why(&self.session, rest),
+            Verb::Task => why::task(&self.session, rest),
             Verb::Tasks => view::tasks(system),
             Verb::Fluents => or(view::fluents(system, rest), "no fluent has such a name"),
             Verb::Valves => or(view::valves(system), "there are no valves"),

@@ -2,6 +2,7 @@
 //! before the instant that is asked for.
 
 use crate::mission::Robot;
+use rpl_lang::source::Span;
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::system::System;
 use std::time::{Duration, Instant};
@@ -156,7 +157,12 @@ const HIDDEN: &[&str] = &["session", "prelude"];
 
 /// Whether a user wants to see a stop.
 pub fn is_shown(system: &System<Robot>, stop: &Stop) -> bool {
-    !HIDDEN.contains(&&*system.program.sources.get(stop.span.source).name)
+    !is_hidden(system, stop.span)
+}
+
+/// Whether a place lies in a text that users do not step through.
+pub fn is_hidden(system: &System<Robot>, span: Span) -> bool {
+    HIDDEN.contains(&&*system.program.sources.get(span.source).name)
 }
 
 /// Every position between a copy and a later position at which a stepper would stop.

@@ -3,7 +3,11 @@
 use super::session::Session;
 use crate::mission::Robot;
 use rpl_lang::code::GlobalKind;
-use rpl_lang::source::{Sources, Span};
+use rpl_lang::pretty::print;
+use rpl_lang::reader::read;
+use rpl_lang::source::{SourceId, Sources, Span};
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::Tree;
 use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
 use rpl_runtime::task::State;
@@ -62,11 +66,19 @@ pub fn waiting(system: &System<Robot>, task: u32) -> String {
     let what = machine.describe(machine.tasks[task].waiting);
     match what.as_str() {
         "condition" => match form_of(system, task) {
-            Some(span) => shortened(&one_line(system.program.sources.text_of(span))),
+            Some(span) => shortened(&condition_text(system.program.sources.text_of(span))),
             None => what,
         },
         _ => what,
     }
+}
+
+/// The condition of a `wait-for` or `whenever`, which stands first in it.
+fn condition_text(form: &str) -> String {
+    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
+    let (roots, _) = read(form, SourceId(0), &mut symbols, &mut tree);
+    let condition = roots.first().and_then(|&root| tree.items(root).get(1).copied());
+    condition.map_or_else(|| one_line(form), |condition| print(&tree, &symbols, condition))
 }
 
 /// The form a task is in.

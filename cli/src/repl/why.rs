@@ -1,6 +1,7 @@
 //! Why a task waits or failed: the chain of causes.
 
 use super::session::Session;
+use super::timeline;
 use super::view;
 use crate::events::detail;
 use rpl_runtime::task::{State, Waiting};
@@ -12,19 +13,24 @@ const MAX_DEPTH: usize = 8;
 
 /// The chain of causes for a task's waiting or its end, by its path or the end of it.
 pub fn why(session: &Session, path: &str) -> Vec<String> {
-    let system = &session.branch.system;
-    let machine = &system.machine;
-    let alive = machine.tasks.iter().filter(|(_, task)| !task.state.is_dead() && task.state != State::Created);
-    let mut found: Vec<u32> = alive.map(|(index, _)| index).filter(|&index| index != 0).collect();
-    found.retain(|&index| is_meant(&machine.path(index), path));
-    match found.first() {
-        Some(&task) => {
+    match living(session, path) {
+        Some(task) => {
             let mut lines = Vec::new();
             waits(session, task, 0, &mut lines);
             lines
         }
         None => ended(session, path),
     }
+}
+
+/// The living task that is meant by a path, by its end, or by nothing: the main task.
+fn living(session: &Session, path: &str) -> Option<u32> {
+    let machine = &session.branch.system.machine;
+    if path.is_empty() || path == "main" {
+        return Some(machine.main);
+    }
+    let mut alive = machine.tasks.iter().filter(|(_, task)| !task.state.is_dead()).map(|(index, _)| index);
+    alive.find(|&index| index != 0 && is_meant(&machine.path(index), path))
 }
 
 fn is_meant(path: &str, wanted: &str) -> bool {
@@ -42,7 +48,7 @@ fn waits(session: &Session, task: u32, depth: usize, lines: &mut Vec<String>) {
     if depth >= MAX_DEPTH {
         return;
     }
-    if let Some(span) = view::form_of(system, task) {
+    if let Some(span) = view::form_of(system, task).filter(|&span| !timeline::is_hidden(system, span)) {
         say(lines, depth + 1, &format!("at {}", system.program.sources.place(span)));
     }
     let record = &machine.tasks[task];
@@ -156,9 +162,7 @@ fn missing(session: &Session, path: &str) -> Vec<String> {
 pub fn task(session: &Session, path: &str) -> Vec<String> {
     let system = &session.branch.system;
     let machine = &system.machine;
-    let alive = machine.tasks.iter().filter(|&(index, task)| index != 0 && !task.state.is_dead());
-    let found = alive.map(|(index, _)| index).find(|&index| is_meant(&machine.path(index), path));
-    let Some(task) = found else { return missing(session, path) };
+    let Some(task) = living(session, path) else { return missing(session, path) };
     let mut lines = vec![format!("{}  {}", machine.path(task), view::condition_of(system, task))];
     let priority = machine.priorities.list(machine.tasks[task].priority);
     if !priority.is_empty() {
