@@ -179,7 +179,6 @@ impl Op {
                 | Op::TailCall(..)
                 | Op::CallValue(..)
                 | Op::TailCallValue(..)
-                | Op::CallCode(..)
                 | Op::CallNative(..)
                 | Op::SetGlobal(..)
                 | Op::DefFluent(..)
@@ -201,7 +200,6 @@ impl Op {
     pub fn value_register(&self) -> Option<Reg> {
         match *self {
             Op::Call(reg, ..)
-            | Op::CallCode(reg, _)
             | Op::CallNative(reg, ..)
             | Op::SetGlobal(reg, _)
             | Op::DefFluent(reg, _)

@@ -48,7 +48,7 @@ fn it_stops_before_each_call_in_the_order_of_evaluation() {
     let texts: Vec<String> =
         stepped_to_the_end(&mut system).iter().map(|stop| system.program.sources.text_of(stop.span).into()).collect();
     assert_eq!(
-        &texts[1..],
+        texts,
         ["(double 1)", "(double 2)", "(list (double 1) (double 2))", "(print (list (double 1) (double 2)))"]
     );
 }

@@ -63,6 +63,9 @@ pub fn condition_of(system: &System<Robot>, task: u32) -> String {
 /// What a blocked task waits for, with the text of its condition if there is one.
 pub fn waiting(system: &System<Robot>, task: u32) -> String {
     let machine = &system.machine;
+    if task == machine.main && system.is_waiting_for_form() {
+        return "the next form".to_string();
+    }
     let what = machine.describe(machine.tasks[task].waiting);
     match what.as_str() {
         "condition" => match form_of(system, task) {

@@ -45,7 +45,7 @@ fn waits(session: &Session, task: u32, depth: usize, lines: &mut Vec<String>) {
     let system = &session.branch.system;
     let machine = &system.machine;
     say(lines, depth, &format!("{}  {}", machine.path(task), view::condition_of(system, task)));
-    if depth >= MAX_DEPTH {
+    if depth >= MAX_DEPTH || task == machine.main && system.is_waiting_for_form() {
         return;
     }
     if let Some(span) = view::form_of(system, task).filter(|&span| !timeline::is_hidden(system, span)) {
