@@ -198,3 +198,25 @@ fn a_file_is_stepped_from_its_first_form() {
     let shown = session(&["step", "first-steps.rpl"], ":tasks\n:quit\n");
     assert!(shown.out.contains("first-steps.rpl:"), "{}", shown.out);
 }
+
+/// What is typed in the sessions of a page, and what they show.
+fn sessions(page: &str) -> (String, String) {
+    let (mut typed, mut shown, mut is_inside) = (String::new(), String::new(), false);
+    for line in page.lines() {
+        match line.strip_prefix("> ") {
+            _ if line.starts_with("```") => is_inside = line == "```session",
+            Some(line) if is_inside => typed += &format!("{line}\n"),
+            None if is_inside => shown += &format!("{line}\n"),
+            _ => {}
+        }
+    }
+    (typed, shown)
+}
+
+#[test]
+fn the_sessions_of_the_page_about_the_prompt_run_as_printed() {
+    let (typed, expected) = sessions(include_str!("../../docs/prompt.md"));
+    let shown = session(&["repl"], &typed);
+    assert_eq!(shown.out, expected, "{}", shown.errors);
+    assert_eq!(shown.status, Some(0), "{}", shown.errors);
+}
