@@ -3,6 +3,8 @@
 mod statistics;
 mod trials;
 
+pub use statistics::{Spread, wilson_95};
+
 use crate::console::Console;
 use crate::drive::{Ending, Mark, Pace, Records, drive};
 use crate::files::{self, PlanText};

@@ -2,7 +2,7 @@
 
 use super::belief::{Belief, Scan};
 use super::model::LocalizationModel;
-use super::parameters::{LocalizationParameters, SONARS, Spread};
+use super::parameters::{LocalizationParameters, Spread};
 use super::summary::Maximum;
 use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ struct Rest {
     scans: u32,
 }
 
-fn has_changed(before_m: &[f32; SONARS], now_m: &[f32; SONARS]) -> bool {
+fn has_changed(before_m: &[f32], now_m: &[f32]) -> bool {
     let changed = |(before, now): &(&f32, &f32)| (**before - **now).abs() > CHANGED_M;
     before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
 }
@@ -48,7 +48,7 @@ pub struct Localization {
     /// Odometry at the last observation.
     observed_at_in_odom: Option<Pose>,
     /// The last scan that was used.
-    last_scan_m: Option<[f32; SONARS]>,
+    last_scan_m: Option<Vec<f32>>,
     rest: Rest,
     /// Sum of the evidence for having been turned, in nats.
     turn_evidence: f64,
@@ -96,28 +96,24 @@ impl Localization {
         Self::of(model, self.belief.merged(model, &other.belief))
     }
 
-    /// Takes in odometry and, if there is one, a scan; readings that are not finite are missing.
+    /// Takes in odometry and, if there is one, a scan, a reading for each beam of the model;
+    /// readings that are not finite are missing.
     /// Returns whether the belief was updated.
     ///
     /// # Deviation
     /// The belief is updated only after some motion, by `update_distance_m` and
     /// `update_angle_rad`: scans from one place repeat the same evidence. A robot at rest takes a
     /// few scans and no more, unless the scan changes: somebody may have turned it.
-    pub fn observe(
-        &mut self,
-        model: &LocalizationModel,
-        odometry_in_odom: Pose,
-        sonar_m: Option<&[f32; SONARS]>,
-    ) -> bool {
+    pub fn observe(&mut self, model: &LocalizationModel, odometry_in_odom: Pose, ranges_m: Option<&[f32]>) -> bool {
         self.observed_at_in_odom = Some(odometry_in_odom);
         let since = odometry_in_odom.relative_to(*self.updated_at_in_odom.get_or_insert(odometry_in_odom));
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
-        if !moved && !sonar_m.is_some_and(|sonar_m| self.is_due_at_rest(&model.parameters, sonar_m)) {
+        if !moved && !ranges_m.is_some_and(|ranges_m| self.is_due_at_rest(&model.parameters, ranges_m)) {
             return false;
         }
         self.belief.advance(model, since);
-        let scan = self.scan(model, self.mode.pose_in_map.compose(since), sonar_m);
+        let scan = self.scan(model, self.mode.pose_in_map.compose(since), ranges_m);
         self.belief.sense(model, &scan);
         self.mode = self.belief.mode(model);
         self.watch_for_turns(model, &scan);
@@ -127,17 +123,17 @@ impl Localization {
             self.rest = Rest::default();
         }
         self.rest.waited = 0;
-        if let Some(sonar_m) = sonar_m {
+        if let Some(ranges_m) = ranges_m {
             self.rest.scans += 1;
-            self.last_scan_m = Some(*sonar_m);
+            self.last_scan_m = Some(ranges_m.to_vec());
         }
         true
     }
 
     /// Counts an observation at rest and tells whether it is to be used.
-    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, sonar_m: &[f32; SONARS]) -> bool {
+    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, ranges_m: &[f32]) -> bool {
         self.rest.waited += 1;
-        let changed = self.last_scan_m.is_none_or(|last_m| has_changed(&last_m, sonar_m));
+        let changed = self.last_scan_m.as_deref().is_none_or(|last_m| has_changed(last_m, ranges_m));
         if changed {
             self.rest.scans = 0;
         }
@@ -147,7 +143,7 @@ impl Localization {
 
     /// Sums up how much better another heading at the estimated place explains the scans, and mixes
     /// with the uniform distribution when that is too much.
-    fn watch_for_turns(&mut self, model: &LocalizationModel, scan: &Scan) {
+    fn watch_for_turns(&mut self, model: &LocalizationModel, scan: &[Option<u8>]) {
         let Some(watch) = &model.parameters.turn_watch else { return };
         let pose = self.mode.pose_in_map;
         let Some(state) = model.state_at(pose).filter(|state| model.is_admissible(state.column, state.row)) else {
@@ -169,20 +165,20 @@ impl Localization {
     }
 
     /// The bins of a scan, without the readings that gating leaves out.
-    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, sonar_m: Option<&[f32; SONARS]>) -> Scan {
-        let Some(sonar_m) = sonar_m else { return [None; SONARS] };
-        let mut scan = sonar_m.map(|range_m| range_m.is_finite().then(|| model.sensor.bin(f64::from(range_m))));
+    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, ranges_m: Option<&[f32]>) -> Scan {
+        let Some(ranges_m) = ranges_m else { return Scan::new() };
+        let mut scan = model.sensor.scan(ranges_m);
         let Some(gating) = &model.parameters.gating else { return scan };
         let Some(state) = model.state_at(predicted_in_map) else { return scan };
         if self.mode.mass < gating.min_certainty || !model.is_admissible(state.column, state.row) {
             return scan;
         }
         let expected = model.expected_scan(state);
-        let short = |sonar: usize| f64::from(sonar_m[sonar]) < model.sensor.range_m(expected[sonar]) - gating.margin_m;
-        let gated: Vec<usize> = (0..SONARS).filter(|&sonar| scan[sonar].is_some() && short(sonar)).collect();
+        let short = |beam: usize| f64::from(ranges_m[beam]) < model.sensor.range_m(expected[beam]) - gating.margin_m;
+        let gated: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some() && short(beam)).collect();
         if gated.len() <= gating.max_readings {
-            for sonar in gated {
-                scan[sonar] = None;
+            for beam in gated {
+                scan[beam] = None;
             }
         }
         scan
