@@ -66,7 +66,8 @@ impl Machine {
         if let Some((task, frame, register)) = self.scratch.stepping.wanted
             && (task, frame) == here
         {
-            let value = self.scratch.stack[frame.base as usize + usize::from(register)];
+            let value =
+                self.scratch.stack.get(frame.base as usize + usize::from(register)).copied().unwrap_or_default();
             self.scratch.stepping.wanted = None;
             self.scratch.stepping.found = Some(self.write(program, value));
         }
