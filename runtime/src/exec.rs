@@ -1332,9 +1332,9 @@ impl Machine {
                     Op::WaitFor(a, condition, seconds, owned) => {
                         // The condition and the time are of no use to anybody else: a task that
                         // waits keeps fewer registers without them.
-                        let fluent = match &r!(condition) {
-                            &Value::Fluent(fluent) => fluent,
-                            &other => {
+                        let fluent = match r!(condition) {
+                            Value::Fluent(fluent) => fluent,
+                            other => {
                                 attempt!(self.refuse_in_network("nothing can be waited for"));
                                 fail!(self.wrong_type("the condition of `wait-for`", "a fluent", other));
                             }

@@ -41,7 +41,7 @@ impl Breakpoint {
         }
         let name = text.to_lowercase();
         let known = known_names(system);
-        if known.iter().any(|known| *known == name) {
+        if known.contains(&name) {
             return Ok(Self::Name(name));
         }
         let meant = suggest(&name, known.iter().map(String::as_str));

@@ -115,16 +115,19 @@ impl Prompt<'_> {
             let text = match editor.line(&self.prompt_text())? {
                 editor::Line::Text(text) => text,
                 editor::Line::Cancelled => continue,
-                editor::Line::End => return Ok(self.worst = Status::Succeeded),
+                editor::Line::End => break,
             };
             let text = match (text.trim(), &self.repeated) {
                 ("", Some(repeated)) => repeated.clone(),
                 _ => text,
             };
             if self.handle(&text)? == Next::Quit {
-                return Ok(self.worst = Status::Succeeded);
+                break;
             }
         }
+        // Somebody was there to see what went wrong.
+        self.worst = Status::Succeeded;
+        Ok(())
     }
 
     /// Everything from standard input, form by form, without a person.
@@ -175,7 +178,7 @@ impl Prompt<'_> {
                 self.repeated = repeats.then(|| text.to_string());
                 self.command(verb, rest)?;
             }
-            Err(reason) => self.wrong(&reason),
+            Err(reason) => self.wrong(&reason)?,
         }
         Ok(Next::Another)
     }
@@ -184,10 +187,10 @@ impl Prompt<'_> {
         match verb {
             Verb::Load => match files::plan(rest) {
                 Ok(plan) => self.load(plan, Until::End)?,
-                Err(error) => self.wrong(&format!("{error:#}")),
+                Err(error) => self.wrong(&format!("{error:#}"))?,
             },
             Verb::Run if rest.is_empty() => {
-                self.wrong("`:run FORM`: a form is expected, such as `:run (deliver 'mail)`")
+                self.wrong("`:run FORM`: a form is expected, such as `:run (deliver 'mail)`")?
             }
             Verb::Run => {
                 let breakpoints = std::mem::take(&mut self.session.breakpoints);
@@ -202,7 +205,7 @@ impl Prompt<'_> {
             Verb::Continue => self.go_on(&Until::End)?,
             Verb::Until => self.until(rest)?,
             Verb::Break => self.set_break(rest)?,
-            Verb::Delete => self.delete(rest),
+            Verb::Delete => self.delete(rest)?,
             Verb::Watch if rest.is_empty() => self.session.watches.clear(),
             Verb::Watch => self.session.watches.push(rest.to_string()),
             Verb::Abort => self.abort()?,
@@ -225,9 +228,10 @@ impl Prompt<'_> {
     }
 
     /// A command that cannot be done.
-    fn wrong(&mut self, reason: &str) {
+    fn wrong(&mut self, reason: &str) -> Result<()> {
         self.console.note(&format!("error: {reason}"));
         self.worst = Status::Wrong;
+        Ok(())
     }
 
     fn look(&self, verb: Verb, rest: &str) -> Vec<String> {
@@ -262,8 +266,7 @@ impl Prompt<'_> {
     /// A file: its forms are run in order.
     fn load(&mut self, plan: PlanText, until: Until) -> Result<()> {
         if self.session.branch.is_running {
-            self.wrong("a form is under way; `:continue` or `:abort` it first");
-            return Ok(());
+            return self.wrong("a form is under way; `:continue` or `:abort` it first");
         }
         let PlanText { name, text, folder } = plan;
         self.session.file = Some(name.clone());
@@ -349,8 +352,7 @@ impl Prompt<'_> {
 
     fn go_on(&mut self, until: &Until) -> Result<()> {
         if !self.session.branch.is_running {
-            self.wrong("nothing runs; type a form, or `:step FORM` to go through one");
-            return Ok(());
+            return self.wrong("nothing runs; type a form, or `:step FORM` to go through one");
         }
         if let Some(stop) = self.session.branch.stop.clone() {
             self.session.branch.system.want_value(&stop);
@@ -409,11 +411,11 @@ impl Prompt<'_> {
         let until = match parse_duration_us(rest) {
             Ok(time_us) if !rest.chars().all(|c| c.is_ascii_digit()) => Until::Time(time_us),
             _ if rest.is_empty() => {
-                return Ok(self.wrong("`:until` needs a time such as 12.5s, a line, a name or a condition"));
+                return self.wrong("`:until` needs a time such as 12.5s, a line, a name or a condition");
             }
             _ => match Breakpoint::parse(rest, &mut self.session.branch.system, self.console.colour) {
                 Ok(place) => Until::Place(place),
-                Err(reason) => return Ok(self.wrong(&reason)),
+                Err(reason) => return self.wrong(&reason),
             },
         };
         self.go_on(&until)
@@ -435,23 +437,23 @@ impl Prompt<'_> {
                 self.session.breakpoints.push(place);
                 Ok(())
             }
-            Err(reason) => Ok(self.wrong(&reason)),
+            Err(reason) => self.wrong(&reason),
         }
     }
 
-    fn delete(&mut self, rest: &str) {
+    fn delete(&mut self, rest: &str) -> Result<()> {
         let count = self.session.breakpoints.len();
         match rest.parse::<usize>() {
             _ if rest.is_empty() => self.session.breakpoints.clear(),
             Ok(number) if (1..=count).contains(&number) => drop(self.session.breakpoints.remove(number - 1)),
-            _ => self.wrong(&format!("there is no breakpoint `{rest}`; `:break` lists them")),
+            _ => return self.wrong(&format!("there is no breakpoint `{rest}`; `:break` lists them")),
         }
+        Ok(())
     }
 
     fn abort(&mut self) -> Result<()> {
         if !self.session.branch.is_running {
-            self.wrong("nothing runs");
-            return Ok(());
+            return self.wrong("nothing runs");
         }
         let halt = self.session.give_up(self.console)?;
         self.halted(halt)
@@ -464,7 +466,7 @@ impl Prompt<'_> {
             _ if rest.is_empty() => timeline.steps_before(timeline.position, 1),
             (Ok(steps), _) => timeline.steps_before(timeline.position, steps),
             (_, Ok(time_us)) => timeline.at_time(now_us.saturating_sub(time_us)),
-            _ => return Ok(self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s"))),
+            _ => return self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s")),
         };
         self.go_back(past)
     }
@@ -472,14 +474,13 @@ impl Prompt<'_> {
     fn at(&mut self, rest: &str) -> Result<()> {
         match parse_duration_us(rest) {
             Ok(time_us) if time_us > self.session.branch.system.machine.now_us => {
-                self.wrong(&format!("{rest} has not come yet; `:until {rest}` goes there"));
-                Ok(())
+                self.wrong(&format!("{rest} has not come yet; `:until {rest}` goes there"))
             }
             Ok(time_us) => {
                 let past = self.session.branch.timeline.at_time(time_us);
                 self.go_back(past)
             }
-            Err(reason) => Ok(self.wrong(&reason)),
+            Err(reason) => self.wrong(&reason),
         }
     }
 
@@ -494,8 +495,10 @@ impl Prompt<'_> {
 
     fn forks(&mut self, verb: Verb, rest: &str) -> Result<()> {
         match verb {
-            Verb::Fork if rest.is_empty() => self.wrong("`:fork NAME`: a name is expected"),
-            Verb::Fork if rest == self.session.name => self.wrong(&format!("this run is called `{rest}` already")),
+            Verb::Fork if rest.is_empty() => return self.wrong("`:fork NAME`: a name is expected"),
+            Verb::Fork if rest == self.session.name => {
+                return self.wrong(&format!("this run is called `{rest}` already"));
+            }
             Verb::Fork => {
                 self.session.others.insert(rest.to_string(), self.session.branch.clone());
                 self.console.note(&format!("kept as `{rest}`; `:switch {rest}` goes there"));
@@ -508,7 +511,7 @@ impl Prompt<'_> {
                     self.session.restore_conditions();
                     self.show_stop()?;
                 }
-                None => self.wrong(&format!("no run is called `{rest}`; `:forks` lists them")),
+                None => return self.wrong(&format!("no run is called `{rest}`; `:forks` lists them")),
             },
             _ => {
                 let line = |mark: char, name: &str, branch: &session::Branch| {
