@@ -626,6 +626,16 @@ impl Machine {
                     }
                 };
             }
+            // In parts, as in `copied`; what is neither is copied whole, never put together again.
+            macro_rules! copy {
+                ($to:expr, $from:expr) => {
+                    match &r!($from) {
+                        &Value::Int(value) => r!($to) = Value::Int(black_box(value)),
+                        &Value::Cons(pair) => r!($to) = Value::Cons(black_box(pair)),
+                        _ => r.copy_within(usize::from($from)..usize::from($from) + 1, usize::from($to)),
+                    }
+                };
+            }
             macro_rules! arithmetic {
                 ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
                     match (&r!($a), &r!($b)) {
@@ -719,7 +729,7 @@ impl Machine {
                         self.scratch.stack[base + usize::from(a)] = fluent;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => r!(a) = copied(&r!(b)),
+                    Op::Move(a, b) => copy!(a, b),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
                         collect_if_full!();
@@ -1037,10 +1047,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        match &r!(a) {
-                            &Value::Int(value) => r!(0) = Value::Int(black_box(value)),
-                            value => r!(0) = copied(value),
-                        }
+                        copy!(0u8, a);
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
