@@ -1306,8 +1306,9 @@ impl Machine {
                         // The condition and the time are of no use to anybody else: a task that
                         // waits keeps fewer registers without them.
                         let fluent = match &r!(condition) {
-                            &Value::Fluent(fluent) => fluent,
-                            &other => {
+                            Value::Fluent(fluent) => *fluent,
+                            other => {
+                                let other = *other;
                                 attempt!(self.refuse_in_network("nothing can be waited for"));
                                 fail!(self.wrong_type("the condition of `wait-for`", "a fluent", other));
                             }
