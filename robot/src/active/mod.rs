@@ -22,4 +22,4 @@ mod tests;
 pub use action::ActionGrid;
 pub use choice::{ActionField, Choice, choose};
 pub use controller::{ActiveLocalization, Intent};
-pub use parameters::ActiveParameters;
+pub use parameters::{ActiveParameters, Exploration};

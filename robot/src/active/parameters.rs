@@ -2,9 +2,24 @@
 
 use serde::{Deserialize, Serialize};
 
+/// How the robot moves about while it does not know where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Exploration {
+    /// To where it learns most.
+    Active,
+    /// At random, for comparison.
+    Wander,
+    /// Along walls, for comparison.
+    WallFollow,
+    /// By a fixed routine on the spot, for comparison.
+    SpinAndBackUp,
+}
+
 /// Everything that can be set about active localization.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActiveParameters {
+    /// How the robot moves about.
+    pub exploration: Exploration,
     /// Edge of a cell of the action grid; half the free width of a door at most.
     pub resolution_m: f64,
     /// Actions reach this far ahead, back, left and right.
@@ -54,6 +69,7 @@ pub struct ActiveParameters {
 impl Default for ActiveParameters {
     fn default() -> Self {
         Self {
+            exploration: Exploration::Active,
             resolution_m: 0.15,
             reach_m: 21.0,
             target_step: 3,

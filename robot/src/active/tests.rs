@@ -139,7 +139,7 @@ fn a_robot_that_knows_keeps_its_belief_and_is_done_when_that_is_confirmed() {
         localization.observe(&model, odometry, Some(&scan));
         intents.push(active.step(&model, &localization, odometry, false, 0));
     }
-    assert_eq!(intents[0], Intent::Wander);
+    assert_eq!(intents[0], Intent::Explore(Exploration::Wander));
     assert_eq!(intents.last(), Some(&Intent::Done));
 }
 
@@ -149,7 +149,7 @@ fn a_lost_robot_starts_over_and_fails_when_time_is_up() {
     let mut localization = Localization::start_uniform(&model);
     let mut active = start(&model, &mut localization);
     assert!(localization.estimate(&model).certainty < 0.1);
-    assert_eq!(active.step(&model, &localization, Pose::default(), false, 0), Intent::Wander);
+    assert_eq!(active.step(&model, &localization, Pose::default(), false, 0), Intent::Explore(Exploration::Wander));
     assert_eq!(active.step(&model, &localization, Pose::default(), false, 600_000_000), Intent::Failed);
 }
 
@@ -160,7 +160,7 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
     let mut active = start(&model, &mut localization);
     let scan = scan_at(&model, START);
     localization.observe(&model, Pose::default(), Some(&scan));
-    assert_eq!(active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0), Intent::Wander);
+    assert_eq!(active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0), Intent::Explore(Exploration::Wander));
     let bytes = postcard::to_allocvec(&active).expect("it can be written");
     let mut loaded: ActiveLocalization = postcard::from_bytes(&bytes).expect("and read");
     let next = active.step(&model, &localization, Pose::new(20.1, 0.0, 0.0), false, 0);

@@ -62,7 +62,7 @@ impl LocalizationModel {
         if !(parameters.cell_m.is_finite() && parameters.cell_m >= map.resolution_m - 1e-9) {
             return Err(ModelError::CellSize(map.resolution_m.to_string()));
         }
-        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg);
+        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred);
         let distances = DistanceField::new(map);
         let admissible = admissible_cells(map, &distances, &grid, parameters.clearance_m);
         let count = admissible.iter().filter(|&&cell| cell > 0.0).count();

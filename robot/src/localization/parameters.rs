@@ -22,6 +22,9 @@ pub struct LocalizationParameters {
     pub cell_m: f64,
     /// Whole degrees between two headings; must divide 360.
     pub angle_step_deg: u32,
+    /// Whether the grid is centred on the world, so that mirror poses fall on mirror cells; else it
+    /// is laid from the corner of the map.
+    pub centred: bool,
     /// Positions nearer than this to anything occupied carry no mass: the robot is a disc.
     pub clearance_m: f64,
     /// The sonar model.
@@ -55,6 +58,7 @@ impl Default for LocalizationParameters {
         Self {
             cell_m: 0.15,
             angle_step_deg: 2,
+            centred: true,
             clearance_m: 0.15,
             sensor: SensorParameters::default(),
             odometry: OdometryError::default(),
