@@ -123,7 +123,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             without("– mixing", |settings| settings.localization.mixing = 0.0),
             without("– gating", |settings| settings.localization.gating = None),
             without("– update spacing", unspaced),
-            without("– turn watch", |settings| settings.localization.turn_watch = None),
+            without("– coarse watch", |settings| settings.localization.watch = None),
             without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
             without("– centred grid", |settings| settings.localization.centred = false),
             without("all literal", literal),

@@ -69,8 +69,9 @@ fn block_costs(beams: &[Beam], block: usize) -> [u16; BLOCK] {
 }
 
 /// Multiplies a plane by the weights of a scan (Eq. (2) without the normalizer) and returns its
-/// sum; blocks wholly below `threshold` are multiplied by the average weight (Eq. (3)). Cells that
-/// are not admissible become 0.
+/// sum; cells below `threshold` are multiplied by the average weight (Eq. (3)), also those that share
+/// a block with others: a mirror pose must not gain on its twin because it lies beside the track.
+/// Cells that are not admissible become 0.
 pub(super) fn weigh(
     cells: &mut [f32],
     admissible: &[f32],
@@ -93,7 +94,8 @@ pub(super) fn weigh(
         } else {
             let sums = block_costs(beams, block);
             for ((cell, admissible), &sum) in cells.iter_mut().zip(admissible).zip(&sums) {
-                *cell *= weights[usize::from(sum) & (WEIGHTS - 1)] * admissible;
+                let weight = if *cell < threshold { average } else { weights[usize::from(sum) & (WEIGHTS - 1)] };
+                *cell *= weight * admissible;
             }
         }
         mass += block_sum(cells);

@@ -27,7 +27,7 @@ pub use belief::Belief;
 pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
 pub use model::{LocalizationModel, ModelError};
-pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, TurnWatch};
+pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, Watch};
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
 pub use sensor::{NO_ECHO, SensorModel};

@@ -47,6 +47,8 @@ pub struct LocalizationModel {
     expected: Vec<u8>,
     /// Expected scans of states spread evenly over all admissible ones.
     samples: Vec<[u8; SONARS]>,
+    /// The model of the coarse belief that watches, if there is one.
+    pub(super) watch: Option<Box<LocalizationModel>>,
 }
 
 impl LocalizationModel {
@@ -71,6 +73,10 @@ impl LocalizationModel {
         }
         let expected = expected_bins(&distances, &grid, &admissible, &parameters);
         let sensor = SensorModel::new(&parameters.sensor, parameters.tempering);
+        let watch = match parameters.of_watch() {
+            Some(coarse) => Some(Box::new(Self::new(map, coarse)?)),
+            None => None,
+        };
         let mut model = Self {
             parameters,
             grid,
@@ -80,6 +86,7 @@ impl LocalizationModel {
             admissible_cells: count,
             expected,
             samples: Vec::new(),
+            watch,
         };
         model.samples = model.draw_samples();
         Ok(model)
@@ -115,18 +122,6 @@ impl LocalizationModel {
     pub fn expected_scan(&self, state: State) -> [u8; SONARS] {
         let cell = state.row * self.grid.columns + state.column;
         std::array::from_fn(|sonar| self.expected_plane(self.grid.direction(state.heading, sonar))[cell])
-    }
-
-    /// The costs of a scan at one cell for every heading.
-    pub(super) fn costs_by_heading(&self, scan: &Scan, column: usize, row: usize) -> Vec<usize> {
-        let cell = row * self.grid.columns + column;
-        let around: Vec<u8> = (0..self.grid.directions).map(|direction| self.expected_plane(direction)[cell]).collect();
-        let cost = |heading: usize, (sonar, bin): (usize, &Option<u8>)| {
-            let expected = usize::from(around[self.grid.direction(heading, sonar)]);
-            bin.map_or(0, |bin| usize::from(self.sensor.costs(bin)[expected]))
-        };
-        let headings = 0..self.grid.headings;
-        headings.map(|heading| scan.iter().enumerate().map(|reading| cost(heading, reading)).sum()).collect()
     }
 
     /// The state around a pose, if it is on the grid.
