@@ -1,6 +1,5 @@
 //! Everything about localization that never changes during a mission.
 
-use super::belief::Scan;
 use super::grid::{BeliefGrid, State};
 use super::parameters::{LocalizationParameters, SONARS};
 use super::ray::DistanceField;

@@ -66,6 +66,7 @@ pub const ROBOT_NAMES: &[&str] = &[
     "belief-maxima",
     "go-to",
     "pick-up",
+    "fetch",
     "put-down",
     "deliver",
     "relocalize-when-necessary",
