@@ -74,7 +74,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
         measures.push(("distance [m]", Some(account.distance_m)));
         measures.push(("contacts caused", Some(f64::from(account.contacts))));
         measures.push(("relocalizations", Some(records.relocalizations as f64)));
-        measures.extend(disturbance(&records.marks, account.distance_m));
+        measures.extend(disturbance(&records.marks, &records.track, account.distance_m));
         if let Some(goal_in_map) = goal_in_map {
             let off_m = sight.robot_in_map.distance_m(goal_in_map);
             succeeded &= off_m <= AT_GOAL_M;
@@ -89,16 +89,31 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
     Ok(Trial { seed, succeeded, measures, samples: records.track.iter().map(sample).collect() })
 }
 
-/// How far the robot drove from the scenario's deed until it noticed that it was lost, how often
+/// The way driven from a deed until the estimate was right again, if ever; the deed itself may
+/// have been a jump.
+fn righted_m(track: &[Sight]) -> Option<f64> {
+    let righted = track.iter().position(is_right)?;
+    let steps = track[..=righted].windows(2).map(|pair| pair[0].robot_in_map.distance_m(pair[1].robot_in_map));
+    Some(steps.sum())
+}
+
+/// How far the robot drove from the scenario's deed until it noticed: it counted itself as lost,
+/// or its estimate was right again. How often
 /// it then believed to have found its position where it was not, and how often it thought itself
 /// lost without reason.
-fn disturbance(marks: &[Mark], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
+fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
     let deed = marks.iter().position(|mark| mark.what.ends_with("by hand"));
     let (before, after) = marks.split_at(deed.unwrap_or(marks.len()));
     let lost = |mark: &&Mark| mark.what == "position lost";
     let noticed = after.iter().find(lost);
     let deed_m = deed.map(|deed| marks[deed].distance_m);
-    let noticed_m = deed_m.zip(noticed).map(|(deed_m, noticed)| noticed.distance_m - deed_m);
+    let lost_m = deed_m.zip(noticed).map(|(deed_m, noticed)| noticed.distance_m - deed_m);
+    // One look later the deed is seen in the track.
+    let seen = deed.and_then(|deed| track.get(marks[deed].track_length + 1..));
+    let noticed_m = match (lost_m, seen.and_then(righted_m)) {
+        (Some(lost_m), Some(righted_m)) => Some(lost_m.min(righted_m)),
+        (lost_m, righted_m) => lost_m.or(righted_m),
+    };
     let within = match (deed_m, noticed_m) {
         (None, _) => None,
         (Some(_), Some(way_m)) => Some(way_m <= NOTICED_WITHIN_M),

@@ -36,6 +36,9 @@ fn has_changed(before_m: &[f32; SONARS], now_m: &[f32; SONARS]) -> bool {
     before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
 }
 
+/// The coarse belief takes in every so many-th sonar, beginning with the next one at each update.
+const WATCH_BEAM_STRIDE: u64 = 3;
+
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
@@ -178,8 +181,11 @@ impl Localization {
         else {
             return;
         };
+        // Beams far apart in turn: their evidence overlaps less, and they cost less.
+        let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
+        let beam = |sonar: usize| scan[sonar].filter(|_| sonar % WATCH_BEAM_STRIDE as usize == turn);
         watch.advance(coarse, motion);
-        watch.sense(coarse, scan);
+        watch.sense(coarse, &std::array::from_fn(beam));
         self.agreed = watch.mass_of_cells_near(coarse, self.mode.pose_in_map);
         if self.agreed < parameters.agreement * self.mode.mass {
             self.belief = Belief::resampled(model, watch, coarse);
@@ -233,6 +239,12 @@ impl Localization {
             maximum.pose_in_map = maximum.pose_in_map.compose(since);
         }
         maxima
+    }
+
+    /// The likeliest states that together hold a share of the belief, the likeliest first, as of the
+    /// last update.
+    pub fn likely_states(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
+        self.belief.likely_states(model, share)
     }
 
     /// Entropy of the belief, in nats. O(states that are not known to be uniform).

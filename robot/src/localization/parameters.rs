@@ -224,7 +224,7 @@ pub struct Watch {
 
 impl Default for Watch {
     fn default() -> Self {
-        Self { cell_m: 0.3, angle_step_deg: 6, sigma_m: 0.2, tempering: 0.15, mixing: 5e-4, agreement: 0.5 }
+        Self { cell_m: 0.3, angle_step_deg: 6, sigma_m: 0.2, tempering: 0.3, mixing: 5e-4, agreement: 0.5 }
     }
 }
 

@@ -165,6 +165,27 @@ impl Belief {
         maxima
     }
 
+    /// The likeliest states that together hold a share of the belief, the likeliest first; a state
+    /// counts as a maximum of its own. O(active states · log).
+    pub fn likely_states(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
+        let mut states: Vec<Maximum> = Vec::new();
+        for (heading, plane) in self.planes.iter().enumerate().filter(|(_, plane)| plane.is_active()) {
+            for cell in (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
+                states.push(Maximum { pose_in_map: self.pose(model, heading, cell), mass: plane.value(cell) });
+            }
+        }
+        states.sort_by(|a, b| b.mass.total_cmp(&a.mass));
+        let mut held = 0.0;
+        let kept = states.iter().take_while(|state| {
+            let is_needed = held < share;
+            held += state.mass;
+            is_needed
+        });
+        let kept = kept.count();
+        states.truncate(kept);
+        states
+    }
+
     /// Cells of an active plane above the cutoff that no neighbour exceeds, with their values.
     fn summits(&self, model: &LocalizationModel, heading: usize, cutoff: f32) -> Vec<(f32, usize, usize)> {
         let plane = &self.planes[heading];
