@@ -57,6 +57,9 @@ const UNDISTURBED: Row = Row { name: "undisturbed", scenario: None, ..ROTATED };
 
 const KIDNAPPED: Row = Row { name: "kidnapped", scenario: Some("experiments/kidnapped.rpl"), ..ROTATED };
 
+const ABOUT_FACE: Row =
+    Row { name: "turned by 180°", scenario: Some("experiments/about-face.rpl"), ..ROTATED };
+
 const GLOBAL: Row = Row {
     name: "global",
     plan: "experiments/to-room-a.rpl",
@@ -99,7 +102,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         rows: &[
             KIDNAPPED,
             Row { name: "turned by 20–180°", scenario: Some("experiments/turned.rpl"), ..KIDNAPPED },
-            Row { name: "turned by 180°", scenario: Some("experiments/about-face.rpl"), ..KIDNAPPED },
+            ABOUT_FACE,
         ],
     },
     Experiment {
@@ -132,7 +135,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             furnished_without("– tempering", |settings| settings.localization.tempering = 1.0),
         ],
     },
-    Experiment { name: "choices", report: Report::Choices, rows: &[KIDNAPPED] },
+    Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {

@@ -160,7 +160,7 @@ impl ActiveLocalization {
             return;
         }
         self.updates = localization.updates();
-        let certain = localization.estimate(model).certainty > self.parameters.certainty;
+        let certain = localization.estimate(model).certainty > self.parameters.found_certainty;
         self.confirmed = if certain { self.confirmed + 1 } else { 0 };
     }
 

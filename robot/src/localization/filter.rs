@@ -107,10 +107,20 @@ impl Localization {
     /// Gives up most of the belief: 90 % uniform, so that the true pose is found wherever it is,
     /// and 10 % of what was believed, so that a false alarm heals in place.
     pub fn reset_for_relocalization(&mut self, model: &LocalizationModel) {
+        self.mix(model, 1.0 - KEPT_FOR_RELOCALIZATION);
+    }
+
+    /// Gives up all of the belief: what it says has been refuted, and a share of it would only lead
+    /// back there.
+    pub fn refute(&mut self, model: &LocalizationModel) {
+        self.mix(model, 1.0);
+    }
+
+    fn mix(&mut self, model: &LocalizationModel, share: f64) {
         if let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) {
-            watch.mix(coarse, 1.0 - KEPT_FOR_RELOCALIZATION);
+            watch.mix(coarse, share);
         }
-        self.belief.mix(model, 1.0 - KEPT_FOR_RELOCALIZATION);
+        self.belief.mix(model, share);
         self.mode = self.belief.mode(model);
         self.agreed = self.agreement(model);
         self.rest = Rest::default();

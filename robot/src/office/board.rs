@@ -134,7 +134,7 @@ impl Board {
     fn track_position(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
         self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
         if std::mem::take(&mut self.position_doubted) {
-            self.localization.reset_for_relocalization(&model.localization);
+            self.localization.refute(&model.localization);
             outbox.events.push(("position doubted".into(), Vec::new()));
         }
     }
@@ -253,7 +253,8 @@ impl Board {
 
     fn publish(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
         let Estimate { pose_in_map, certainty } = self.estimate(model);
-        let certain = certainty > model.settings.active.certainty;
+        let active = &model.settings.active;
+        let certain = certainty > if self.was_certain { active.certainty } else { active.found_certainty };
         if certain != self.was_certain {
             self.was_certain = certain;
             let what = if certain { "position found" } else { "position lost" };
