@@ -48,7 +48,8 @@ pub fn write(folder: &Path, name: &str, office: &OfficeModel, localization: &Loc
 fn draw(title: &str, values: &[f64], field: &ActionField, choice: &Choice) -> String {
     let side = field.grid.side();
     let known = values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) =
+        known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     let shade = |value: f64| {
         let share = if high > low { (value - low) / (high - low) } else { 0.0 };
         if value.is_finite() { (share * SHADES).round() as usize + 1 } else { 0 }
@@ -75,7 +76,13 @@ fn draw(title: &str, values: &[f64], field: &ActionField, choice: &Choice) -> St
         (along(x_m), (TITLE + CELL * side) as f64 - along(y_m))
     };
     let mark = |(x, y): (f64, f64), fill: &str| {
-        Circle::new().set("cx", x).set("cy", y).set("r", 6).set("fill", fill).set("stroke", "black").set("stroke-width", 2)
+        Circle::new()
+            .set("cx", x)
+            .set("cy", y)
+            .set("r", 6)
+            .set("fill", fill)
+            .set("stroke", "black")
+            .set("stroke-width", 2)
     };
     let text = format!("{title}, {low:.2} (white) to {high:.2} (black); robot ●, target ○");
     Document::new()

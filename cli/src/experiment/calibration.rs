@@ -84,7 +84,12 @@ pub fn table(trials: &[&Trial]) -> String {
     let right_m: Vec<f64> = all.iter().filter(|sample| sample.is_right).map(|sample| f64::from(sample.off_m)).collect();
     let mean_m = right_m.iter().sum::<f64>() / right_m.len().max(1) as f64;
     let mut lines = vec![
-        format!("certainty: {} runs, {} samples, {} of them below {SURE}", trials.len(), all.len(), all.len() - sure.len()),
+        format!(
+            "certainty: {} runs, {} samples, {} of them below {SURE}",
+            trials.len(),
+            all.len(),
+            all.len() - sure.len()
+        ),
         format!(
             "{:>9} {:>17} {:>8} {:>8} {:>8} {:>17}",
             "samples", "certainty", "mean", "right", "error", "95 % interval"

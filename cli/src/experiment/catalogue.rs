@@ -57,8 +57,7 @@ const UNDISTURBED: Row = Row { name: "undisturbed", scenario: None, ..ROTATED };
 
 const KIDNAPPED: Row = Row { name: "kidnapped", scenario: Some("experiments/kidnapped.rpl"), ..ROTATED };
 
-const ABOUT_FACE: Row =
-    Row { name: "turned by 180°", scenario: Some("experiments/about-face.rpl"), ..ROTATED };
+const ABOUT_FACE: Row = Row { name: "turned by 180°", scenario: Some("experiments/about-face.rpl"), ..ROTATED };
 
 const GLOBAL: Row = Row {
     name: "global",

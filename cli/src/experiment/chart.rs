@@ -98,10 +98,8 @@ const SAMPLES_PER_S: usize = 10;
 pub fn error_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
     let longest = rows.iter().flat_map(|(_, trials)| trials).map(|trial| trial.samples.len()).max().unwrap_or(0);
     let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, 30);
-    let lines: Vec<Vec<(f64, f64, f64)>> = rows
-        .iter()
-        .map(|(_, trials)| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect())
-        .collect();
+    let lines: Vec<Vec<(f64, f64, f64)>> =
+        rows.iter().map(|(_, trials)| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect()).collect();
     let highest = lines.iter().flatten().map(|&(_, mean, half)| mean + half).fold(1.0, f64::max);
     let axes = Axes { x_max: (points * EVERY_S) as f64, y_max: highest.ceil() };
     let mut document = axes.sheet("error of the estimate, mean and 95 % interval", "time [s]", "error [m]");

@@ -125,7 +125,10 @@ fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str
         mark.what == "position found" && off_m > WRONG_ESTIMATE_M
     };
     let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
-    let alarms = before.iter().filter(lost).filter(|mark| mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map) <= WRONG_ESTIMATE_M);
+    let alarms = before
+        .iter()
+        .filter(lost)
+        .filter(|mark| mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map) <= WRONG_ESTIMATE_M);
     [
         ("noticed after [m]", noticed_m),
         ("noticed within 2 m", within.map(f64::from)),

@@ -86,7 +86,9 @@ pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
         "", "succeeded", "95 % interval", "contacts", "wrong (95 %)", "noticed", "≤ 2 m", "time", "alarms/km (95 %)"
     )];
     lines.extend(rows.iter().map(|(name, trials)| compared(name, trials)));
-    lines.push("contacts: caused by the robot, total; wrong: runs in which the position counted as found where it".into());
+    lines.push(
+        "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it".into(),
+    );
     lines.push("was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right".into());
     lines.join("\n")
 }
@@ -98,8 +100,9 @@ fn compared(name: &str, trials: &[Trial]) -> String {
     };
     let numbers = |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
     let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
-    let median =
-        |measure: &str| Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median));
+    let median = |measure: &str| {
+        Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
+    };
     let successes = trials.iter().filter(|trial| trial.succeeded).count();
     let disturbed = numbers("wrong recoveries");
     let wrong = disturbed.iter().filter(|&&count| count > 0.0).count();
@@ -130,9 +133,11 @@ fn compared(name: &str, trials: &[Trial]) -> String {
 
 /// Every run as a line of comma-separated values, with the names above.
 pub fn raw_rows(rows: &[(&str, Vec<Trial>)]) -> String {
-    let names: Vec<&str> = rows.iter().flat_map(|(_, trials)| trials).next().map_or(Vec::new(), |trial| {
-        trial.measures.iter().map(|&(name, _)| name).collect()
-    });
+    let names: Vec<&str> = rows
+        .iter()
+        .flat_map(|(_, trials)| trials)
+        .next()
+        .map_or(Vec::new(), |trial| trial.measures.iter().map(|&(name, _)| name).collect());
     let mut lines = vec![format!("row,seed,succeeded,{}", names.join(","))];
     for (row, trials) in rows {
         for trial in trials {
@@ -163,7 +168,8 @@ mod tests {
 
     #[test]
     fn the_table_counts_successes_and_names_failed_seeds() {
-        let trial = |seed, succeeded, time_s| Trial { seed, succeeded, measures: vec![("time [s]", time_s)], samples: vec![] };
+        let trial =
+            |seed, succeeded, time_s| Trial { seed, succeeded, measures: vec![("time [s]", time_s)], samples: vec![] };
         let text = table("rotated", &[trial(1, true, Some(10.0)), trial(2, false, Some(30.0)), trial(3, true, None)]);
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
         assert!(text.contains("time [s]                  2      20.00"), "{text}");

@@ -161,7 +161,6 @@ impl Localization {
         self.mode = self.belief.mode(model);
         self.watch_over(model, since, &scan);
         self.updated_at_in_odom = Some(odometry_in_odom);
-        if std::env::var("DBG").is_ok() { let m = self.belief.maxima(model, 4, 0.0); eprint!("DBG u{} act {} agreed {:.3} :", self.updates, self.belief.active_planes(), self.agreed); for x in &m { eprint!(" ({:.1},{:.1},{:.0}:{:.2e})", x.pose_in_map.x_m, x.pose_in_map.y_m, x.pose_in_map.heading_rad.to_degrees(), x.mass); } eprintln!(); }
         self.updates += 1;
         if moved {
             self.rest = Rest::default();

@@ -185,7 +185,10 @@ fn along_wall_rad(obstacles_in_base: &[Point], room_m: impl Fn(f64) -> f64) -> f
     if !near {
         return 0.0;
     }
-    WALL_DIRECTIONS.map(|step| f64::from(step) * direction_rad(1)).find(|&direction_rad| room_m(direction_rad) > WALL_ROOM_M).unwrap_or(std::f64::consts::PI)
+    WALL_DIRECTIONS
+        .map(|step| f64::from(step) * direction_rad(1))
+        .find(|&direction_rad| room_m(direction_rad) > WALL_ROOM_M)
+        .unwrap_or(std::f64::consts::PI)
 }
 
 fn spin_or_back_up(elapsed_s: f64, limits: &DriveLimits, obstacles_in_base: &[Point]) -> Speeds {

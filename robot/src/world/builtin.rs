@@ -17,7 +17,10 @@ impl World {
     /// `dept-furnished`, the same with people, and furniture that is in no map; `corridor`, its
     /// corridor with all doors closed; `test-room`, two small rooms for quick trials.
     pub fn builtin(name: &str) -> Option<World> {
-        Self::parse_builtin(name)?.ok()
+        let mut world = Self::parse_builtin(name)?.ok()?;
+        // The text of `dept-furnished` begins with that of `dept`.
+        world.name = name.to_string();
+        Some(world)
     }
 
     /// The names `builtin` knows.
