@@ -71,7 +71,7 @@ impl Report {
         let figure = measure();
         let verdict = if figure <= question.target { "reached" } else { "missed" };
         let Question { name, what, unit, target, peers, .. } = question;
-        println!("{name:<12} {figure:>9.1} {unit:<8} target {target:>7.1} {verdict:<8} {what}");
+        println!("{name:<12} {:>9} {unit:<8} target {:>7} {verdict:<8} {what}", digits(figure), digits(target));
         println!("{:<12} measured elsewhere: {peers}", "");
         let Some(stem) = question.anchors.filter(|_| !self.alone) else { return };
         for interpreter in INTERPRETERS {
@@ -80,6 +80,19 @@ impl Report {
                 println!("{:<12} {:<13} {here:>9.1} {unit}: {:.2} times ours", "", interpreter.name, here / figure);
             }
         }
+    }
+}
+
+/// Three digits that count, or one decimal place.
+fn digits(figure: f64) -> String {
+    let size = figure.abs();
+    let places = if size >= 9.995 { 1 } else { 2 };
+    if size == 0.0 || size >= 0.9995 {
+        format!("{figure:.places$}")
+    } else if size >= 0.000_999_5 {
+        format!("{figure:.*}", (2.0 - size.log10().floor()) as usize)
+    } else {
+        format!("{figure:.1e}")
     }
 }
 
@@ -123,6 +136,10 @@ impl Stopwatch {
         Self { start: Instant::now(), start_ns }
     }
 
+    fn on_the_wall() -> Self {
+        Self { start: Instant::now(), start_ns: None }
+    }
+
     fn elapsed_ms(&self) -> f64 {
         let wall = self.start.elapsed().as_secs_f64() * 1e3;
         match (self.start_ns, Self::processor_ns()) {
@@ -152,6 +169,33 @@ pub fn median_ms<T, R>(runs: usize, mut prepare: impl FnMut() -> T, mut act: imp
         })
         .collect();
     median(times)
+}
+
+/// Least milliseconds of `act` over `runs`: processor time if it stays on this thread, else wall
+/// time. `prepare` is not timed.
+pub fn least_ms(runs: usize, on_this_thread: bool, mut prepare: impl FnMut(), mut act: impl FnMut()) -> f64 {
+    let times = (0..runs).map(|_| {
+        prepare();
+        let stopwatch = if on_this_thread { Stopwatch::start() } else { Stopwatch::on_the_wall() };
+        act();
+        stopwatch.elapsed_ms()
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
+/// Set in a process that measures one row for another.
+const IS_FRESH: &str = "RPL_BENCH_FRESH";
+
+/// The figure of a row as a new process measures it, whose memory nobody has used before; what
+/// `measure` gives in that process itself.
+pub fn in_fresh_process(row: &str, measure: impl FnOnce() -> f64) -> f64 {
+    if std::env::var_os(IS_FRESH).is_some() {
+        return measure();
+    }
+    let output = std::env::current_exe()
+        .and_then(|program| Command::new(program).args([row, "--alone"]).env(IS_FRESH, "1").output());
+    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
+    text.split_whitespace().nth(1).and_then(|figure| figure.parse().ok()).unwrap_or(f64::NAN)
 }
 
 /// Bytes of memory this process has in use, as the kernel counts them; none where that is unknown.

@@ -1,6 +1,6 @@
 //! Language and runtime: how fast plans run, how many tasks there can be, and what each costs.
 
-use rpl_benches::{Question, Report, median_ms, resident_bytes};
+use rpl_benches::{Question, Report, in_fresh_process, median_ms, resident_bytes};
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
@@ -77,6 +77,29 @@ const MONITORS: &str = "(defvar fluents (let ((l nil)) (dotimes (i 1000) (push (
              (dolist (f fluents) (setf (value f) 10) (wait-time 0) (setf (value f) 0)))
            reactions))";
 
+/// Twenty lines of a plan; the name of each definition ends in its number.
+const CHECKED: &str = "(def-fluent level-NUMBER 0 \"How full it is.\")
+(def-valve tap-NUMBER)
+(def-failure leak-NUMBER (plan-failure) (place))
+
+(defun high-NUMBER? (bound)
+  (let ((level (value level-NUMBER)))
+    (and (> level bound) (< level (* 2 bound)))))
+
+(def-plan fill-NUMBER (litres &key (step 1))
+  (with-valve tap-NUMBER
+    (with-retry-counters ((again 3))
+      (with-failure-handling ((leak-NUMBER (f) (print (failure-message f)) (do-retry again) (refail)))
+        (dotimes (i litres)
+          (wait-time (if (= 0 (mod i 3)) 2 1))
+          (incf (value level-NUMBER) step)
+          (when (> i 90) (fail leak-NUMBER \"at litre ~a\" i :place 'tap)))))))
+
+
+(with-policy (whenever (high-NUMBER? 5) (print (format \"high at ~a\" (now))))
+  (par (fill-NUMBER 3 :step 2) (try-all (wait-for (>= level-NUMBER 6)) (wait-time 60))))
+";
+
 fn library() -> Arc<Library> {
     let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat();
     match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &NoRobot, &[]) {
@@ -149,6 +172,7 @@ fn main() {
     let report = Report::from_arguments();
     let library = library();
     language(&report, &library);
+    texts(&report, &library);
     tasks(&report, &library);
     state(&report, &library);
 }
@@ -173,6 +197,23 @@ fn language(report: &Report, library: &Arc<Library>) {
                 let (forms, diagnostics) = rpl_lang::reader::read(text, SourceId(0), &mut symbols, &mut tree);
                 assert!(forms.len() > 1_000 && diagnostics.is_empty());
                 (tree, symbols)
+            },
+        )
+    });
+}
+
+fn texts(report: &Report, library: &Arc<Library>) {
+    let check = question("check", "check 2,000 lines", "ms", 50.0, "nobody checks plans");
+    report.row(check, || {
+        let text: String = (0..100).map(|number| CHECKED.replace("NUMBER", &number.to_string())).collect();
+        assert_eq!(text.lines().count(), 2_000);
+        median_ms(
+            RUNS,
+            || (),
+            |()| {
+                let (findings, program) = library.check("bench.rpl", &text, &mut rpl_lang::compile::NoFiles);
+                assert!(findings.is_empty(), "{}", rpl_lang::diagnostic::render(&findings, &program.sources, false));
+                program
             },
         )
     });
@@ -246,12 +287,14 @@ fn state(report: &Report, library: &Arc<Library>) {
     let bytes = question("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
     report.row(anchored(bytes, "bytes", 1.0), || {
         const COUNT: usize = 200_000;
-        let mut system = settled(library, &with_count(BLOCKED, COUNT));
-        let before = resident_bytes().unwrap_or(f64::NAN);
-        system.advance();
-        let after = resident_bytes().unwrap_or(f64::NAN);
-        assert!(system.machine.tasks.iter().count() > COUNT);
-        (after - before) / COUNT as f64
+        in_fresh_process("bytes", || {
+            let mut system = settled(library, &with_count(BLOCKED, COUNT));
+            let before = resident_bytes().unwrap_or(f64::NAN);
+            system.advance();
+            let after = resident_bytes().unwrap_or(f64::NAN);
+            assert!(system.machine.tasks.iter().count() > COUNT);
+            (after - before) / COUNT as f64
+        })
     });
     let idle =
         question("idle", "what 100,000 blocked tasks add to an instant", "ns", 100.0, "CRAM: 1,000 take 1.6 cores");

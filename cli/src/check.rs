@@ -42,10 +42,7 @@ pub fn run(names: &[String], are_scenarios: bool, console: &mut Console) -> Resu
 fn findings(sites: &[Site], plan: &PlanText) -> (Vec<Diagnostic>, Arc<Program>) {
     let mut found = (Vec::new(), Arc::default());
     for site in sites {
-        found = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
-            Ok(loaded) => (loaded.warnings, loaded.program),
-            Err(rejected) => (rejected.diagnostics, rejected.program),
-        };
+        found = site.library.check(&plan.name, &plan.text, &mut plan.folder.clone());
         if found.0.iter().all(|finding| finding.code != "needs-a-world") {
             break;
         }

@@ -7,6 +7,16 @@ use std::time::{Duration, Instant};
 /// How often the status line is drawn.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
+/// Where lines go.
+enum Sink {
+    /// To standard output and standard error.
+    Streams,
+    /// Nobody sees them.
+    Nowhere,
+    /// They are kept.
+    Kept(Vec<String>),
+}
+
 /// Where a command writes.
 pub struct Console {
     /// Whether standard error takes colours.
@@ -15,7 +25,7 @@ pub struct Console {
     pub quiet: bool,
     status: Option<ProgressBar>,
     drawn: Option<Instant>,
-    silent: bool,
+    sink: Sink,
     // Locking and buffering once, because a plan may print a million lines.
     out: io::BufWriter<io::Stdout>,
 }
@@ -28,14 +38,27 @@ impl Console {
             quiet,
             status: None,
             drawn: None,
-            silent: false,
+            sink: Sink::Streams,
             out: io::BufWriter::new(io::stdout()),
         }
     }
 
     /// A console that shows nothing, for one run among many.
     pub fn silent() -> Self {
-        Self { silent: true, ..Self::new(true) }
+        Self { sink: Sink::Nowhere, ..Self::new(true) }
+    }
+
+    /// A console that keeps what a run writes, in order.
+    pub fn keeping() -> Self {
+        Self { sink: Sink::Kept(Vec::new()), ..Self::new(true) }
+    }
+
+    /// The lines kept so far.
+    pub fn kept(self) -> Vec<String> {
+        match self.sink {
+            Sink::Kept(lines) => lines,
+            Sink::Streams | Sink::Nowhere => Vec::new(),
+        }
     }
 
     /// Shows a status line from now on, if standard error is a terminal.
@@ -76,8 +99,13 @@ impl Console {
     /// # Errors
     /// The pipe is closed, or the disk is full.
     pub fn print(&mut self, text: &str) -> io::Result<()> {
-        if self.silent {
-            return Ok(());
+        match &mut self.sink {
+            Sink::Streams => {}
+            Sink::Nowhere => return Ok(()),
+            Sink::Kept(lines) => {
+                lines.push(text.to_string());
+                return Ok(());
+            }
         }
         let out = &mut self.out;
         match &self.status {
@@ -96,10 +124,11 @@ impl Console {
 
     /// A line on standard error. Nobody is left to be told if that is closed.
     pub fn note(&mut self, text: &str) {
-        match &self.status {
-            _ if self.silent => {}
-            Some(bar) => bar.suspend(|| note(text)),
-            None => note(text),
+        match (&mut self.sink, &self.status) {
+            (Sink::Nowhere, _) => {}
+            (Sink::Kept(lines), _) => lines.push(text.to_string()),
+            (Sink::Streams, Some(bar)) => bar.suspend(|| note(text)),
+            (Sink::Streams, None) => note(text),
         }
     }
 }

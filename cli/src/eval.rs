@@ -2,15 +2,14 @@
 
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::Reporter;
+use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
 use crate::mission::Site;
 use crate::run::status;
 use crate::status::Status;
-use anyhow::{Context, Result, anyhow};
+use anyhow::Result;
 use rpl_runtime::system::{Outcome, System};
-use std::io::{self, Read};
 
 /// Evaluates a text, `-` for standard input, and prints the value as it could be read.
 ///
@@ -19,7 +18,7 @@ use std::io::{self, Read};
 pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
     interrupt::catch();
     let (name, text) = match expression {
-        "-" => ("<stdin>", standard_input()?),
+        "-" => ("<stdin>", files::standard_input()?),
         text => ("<eval>", text.to_string()),
     };
     let site = Site::without_robot()?;
@@ -39,16 +38,10 @@ pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
         }
         Ending::Outcome(Outcome::Failed(failure)) => {
             let reporter = Reporter { machine: &system.machine, program: &system.program, colour: console.colour };
-            console.note(reporter.text(failure).trim_end());
+            console.note(reporter.text(PLAN_FAILED, failure).trim_end());
         }
         Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted => {}
     }
     console.flush()?;
     Ok(status(ending))
-}
-
-fn standard_input() -> Result<String> {
-    let mut bytes = Vec::new();
-    io::stdin().read_to_end(&mut bytes).context("cannot read standard input")?;
-    files::text_of(bytes).map_err(|reason| anyhow!("cannot read standard input: {reason}"))
 }

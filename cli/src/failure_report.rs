@@ -9,6 +9,9 @@ use rpl_runtime::value::Value;
 use serde::Serialize;
 use std::fmt::Write;
 
+/// What stands before the failure of a run.
+pub const PLAN_FAILED: &str = "the plan failed: ";
+
 /// Parts of parts are shown down to this depth.
 const MAX_DEPTH: usize = 8;
 
@@ -87,11 +90,11 @@ impl<'a> Reporter<'a> {
         })
     }
 
-    /// The failure as text: class, message, the place marked, the plan calls, the path of the task,
-    /// and what it is made of.
-    pub fn text(&self, value: Value) -> String {
+    /// The failure as text, behind a heading: class, message, the place marked, the plan calls, the
+    /// path of the task, and what it is made of.
+    pub fn text(&self, heading: &str, value: Value) -> String {
         let mut text = String::new();
-        self.write(&mut text, value, "the plan failed: ", 0);
+        self.write(&mut text, value, heading, 0);
         text
     }
 

@@ -1,7 +1,7 @@
 //! Plan texts: files in the working folder, the built-in examples, and what `load` may reach.
 
 use crate::examples;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
 use std::fs::File;
@@ -100,6 +100,16 @@ pub fn read_text(path: &Path) -> Result<String, String> {
     let mut bytes = Vec::new();
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
     text_of(bytes)
+}
+
+/// All of standard input as text.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn standard_input() -> Result<String> {
+    let mut bytes = Vec::new();
+    io::stdin().take(MAX_BYTES + 1).read_to_end(&mut bytes).context("cannot read standard input")?;
+    text_of(bytes).map_err(|reason| anyhow!("cannot read standard input: {reason}"))
 }
 
 /// Bytes as text.

@@ -14,12 +14,14 @@ mod experiment;
 mod failure_report;
 mod figures;
 mod files;
+mod fmt;
 mod interrupt;
 mod mission;
 mod overrides;
+mod reference;
 mod run;
-mod special_forms;
 mod status;
+mod test;
 mod time;
 mod trace_file;
 mod worlds;
@@ -45,7 +47,11 @@ struct CommandLine {
 enum Command {
     /// Runs a plan
     Run(Box<run::Arguments>),
-    /// Checks plans without running them
+    /// Checks plans without running them: all faults at once, and what is probably wrong.
+    ///
+    /// An error is what keeps a plan from running, and makes the exit status 2; a warning is not, and
+    /// leaves it 0. Each warning has the name of its rule. A comment `; check: allow RULE` in its line,
+    /// or in the line above, takes it away; what is unused on purpose begins with an underscore.
     Check {
         /// Plan files
         #[arg(value_name = "FILE", required = true)]
@@ -54,6 +60,10 @@ enum Command {
         #[arg(long)]
         scenario: bool,
     },
+    /// Runs the tests in plans
+    Test(test::Arguments),
+    /// Formats plans: indentation, spaces, and lines that are too long
+    Fmt(fmt::Arguments),
     /// Evaluates an expression, or standard input, and prints the value
     Eval {
         /// The expression; `-` for standard input
@@ -68,9 +78,10 @@ enum Command {
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
-    /// Documents a name, or lists all; `behaviours` documents the robot
+    /// Documents a name or a topic, searches for a word, or lists all names
     Doc {
-        /// A function, plan, macro, special form, fluent or behaviour
+        /// Whatever has a name in the language, the library or the robot, a command, a topic such as
+        /// `behaviours`, or a word to search for
         #[arg(value_name = "NAME")]
         name: Option<String>,
     },
@@ -111,6 +122,8 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
+        Command::Test(arguments) => test::run(arguments, console),
+        Command::Fmt(arguments) => fmt::run(arguments, console),
         Command::Eval { expression } => eval::run(expression, console),
         Command::Worlds(arguments) => worlds::run(arguments, console),
         Command::Examples { name } => examples::run(name.as_deref(), console),

@@ -55,6 +55,8 @@ pub struct Site {
     pub library: Arc<Library>,
     office: Option<Arc<OfficeModel>>,
     scenario: Option<Scenario>,
+    /// Plans can name a robot here, and there is none.
+    pub lacks_world: bool,
 }
 
 /// The experimenter's plan, compiled.
@@ -70,7 +72,12 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn without_robot() -> Result<Self> {
-        Ok(Self { library: library(base_natives(), &NoRobot, &[], ROBOT_NAMES)?, office: None, scenario: None })
+        Ok(Self {
+            library: library(base_natives(), &NoRobot, &[], ROBOT_NAMES)?,
+            office: None,
+            scenario: None,
+            lacks_world: false,
+        })
     }
 
     /// A site with what plans can call on a robot, but with no world to run them in.
@@ -78,7 +85,7 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn for_checking() -> Result<Self> {
-        Ok(Self { library: robot_library()?, office: None, scenario: None })
+        Ok(Self { library: robot_library()?, office: None, scenario: None, lacks_world: true })
     }
 
     /// A site with what scenarios can call, but with no world to meddle with.
@@ -89,7 +96,7 @@ impl Site {
         let world = world("test-room")?;
         let simulator = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
         let library = scenario_library(&Oracle::new(Arc::new(simulator), 0))?;
-        Ok(Self { library, office: None, scenario: None })
+        Ok(Self { library, office: None, scenario: None, lacks_world: true })
     }
 
     /// A site with the robot in a world; none is a site without a robot.
@@ -107,7 +114,7 @@ impl Site {
         let office = OfficeModel::new(world, settings)
             .with_context(|| format!("the robot cannot be put into the world `{name}`"))?;
         let scenario = scenario.map(|plan| Scenario::compile(plan, &office)).transpose()?;
-        Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario })
+        Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario, lacks_world: false })
     }
 
     /// What was built from the world, if there is one.

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::{FailureRecord, Reporter};
+use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter};
 use crate::figures;
 use crate::files::{self, PlanText};
 use crate::interrupt;
@@ -201,7 +201,7 @@ fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u6
 /// Tells a person how it went.
 fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &mut Console) {
     if let Ending::Outcome(Outcome::Failed(failure)) = ending {
-        let text = reporter(system, console).text(failure);
+        let text = reporter(system, console).text(PLAN_FAILED, failure);
         console.note(text.trim_end());
     }
     // A plan without a robot that succeeded has already said what it had to say.

@@ -133,6 +133,7 @@ fn json_has_its_keys_whatever_the_outcome() {
     assert_eq!(summary(&["--until", "1s"])["outcome"], "timeout");
 }
 
+/// r[trace.file], r[determinism.same]
 #[test]
 fn the_trace_is_the_same_every_time() {
     let folder = folder("trace");
@@ -186,6 +187,7 @@ fn an_endless_loop_that_prints_is_seen_and_ends_with_its_reader() {
 }
 
 #[cfg(unix)]
+/// r[cleanup.stop]
 #[test]
 fn an_interrupt_runs_the_clean_ups_and_says_130() {
     let folder = folder("interrupt");
@@ -204,6 +206,44 @@ fn an_interrupt_runs_the_clean_ups_and_says_130() {
     }
 }
 
+/// r[cleanup.stop]
+#[test]
+fn a_second_interrupt_ends_the_program_at_once() {
+    let folder = folder("interrupt-twice");
+    let text = "(unwind-protect (seq (print 'going) (wait-time 1000)) (seq (print 'cleaning) (wait-time 1000) (print 'clean)))";
+    let plan = plan(&folder, "patient.rpl", text);
+    let mut command = rpl(&["run", &plan, "--realtime", "1"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let id = child.id().to_string();
+    for _ in ["going", "cleaning"] {
+        wait_for_line(&mut child);
+        assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill runs").success());
+    }
+    let found = child.wait_with_output().expect("it ends");
+    assert_eq!((stdout(&found), status(&found)), ("", 130), "{}", stderr(&found));
+}
+
+/// r[limit.steps]
+#[test]
+fn the_budget_of_steps_can_be_set() {
+    let folder = folder("steps");
+    let plan = plan(&folder, "busy.rpl", "(dotimes (i 100000) i) 'done");
+    let found = output(&["run", &plan, "--max-steps", "1000"]);
+    assert!(stderr(&found).contains("runaway: 1000 steps"), "{}", stderr(&found));
+    assert_eq!((status(&found), status(&output(&["run", &plan]))), (1, 0));
+}
+
+/// r[eval.load]
+#[test]
+fn a_file_that_loads_itself_is_an_error_of_the_text() {
+    let folder = folder("circle");
+    let first = plan(&folder, "first.rpl", "(load \"second.rpl\")");
+    plan(&folder, "second.rpl", "(load \"first.rpl\")");
+    let found = output(&["run", &first]);
+    assert!(stderr(&found).contains("loads itself"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+}
+
 #[test]
 fn missing_files_are_told_with_what_was_probably_meant() {
     let folder = folder("missing");
@@ -220,6 +260,7 @@ fn missing_files_are_told_with_what_was_probably_meant() {
     assert_eq!(status(&found), 2);
 }
 
+/// r[eval.load]
 #[test]
 fn a_plan_loads_files_beside_it_and_none_outside() {
     let folder = folder("load");
@@ -270,6 +311,11 @@ fn names_are_documented() {
     assert!(stdout(&output(&["doc", "try-all"])).contains("Succeeds at the first success"));
     assert!(stdout(&output(&["doc", "wait-time"])).starts_with("(wait-time "));
     assert!(stdout(&output(&["doc", "behaviours"])).contains("active-localization"));
+    assert!(stdout(&output(&["doc", "waiting"])).contains("wait-for"));
+    assert!(stdout(&output(&["doc", "timeout"])).starts_with("timeout below failure, with seconds\n"));
+    assert!(stdout(&output(&["doc", "fmt"])).starts_with("rpl fmt "));
+    let found = output(&["doc", "semaphore"]);
+    assert!(stdout(&found).contains("def-valve"), "{}", stdout(&found));
     let found = output(&["doc", "try-al"]);
     assert!(stderr(&found).contains("did you mean `try-all`?"), "{}", stderr(&found));
     assert_eq!(status(&found), 2);
@@ -293,4 +339,98 @@ fn an_experiment_makes_a_table_however_many_jobs() {
     assert_eq!(tables[0], tables[1]);
     assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
     assert!(tables[0].contains("time [s]                  6      90.00     0.00"), "{}", tables[0]);
+}
+
+#[test]
+fn fmt_formats_files_in_place_and_check_only_lists_them() {
+    let folder = folder("fmt");
+    let ugly = plan(&folder, "ugly.rpl", "(par (wait-time 1)\n(wait-time   2) ; long\n)\n");
+    let good = plan(&folder, "good.rpl", "(print 1)\n");
+    let wrong = plan(&folder, "wrong.rpl", "(print  (1)");
+    let found = output(&["fmt", "--check", &ugly, &good]);
+    assert_eq!((stdout(&found), status(&found)), (format!("{ugly}\n").as_str(), 1));
+    let found = output(&["fmt", &wrong, &ugly, &good]);
+    assert_eq!(status(&found), 2);
+    assert!(stderr(&found).contains("never closed") && stderr(&found).contains("left as it is"), "{}", stderr(&found));
+    assert_eq!(fs::read_to_string(&wrong).expect("it is there"), "(print  (1)");
+    let formatted = "(par (wait-time 1)\n     (wait-time 2)) ; long\n";
+    assert_eq!(fs::read_to_string(&ugly).expect("it is there"), formatted);
+    let found = output(&["fmt", "--check", &ugly, &good]);
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("", "", 0));
+    let left: Vec<_> = fs::read_dir(&folder).expect("it is a folder").collect();
+    assert_eq!(left.len(), 3, "{left:?}");
+}
+
+#[test]
+fn fmt_formats_standard_input() {
+    let mut command = rpl(&["fmt", "-"]);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts");
+    child.stdin.take().expect("it reads").write_all(b"( print\n1 )").expect("it takes the text");
+    assert_eq!(stdout(&child.wait_with_output().expect("it ends")), "(print\n  1)\n");
+}
+
+const TESTS: &str = "(def-plan wait-a-while () (wait-time 5))
+(print \"the main task\")
+(deftest waits (wait-a-while) (assert (= (now) 5.0)))
+(deftest waits-longer (print \"going\") (wait-a-while) (assert (= (now) 6.0)))
+(deftest waits-forever :until 10s (loop (wait-a-while)))
+";
+
+#[test]
+fn test_tells_each_test_in_a_line_and_why_it_failed() {
+    let folder = folder("test");
+    let tests = plan(&folder, "tests.rpl", TESTS);
+    let found = output(&["test", &tests]);
+    let shown = stdout(&found);
+    assert!(shown.starts_with("ok      waits               5.0 s\nFAILED  waits-longer        5.0 s\n"), "{shown}");
+    for expected in [
+        "(now) is 5.0",
+        "tests.rpl:4",
+        "printed: going",
+        "FAILED  waits-forever      10.0 s\n        it had not ended after 10 s",
+        "3 tests, 2 failed",
+    ] {
+        assert!(shown.contains(expected), "{expected}\n{shown}");
+    }
+    assert!(!shown.contains("the main task"), "{shown}");
+    assert_eq!(status(&found), 1);
+    let found = output(&["test", &tests, "--filter", "nothing"]);
+    assert!(stderr(&found).contains("no test has a name with `nothing` in it"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+    let wrong = plan(&folder, "wrong.rpl", "(deftest a (undefined))");
+    let found = output(&["test", &wrong, &tests, "--filter", "waits"]);
+    assert!(stderr(&found).contains("`undefined` is not defined anywhere"), "{}", stderr(&found));
+    assert_eq!((status(&found), stdout(&found).lines().next()), (2, Some(tests.as_str())));
+}
+
+#[test]
+fn test_reports_as_json() {
+    let folder = folder("test-json");
+    let tests = plan(&folder, "tests.rpl", TESTS);
+    let found = output(&["test", &tests, "--json", "--seed", "4"]);
+    let report: Value = serde_json::from_str(stdout(&found)).expect("one JSON object");
+    let outcomes: Vec<&Value> =
+        report["tests"].as_array().expect("a list").iter().map(|test| &test["outcome"]).collect();
+    assert_eq!(outcomes, ["succeeded", "failed", "timeout"]);
+    let failed = &report["tests"][1];
+    assert_eq!(
+        (&failed["failure"]["class"], &failed["line"], &failed["seed"]),
+        (&"plan-failure".into(), &4.into(), &4.into())
+    );
+    assert_eq!((&report["succeeded"], &report["failed"]), (&1.into(), &2.into()));
+}
+
+#[test]
+fn a_test_runs_in_the_world_it_names() {
+    let folder = folder("test-world");
+    let tests = plan(
+        &folder,
+        "tests.rpl",
+        "(deftest sure :world \"test-room\" (assert (> (value pos-certainty*) 0.5)))\n(deftest alone (assert (= 1 1)))\n(deftest lost (go-to 'corner))",
+    );
+    let found = output(&["test", &tests]);
+    let words: Vec<&str> =
+        stdout(&found).lines().filter_map(|line| line.strip_prefix("ok").map(str::trim_start)).collect();
+    assert_eq!(words.len(), 2, "{}", stdout(&found));
+    assert!(stdout(&found).contains("it ran without a robot"), "{}", stdout(&found));
 }

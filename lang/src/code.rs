@@ -20,6 +20,9 @@ pub type Reg = u8;
 /// No register, where one is optional.
 pub const NO_REG: Reg = 255;
 
+/// The count of no call: what is called has its arguments arranged.
+pub const ARRANGES: u16 = u16::MAX;
+
 /// One instruction. Jumps are relative to the next instruction; a jump backwards and every call
 /// burn one unit of the task's step budget.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,6 +164,8 @@ pub enum Op {
     WaitFor(Reg, Reg, Reg, bool),
     /// `r0 := value of r1` if that is a fluent, else r1
     Deref(Reg, Reg),
+    /// assign r2 to the fluent r1; `r0 := r2`
+    Assign(Reg, Reg, Reg),
     /// raise the failure in r0 again
     Refail(Reg),
 }
@@ -259,10 +264,9 @@ impl Parameters {
         self.optional == 0 && !self.rest && self.keys.is_empty()
     }
 
-    /// Whether a call with this many arguments needs nothing arranged.
-    #[inline]
-    pub fn takes_exactly(&self, count: u8) -> bool {
-        self.required == count && self.is_simple()
+    /// The number of arguments of a call that needs nothing arranged; [`ARRANGES`] if there is none.
+    pub fn exact_count(&self) -> u16 {
+        if self.is_simple() { u16::from(self.required) } else { ARRANGES }
     }
 
     /// How many registers the parameters take.
@@ -314,6 +318,8 @@ pub struct Code {
     pub parameters: Parameters,
     /// The frame's size, parameters and captured values included.
     pub registers: u8,
+    /// A call with so many arguments needs nothing checked or arranged; [`ARRANGES`] if none does.
+    pub exact_count: u16,
     /// Registers of the frame that makes the closure, in the order of the captured values.
     pub captures: Vec<Reg>,
     /// The instructions.
@@ -413,6 +419,9 @@ pub struct Program {
     pub sources: Sources,
     /// How many globals belong to the library and the robot; those may be defined again.
     pub library_globals: u32,
+    /// How many texts are the library's and the robot's; a failure in them is shown where the plan
+    /// calls them.
+    pub library_sources: u32,
 }
 
 impl Program {

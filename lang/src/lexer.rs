@@ -5,7 +5,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::number::{Number, begins_like_number, parse_number};
-use crate::source::{SourceId, Span};
+use crate::source::{SourceId, Sources, Span};
 use logos::{FilterResult, Logos};
 
 /// The marks that stand before a datum.
@@ -360,4 +360,14 @@ fn unescape_unicode(escape: &str) -> Result<(Option<char>, usize), (usize, Strin
         Some(character) => Ok((Some(character), len)),
         None => Err((len, format!("`\\u{{{digits}}}` is no character"))),
     }
+}
+
+/// Where a name, folded, first stands in the text of the span.
+pub(crate) fn find_name(sources: &Sources, within: Span, name: &str) -> Option<Span> {
+    let (tokens, _) = lex(sources.text_of(within), within.source);
+    tokens
+        .into_iter()
+        .filter(|(token, _)| *token == Token::Symbol)
+        .map(|(_, span)| Span { start: within.start + span.start, end: within.start + span.end, ..within })
+        .find(|&span| crate::reader::fold_name(sources.text_of(span)) == name)
 }

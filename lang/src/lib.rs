@@ -4,6 +4,8 @@
 //! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`].
 
 pub mod diagnostic;
+pub mod formatter;
+pub mod indentation;
 pub mod lexer;
 mod nesting;
 pub mod number;
@@ -14,5 +16,6 @@ pub mod suggest;
 pub mod symbol;
 pub mod syntax;
 
+pub mod check;
 pub mod code;
 pub mod compile;

@@ -2,6 +2,7 @@
 //!
 //! Both walk the datum with a stack of their own, so depth costs no Rust stack.
 
+use crate::indentation::{Style, aligns, is_label, rule};
 use crate::number::format_float;
 use crate::source::{SourceId, Span};
 use crate::symbol::Symbols;
@@ -50,68 +51,6 @@ pub fn quote_string(value: &str) -> String {
     }
     text.push('"');
     text
-}
-
-/// Forms with a body: how many items stand on the first line, head not counted; the body follows
-/// two columns in.
-const BODIES: &[(&str, usize)] = &[
-    (":tag", 1),
-    ("block", 1),
-    ("case", 1),
-    ("catch", 1),
-    ("cond", 0),
-    ("def-failure", 2),
-    ("def-fluent", 1),
-    ("def-goal", 2),
-    ("def-interp-proc", 2),
-    ("def-plan", 2),
-    ("defconstant", 1),
-    ("defmacro", 2),
-    ("defun", 2),
-    ("defvar", 1),
-    ("do-retry", 1),
-    ("dolist", 1),
-    ("dotimes", 1),
-    ("evap-protect", 0),
-    ("fn", 1),
-    ("global-fluent", 1),
-    ("if", 1),
-    ("ignore-failures", 1),
-    ("lambda", 1),
-    ("let", 1),
-    ("let*", 1),
-    ("letrec", 1),
-    ("loop", 0),
-    ("n-times", 1),
-    ("on-interrupt", 1),
-    ("on-resume", 1),
-    ("par", 0),
-    ("par-map", 1),
-    ("partial-order", 1),
-    ("plan", 1),
-    ("process", 1),
-    ("progn", 0),
-    ("pursue", 0),
-    ("pursue-map", 1),
-    ("seq", 0),
-    ("spawn", 0),
-    ("try-all", 0),
-    ("try-all-map", 1),
-    ("try-each-in-order", 1),
-    ("try-in-order", 0),
-    ("unless", 1),
-    ("unwind-protect", 0),
-    ("when", 1),
-    ("whenever", 1),
-    ("while", 1),
-];
-
-fn body_after(head: &str) -> Option<usize> {
-    match BODIES.binary_search_by_key(&head, |&(name, _)| name) {
-        Ok(index) => Some(BODIES[index].1),
-        Err(_) if head.starts_with("with-") => Some(1),
-        Err(_) => None,
-    }
 }
 
 /// How the items of a list that does not fit on its line are laid out.
@@ -221,11 +160,10 @@ impl<'a> Printer<'a> {
     /// Whether the item is the value of a keyword, or the condition of a loop's `until` or `while`,
     /// on whose line it stays.
     fn follows_label(&self, items: &[NodeId], next: usize) -> bool {
-        let is_loop =
-            self.tree.symbol(items[0]).is_some_and(|head| matches!(self.symbols.name(head), "loop" | "n-times"));
+        let head = self.tree.symbol(items[0]).map(|head| self.symbols.name(head));
         let is_label = |index: usize| match self.tree.get(items[index]).kind {
             Kind::Keyword(_) => true,
-            Kind::Symbol(word) => is_loop && matches!(self.symbols.name(word), "until" | "while"),
+            Kind::Symbol(word) => is_label(head, self.symbols.name(word)),
             _ => false,
         };
         // A longer run of keywords is data, not arguments.
@@ -247,22 +185,23 @@ impl<'a> Printer<'a> {
             Kind::Keyword(symbol) => Some(format!(":{}", self.symbols.name(symbol))),
             _ => None,
         };
-        let distinguished = head.as_deref().and_then(body_after);
+        let style = head.as_deref().and_then(rule).map(|rule| rule.style);
         let is_flat = items
             .iter()
             .all(|&item| !matches!(self.tree.get(item).kind, Kind::List { len: 1.., .. } | Kind::Keyword(_)));
         let is_data = self.text.ends_with("'(");
-        let (on_first_line, indent) = match (&head, distinguished) {
-            (Some(_), Some(distinguished)) => (1 + distinguished, column + 1),
-            (Some(head), None) if !is_data => {
-                let aligned = column + head.chars().count() + 1;
-                if aligned <= self.width / 2 { (2, aligned) } else { (1, column + 1) }
+        let (on_first_line, indent) = match (&head, style) {
+            (_, Some(Style::Body(distinguished))) => (1 + distinguished, column + 1),
+            (_, Some(Style::Forms)) => (1, column + 1),
+            (Some(head), style) if style.is_some() || !is_data => {
+                let argument = column + head.chars().count() + 1;
+                if aligns(argument, self.width) { (2, argument) } else { (1, column + 1) }
             }
             _ => (1, column),
         };
         // Deep data would otherwise be mostly indentation, of a size quadratic in its depth.
         let indent = indent.min(self.width / 5 * 4).max(1);
-        Some(Layout { on_first_line, indent, fill: is_flat && distinguished.is_none() })
+        Some(Layout { on_first_line, indent, fill: is_flat && style.is_none() })
     }
 
     /// Whether the node takes at most `room` characters on one line. Cost: O(room).
@@ -319,6 +258,7 @@ fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
         Kind::Float(value) => format_float(*value),
         Kind::Str(value) => quote_string(value),
         Kind::Object(number) => format!("#<object {number}>"),
+        Kind::Hole => "nil".to_string(),
         Kind::List { .. } => String::new(),
     }
 }

@@ -25,7 +25,7 @@ pub const MAX_DEPTH: usize = 1000;
 pub const MAX_ERRORS: usize = 20;
 
 /// Reads a text: its data in order, added to `tree`, and what is wrong with it, in order of place.
-/// Wherever a datum cannot be read, `nil` stands in its place. Cost: linear.
+/// Wherever a datum cannot be read, a hole stands in its place. Cost: linear.
 ///
 /// A `(` in the first column means that the list above was never closed, if the parentheses of the
 /// text do not balance or if a definition begins there: definitions stand at top level.
@@ -192,6 +192,10 @@ impl Builder<'_> {
         self.tree.atom(Kind::Symbol(symbol), self.span(span))
     }
 
+    fn hole(&mut self, span: SimpleSpan) -> NodeId {
+        self.tree.atom(Kind::Hole, self.span(span))
+    }
+
     fn atom(&mut self, token: Token, span: SimpleSpan) -> NodeId {
         let text = &self.text[span.start..span.end];
         let kind = match token {
@@ -200,7 +204,7 @@ impl Builder<'_> {
             Token::Str => Kind::Str(unescape(&text[1..text.len() - 1]).0.into()),
             Token::Keyword => Kind::Keyword(self.symbols.intern(&fold_name(&text[1..]))),
             Token::Symbol => Kind::Symbol(self.symbols.intern(&fold_name(text))),
-            _ => Kind::Symbol(self.symbols.intern("nil")),
+            _ => Kind::Hole,
         };
         self.tree.atom(kind, self.span(span))
     }
@@ -307,7 +311,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
             let datum = datum.unwrap_or_else(|| {
                 let span: SimpleSpan = e.span();
                 emitter.emit(Fault::BarePrefix { prefix, at, end: span.end });
-                e.state().named("nil", at)
+                e.state().hole(at)
             });
             e.state().prefixed(prefix, at, datum)
         })

@@ -44,6 +44,9 @@ pub enum Kind {
     },
     /// A run-time object inside a datum that is compiled at run time; an index the caller knows.
     Object(u32),
+    /// Where a datum should stand and cannot be read: its fault is reported, and nothing more is
+    /// said of it.
+    Hole,
 }
 
 /// The arena.

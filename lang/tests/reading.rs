@@ -29,6 +29,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     read_all(text).1.iter().map(|diagnostic| diagnostic.code).collect()
 }
 
+/// r[read.text]
 #[test]
 fn names_fold_to_lower_case() {
     reads_as("WITH-POLICY :GOAL Ünï-Ä", &["with-policy", ":goal", "ünï-ä"]);
@@ -51,6 +52,7 @@ fn a_plan_as_printed_in_the_papers_reads_as_it_stands() {
     );
 }
 
+/// r[read.comment]
 #[test]
 fn comments_are_no_data() {
     reads_as("a ; b\n#| c #| d |# e |# f", &["a", "f"]);
@@ -61,6 +63,7 @@ fn comments_are_no_data() {
     reads_as("(a #;#;b c)", &["(a)"]);
 }
 
+/// r[read.quote]
 #[test]
 fn marks_stand_for_lists() {
     reads_as("(quote x) (function f) #'f ' x", &["'x", "(function f)", "f", "'x"]);
@@ -68,6 +71,7 @@ fn marks_stand_for_lists() {
     reads_as("(quote) (quote a b) (quote . a)", &["(quote)", "(quote a b)", "(quote . a)"]);
 }
 
+/// r[read.string]
 #[test]
 fn strings_and_their_escapes() {
     reads_as(
@@ -91,6 +95,7 @@ fn the_first_column_does_not_matter_where_all_is_closed() {
     assert_eq!(codes("(seq\n(look)\n(drive)"), ["unclosed-list"]);
 }
 
+/// r[read.recovery]
 #[test]
 fn every_independent_error_is_told_at_once() {
     let text = "(def-plan a ()\n  (drive 3d)\n(def-plan b ()\n  (print \"\\q\" ')))\n)\n(c . )\n(d #x)\n(stop";

@@ -4,6 +4,7 @@ use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::task::{Waiting, Wake};
 use crate::value::{TaskRef, Value};
+use rpl_lang::check::BehaviourSignature;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,14 @@ pub struct BehaviourSpec {
     pub valve: Option<&'static str>,
     /// Its keyword arguments.
     pub parameters: &'static str,
+}
+
+impl BehaviourSpec {
+    /// What a check of a plan needs to know.
+    pub fn signature(&self) -> BehaviourSignature {
+        let parameters = self.parameters.split_whitespace().map(|key| key.trim_start_matches(':').to_string());
+        BehaviourSignature { parameters: parameters.collect(), valve: self.valve.map(str::to_string) }
+    }
 }
 
 /// A fluent the robot sets.

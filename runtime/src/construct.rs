@@ -3,26 +3,25 @@
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::scheduler::Alarm;
-use crate::task::{Children, Decision, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
+use crate::task::{Children, Decision, Held, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
 
 impl Machine {
     /// A task for code, with the values it captures from registers of the current frame.
     fn child_task(
-        &self,
+        &mut self,
         around: &Surroundings<'_>,
         child: &Child,
-        arguments: &[Value],
+        argument: Option<Value>,
         base: usize,
         priority: (u32, u16),
     ) -> Task {
         let code = &around.program.codes[child.code as usize];
-        let mut registers = vec![Value::Nil; usize::from(code.registers)].into_boxed_slice();
-        registers[..arguments.len()].copy_from_slice(arguments);
-        for (at, &reg) in code.captures.iter().enumerate() {
-            registers[arguments.len() + at] = self.scratch.stack[base + usize::from(reg)];
-        }
+        let stack = &self.scratch.stack[base..];
+        let captured = code.captures.iter().map(|&register| stack[usize::from(register)]);
+        let count = usize::from(argument.is_some()) + code.captures.len();
+        let registers = self.tasks.registers.make(count, argument.into_iter().chain(captured));
         let mut task = Task::new(child.code, registers, code.name, priority.0);
         task.priority_depth = priority.1;
         let maker = &self.tasks[self.current];
@@ -62,20 +61,23 @@ impl Machine {
         index
     }
 
-    /// Starts a construct in the current task. `elements` gives one child for each element instead
-    /// of the listed children.
+    /// Starts a construct in the current task. `elements` is a proper list: there is one child for
+    /// each element instead of the listed children.
     ///
     /// Gives the decision if there is nothing to wait for.
     pub(crate) fn start_construct(
         &mut self,
         around: &mut Surroundings<'_>,
         construct: &Construct,
-        elements: Option<&[Value]>,
+        elements: Option<Value>,
         result: Reg,
         base: usize,
     ) -> Result<Option<Value>, Raise> {
         let parent = self.current;
-        let total = elements.map_or(construct.children.len(), <[Value]>::len);
+        let total = match elements {
+            Some(elements) => self.heap.length(elements).unwrap_or(0),
+            None => construct.children.len(),
+        };
         let seconds = self.construct_argument(construct, base)?;
         let occurrence = self.count_use(parent, construct.name);
         if total == 0 {
@@ -93,27 +95,39 @@ impl Machine {
             decided: None,
             last_value: Value::Nil,
             failures: Vec::new(),
-            order: construct.order.clone(),
-            dead: Vec::new(),
+            order: sorted(&construct.order),
+            held: Vec::new(),
             seconds: seconds.unwrap_or(0.0),
             timer: 0,
             expired: false,
         };
         self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
+        let constraints = constraints_of(&construct.order, total);
+        let mut held = Vec::new();
+        let mut rest = elements.unwrap_or_default();
         for position in 0..total {
-            let (child, arguments) = match elements {
-                Some(elements) => (&construct.children[0], &elements[position..=position]),
-                None => (&construct.children[position], &[][..]),
+            let (child, argument) = match rest {
+                Value::Cons(pair) => {
+                    let (element, next) = self.heap.pair(pair);
+                    rest = next;
+                    (&construct.children[0], Some(element))
+                }
+                _ => (&construct.children[position], None),
             };
             let priority = self.child_priority(construct, parent, position, seconds);
-            let task = self.child_task(around, child, arguments, base, priority);
+            let task = self.child_task(around, child, argument, base, priority);
             let index = self.place_task(child, task, base);
             self.name_child(index, child, construct, position, occurrence);
             self.adopt(parent, scope, index);
-            let held_back = construct.order.iter().any(|&(_, after)| usize::from(after) == position);
-            if !held_back {
-                self.start_task(around, index);
+            match constraints.get(position) {
+                Some(&constraints @ 1..) => {
+                    held.push(Held { position: position as u16, constraints, task: self.tasks.reference(index) });
+                }
+                _ => self.start_task(around, index),
             }
+        }
+        if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
+            children.held = held;
         }
         if construct.rule == Rule::Timeout {
             self.set_deadline(parent, scope, seconds.unwrap_or(0.0));
@@ -141,7 +155,7 @@ impl Machine {
             return Err(Raise::new("control-error", "`spawn` needs a plan around it that the child belongs to"));
         };
         let record = &self.tasks[self.current];
-        let task = self.child_task(around, child, &[], base, (record.priority, record.priority_depth));
+        let task = self.child_task(around, child, None, base, (record.priority, record.priority_depth));
         let index = self.place_task(child, task, base);
         let occurrence = self.count_use(owner, child.name.unwrap_or(construct.name));
         self.name_child(index, child, construct, 0, occurrence);
@@ -285,7 +299,7 @@ impl Machine {
     }
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        let (state, result, position) = (self.tasks[child].state, self.tasks[child].result, self.tasks[child].position);
+        let (state, result, position) = (self.tasks[child].state, self.tasks[child].value, self.tasks[child].position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {
@@ -294,9 +308,6 @@ impl Machine {
             }
             ScopeKind::Children(children) => {
                 children.alive -= 1;
-                if children.rule == Rule::Plan {
-                    children.dead.push(position as u16);
-                }
                 let decided = children.decided;
                 match (decided, verdict(children, state, result, position)) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
@@ -334,15 +345,21 @@ impl Machine {
     }
 
     fn start_successors(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, dead: u16) {
-        let ScopeKind::Children(children) = &self.tasks[parent].scopes[scope as usize].kind else { return };
-        if !children.order.iter().any(|&(before, _)| before == dead) {
-            return;
+        let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind else { return };
+        let Children { order, held, .. } = &mut **children;
+        let first = order.partition_point(|&(before, _)| before < dead);
+        let mut free = Vec::new();
+        for &(_, after) in order[first..].iter().take_while(|&&(before, _)| before == dead) {
+            let Ok(at) = held.binary_search_by_key(&after, |held| held.position) else { continue };
+            held[at].constraints -= 1;
+            if held[at].constraints == 0 {
+                free.push(held[at].task);
+            }
         }
-        let (order, dead) = (children.order.clone(), children.dead.clone());
-        for child in self.children_of_scope(parent, scope) {
-            let position = self.tasks[child].position as u16;
-            let may_start = order.iter().all(|&(before, after)| after != position || dead.contains(&before));
-            if self.tasks[child].state == State::Created && may_start {
+        for child in free {
+            if let Some(child) = self.tasks.find_alive(child)
+                && self.tasks[child].state == State::Created
+            {
                 self.start_task(around, child);
             }
         }
@@ -357,7 +374,7 @@ impl Machine {
         if children.alive > 0 || record.state != State::Blocked || record.scopes.len() != scope as usize + 1 {
             return;
         }
-        if record.leaving.is_some() {
+        if record.is_leaving() {
             self.unwind(around, parent);
             return;
         }
@@ -391,7 +408,7 @@ impl Machine {
     fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
         if state == State::Failed {
             let record = &self.tasks[owner];
-            if record.leaving.is_some() || record.scopes[scope as usize..].iter().any(is_clean_up) {
+            if record.is_leaving() || record.scopes[scope as usize..].iter().any(is_clean_up) {
                 // It takes effect when the clean-up is over, or is attached to what is under way.
                 if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope as usize].kind {
                     match call.failure {
@@ -407,13 +424,28 @@ impl Machine {
         let record = &self.tasks[owner];
         let none_left = matches!(&record.scopes[scope as usize].kind, ScopeKind::Call(call) if call.spawned == 0);
         if none_left && record.state == State::Blocked && record.waiting == Waiting::Spawned {
-            if record.leaving.is_some() {
+            if record.is_leaving() {
                 self.unwind(around, owner);
             } else {
                 self.wake(owner, Wake::Nothing);
             }
         }
     }
+}
+
+fn sorted(order: &[(u16, u16)]) -> Vec<(u16, u16)> {
+    let mut order = order.to_vec();
+    order.sort_unstable();
+    order
+}
+
+/// How many constraints there are on each child; nothing where there is no order at all.
+fn constraints_of(order: &[(u16, u16)], children: usize) -> Vec<u32> {
+    let mut constraints = vec![0; if order.is_empty() { 0 } else { children }];
+    for &(_, after) in order {
+        constraints[usize::from(after)] += 1;
+    }
+    constraints
 }
 
 fn is_clean_up(scope: &Scope) -> bool {

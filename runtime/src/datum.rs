@@ -22,7 +22,7 @@ pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: No
         Kind::Int(value) => Value::Int(*value),
         Kind::Float(value) => Value::Float(*value),
         Kind::Str(text) => heap.string(text),
-        Kind::Object(_) => Value::Nil,
+        Kind::Object(_) | Kind::Hole => Value::Nil,
         Kind::List { dotted, .. } => {
             let items = tree.items(node);
             let mut values: Vec<Value> = Vec::with_capacity(items.len());

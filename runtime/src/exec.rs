@@ -3,11 +3,14 @@
 use crate::failure::Raise;
 use crate::fluent::{Fluent, Origin};
 use crate::machine::{Limits, MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
-use crate::native::{Call as NativeCall, Effect, Reply};
+use crate::native::{Call as NativeCall, Reply};
+use crate::registers::Registers;
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
-use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Reg};
+use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
+use rpl_lang::compile::NativeSignature;
+use rpl_lang::source::Span;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -52,6 +55,7 @@ impl Limits {
 fn copied(value: &Value) -> Value {
     match *value {
         Value::Int(value) => Value::Int(black_box(value)),
+        Value::Cons(pair) => Value::Cons(black_box(pair)),
         other => other,
     }
 }
@@ -67,10 +71,36 @@ fn overflow(operation: &str) -> Raise {
     Raise::new("arithmetic-error", format!("integer overflow in {operation}: the result does not fit 64 bits"))
 }
 
+/// What came of a turn of the scheduler.
+pub(crate) enum Ran {
+    /// No task is ready.
+    Nothing,
+    /// A task ran.
+    Task,
+    /// A task ran and asks for a datum to be compiled.
+    Asked(u32, Value),
+}
+
 impl Machine {
+    /// Runs the next ready task until it blocks, ends or is switched out.
+    pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
+        match self.priorities.pop(&mut self.tasks) {
+            None => Ran::Nothing,
+            Some(task) => {
+                if around.outside.period_us().is_some() {
+                    self.note_progress(task);
+                }
+                match self.run_task(around, task) {
+                    None => Ran::Task,
+                    Some(datum) => Ran::Asked(task, datum),
+                }
+            }
+        }
+    }
+
     /// Runs a ready task until it blocks, ends or is switched out. A datum to compile is answered;
     /// the task then goes on with [`Machine::enter`].
-    pub(crate) fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Option<Value> {
+    fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Option<Value> {
         self.set_state(task, State::Running);
         self.current = task;
         self.scratch.switch = false;
@@ -84,18 +114,14 @@ impl Machine {
         self.scratch.burned = 0;
         self.flush_status(around);
         let record = &mut self.tasks[task];
-        let needed = record.registers.len() + WINDOW;
-        if self.scratch.stack.len() < needed {
-            self.scratch.stack.resize(needed.max(4 * WINDOW), Value::Nil);
-        }
-        self.scratch.stack[..record.registers.len()].copy_from_slice(&record.registers);
-        self.scratch.frames.clear();
-        self.scratch.frames.extend_from_slice(&record.frames);
         let mut place = Place { frame: record.frame, fuel: self.limits.steps.saturating_sub(record.steps) };
-        let wake = std::mem::take(&mut record.wake);
+        let wake = record.take_wake();
         let register = record.frame.base as usize + usize::from(record.wake_register);
         let keeps_value = record.wake_register != NO_REG;
-        let is_leaving = record.leaving.is_some();
+        let is_leaving = record.is_leaving();
+        self.scratch.frames.clear();
+        self.scratch.frames.extend_from_slice(&record.frames);
+        self.restore_registers(around.program, task, place.frame);
         if is_leaving && !self.unwind_running(around, &mut place) {
             return self.after_exit(around, task, place, Exit::Blocked);
         }
@@ -112,6 +138,22 @@ impl Machine {
             None => self.execute(around, &mut place, 0),
         };
         self.after_exit(around, task, place, exit)
+    }
+
+    /// Puts a task's registers on the stack. What its record does not keep is nil.
+    fn restore_registers(&mut self, program: &Program, task: u32, frame: Frame) {
+        let end = |frame: &Frame| frame.base as usize + usize::from(program.codes[frame.code as usize].registers);
+        let top = self.scratch.frames.iter().map(end).fold(end(&frame), usize::max);
+        if self.scratch.stack.len() < top + WINDOW {
+            self.scratch.stack.resize(top + 4 * WINDOW, Value::Nil);
+        }
+        let stack = &mut self.scratch.stack[..top];
+        let values = self.tasks.registers_of(task);
+        let kept = values.len().min(top);
+        for (register, &value) in stack.iter_mut().zip(values) {
+            *register = value;
+        }
+        stack[kept..].fill(Value::Nil);
     }
 
     fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Option<Value> {
@@ -138,7 +180,7 @@ impl Machine {
                             self.set_state(task, State::Blocked);
                         }
                         if std::mem::take(&mut self.scratch.gives_way) {
-                            self.tasks[task].wake = Wake::Value(Value::Nil);
+                            self.tasks[task].set_wake(Wake::Value(Value::Nil));
                             self.make_ready(task);
                         }
                     }
@@ -162,22 +204,15 @@ impl Machine {
     }
 
     /// Lets a task that asked for a datum to be compiled go on in its code.
-    pub(crate) fn enter(&mut self, around: &Surroundings<'_>, task: u32, code: u32) {
+    pub(crate) fn enter(&mut self, task: u32, code: u32) {
         let record = &self.tasks[task];
-        let register = usize::from(record.wake_register);
         let frame = record.frame;
-        let base = frame.base as usize + register;
-        let mut registers = record.registers[..base].to_vec();
-        registers.resize(base + usize::from(around.program.codes[code as usize].registers), Value::Nil);
-        let caller_size = record.registers.len();
-        if registers.len() < caller_size {
-            registers.resize(caller_size, Value::Nil);
-        }
-        let mut frames = record.frames.to_vec();
-        frames.push(frame);
+        let base = frame.base as usize + usize::from(record.wake_register);
+        let values = self.tasks.registers_of(task);
+        let below = values[..values.len().min(base)].to_vec();
+        self.tasks.set_registers(task, &below);
         let record = &mut self.tasks[task];
-        record.registers = registers.into_boxed_slice();
-        record.frames = frames.into_boxed_slice();
+        record.frames.push(frame);
         record.frame = Frame { code, pc: 0, base: base as u32 };
         record.wake_register = NO_REG;
         self.requeue_running(task);
@@ -185,7 +220,7 @@ impl Machine {
 
     /// Lets a task that asked for a datum to be compiled fail instead.
     pub(crate) fn fail_execution(&mut self, task: u32, failure: Value) {
-        self.tasks[task].wake = Wake::Raise(failure);
+        self.tasks[task].set_wake(Wake::Raise(failure));
         self.requeue_running(task);
     }
 
@@ -220,7 +255,7 @@ impl Machine {
         self.scratch.top = outer_top;
         self.scratch.switch |= outer_switch;
         self.tasks[SCRATCH_TASK].scopes = outer_scopes;
-        let leaving = self.tasks[SCRATCH_TASK].leaving.take().map(|leaving| *leaving);
+        let leaving = self.tasks[SCRATCH_TASK].take_leaving();
         self.current = outer_task;
         match (exit, leaving) {
             (Exit::Returned(value), _) => Ok(value),
@@ -251,7 +286,7 @@ impl Machine {
     }
 
     fn is_leaving(&self) -> bool {
-        self.tasks.get(self.current).is_some_and(|task| task.leaving.is_some())
+        self.tasks.get(self.current).is_some_and(|task| task.is_leaving())
     }
 
     fn is_alive(&self) -> bool {
@@ -260,24 +295,36 @@ impl Machine {
 
     /// Raises a failure where the current task stands; answers how it left, if it did.
     fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Place, raise: Raise) -> Option<Exit> {
-        let code = &around.program.codes[place.frame.code as usize];
-        let span = code.spans.get((place.frame.pc as usize).saturating_sub(1)).copied();
         let failure = self.failure_from(raise);
-        if let Value::Failure(index) = failure {
-            let record = &mut self.heap.failures[index];
-            record.span = record.span.or(span);
+        if let Value::Failure(index) = failure
+            && self.heap.failures[index].span.is_none()
+        {
+            self.heap.failures[index].span = self.span_in_plan(around.program, place.frame);
         }
         let task = self.current;
         if task != SCRATCH_TASK {
             self.trace_failed(around.program, task, failure);
         }
-        if self.tasks[task].leaving.is_none() {
-            self.tasks[task].leaving = Some(Box::new(Leaving::Fail(failure)));
+        if !self.tasks[task].is_leaving() {
+            self.tasks[task].leave(Leaving::Fail(failure));
         }
         if self.unwind_running(around, place) {
             return None;
         }
         Some(if self.is_alive() { Exit::Blocked } else { Exit::Dead })
+    }
+
+    /// Where the current task stands: inside a function of the library, where the plan calls it.
+    fn span_in_plan(&self, program: &Program, frame: Frame) -> Option<Span> {
+        let span_of = |frame: &Frame| {
+            program.codes[frame.code as usize].spans.get((frame.pc as usize).saturating_sub(1)).copied()
+        };
+        let here = span_of(&frame);
+        if here.is_none_or(|span| span.source.0 >= program.library_sources) {
+            return here;
+        }
+        let callers = self.scratch.frames.iter().rev().filter_map(span_of);
+        callers.into_iter().find(|span| span.source.0 >= program.library_sources).or(here)
     }
 
     /// Goes on with the current task's departure; tells whether code is to run now.
@@ -464,10 +511,20 @@ impl Machine {
         }
         macro_rules! check_leaving {
             () => {
-                if self.tasks[self.current].leaving.is_some() {
+                if self.tasks[self.current].is_leaving() {
                     save!();
                     return Ok(Exit::Blocked);
                 }
+            };
+        }
+        // After a call of a value, which may have been entered, or done if it is a native.
+        macro_rules! go_on {
+            () => {
+                (code_number, pc, base) = (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                code = &program.codes[code_number as usize];
+                fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                check_leaving!();
+                check_switch!();
             };
         }
         macro_rules! block {
@@ -510,9 +567,17 @@ impl Machine {
                 };
             }
             // Registers of a frame that starts at `$first`, save `$count` arguments.
+            // Four at a time, and so perhaps some behind the frame, where nothing lives.
             macro_rules! clear {
                 ($callee:expr, $first:expr, $count:expr) => {
-                    r[$first + $count..($first + usize::from($callee.registers)).max($first + $count)].fill(Value::Nil)
+                    let mut at = $first + $count;
+                    let end = $first + usize::from($callee.registers);
+                    while at < end {
+                        if let Some(four) = r[at..].first_chunk_mut::<4>() {
+                            *four = [Value::Nil; 4];
+                        }
+                        at += 4;
+                    }
                 };
             }
             macro_rules! arithmetic {
@@ -568,8 +633,9 @@ impl Machine {
                     pc = (pc as i64 + i64::from(distance)) as usize;
                 }};
             }
+            let ops = code.ops.as_slice();
             loop {
-                let op = &code.ops[pc];
+                let op = &ops[pc];
                 pc += 1;
                 match *op {
                     Op::Nil(a) => r!(a) = Value::Nil,
@@ -578,7 +644,7 @@ impl Machine {
                     Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
                     Op::Global(a, global) => {
                         let value = self.globals[global as usize];
-                        if value == Value::Unbound {
+                        if matches!(value, Value::Unbound) {
                             fail!(self.describe_global(around, global));
                         }
                         r!(a) = value;
@@ -640,37 +706,37 @@ impl Machine {
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
                     Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
-                    Op::Not(a, b) => r!(a) = Value::truth(r!(b) == Value::Nil),
+                    Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                     Op::Cons(a, b, c) => {
-                        r!(a) = self.heap.cons(r!(b), r!(c));
+                        r!(a) = self.heap.cons(copied(&r!(b)), copied(&r!(c)));
                         if self.heap.is_full() {
                             collect_if_full!();
                             continue 'frame;
                         }
                     }
-                    Op::Car(a, b) => match r!(b) {
-                        Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                    Op::Car(a, b) => match &r!(b) {
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
                         Value::Nil => r!(a) = Value::Nil,
-                        other => fail!(self.wrong_type("the argument of `car`", "a list", other)),
+                        &other => fail!(self.wrong_type("the argument of `car`", "a list", other)),
                     },
-                    Op::Cdr(a, b) => match r!(b) {
-                        Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
+                    Op::Cdr(a, b) => match &r!(b) {
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
                         Value::Nil => r!(a) = Value::Nil,
-                        other => fail!(self.wrong_type("the argument of `cdr`", "a list", other)),
+                        &other => fail!(self.wrong_type("the argument of `cdr`", "a list", other)),
                     },
                     Op::Jump(distance) => jump!(distance),
                     Op::JumpIfNil(a, distance) => {
-                        if r!(a) == Value::Nil {
+                        if matches!(r!(a), Value::Nil) {
                             jump!(distance);
                         }
                     }
                     Op::JumpIfTrue(a, distance) => {
-                        if r!(a) != Value::Nil {
+                        if !matches!(r!(a), Value::Nil) {
                             jump!(distance);
                         }
                     }
                     Op::JumpIfGiven(a, distance) => {
-                        if r!(a) != Value::Unbound {
+                        if !matches!(r!(a), Value::Unbound) {
                             jump!(distance);
                         }
                     }
@@ -723,7 +789,7 @@ impl Machine {
                                 if !self.limits.allow(self.scratch.frames.len(), base + first) {
                                     fail!(self.too_deep());
                                 }
-                                if callee.parameters.takes_exactly(count) {
+                                if callee.exact_count == u16::from(count) {
                                     clear!(callee, first, usize::from(count));
                                 } else {
                                     attempt!(self.arrange(callee, base + first, usize::from(count)));
@@ -750,11 +816,7 @@ impl Machine {
                                 )? {
                                     Some(exit) => return Ok(exit),
                                     None => {
-                                        (code_number, pc, base) =
-                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                        code = &program.codes[code_number as usize];
-                                        check_leaving!();
-                                        check_switch!();
+                                        go_on!();
                                         continue 'frame;
                                     }
                                 }
@@ -768,7 +830,7 @@ impl Machine {
                                 let callee: &Code = &program.codes[number as usize];
                                 let from = usize::from(first);
                                 r.copy_within(from..from + usize::from(count), 0);
-                                if callee.parameters.takes_exactly(count) {
+                                if callee.exact_count == u16::from(count) {
                                     clear!(callee, 0, usize::from(count));
                                 } else {
                                     attempt!(self.arrange(callee, base, usize::from(count)));
@@ -786,11 +848,7 @@ impl Machine {
                                 match self.call_value(around, place, function, &arguments, first, true, first as Reg)? {
                                     Some(exit) => return Ok(exit),
                                     None => {
-                                        (code_number, pc, base) =
-                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                        code = &program.codes[code_number as usize];
-                                        check_leaving!();
-                                        check_switch!();
+                                        go_on!();
                                         continue 'frame;
                                     }
                                 }
@@ -800,9 +858,9 @@ impl Machine {
                     Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
                         burn!();
                         let tail = matches!(op, Op::TailCallValue(..));
-                        let function = r!(callee);
+                        let function = &r!(callee);
                         let first = usize::from(callee) + 1;
-                        let known = match function {
+                        let known = match *function {
                             Value::Function(number) => Some((number, &[][..])),
                             Value::Closure(index) => {
                                 let closure = &self.heap.closures[index];
@@ -812,7 +870,7 @@ impl Machine {
                         };
                         if let Some((number, captured)) = known
                             && let callee = &*program.codes[number as usize]
-                            && callee.parameters.takes_exactly(count)
+                            && callee.exact_count == u16::from(count)
                             && self.limits.allow(self.scratch.frames.len(), base)
                         {
                             let count = usize::from(count);
@@ -830,16 +888,13 @@ impl Machine {
                             (code, code_number, pc, base) = (callee, number, 0, base + start);
                             continue 'frame;
                         }
+                        let function = *function;
                         let arguments = r[first..first + usize::from(count)].to_vec();
                         save!();
                         match self.call_value(around, place, function, &arguments, first, tail, first as Reg)? {
                             Some(exit) => return Ok(exit),
                             None => {
-                                (code_number, pc, base) =
-                                    (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                code = &program.codes[code_number as usize];
-                                check_leaving!();
-                                check_switch!();
+                                go_on!();
                                 continue 'frame;
                             }
                         }
@@ -854,21 +909,32 @@ impl Machine {
                     }
                     Op::CallNative(to, first, count, native) => {
                         save!();
-                        let (first, count) = (usize::from(first), usize::from(count));
-                        let mut buffer = [Value::Nil; 8];
-                        let reply = if count <= buffer.len() {
-                            buffer[..count].copy_from_slice(&r[first..first + count]);
-                            self.call_native(around, native, &buffer[..count])
-                        } else {
-                            let arguments = r[first..first + count].to_vec();
-                            self.call_native(around, native, &arguments)
+                        let first = usize::from(first);
+                        let reply = match count {
+                            0 => self.call_native(around, native, &[]),
+                            1 => {
+                                let arguments = [r[first]];
+                                self.call_native(around, native, &arguments)
+                            }
+                            2 => {
+                                let arguments = [r[first], r[first + 1]];
+                                self.call_native(around, native, &arguments)
+                            }
+                            3 => {
+                                let arguments = [r[first], r[first + 1], r[first + 2]];
+                                self.call_native(around, native, &arguments)
+                            }
+                            _ => {
+                                let arguments = r[first..first + usize::from(count)].to_vec();
+                                self.call_native(around, native, &arguments)
+                            }
                         };
                         fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
                         match attempt!(reply) {
                             Reply::Value(value) => {
                                 self.scratch.stack[base + usize::from(to)] = value;
                                 collect_if_full!();
-                                if self.scratch.switch || around.natives[usize::from(native)].effect == Effect::Acts {
+                                if self.scratch.switch || around.natives[usize::from(native)].effect.acts() {
                                     check_leaving!();
                                     check_switch!();
                                 }
@@ -892,11 +958,7 @@ impl Machine {
                                 )? {
                                     Some(exit) => return Ok(exit),
                                     None => {
-                                        (code_number, pc, base) =
-                                            (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                                        code = &program.codes[code_number as usize];
-                                        check_leaving!();
-                                        check_switch!();
+                                        go_on!();
                                     }
                                 }
                             }
@@ -997,12 +1059,11 @@ impl Machine {
                         let list = r!(list);
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
-                        let elements = match self.heap.elements(list) {
-                            Ok(elements) => elements,
-                            Err(found) => fail!(self.wrong_type("what is mapped over", "a list", found)),
-                        };
+                        if let Err(found) = self.heap.length(list) {
+                            fail!(self.wrong_type("what is mapped over", "a list", found));
+                        }
                         let construct = &code.constructs[number as usize];
-                        match self.start_construct(around, construct, Some(&elements), a, base)? {
+                        match self.start_construct(around, construct, Some(list), a, base)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,
                             None => {
                                 let task = self.current;
@@ -1044,7 +1105,7 @@ impl Machine {
                                 "the block to return from is not around this any more, or belongs to another task",
                             ));
                         }
-                        self.tasks[task].leaving = Some(Box::new(Leaving::Block { identity, value }));
+                        self.tasks[task].leave(Leaving::Block { identity, value });
                         return Ok(Exit::Blocked);
                     }
                     Op::PushHandler(failure, index, distance) => {
@@ -1072,7 +1133,7 @@ impl Machine {
                         let task = self.current;
                         if let Some(Scope { kind: ScopeKind::InCleanup(then), .. }) = self.tasks[task].scopes.pop() {
                             if let Then::Leave(leaving) = *then {
-                                self.tasks[task].leaving = Some(Box::new(leaving));
+                                self.tasks[task].leave(leaving);
                                 save!();
                                 return Ok(Exit::Blocked);
                             }
@@ -1170,7 +1231,7 @@ impl Machine {
                         let task = self.current;
                         let scopes = self.tasks[task].scopes.len() as u32 - u32::from(count);
                         let depth = self.scratch.frames.len() as u32;
-                        self.tasks[task].leaving = Some(Box::new(Leaving::Jump { scopes, target, depth }));
+                        self.tasks[task].leave(Leaving::Jump { scopes, target, depth });
                         return Ok(Exit::Blocked);
                     }
                     Op::Network(a, number) => {
@@ -1184,8 +1245,10 @@ impl Machine {
                         continue 'frame;
                     }
                     Op::WaitFor(a, condition, seconds, owned) => {
-                        let value = r!(condition);
-                        let timeout = if seconds == NO_REG { None } else { Some(r!(seconds)) };
+                        // The condition and the time are of no use to anybody else: a task that
+                        // waits keeps fewer registers without them.
+                        let value = std::mem::take(&mut r!(condition));
+                        let timeout = if seconds == NO_REG { None } else { Some(std::mem::take(&mut r!(seconds))) };
                         attempt!(self.refuse_in_network("nothing can be waited for"));
                         save!();
                         match self.wait_for(value, timeout, owned)? {
@@ -1202,6 +1265,18 @@ impl Machine {
                             continue 'frame;
                         }
                         r!(a) = value;
+                    }
+                    Op::Assign(a, fluent, value) => {
+                        let (fluent, value) = (r!(fluent), r!(value));
+                        r!(a) = value;
+                        save!();
+                        attempt!(self.refuse_in_network("a fluent cannot be assigned"));
+                        attempt!(self.assign_fluent(around, fluent, value));
+                        fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                        collect_if_full!();
+                        check_leaving!();
+                        check_switch!();
+                        continue 'frame;
                     }
                     Op::Refail(a) => {
                         let failure = r!(a);
@@ -1271,7 +1346,7 @@ impl Machine {
 
     fn call_native(&mut self, around: &mut Surroundings<'_>, native: u16, arguments: &[Value]) -> Result<Reply, Raise> {
         let entry = &around.natives[usize::from(native)];
-        if entry.effect == Effect::Acts && self.current == SCRATCH_TASK {
+        if entry.effect.acts() && self.current == SCRATCH_TASK {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
         (entry.code)(&mut NativeCall { machine: self, around, arguments })
@@ -1327,7 +1402,7 @@ impl Machine {
         arguments: &[Value],
         result: Reg,
     ) -> Result<Option<Exit>, Raise> {
-        let (min, max) = around.natives[usize::from(native)].arity();
+        let NativeSignature { min, max, .. } = around.signatures[usize::from(native)];
         let count = arguments.len();
         if count < usize::from(min) || max.is_some_and(|max| count > usize::from(max)) {
             let name = around.natives[usize::from(native)].name;
@@ -1355,7 +1430,7 @@ impl Machine {
     fn new_tag(&mut self, name: rpl_lang::symbol::Symbol) -> Value {
         let task = self.current;
         let priority = self.tasks[task].priority;
-        let index = self.tasks.insert(Task::new(0, Box::default(), name, priority));
+        let index = self.tasks.insert(Task::new(0, Registers::default(), name, priority));
         let value = self.expose(index);
         let reference = self.tasks.reference(index);
         let mut at = task;
@@ -1445,7 +1520,7 @@ impl Machine {
             }
             return Ok(Some(value));
         }
-        self.tasks[task].waiting = Waiting::Fluent { fluent, owned };
+        self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: seconds.is_some() };
         let mut line = self.fluents[fluent].waiters;
         line.push_back(&mut self.tasks, task);
         self.fluents[fluent].waiters = line;

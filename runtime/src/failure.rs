@@ -58,39 +58,44 @@ impl Raise {
     }
 }
 
-/// The classes every program has: name and the class above.
-pub const CLASSES: &[(&str, &str, &[&str])] = &[
-    ("failure", "", &[]),
-    ("plan-failure", "failure", &[]),
-    ("error", "failure", &[]),
-    ("type-error", "error", &[]),
-    ("unbound-variable", "error", &[]),
-    ("arity-error", "error", &[]),
-    ("arithmetic-error", "error", &[]),
-    ("index-error", "error", &[]),
-    ("control-error", "error", &[]),
-    ("network-error", "error", &[]),
-    ("runaway", "error", &[]),
-    ("stack-overflow", "error", &[]),
-    ("out-of-memory", "error", &[]),
-    ("timeout", "failure", &["seconds"]),
-    ("deadlock", "failure", &[]),
-    ("valve-error", "failure", &["valve"]),
-    ("composite-failure", "failure", &[]),
-    ("behaviour-failure", "failure", &["behaviour"]),
-    ("navigation-failure", "behaviour-failure", &["destination"]),
-    ("unreachable", "navigation-failure", &[]),
-    ("blocked", "navigation-failure", &[]),
-    ("interrupted", "behaviour-failure", &[]),
-    ("localization-failure", "behaviour-failure", &[]),
-    ("grasp-failure", "behaviour-failure", &[]),
+/// The classes every program has: name, the class above, slots of its own, documentation.
+pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
+    ("failure", "", &[], "The root: a handler of it takes every failure."),
+    (
+        "plan-failure",
+        "failure",
+        &[],
+        "What `fail` raises unless it names another class, and the parent of most classes plans define.",
+    ),
+    ("error", "failure", &[], "A fault in the plan itself."),
+    ("type-error", "error", &[], "A value is not of the type that is needed."),
+    ("unbound-variable", "error", &[], "A variable or fluent was read before its definition ran."),
+    ("arity-error", "error", &[], "A function was called with too few or too many arguments."),
+    ("arithmetic-error", "error", &[], "A result does not fit an integer, or there is none, as of a division by zero."),
+    ("index-error", "error", &[], "There is no element at that position."),
+    ("control-error", "error", &[], "A block was left that is not active any more, or belongs to another task."),
+    ("network-error", "error", &[], "A fluent network tried to wait, to assign or to act."),
+    ("runaway", "error", &[], "A task spent its budget of steps in one instant."),
+    ("stack-overflow", "error", &[], "Calls were nested too deep."),
+    ("out-of-memory", "error", &[], "The plan's data outgrew the memory it is allowed."),
+    ("timeout", "failure", &["seconds"], "The deadline of a `with-timeout` came first."),
+    ("deadlock", "failure", &[], "Tasks wait for each other, or all wait and nothing can wake them."),
+    ("valve-error", "failure", &["valve"], "A valve was used or released by a task that does not hold it."),
+    ("composite-failure", "failure", &[], "Several alternatives failed; `failure-parts` gives their failures."),
+    ("behaviour-failure", "failure", &["behaviour"], "A behaviour signalled failure, or could not be activated."),
+    ("navigation-failure", "behaviour-failure", &["destination"], "The robot did not arrive."),
+    ("unreachable", "navigation-failure", &[], "There is no way to the destination."),
+    ("blocked", "navigation-failure", &[], "The way stayed blocked."),
+    ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
+    ("localization-failure", "behaviour-failure", &[], "The position was not found."),
+    ("grasp-failure", "behaviour-failure", &[], "The gripper did not take the thing, or did not let go of it."),
 ];
 
 /// The classes every program starts with.
 pub fn base_classes(symbols: &mut Symbols) -> BTreeMap<Symbol, FailureClass> {
     CLASSES
         .iter()
-        .map(|&(name, parent, slots)| {
+        .map(|&(name, parent, slots, _)| {
             let parent = (!parent.is_empty()).then(|| symbols.intern(parent));
             let slots = slots.iter().map(|slot| symbols.intern(slot)).collect();
             (symbols.intern(name), FailureClass { parent, slots })

@@ -145,9 +145,12 @@ impl Machine {
     pub(crate) fn assign_fluent(
         &mut self,
         around: &mut Surroundings<'_>,
-        fluent: u32,
+        fluent: Value,
         value: Value,
     ) -> Result<(), Raise> {
+        let Value::Fluent(fluent) = fluent else {
+            return Err(self.wrong_type("what is assigned", "a fluent", fluent));
+        };
         match self.fluents[fluent].origin {
             Origin::Plan => {}
             Origin::System => {
@@ -156,8 +159,25 @@ impl Machine {
             }
             _ => return Err(Raise::type_error("a network cannot be assigned; assign one of the fluents it reads")),
         }
-        self.assign_all(around, &[(fluent, value)]);
+        self.assign(around, fluent, value);
         Ok(())
+    }
+
+    /// Assigns one fluent.
+    pub(crate) fn assign(&mut self, around: &mut Surroundings<'_>, fluent: u32, value: Value) {
+        let entry = &mut self.fluents[fluent];
+        if self.heap.equal(entry.value, value) {
+            return;
+        }
+        entry.value = value;
+        let is_alone = entry.dependents.is_empty();
+        entry.is_changed = !is_alone;
+        self.trace_fluent(around.program, fluent);
+        if !is_alone {
+            self.propagate(around, vec![fluent]);
+        } else if value.is_true() || !self.fluents[fluent].watches.is_empty() {
+            self.serve(fluent, false);
+        }
     }
 
     /// Assigns several fluents as one: nobody sees a mixture of old and new.
@@ -184,7 +204,13 @@ impl Machine {
         }
         self.fluents[fluent].is_pulsed = true;
         self.trace_pulse(around.program, fluent);
-        self.propagate(around, vec![fluent]);
+        if self.fluents[fluent].dependents.is_empty() {
+            self.serve(fluent, true);
+            self.fluents[fluent].is_pulsed = false;
+            self.end_event(fluent);
+        } else {
+            self.propagate(around, vec![fluent]);
+        }
         Ok(())
     }
 
@@ -249,7 +275,8 @@ impl Machine {
         let reading = self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
         let is_true = reading.is_true() || failure.is_some();
-        for watch in self.fluents[fluent].watches.clone() {
+        for at in 0..self.fluents[fluent].watches.len() {
+            let watch = self.fluents[fluent].watches[at];
             let Some(entry) = self.watches.get_mut(watch) else { continue };
             if is_true && (!entry.was_true || is_pulse) {
                 entry.events = entry.events.saturating_add(1);
@@ -266,12 +293,41 @@ impl Machine {
         }
         if is_true {
             let wake = failure.map_or(Wake::Value(reading), Wake::Raise);
-            while self.fluents[fluent].waiters.first != NONE {
-                let task = self.fluents[fluent].waiters.first;
-                self.wake(task, wake);
-                if self.fluents.get(fluent).is_none() {
-                    return;
+            self.wake_waiters(fluent, wake);
+        }
+    }
+
+    /// Wakes all waiters of a fluent, in the order of their waiting.
+    fn wake_waiters(&mut self, fluent: u32, wake: Wake) {
+        let mut task = std::mem::take(&mut self.fluents[fluent].waiters).first;
+        let mut was_owned = false;
+        while task != NONE {
+            let record = &mut self.tasks[task];
+            let next = record.next;
+            record.wait_number += 1;
+            record.set_wake(wake);
+            if let Waiting::Fluent { owned, timed, .. } = std::mem::take(&mut record.waiting) {
+                was_owned |= owned;
+                if timed {
+                    self.forget_timer();
                 }
+            }
+            self.trace_woken(task);
+            self.make_ready(task);
+            task = next;
+        }
+        if was_owned {
+            self.free_network(fluent);
+        }
+    }
+
+    /// Events of a fluent's watches count from its value now.
+    fn end_event(&mut self, fluent: u32) {
+        let Some(entry) = self.fluents.get(fluent) else { return };
+        let is_true = entry.reading().is_true();
+        for &watch in &entry.watches {
+            if let Some(entry) = self.watches.get_mut(watch) {
+                entry.was_true = is_true;
             }
         }
     }
@@ -296,25 +352,14 @@ impl Machine {
             let before = self.fluents[network].value;
             self.evaluate(around, network);
             self.fluents[network].is_changed = false;
-            let is_true = self.fluents[network].reading().is_true();
-            for watch in self.fluents[network].watches.clone() {
-                if let Some(entry) = self.watches.get_mut(watch) {
-                    entry.was_true = is_true;
-                }
-            }
+            self.end_event(network);
             if !self.heap.equal(before, self.fluents[network].value) {
                 self.mark_dependents(network, &mut again);
             }
         }
         // The end of a pulse of a fluent that is watched itself is no event either.
         for fluent in touched {
-            let Some(entry) = self.fluents.get(fluent) else { continue };
-            let is_true = entry.reading().is_true();
-            for watch in entry.watches.clone() {
-                if let Some(entry) = self.watches.get_mut(watch) {
-                    entry.was_true = is_true;
-                }
-            }
+            self.end_event(fluent);
         }
     }
 

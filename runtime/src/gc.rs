@@ -4,7 +4,7 @@ use crate::fluent::Origin;
 use crate::heap::HeapMarks;
 use crate::machine::Machine;
 use crate::slab::Marks;
-use crate::task::{Decision, Leaving, NONE, Scope, ScopeKind, Then, Waiting, Wake};
+use crate::task::{Decision, Leaving, NONE, Scope, ScopeKind, Then, Waiting};
 use crate::value::Value;
 
 struct Marker {
@@ -72,25 +72,21 @@ impl Machine {
         if !marker.tasks.set(index) {
             return;
         }
-        marker.waiting.extend_from_slice(&task.registers);
-        marker.waiting.push(task.result);
-        match task.wake {
-            Wake::Value(value) | Wake::Raise(value) => marker.waiting.push(value),
-            Wake::Nothing => {}
-        }
+        marker.waiting.extend_from_slice(self.tasks.registers_of(index));
+        marker.waiting.push(task.value);
         if let Waiting::Fluent { fluent, .. } = task.waiting {
             marker.waiting.push(Value::Fluent(fluent));
         }
-        if let Some(leaving) = &task.leaving {
-            mark_leaving(marker, leaving);
-        }
         if let Some(rare) = &task.rare {
+            if let Some(leaving) = &rare.leaving {
+                mark_leaving(marker, leaving);
+            }
             let fluents = &rare.fluents;
             for fluent in [fluents.status, fluents.result, fluents.begin, fluents.end].into_iter().flatten() {
                 marker.waiting.push(Value::Fluent(fluent));
             }
         }
-        for scope in &task.scopes {
+        for scope in task.scopes.iter() {
             self.mark_scope(marker, scope);
         }
     }
@@ -127,10 +123,21 @@ impl Machine {
     fn mark(&self, marker: &mut Marker) {
         while let Some(value) = marker.waiting.pop() {
             match value {
-                Value::Cons(pair) if marker.heap.pairs.set(pair) => {
-                    let (car, cdr) = self.heap.pair(pair);
-                    marker.waiting.push(car);
-                    marker.waiting.push(cdr);
+                Value::Cons(first) => {
+                    let mut at = first;
+                    while marker.heap.pairs.set(at) {
+                        let (car, cdr) = &self.heap.pairs[at as usize];
+                        if is_object(car) {
+                            marker.waiting.push(*car);
+                        }
+                        match cdr {
+                            Value::Cons(next) => at = *next,
+                            other => {
+                                marker.waiting.push(*other);
+                                break;
+                            }
+                        }
+                    }
                 }
                 Value::Str(text) => drop(marker.heap.strings.set(text)),
                 Value::Cell(cell) => {
@@ -189,6 +196,11 @@ impl Machine {
             marker.waiting.extend_from_slice(captured);
         }
     }
+}
+
+/// Whether there may be something to mark.
+fn is_object(value: &Value) -> bool {
+    !matches!(value, Value::Nil | Value::True | Value::Int(_) | Value::Float(_) | Value::Symbol(_) | Value::Keyword(_))
 }
 
 fn mark_leaving(marker: &mut Marker, leaving: &Leaving) {

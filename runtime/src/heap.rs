@@ -129,37 +129,56 @@ impl Heap {
         self.pairs[index as usize]
     }
 
+    /// The length of a proper list.
+    ///
+    /// # Errors
+    /// The value found where a list was expected: the argument itself, or an improper tail.
+    pub fn length(&self, list: Value) -> Result<usize, Value> {
+        let (mut at, mut length) = (list, 0);
+        while let Value::Cons(index) = at {
+            at = self.pair(index).1;
+            length += 1;
+            // A list longer than there are pairs is a circle.
+            if length > self.pairs.len() {
+                return Err(list);
+            }
+        }
+        if at.is_true() { Err(at) } else { Ok(length) }
+    }
+
     /// The elements of a proper list.
     ///
     /// # Errors
     /// The value found where a list was expected: the argument itself, or an improper tail.
     pub fn elements(&self, list: Value) -> Result<Vec<Value>, Value> {
-        let mut items = Vec::new();
+        let mut items = Vec::with_capacity(self.length(list)?);
         let mut at = list;
-        loop {
-            match at {
-                Value::Nil => return Ok(items),
-                Value::Cons(index) => {
-                    let (car, cdr) = self.pair(index);
-                    items.push(car);
-                    at = cdr;
-                    // A list longer than there are pairs is a circle.
-                    if items.len() > self.pairs.len() {
-                        return Err(list);
-                    }
-                }
-                other => return Err(other),
-            }
+        while let Value::Cons(index) = at {
+            let (car, cdr) = self.pair(index);
+            items.push(car);
+            at = cdr;
         }
+        Ok(items)
     }
 
     /// Structural equality: same type and same content.
+    #[inline]
     pub fn equal(&self, left: Value, right: Value) -> bool {
+        self.compared(left, right).0
+    }
+
+    /// Structural equality, and how many pairs were looked at to know it.
+    #[inline]
+    pub fn compared(&self, left: Value, right: Value) -> (bool, usize) {
         match (left, right) {
-            (Value::Str(_), Value::Str(_)) | (Value::Float(_), Value::Float(_)) => {}
-            (Value::Cons(a), Value::Cons(b)) if a != b => {}
-            (left, right) => return left == right,
+            (Value::Str(_), Value::Str(_)) | (Value::Float(_), Value::Float(_)) | (Value::Cons(_), Value::Cons(_)) => {
+                self.compared_by_content(left, right)
+            }
+            (left, right) => (left == right, 0),
         }
+    }
+
+    fn compared_by_content(&self, left: Value, right: Value) -> (bool, usize) {
         let mut waiting = vec![(left, right)];
         let mut steps = 0usize;
         while let Some((left, right)) = waiting.pop() {
@@ -167,7 +186,7 @@ impl Heap {
                 (Value::Cons(a), Value::Cons(b)) if a != b => {
                     steps += 1;
                     if steps > self.pairs.len().saturating_mul(4).max(MAX_DEPTH) {
-                        return false;
+                        return (false, steps);
                     }
                     let (a, b) = (self.pair(a), self.pair(b));
                     waiting.push((a.1, b.1));
@@ -175,22 +194,22 @@ impl Heap {
                 }
                 (Value::Str(a), Value::Str(b)) => {
                     if self.strings[a] != self.strings[b] {
-                        return false;
+                        return (false, steps);
                     }
                 }
                 (Value::Float(a), Value::Float(b)) => {
                     if a != b && !(a.is_nan() && b.is_nan()) {
-                        return false;
+                        return (false, steps);
                     }
                 }
                 (left, right) => {
                     if left != right {
-                        return false;
+                        return (false, steps);
                     }
                 }
             }
         }
-        true
+        (true, steps)
     }
 
     /// The key a value is found by; none if it nests too deep or is too large. A list that shares
@@ -238,12 +257,19 @@ impl Heap {
     /// Frees what is not marked and sets the next threshold.
     pub fn sweep(&mut self, marks: &HeapMarks) {
         let mut live = 0;
-        for index in 0..self.pairs.len() {
-            if marks.pairs.is_set(index as u32) {
-                live += 1;
-            } else if self.pairs[index].0 != Value::Unbound {
-                self.pairs[index] = (Value::Unbound, Value::Nil);
-                self.free_pairs.push(index as u32);
+        for (group, pairs) in self.pairs.chunks_mut(64).enumerate() {
+            let first = group * 64;
+            if marks.pairs.are_all_set(first) {
+                live += pairs.len();
+                continue;
+            }
+            for (index, pair) in (first as u32..).zip(pairs) {
+                if marks.pairs.is_set(index) {
+                    live += 1;
+                } else if !matches!(pair.0, Value::Unbound) {
+                    *pair = (Value::Unbound, Value::Nil);
+                    self.free_pairs.push(index);
+                }
             }
         }
         let mut string_bytes = 0;

@@ -32,7 +32,7 @@ impl Machine {
 
     fn check_task(&self, index: u32, task: &Task, is_queued: bool) -> Check {
         ensure(is_queued == (task.state == State::Ready && !task.is_held()), || {
-            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state.name(), task.stop)
+            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state.name(), task.stop())
         })?;
         ensure(task.state != State::Running, || "runs between two steps".into())?;
         ensure((task.state == State::Blocked) == (task.waiting != Waiting::Nothing), || {
@@ -56,10 +56,10 @@ impl Machine {
             let is_linked = if before == NONE { parent.first_child } else { self.tasks[before].next_sibling } == index;
             ensure(is_linked, || "is no child of its parent".into())?;
             if !task.named_as_hook() && !parent.is_within_clean_up(task.parent_scope) {
-                stops += parent.stop;
+                stops += parent.stop();
             }
         }
-        ensure(stops == task.stop, || format!("counts {} suspensions, and there are {stops}", task.stop))
+        ensure(stops == task.stop(), || format!("counts {} suspensions, and there are {stops}", task.stop()))
     }
 
     fn check_children(&self, index: u32, task: &Task) -> Check {
@@ -113,12 +113,12 @@ impl Machine {
             }
             Waiting::Death(other) => {
                 let me = self.tasks.reference(index);
-                let other = self.tasks.find_alive(other).and_then(|other| self.tasks[other].rare.as_ref());
+                let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
                 ensure(other.is_some_and(|other| other.mourners.contains(&me)), || "waits for nobody's death".into())
             }
             Waiting::Rest(other) => {
                 let me = self.tasks.reference(index);
-                let other = self.tasks.find_alive(other).and_then(|other| self.tasks[other].rare.as_ref());
+                let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
                 ensure(other.is_some_and(|other| other.resters.contains(&me)), || "waits for nobody's rest".into())
             }
             Waiting::Children | Waiting::Spawned => {

@@ -1,11 +1,12 @@
 //! What every program starts from: natives, prelude and, with a robot, its names.
 
-use crate::behaviour::Outside;
+use crate::behaviour::{BehaviourSpec, Outside};
 use crate::failure::base_classes;
 use crate::macro_host::MacroMachine;
 use crate::native::Native;
+use rpl_lang::check::{self, BehaviourSignature, Subject};
 use rpl_lang::code::{Global, GlobalKind, Program};
-use rpl_lang::compile::{self, Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose};
+use rpl_lang::compile::{self, Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose, Resolved, Test};
 use rpl_lang::diagnostic::{Diagnostic, Severity};
 use rpl_lang::symbol::Symbols;
 use std::sync::Arc;
@@ -19,6 +20,8 @@ pub struct Loaded {
     pub symbols: Symbols,
     /// Code of the file's forms.
     pub main: u32,
+    /// The file's tests: to run one, its code takes the place of `main`.
+    pub tests: Vec<Test>,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
 }
@@ -44,10 +47,13 @@ impl Rejected {
 pub struct Library {
     /// The native functions, by number.
     pub natives: Arc<[Native]>,
-    signatures: Arc<[NativeSignature]>,
+    pub(crate) signatures: Arc<[NativeSignature]>,
     program: Program,
     symbols: Symbols,
     robot_names: &'static [&'static str],
+    /// What a check needs to know beyond the program.
+    behaviours: Arc<[BehaviourSignature]>,
+    resolved: Arc<Vec<Resolved>>,
 }
 
 impl Library {
@@ -71,10 +77,20 @@ impl Library {
             define(&mut program, &mut symbols, fluent.name, GlobalKind::Fluent, fluent.doc);
         }
         for &valve in outside.valves() {
-            define(&mut program, &mut symbols, valve, GlobalKind::Valve, "a valve of the robot");
+            define(
+                &mut program,
+                &mut symbols,
+                valve,
+                GlobalKind::Valve,
+                "A valve of the robot: whatever moves what it guards holds it.",
+            );
         }
         let signatures = natives.iter().map(Native::signature).collect();
-        let mut library = Self { natives: natives.into(), signatures, program, symbols, robot_names };
+        let behaviours = outside.behaviours().iter().map(BehaviourSpec::signature).collect();
+        let resolved = Arc::default();
+        let mut library =
+            Self { natives: natives.into(), signatures, program, symbols, robot_names, behaviours, resolved };
+        let mut resolved = Vec::new();
         for &(name, text) in preludes {
             let source = library.program.sources.add(name, text);
             let (mut program, mut symbols) =
@@ -82,11 +98,14 @@ impl Library {
             let compiled = library.compile(&mut program, &mut symbols, source, Purpose::Library, &mut NoFiles);
             library.program = program;
             library.symbols = symbols;
+            resolved.push(compiled.resolved);
             if has_error(&compiled.diagnostics) {
                 return Err(Rejected { diagnostics: compiled.diagnostics, program: Arc::new(library.program) });
             }
         }
         library.program.library_globals = library.program.globals.len() as u32;
+        library.resolved = Arc::new(resolved);
+        library.program.library_sources = library.program.sources.len() as u32;
         Ok(library)
     }
 
@@ -98,7 +117,7 @@ impl Library {
         purpose: Purpose,
         loader: &mut dyn Loader,
     ) -> Compiled {
-        let mut macros = MacroMachine::new(program, self.natives.clone());
+        let mut macros = MacroMachine::new(program, self.natives.clone(), self.signatures.clone());
         let surroundings = Compilation {
             program,
             symbols,
@@ -123,7 +142,28 @@ impl Library {
         if has_error(&compiled.diagnostics) {
             return Err(Rejected { diagnostics: compiled.diagnostics, program });
         }
-        Ok(Loaded { program, symbols, main: compiled.main, warnings: compiled.diagnostics })
+        Ok(Loaded { program, symbols, main: compiled.main, tests: compiled.tests, warnings: compiled.diagnostics })
+    }
+
+    /// All that is found in a file without running it, in order of place, and the texts it was found
+    /// in.
+    pub fn check(&self, name: &str, text: &str, loader: &mut dyn Loader) -> (Vec<Diagnostic>, Arc<Program>) {
+        let mut program = self.program.clone();
+        let mut symbols = self.symbols.clone();
+        let source = program.sources.add(name, text);
+        let compiled = self.compile(&mut program, &mut symbols, source, Purpose::User, loader);
+        let mut diagnostics = compiled.diagnostics;
+        let subject = Subject {
+            program: &program,
+            symbols: &symbols,
+            natives: &self.signatures,
+            behaviours: &self.behaviours,
+            library: &self.resolved,
+            text: &compiled.resolved,
+        };
+        diagnostics.extend(check::check(subject, &diagnostics));
+        diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+        (diagnostics, Arc::new(program))
     }
 
     /// Compiles a datum into a program that runs.
@@ -134,7 +174,7 @@ impl Library {
         tree: rpl_lang::syntax::Tree,
         root: rpl_lang::syntax::NodeId,
     ) -> Compiled {
-        let mut macros = MacroMachine::new(program, self.natives.clone());
+        let mut macros = MacroMachine::new(program, self.natives.clone(), self.signatures.clone());
         let surroundings = Compilation {
             program,
             symbols,

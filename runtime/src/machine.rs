@@ -6,14 +6,17 @@ use crate::fluent::{Fluent, Origin, Watch};
 use crate::heap::Heap;
 use crate::native::Native;
 use crate::print;
+use crate::registers::Registers;
 use crate::scheduler::{Priorities, Timers};
 use crate::slab::Slab;
+use crate::stall::Stall;
 use crate::task::{Call, Frame, NONE, Scope, ScopeKind, Task, Tasks};
 use crate::trace::Trace;
 use crate::unwind::Departure;
 use crate::value::{TaskRef, Value};
 use crate::valve::Valve;
 use rpl_lang::code::{Constant, GlobalKind, Program};
+use rpl_lang::compile::NativeSignature;
 use rpl_lang::symbol::{Symbol, Symbols};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -24,6 +27,8 @@ pub struct Surroundings<'a> {
     pub program: &'a Program,
     /// The native functions, by number.
     pub natives: &'a [Native],
+    /// How many arguments each of them takes.
+    pub signatures: &'a [NativeSignature],
     /// The robot, or [`crate::behaviour::NoRobot`].
     pub outside: &'a mut dyn Outside,
 }
@@ -129,6 +134,8 @@ pub struct Machine {
     pub(crate) current: u32,
     /// How many tasks wait for others to be at rest.
     pub(crate) waits_for_rest: u32,
+    /// Since when nothing has happened, with a robot.
+    pub stall: Stall,
     /// The main task.
     pub main: u32,
     /// Events.
@@ -166,6 +173,7 @@ impl Machine {
             next_identity: 0,
             current: NONE,
             waits_for_rest: 0,
+            stall: Stall::default(),
             main: NONE,
             trace: Trace::default(),
             output: Vec::new(),
@@ -174,7 +182,7 @@ impl Machine {
             scratch: Scratch::default(),
         };
         let name = machine.symbols.intern("network");
-        machine.tasks.insert(Task::new(0, Box::default(), name, 0));
+        machine.tasks.insert(Task::new(0, Registers::default(), name, 0));
         machine.bring_up_to(program, &[]);
         machine
     }
@@ -238,8 +246,7 @@ impl Machine {
     /// Starts the main task on code without parameters.
     pub fn start_main(&mut self, program: &Program, code: u32) {
         let name = self.symbols.intern("main");
-        let registers = vec![Value::Nil; usize::from(program.codes[code as usize].registers)].into_boxed_slice();
-        let mut task = Task::new(code, registers, name, 0);
+        let mut task = Task::new(code, Registers::default(), name, 0);
         let call =
             Call { name, occurrence: 1, span: None, counters: Vec::new(), spawned: 0, tags: Vec::new(), failure: None };
         task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });
@@ -317,7 +324,7 @@ impl Machine {
 
     /// Bytes in use, roughly: heap, tasks and the registers of the running one.
     pub(crate) fn used_bytes(&self) -> usize {
-        self.heap.used_bytes() + self.tasks.slots() * size_of::<Task>()
+        self.heap.used_bytes() + self.tasks.bytes()
     }
 
     /// Whether no task is ready.

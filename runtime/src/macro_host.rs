@@ -7,7 +7,7 @@ use crate::machine::{Machine, Surroundings};
 use crate::native::Native;
 use crate::value::Value;
 use rpl_lang::code::Program;
-use rpl_lang::compile::MacroHost;
+use rpl_lang::compile::{MacroHost, NativeSignature};
 use rpl_lang::diagnostic::Diagnostic;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, Tree};
@@ -20,14 +20,15 @@ const MAX_STEPS: u32 = 20_000_000;
 pub struct MacroMachine {
     machine: Machine,
     natives: Arc<[Native]>,
+    signatures: Arc<[NativeSignature]>,
 }
 
 impl MacroMachine {
     /// A machine for the macros of a program.
-    pub fn new(program: &Program, natives: Arc<[Native]>) -> Self {
+    pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
         let mut machine = Machine::new(program, Symbols::default());
         machine.limits.steps = MAX_STEPS;
-        Self { machine, natives }
+        Self { machine, natives, signatures }
     }
 
     fn run(
@@ -43,7 +44,8 @@ impl MacroMachine {
             .iter()
             .map(|&item| datum::to_value(&mut self.machine.heap, &self.machine.symbols, tree, item, origins))
             .collect();
-        let mut around = Surroundings { program, natives: &self.natives, outside: &mut NoRobot };
+        let mut around =
+            Surroundings { program, natives: &self.natives, signatures: &self.signatures, outside: &mut NoRobot };
         self.machine.evaluate_function(&mut around, code, &arguments)
     }
 

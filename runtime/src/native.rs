@@ -68,8 +68,18 @@ impl Call<'_, '_> {
     ///
     /// # Errors
     /// A `type-error` if it is no proper list.
-    pub fn list(&self, at: usize) -> Result<Vec<Value>, Raise> {
-        self.machine.heap.elements(self.argument(at)).map_err(|found| self.wrong_type(at, "a list", found))
+    pub fn list(&mut self, at: usize) -> Result<Vec<Value>, Raise> {
+        let elements = self.machine.heap.elements(self.argument(at));
+        let elements = elements.map_err(|found| self.wrong_type(at, "a list", found))?;
+        self.burn(elements.len());
+        Ok(elements)
+    }
+
+    /// Takes steps from the budget of the task: what walks long data costs as much as a loop over
+    /// it.
+    pub fn burn(&mut self, steps: usize) {
+        let burned = &mut self.machine.scratch.burned;
+        *burned = burned.saturating_add(u32::try_from(steps).unwrap_or(u32::MAX));
     }
 
     /// The argument at a position as a fluent.
@@ -124,10 +134,20 @@ pub struct Native {
 pub enum Effect {
     /// Nothing.
     None,
-    /// It waits, assigns or acts on tasks: a network may not call it.
+    /// It assigns or acts on tasks: a network may not call it.
     Acts,
+    /// It may block the task: a network may not call it either.
+    Waits,
     /// It goes on in code of the plan.
     Calls,
+}
+
+impl Effect {
+    /// Whether a network may not have it.
+    #[inline]
+    pub fn acts(self) -> bool {
+        matches!(self, Effect::Acts | Effect::Waits)
+    }
 }
 
 impl Native {
@@ -156,7 +176,8 @@ impl Native {
             name: self.name.to_string(),
             min,
             max,
-            effect: self.effect != Effect::None && self.effect != Effect::Calls,
+            effect: self.effect.acts(),
+            waits: self.effect == Effect::Waits,
             calls: self.effect == Effect::Calls,
         }
     }

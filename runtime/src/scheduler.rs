@@ -23,9 +23,11 @@ impl Default for Line {
 
 impl Line {
     /// Adds at the end.
+    #[inline]
     pub fn push_back(&mut self, tasks: &mut Tasks, task: u32) {
-        tasks[task].previous = self.last;
-        tasks[task].next = NONE;
+        let record = &mut tasks[task];
+        record.previous = self.last;
+        record.next = NONE;
         if self.last == NONE {
             self.first = task;
         } else {
@@ -44,6 +46,22 @@ impl Line {
             tasks[self.first].previous = task;
         }
         self.first = task;
+    }
+
+    /// Takes the first task out.
+    #[inline]
+    pub fn pop_front(&mut self, tasks: &mut Tasks) -> Option<u32> {
+        let task = self.first;
+        if task == NONE {
+            return None;
+        }
+        self.first = std::mem::replace(&mut tasks[task].next, NONE);
+        if self.first == NONE {
+            self.last = NONE;
+        } else {
+            tasks[self.first].previous = NONE;
+        }
+        Some(task)
     }
 
     /// The tasks in line, the first one first.
@@ -134,8 +152,9 @@ impl Priorities {
     }
 
     /// Whether the first is more important.
+    #[inline]
     pub fn is_higher(&self, left: u32, right: u32) -> bool {
-        self.ranks[left as usize] < self.ranks[right as usize]
+        left != right && self.ranks[left as usize] < self.ranks[right as usize]
     }
 
     /// The more important of two.
@@ -167,10 +186,7 @@ impl Priorities {
     /// The next task to run, taken out of its line.
     pub fn pop(&mut self, tasks: &mut Tasks) -> Option<u32> {
         while let Some(&number) = self.order.get(self.first_used as usize) {
-            let line = &mut self.lines[number as usize];
-            if line.first != NONE {
-                let task = line.first;
-                line.remove(tasks, task);
+            if let Some(task) = self.lines[number as usize].pop_front(tasks) {
                 return Some(task);
             }
             self.first_used += 1;
@@ -249,7 +265,8 @@ pub struct Timer {
 pub struct Timers {
     heap: BinaryHeap<Reverse<Timer>>,
     next_number: u64,
-    cancelled: usize,
+    /// How many have nothing to do any more, as far as is known.
+    cancelled: i64,
 }
 
 impl PartialEq for Timers {
@@ -275,7 +292,7 @@ impl Timers {
     /// `is_current`.
     pub fn note_cancelled(&mut self, is_current: impl Fn(&Timer) -> bool) {
         self.cancelled += 1;
-        if self.cancelled > 64 && self.cancelled * 2 > self.heap.len() {
+        if self.cancelled > 64 && self.cancelled * 2 > self.heap.len() as i64 {
             self.heap.retain(|timer| is_current(&timer.0));
             self.cancelled = 0;
         }
@@ -288,14 +305,15 @@ impl Timers {
                 return Some(timer);
             }
             self.heap.pop();
-            self.cancelled = self.cancelled.saturating_sub(1);
+            self.cancelled -= 1;
         }
         None
     }
 
-    /// Takes the timer that [`Timers::next`] gave.
+    /// Takes the timer that [`Timers::next`] gave. What it ends notes it as cancelled.
     pub fn take(&mut self) {
         self.heap.pop();
+        self.cancelled -= 1;
     }
 
     /// All timers.
@@ -319,5 +337,23 @@ mod tests {
         assert!(priorities.is_higher(inner_policy, body));
         assert!(priorities.is_higher(body, demoted));
         assert!(!priorities.is_higher(body, 0) && !priorities.is_higher(0, body));
+    }
+
+    #[test]
+    fn timers_that_fire_are_looked_at_once() {
+        use std::cell::Cell;
+        let (mut timers, looks) = (Timers::default(), Cell::new(0));
+        let is_current = |_: &Timer| {
+            looks.set(looks.get() + 1);
+            true
+        };
+        for number in 0..1_000 {
+            timers.set(number, TaskRef { index: 0, generation: 0 }, Alarm::Wake(0));
+        }
+        while timers.next(is_current).is_some() {
+            timers.take();
+            timers.note_cancelled(is_current);
+        }
+        assert_eq!(looks.get(), 1_000, "the heap is not cleaned while no timer was cancelled");
     }
 }

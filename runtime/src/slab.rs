@@ -112,6 +112,11 @@ impl Marks {
         fresh
     }
 
+    /// Whether all of the 64 bits from this one on are set; it is a multiple of 64.
+    pub fn are_all_set(&self, index: usize) -> bool {
+        self.0[index / 64] == u64::MAX
+    }
+
     /// Whether the bit is set.
     pub fn is_set(&self, index: u32) -> bool {
         self.0[index as usize / 64] & (1 << (index % 64)) != 0

@@ -2,12 +2,13 @@
 
 use crate::behaviour::{NoRobot, Outbox, Outside};
 use crate::datum::{self, Origins};
+use crate::exec::Ran;
 use crate::failure::Raise;
 use crate::library::{Library, Loaded, has_error};
 use crate::machine::{Machine, Surroundings};
 use crate::save::Base;
 use crate::scheduler::Alarm;
-use crate::task::{Leaving, NONE, State, Wake};
+use crate::task::{Leaving, State, Wake};
 use crate::tree::is_current;
 use crate::value::Value;
 use rpl_lang::code::Program;
@@ -95,8 +96,12 @@ impl<O: Outside> System<O> {
 
     /// Calls something of the machine that needs its surroundings.
     pub fn with_machine<T>(&mut self, act: impl FnOnce(&mut Machine, &mut Surroundings<'_>) -> T) -> T {
-        let natives = self.library.natives.clone();
-        let mut around = Surroundings { program: &self.program, natives: &natives, outside: &mut self.outside };
+        let mut around = Surroundings {
+            program: &self.program,
+            natives: &self.library.natives,
+            signatures: &self.library.signatures,
+            outside: &mut self.outside,
+        };
         act(&mut self.machine, &mut around)
     }
 
@@ -105,7 +110,10 @@ impl<O: Outside> System<O> {
         let mut outbox = Outbox::default();
         self.outside.step(&mut outbox);
         self.next_step_us = self.machine.now_us + period;
-        self.with_machine(|machine, around| machine.apply_outbox(around, outbox));
+        self.with_machine(|machine, around| {
+            machine.apply_outbox(around, outbox);
+            machine.look_for_stall(around);
+        });
     }
 
     /// A second run from here on. The two share code and nothing else: each goes on as if it were
@@ -120,17 +128,29 @@ impl<O: Outside> System<O> {
 
     /// Runs one ready task until it blocks; tells whether there was one.
     pub fn step_task(&mut self) -> bool {
-        let Some(task) = self.machine.priorities.pop(&mut self.machine.tasks) else { return false };
-        let datum = self.with_machine(|machine, around| machine.run_task(around, task));
-        if let Some(datum) = datum {
-            self.execute_datum(task, datum);
+        match self.with_machine(|machine, around| machine.run_next(around)) {
+            Ran::Nothing => return false,
+            Ran::Task => {}
+            Ran::Asked(task, datum) => self.execute_datum(task, datum),
         }
         true
     }
 
     /// Runs ready tasks until all are blocked.
     pub fn settle(&mut self) {
-        while self.step_task() {}
+        loop {
+            let asked = self.with_machine(|machine, around| {
+                loop {
+                    match machine.run_next(around) {
+                        Ran::Nothing => return None,
+                        Ran::Task => {}
+                        Ran::Asked(task, datum) => return Some((task, datum)),
+                    }
+                }
+            });
+            let Some((task, datum)) = asked else { return };
+            self.execute_datum(task, datum);
+        }
     }
 
     /// Goes on to the end of the next instant.
@@ -228,8 +248,8 @@ impl<O: Outside> System<O> {
     pub fn outcome(&self) -> Option<Outcome> {
         let main = &self.machine.tasks[self.machine.main];
         match main.state {
-            State::Succeeded => Some(Outcome::Succeeded(main.result)),
-            State::Failed => Some(Outcome::Failed(main.result)),
+            State::Succeeded => Some(Outcome::Succeeded(main.value)),
+            State::Failed => Some(Outcome::Failed(main.value)),
             State::Evaporated => Some(Outcome::Evaporated),
             _ => None,
         }
@@ -247,16 +267,7 @@ impl<O: Outside> System<O> {
     /// leaving already, the clean-up it waits for does.
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
-            let waits: Vec<String> = machine
-                .tasks
-                .iter()
-                .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
-                .filter(|(_, task)| !task.state.is_dead() && task.state != State::Created)
-                .map(|(index, task)| match task.is_held() {
-                    true => format!("{} is suspended", machine.path(index)),
-                    false => format!("{} waits for {}", machine.path(index), machine.describe_waiting(index)),
-                })
-                .collect();
+            let waits = machine.what_tasks_wait_for();
             let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
             let failing = machine.deadlocked_task();
             let failure = machine.failure_from(Raise::new("deadlock", message));
@@ -274,14 +285,15 @@ impl<O: Outside> System<O> {
     /// Compiles a datum for the task that asked for it, and lets the task go on in it.
     fn execute_datum(&mut self, task: u32, datum: Value) {
         let outcome = self.compile_datum(datum);
-        self.with_machine(|machine, around| match outcome {
-            Ok(code) => machine.enter(around, task, code),
+        let machine = &mut self.machine;
+        match outcome {
+            Ok(code) => machine.enter(task, code),
             Err(message) => {
                 let raise = Raise::new("error", message);
                 let failure = machine.failure_from(raise);
                 machine.fail_execution(task, failure);
             }
-        });
+        }
     }
 
     fn compile_datum(&mut self, datum: Value) -> Result<u32, String> {

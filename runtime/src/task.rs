@@ -10,9 +10,10 @@
 //! | blocked | ready, evaporated, failed |
 //! | succeeded, failed, evaporated | – |
 //!
-//! `suspended` is not a state of its own here but a count (`stop`) over any living state: a task
+//! `suspended` is not a state of its own here but a count ([`Rare::stop`]) over any living state: a task
 //! runs when its own suspensions and its ancestors' are zero.
 
+use crate::registers::{RegisterStore, Registers};
 use crate::slab::Slab;
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Reg, Rule};
@@ -97,6 +98,8 @@ pub enum Waiting {
         fluent: u32,
         /// Whether it dies with the wait.
         owned: bool,
+        /// Whether a timer ends the wait.
+        timed: bool,
     },
     /// A watched fluent to become true.
     Watch(u32),
@@ -109,9 +112,9 @@ pub enum Waiting {
     /// A valve.
     Valve(u32),
     /// The death of another task, which it has evaporated.
-    Death(TaskRef),
+    Death(u32),
     /// Another task, which it has suspended, to have no clean-up running any more.
-    Rest(TaskRef),
+    Rest(u32),
     /// The signal of a behaviour.
     Signal(u16),
 }
@@ -197,6 +200,17 @@ pub enum Decision {
     Fail(Value),
 }
 
+/// A child that a partial order holds back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Held {
+    /// Its place among the children.
+    pub position: u16,
+    /// How many constraints keep it from starting.
+    pub constraints: u32,
+    /// The child.
+    pub task: TaskRef,
+}
+
 /// The children of a construct in progress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Children {
@@ -218,10 +232,10 @@ pub struct Children {
     pub last_value: Value,
     /// Failures of children, in the order in which they failed.
     pub failures: Vec<Value>,
-    /// For a partial order: constraints between positions.
+    /// For a partial order: constraints between positions, sorted.
     pub order: Vec<(u16, u16)>,
-    /// For a partial order: positions that are dead.
-    pub dead: Vec<u16>,
+    /// For a partial order: the children that cannot start at once, by position.
+    pub held: Vec<Held>,
     /// For a timeout: seconds, and the number of its timer.
     pub seconds: f64,
     /// The timer of a timeout.
@@ -324,30 +338,98 @@ pub struct Rare {
     pub boost: Option<u32>,
     /// Valves for which its hooks run.
     pub hooks_for: Option<u32>,
+    /// Counts suspensions of its own and of its ancestors. What runs in a clean-up of an ancestor
+    /// does not count those of that ancestor and above.
+    pub stop: u32,
+    /// It was evaporated while a clean-up or a departure was under way.
+    pub evaporation_pending: bool,
+    /// A departure that waits for children or for the next run.
+    pub leaving: Option<Leaving>,
 }
 
-/// A task.
+/// A stack that takes one word while it is empty.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stack<T>(
+    #[expect(clippy::box_collection, reason = "a word in every task instead of three")] Option<Box<Vec<T>>>,
+);
+
+impl<T> Default for Stack<T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<T> Stack<T> {
+    /// Adds on top.
+    pub fn push(&mut self, item: T) {
+        self.0.get_or_insert_default().push(item);
+    }
+
+    /// Takes the top off.
+    pub fn pop(&mut self) -> Option<T> {
+        self.0.as_mut()?.pop()
+    }
+}
+
+impl<T: Clone> Stack<T> {
+    /// Holds these items and no others from now on.
+    pub fn set(&mut self, items: &[T]) {
+        match &mut self.0 {
+            Some(held) => {
+                held.clear();
+                held.extend_from_slice(items);
+            }
+            None if items.is_empty() => {}
+            None => self.0 = Some(Box::new(items.to_vec())),
+        }
+    }
+}
+
+impl<T> std::ops::Deref for Stack<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        self.0.as_ref().map_or(&[], |items| items)
+    }
+}
+
+impl<T> std::ops::DerefMut for Stack<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        self.0.as_mut().map_or(&mut [], |items| items)
+    }
+}
+
+/// A task. There may be millions: what few have is in [`Rare`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// Registers of all its frames, while it does not run.
-    pub registers: Box<[Value]>,
-    /// The frames below the current one, while it does not run.
-    pub frames: Box<[Frame]>,
+    pub registers: Registers,
     /// The current frame, while it does not run.
     pub frame: Frame,
+    /// The frames below the current one, while it does not run.
+    pub frames: Stack<Frame>,
+    /// Scopes, innermost last.
+    pub scopes: Stack<Scope>,
+    /// What it finds when it goes on, [`Value::Unbound`] if nothing; once dead, its value or failure.
+    pub value: Value,
+    /// Whether it finds a failure, raised where it waits.
+    pub raises: bool,
+    /// What few tasks have.
+    pub rare: Option<Box<Rare>>,
     /// The register that gets the value it waits for.
     pub wake_register: Reg,
     /// Where it is in its life.
     pub state: State,
-    /// It was evaporated while a clean-up or a departure was under way.
-    pub evaporation_pending: bool,
     /// A value names it, so its record outlives it.
     pub exposed: bool,
-    /// Counts suspensions of its own and of its ancestors. What runs in a clean-up of an ancestor
-    /// does not count those of that ancestor and above.
-    pub stop: u32,
-    /// Scopes, innermost last.
-    pub scopes: Vec<Scope>,
+    /// Whether the path gives its position.
+    pub named_by_construct: bool,
+    /// How often it, or what it started, ran away or was deadlocked in the instant of its budget.
+    pub strikes: u8,
+    /// How many numbers its priority has, trailing zeros included.
+    pub priority_depth: u16,
+    /// Its priority, by number in the table of priorities.
+    pub priority: u32,
     /// The task around it.
     pub parent: u32,
     /// Index of the scope of the parent it belongs to.
@@ -356,8 +438,6 @@ pub struct Task {
     pub position: u32,
     /// The name in its path: of a tag, a process, or its construct.
     pub name: Symbol,
-    /// Whether the path gives its position.
-    pub named_by_construct: bool,
     /// How often the name was used before, from 1.
     pub occurrence: u32,
     /// Children, all constructs together, in order of creation.
@@ -374,46 +454,39 @@ pub struct Task {
     pub previous: u32,
     /// What it waits for.
     pub waiting: Waiting,
-    /// What it finds when it goes on.
-    pub wake: Wake,
     /// Counts its waits, so that a late timer is recognised.
     pub wait_number: u32,
-    /// Its priority, by number in the table of priorities.
-    pub priority: u32,
-    /// How many numbers its priority has, trailing zeros included.
-    pub priority_depth: u16,
-    /// A departure that waits for children or for the next run.
-    pub leaving: Option<Box<Leaving>>,
-    /// Value or failure, once dead.
-    pub result: Value,
     /// Steps in the instant `budget_instant`.
     pub steps: u32,
     /// The instant in which `steps` were counted.
     pub budget_instant: u32,
-    /// How often it, or what it started, ran away or was deadlocked in that instant.
-    pub strikes: u8,
-    /// What few tasks have.
-    pub rare: Option<Box<Rare>>,
 }
+
+// A blocked task is to cost 160 bytes: this, its generation, and a register.
+const _: () = assert!(size_of::<Option<Task>>() <= 136);
 
 impl Task {
     /// A task that has not started.
-    pub fn new(code: u32, registers: Box<[Value]>, name: Symbol, priority: u32) -> Self {
+    pub fn new(code: u32, registers: Registers, name: Symbol, priority: u32) -> Self {
         Self {
             registers,
-            frames: Box::default(),
             frame: Frame { code, pc: 0, base: 0 },
+            frames: Stack::default(),
+            scopes: Stack::default(),
+            value: Value::Unbound,
+            raises: false,
+            rare: None,
             wake_register: 0,
             state: State::Created,
-            evaporation_pending: false,
             exposed: false,
-            stop: 0,
-            scopes: Vec::new(),
+            named_by_construct: false,
+            strikes: 0,
+            priority_depth: 0,
+            priority,
             parent: NONE,
             parent_scope: 0,
             position: 0,
             name,
-            named_by_construct: false,
             occurrence: 1,
             first_child: NONE,
             last_child: NONE,
@@ -422,17 +495,58 @@ impl Task {
             next: NONE,
             previous: NONE,
             waiting: Waiting::Nothing,
-            wake: Wake::Nothing,
             wait_number: 0,
-            priority,
-            priority_depth: 0,
-            leaving: None,
-            result: Value::Nil,
             steps: 0,
             budget_instant: 0,
-            strikes: 0,
-            rare: None,
         }
+    }
+
+    /// What it finds when it goes on.
+    pub fn set_wake(&mut self, wake: Wake) {
+        (self.value, self.raises) = match wake {
+            Wake::Nothing => (Value::Unbound, false),
+            Wake::Value(value) => (value, false),
+            Wake::Raise(failure) => (failure, true),
+        };
+    }
+
+    /// Takes what it finds now that it goes on.
+    pub fn take_wake(&mut self) -> Wake {
+        match (std::mem::replace(&mut self.value, Value::Unbound), std::mem::take(&mut self.raises)) {
+            (Value::Unbound, _) => Wake::Nothing,
+            (value, false) => Wake::Value(value),
+            (failure, true) => Wake::Raise(failure),
+        }
+    }
+
+    /// The departure under way.
+    pub fn leaving(&self) -> Option<&Leaving> {
+        self.rare.as_ref()?.leaving.as_ref()
+    }
+
+    /// Whether a departure is under way.
+    pub fn is_leaving(&self) -> bool {
+        self.leaving().is_some()
+    }
+
+    /// Begins a departure, or turns the one under way into another.
+    pub fn leave(&mut self, leaving: Leaving) {
+        self.rare().leaving = Some(leaving);
+    }
+
+    /// Ends the departure under way.
+    pub fn take_leaving(&mut self) -> Option<Leaving> {
+        self.rare.as_mut()?.leaving.take()
+    }
+
+    /// Whether it was evaporated while a clean-up or a departure was under way.
+    pub fn is_evaporation_pending(&self) -> bool {
+        self.rare.as_ref().is_some_and(|rare| rare.evaporation_pending)
+    }
+
+    /// Suspensions of its own and of its ancestors.
+    pub fn stop(&self) -> u32 {
+        self.rare.as_ref().map_or(0, |rare| rare.stop)
     }
 
     /// What few tasks have, made if need be.
@@ -447,7 +561,7 @@ impl Task {
 
     /// Whether a suspension keeps it from running.
     pub fn is_held(&self) -> bool {
-        self.stop > 0 && !self.is_protected()
+        self.stop() > 0 && !self.is_protected()
     }
 
     /// Whether a scope belongs to a clean-up.
@@ -462,7 +576,7 @@ impl Task {
 
     /// Whether nothing from outside may stop it now: a clean-up runs or is about to.
     pub fn is_protected(&self) -> bool {
-        self.leaving.is_some() || self.is_cleaning_up()
+        self.is_leaving() || self.is_cleaning_up()
     }
 }
 
@@ -471,6 +585,8 @@ impl Task {
 pub struct Tasks {
     slots: Slab<Task>,
     generations: Vec<u32>,
+    /// Registers of the tasks that do not run.
+    pub registers: RegisterStore,
 }
 
 impl Tasks {
@@ -485,7 +601,8 @@ impl Tasks {
 
     /// Frees a dead task's slot.
     pub fn free(&mut self, index: u32) {
-        if self.slots.remove(index).is_some() {
+        if let Some(task) = self.slots.remove(index) {
+            self.registers.free(task.registers);
             self.generations[index as usize] += 1;
         }
     }
@@ -506,6 +623,17 @@ impl Tasks {
         self.find(task).filter(|&index| !self.slots[index].state.is_dead())
     }
 
+    /// The values of a task's registers, while it does not run.
+    pub fn registers_of(&self, index: u32) -> &[Value] {
+        self.registers.get(self.slots[index].registers)
+    }
+
+    /// Keeps values as a task's registers while it does not run.
+    pub fn set_registers(&mut self, index: u32, values: &[Value]) {
+        let task = &mut self.slots[index];
+        task.registers = self.registers.set(task.registers, values);
+    }
+
     /// All tasks, by slot.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &Task)> {
         self.slots.iter()
@@ -514,6 +642,16 @@ impl Tasks {
     /// How many slots there are.
     pub fn slots(&self) -> usize {
         self.slots.slots()
+    }
+
+    /// Bytes of all records and registers.
+    pub fn bytes(&self) -> usize {
+        self.slots.slots() * size_of::<Option<Task>>() + self.registers.bytes()
+    }
+
+    /// The living task in a slot.
+    pub fn get_alive(&self, index: u32) -> Option<&Task> {
+        self.get(index).filter(|task| !task.state.is_dead())
     }
 
     /// The task in a slot, if it is used.

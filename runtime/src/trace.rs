@@ -136,7 +136,7 @@ impl Machine {
         if !self.trace.enabled {
             return;
         }
-        let (state, result) = (self.tasks[task].state, self.tasks[task].result);
+        let (state, result) = (self.tasks[task].state, self.tasks[task].value);
         let mut details = vec![("state", state.name().to_string())];
         match state {
             State::Succeeded => details.push(("value", self.write(program, result))),
@@ -178,14 +178,14 @@ impl Machine {
         if !self.trace.enabled {
             return;
         }
-        let on = self.describe_waiting(task);
+        let on = self.describe(self.tasks[task].waiting);
         let path = self.path(task);
         self.event(path, EventKind::Blocked, vec![("on", on)]);
     }
 
     /// What a task waits for, in words.
-    pub fn describe_waiting(&self, task: u32) -> String {
-        match self.tasks[task].waiting {
+    pub fn describe(&self, waiting: Waiting) -> String {
+        match waiting {
             Waiting::Nothing => "nothing".into(),
             Waiting::Fluent { fluent, .. } => match self.fluents[fluent].name {
                 Some(name) => format!("fluent {}", self.symbols.name(name)),
@@ -197,9 +197,9 @@ impl Machine {
             },
             Waiting::Time => "time".into(),
             Waiting::Children | Waiting::Spawned => "children".into(),
-            Waiting::Valve(valve) => format!("valve {}", self.symbols.name(self.valves[valve as usize].name)),
-            Waiting::Death(_) => "the end of a task".into(),
-            Waiting::Rest(_) => "the clean-ups of a suspended task".into(),
+            Waiting::Valve(valve) => format!("valve {}", self.valve_name(valve)),
+            Waiting::Death(other) => format!("the end of {}", self.path(other)),
+            Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
             Waiting::Signal(_) => "signal".into(),
         }
     }

@@ -18,7 +18,10 @@ impl Machine {
         self.tasks[task].previous_sibling = last;
         let inherited = self.stop_for_child(parent, parent_scope);
         let record = &mut self.tasks[task];
-        record.stop = record.own_stops() + if record.named_as_hook() { 0 } else { inherited };
+        let stop = record.own_stops() + if record.named_as_hook() { 0 } else { inherited };
+        if stop != record.stop() {
+            record.rare().stop = stop;
+        }
         if last == NONE {
             self.tasks[parent].first_child = task;
         } else {
@@ -30,7 +33,7 @@ impl Machine {
     /// A child shares its parent's suspensions, unless it belongs to a clean-up of the parent.
     fn stop_for_child(&self, parent: u32, scope: u32) -> u32 {
         let record = &self.tasks[parent];
-        if record.stop == 0 || record.is_within_clean_up(scope) { 0 } else { record.stop }
+        if record.stop() == 0 || record.is_within_clean_up(scope) { 0 } else { record.stop() }
     }
 
     pub(crate) fn disown(&mut self, task: u32) {
@@ -198,14 +201,20 @@ impl Machine {
         record.state == State::Ready && !record.is_held()
     }
 
+    #[inline]
     pub(crate) fn set_state(&mut self, task: u32, state: State) {
-        let from = self.tasks[task].state;
+        let record = &mut self.tasks[task];
+        let from = record.state;
         if from == state {
             return;
         }
-        assert!(from.may_become(state), "a task cannot become {} after {}", state.name(), from.name());
-        self.tasks[task].state = state;
-        self.note_status(task);
+        if !from.may_become(state) {
+            refuse_transition(from, state);
+        }
+        record.state = state;
+        if record.rare.is_some() {
+            self.note_status(task);
+        }
     }
 
     /// Makes a task ready; unless it is suspended it enters the run queue.
@@ -214,13 +223,21 @@ impl Machine {
         self.queue(task, false);
     }
 
+    #[inline]
     fn queue(&mut self, task: u32, front: bool) {
-        if !self.is_queued(task) {
+        let record = &self.tasks[task];
+        let priority = if record.rare.is_none() && record.state == State::Ready {
+            record.priority
+        } else if self.is_queued(task) {
+            self.effective_priority(task)
+        } else {
             return;
-        }
-        let priority = self.effective_priority(task);
+        };
         self.priorities.enqueue(&mut self.tasks, task, priority, front);
-        if self.current != NONE && self.priorities.is_higher(priority, self.effective_priority(self.current)) {
+        if self.current != NONE
+            && !self.scratch.switch
+            && self.priorities.is_higher(priority, self.effective_priority(self.current))
+        {
             self.scratch.switch = true;
         }
     }
@@ -245,7 +262,7 @@ impl Machine {
             return;
         }
         self.stop_waiting(task);
-        self.tasks[task].wake = wake;
+        self.tasks[task].set_wake(wake);
         self.trace_woken(task);
         self.make_ready(task);
     }
@@ -255,9 +272,11 @@ impl Machine {
         let waiting = std::mem::take(&mut self.tasks[task].waiting);
         self.tasks[task].wait_number += 1;
         match waiting {
-            Waiting::Fluent { fluent, owned } => {
+            Waiting::Fluent { fluent, owned, timed } => {
                 self.leave_fluent(task, fluent, owned);
-                self.forget_timer();
+                if timed {
+                    self.forget_timer();
+                }
             }
             Waiting::Watch(watch) => {
                 if let Some(entry) = self.watches.get_mut(watch) {
@@ -267,14 +286,14 @@ impl Machine {
             Waiting::Time => self.forget_timer(),
             Waiting::Valve(valve) => self.leave_valve_line(task, valve),
             Waiting::Death(other) => {
-                if let Some(other) = self.tasks.find(other) {
+                if self.tasks.get(other).is_some() {
                     let me = self.tasks.reference(task);
                     self.tasks[other].rare().mourners.retain(|&mourner| mourner != me);
                 }
             }
             Waiting::Rest(other) => {
                 self.waits_for_rest -= 1;
-                if let Some(other) = self.tasks.find(other) {
+                if self.tasks.get(other).is_some() {
                     let me = self.tasks.reference(task);
                     self.tasks[other].rare().resters.retain(|&rester| rester != me);
                 }
@@ -334,7 +353,7 @@ impl Machine {
         let mut waiting = vec![root];
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
-            self.tasks[task].stop += 1;
+            self.tasks[task].rare().stop += 1;
             if was_queued && !self.is_queued(task) {
                 let priority = self.effective_priority(task);
                 self.priorities.withdraw(&mut self.tasks, task, priority);
@@ -352,11 +371,11 @@ impl Machine {
         let mut resumed = Vec::new();
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
-            self.tasks[task].stop -= 1;
+            self.tasks[task].rare().stop -= 1;
             if !was_queued {
                 self.queue(task, false);
             }
-            if self.tasks[task].stop == 0 {
+            if self.tasks[task].stop() == 0 {
                 resumed.push(self.tasks.reference(task));
             }
             self.note_status(task);
@@ -392,7 +411,7 @@ impl Machine {
         }
         let me = self.tasks.reference(current);
         self.tasks[other].rare().resters.push(me);
-        self.tasks[current].waiting = Waiting::Rest(self.tasks.reference(other));
+        self.tasks[current].waiting = Waiting::Rest(other);
         self.waits_for_rest += 1;
         true
     }
@@ -423,7 +442,15 @@ impl Machine {
     }
 
     /// Brings the status fluents of the tasks whose state has changed up to date.
+    #[inline]
     pub(crate) fn flush_status(&mut self, around: &mut Surroundings<'_>) {
+        if !self.scratch.status_changed.is_empty() {
+            self.flush_changed_status(around);
+        }
+    }
+
+    #[cold]
+    fn flush_changed_status(&mut self, around: &mut Surroundings<'_>) {
         while !self.scratch.status_changed.is_empty() {
             for task in std::mem::take(&mut self.scratch.status_changed) {
                 if let Some(task) = self.tasks.find_alive(task) {
@@ -435,16 +462,9 @@ impl Machine {
 
     /// Moves the current task's registers and frames into its record.
     pub(crate) fn store(&mut self, task: u32, frame: Frame, registers: usize) {
+        self.tasks.set_registers(task, &self.scratch.stack[..frame.base as usize + registers]);
         let record = &mut self.tasks[task];
-        let end = frame.base as usize + registers;
-        if record.registers.len() == end {
-            record.registers.copy_from_slice(&self.scratch.stack[..end]);
-        } else {
-            record.registers = self.scratch.stack[..end].into();
-        }
-        if record.frames.len() != self.scratch.frames.len() || !record.frames.is_empty() {
-            record.frames = self.scratch.frames.as_slice().into();
-        }
+        record.frames.set(&self.scratch.frames);
         record.frame = frame;
     }
 
@@ -453,7 +473,7 @@ impl Machine {
         let Some(rare) = &self.tasks[task].rare else { return };
         let fluents = rare.fluents.clone();
         let record = &self.tasks[task];
-        let (state, result) = (record.state, record.result);
+        let (state, result) = (record.state, record.value);
         let suspended = record.is_held() && !state.is_dead() && state != State::Created;
         let begun = Value::truth(state != State::Created);
         let name = if suspended { "suspended" } else { state.name() };
@@ -471,6 +491,11 @@ impl Machine {
             self.assign_all(around, &values);
         }
     }
+}
+
+#[cold]
+fn refuse_transition(from: State, to: State) -> ! {
+    panic!("a task cannot become {} after {}", to.name(), from.name())
 }
 
 /// Whether a timer still has something to do.

@@ -5,7 +5,7 @@
 
 use crate::failure::Raise;
 use crate::machine::{Machine, Output, SCRATCH_TASK, Surroundings};
-use crate::task::{Leaving, Scope, ScopeKind, State, Then, Waiting, Wake};
+use crate::task::{Leaving, Scope, ScopeKind, Stack, State, Then, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{NO_REG, Program, Reg};
 
@@ -93,7 +93,7 @@ impl Machine {
             self.unqueue(task);
             self.die(around, task, State::Evaporated, Value::Nil);
         } else if record.is_protected() {
-            self.tasks[task].evaporation_pending = true;
+            self.tasks[task].rare().evaporation_pending = true;
         } else {
             self.depart(around, task, Leaving::Evaporate);
         }
@@ -102,7 +102,7 @@ impl Machine {
     /// Starts a departure of a task that is not running; the running one is told to leave.
     pub(crate) fn depart(&mut self, around: &mut Surroundings<'_>, task: u32, leaving: Leaving) {
         if task == self.current {
-            self.tasks[task].leaving = Some(Box::new(leaving));
+            self.tasks[task].leave(leaving);
             return;
         }
         match self.tasks[task].state {
@@ -121,8 +121,8 @@ impl Machine {
                 self.stop_waiting(task);
             }
         }
-        self.tasks[task].wake = Wake::Nothing;
-        self.tasks[task].leaving = Some(Box::new(leaving));
+        self.tasks[task].set_wake(Wake::Nothing);
+        self.tasks[task].leave(leaving);
         self.unwind(around, task);
     }
 
@@ -133,7 +133,7 @@ impl Machine {
     }
 
     fn go_on_leaving(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        if self.tasks[task].state != State::Blocked || self.tasks[task].leaving.is_none() {
+        if self.tasks[task].state != State::Blocked || !self.tasks[task].is_leaving() {
             return;
         }
         self.tasks[task].waiting = Waiting::Nothing;
@@ -148,7 +148,7 @@ impl Machine {
     pub(crate) fn unwind_step(&mut self, around: &mut Surroundings<'_>, task: u32, may_run: bool) -> Unwound {
         loop {
             self.take_up_evaporation(around, task);
-            let Some(leaving) = self.tasks[task].leaving.as_deref().cloned() else {
+            let Some(leaving) = self.tasks[task].leaving().cloned() else {
                 return Unwound::Dead;
             };
             let count = self.tasks[task].scopes.len();
@@ -193,18 +193,18 @@ impl Machine {
     /// already on its way out.
     fn take_up_evaporation(&mut self, around: &Surroundings<'_>, task: u32) {
         let record = &self.tasks[task];
-        if !record.evaporation_pending || record.is_cleaning_up() {
+        if !record.is_evaporation_pending() || record.is_cleaning_up() {
             return;
         }
-        let is_terminal = match record.leaving.as_deref() {
+        let is_terminal = match record.leaving() {
             Some(Leaving::Evaporate) => true,
             Some(Leaving::Fail(failure)) => !self.is_handled(around.program, task, *failure, record.scopes.len()),
             _ => false,
         };
         if !is_terminal {
-            self.tasks[task].leaving = Some(Box::new(Leaving::Evaporate));
+            self.tasks[task].leave(Leaving::Evaporate);
         }
-        self.tasks[task].evaporation_pending = false;
+        self.tasks[task].rare().evaporation_pending = false;
     }
 
     /// The failure a task is on its way out with, if nothing in it can change that.
@@ -217,7 +217,7 @@ impl Machine {
         let (within, leaving) = match clean_up {
             Some((index, Then::Leave(leaving))) => (index, leaving),
             Some((_, Then::Continue)) => return None,
-            None => (record.scopes.len(), record.leaving.as_deref()?),
+            None => (record.scopes.len(), record.leaving()?),
         };
         match leaving {
             Leaving::Fail(failure) if !self.is_handled(around.program, task, *failure, within) => Some(*failure),
@@ -293,7 +293,7 @@ impl Machine {
         let cleaning: Vec<u32> = self
             .tasks
             .iter()
-            .filter(|(_, task)| !task.state.is_dead() && task.leaving.is_none() && task.is_cleaning_up())
+            .filter(|(_, task)| !task.state.is_dead() && !task.is_leaving() && task.is_cleaning_up())
             .map(|(index, _)| index)
             .collect();
         let is_innermost = |&task: &u32| !cleaning.iter().any(|&other| other != task && self.is_within(other, task));
@@ -303,14 +303,15 @@ impl Machine {
     /// What waited for the end of a clean-up takes effect: tells whether the task leaves.
     pub(crate) fn take_up_pending(&mut self, around: &mut Surroundings<'_>, task: u32) -> bool {
         let record = &mut self.tasks[task];
-        if record.leaving.is_some() {
+        if record.is_leaving() {
             return true;
         }
         if record.is_cleaning_up() {
             return false;
         }
-        if std::mem::take(&mut record.evaporation_pending) {
-            record.leaving = Some(Box::new(Leaving::Evaporate));
+        if record.is_evaporation_pending() {
+            record.rare().evaporation_pending = false;
+            record.leave(Leaving::Evaporate);
             return true;
         }
         let failed = record.scopes.iter_mut().enumerate().rev().find_map(|(index, scope)| match &mut scope.kind {
@@ -318,7 +319,7 @@ impl Machine {
             _ => None,
         });
         if let Some((scope, failure)) = failed {
-            record.leaving = Some(Box::new(Leaving::FailCall { scope, failure }));
+            record.leave(Leaving::FailCall { scope, failure });
             return true;
         }
         if let Some(rare) = &mut self.tasks[task].rare {
@@ -331,7 +332,7 @@ impl Machine {
     }
 
     fn land(&mut self, task: u32, landing: Landing) -> Unwound {
-        self.tasks[task].leaving = None;
+        self.tasks[task].take_leaving();
         Unwound::Land(landing)
     }
 
@@ -379,7 +380,7 @@ impl Machine {
                 if let Leaving::FailCall { scope, failure } = leaving
                     && scope == index
                 {
-                    self.tasks[task].leaving = Some(Box::new(Leaving::Fail(failure)));
+                    self.tasks[task].leave(Leaving::Fail(failure));
                 }
             }
             ScopeKind::InCleanup(then) => {
@@ -462,7 +463,7 @@ impl Machine {
             // A departure under way cannot be turned aside by an exit from its clean-up.
             (Then::Leave(before), _) => before,
         };
-        self.tasks[task].leaving = Some(Box::new(next));
+        self.tasks[task].leave(next);
     }
 
     /// No scope is left: the task ends.
@@ -509,13 +510,15 @@ impl Machine {
         let was_protected = self.tasks[task].is_protected();
         let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
         let record = &mut self.tasks[task];
-        record.result = result;
-        record.registers = Box::default();
-        record.frames = Box::default();
-        record.leaving = None;
-        record.wake = Wake::Nothing;
+        record.value = result;
+        record.raises = false;
+        record.frames = Stack::default();
         record.waiting = Waiting::Nothing;
-        record.stop = 0;
+        if let Some(rare) = &mut record.rare {
+            rare.leaving = None;
+            rare.stop = 0;
+        }
+        self.tasks.set_registers(task, &[]);
         self.trace_task_end(around.program, task);
         self.end_activations_of(around, task);
         self.drop_holds_of(around, task);

@@ -58,11 +58,13 @@ pub enum Value {
 
 impl Value {
     /// Whether it counts as true: everything but `nil`.
+    #[inline]
     pub fn is_true(self) -> bool {
-        self != Value::Nil
+        !matches!(self, Value::Nil)
     }
 
     /// `t` or `nil`.
+    #[inline]
     pub fn truth(condition: bool) -> Value {
         if condition { Value::True } else { Value::Nil }
     }

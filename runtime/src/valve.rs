@@ -6,6 +6,7 @@
 
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
+use crate::registers::Registers;
 use crate::task::{NONE, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 use rpl_lang::symbol::Symbol;
@@ -92,7 +93,7 @@ impl Machine {
         }
         if let Some(holder) = self.valves[valve as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task))
         {
-            self.check_circle(task, holder, &format!("valve {}", self.valve_name(valve)))?;
+            self.check_circle(task, holder, Waiting::Valve(valve))?;
         }
         self.trace_valve(task, valve, "requested");
         self.tasks[task].waiting = Waiting::Valve(valve);
@@ -105,7 +106,7 @@ impl Machine {
         Ok(false)
     }
 
-    fn valve_name(&self, valve: u32) -> &str {
+    pub(crate) fn valve_name(&self, valve: u32) -> &str {
         self.symbols.name(self.valves[valve as usize].name)
     }
 
@@ -239,11 +240,9 @@ impl Machine {
             return;
         };
         let list = self.heap.list(&hooks);
-        let size = usize::from(around.program.codes[code as usize].registers);
-        let mut registers = vec![Value::Nil; size].into_boxed_slice();
-        registers[0] = list;
         let name = self.symbols.intern("hooks");
         let requester = self.tasks.find(requester).unwrap_or(root);
+        let registers = self.tasks.registers.set(Registers::default(), &[list]);
         let mut task = Task::new(code, registers, name, self.effective_priority(requester));
         task.priority_depth = self.tasks[requester].priority_depth;
         task.rare().hooks_for = Some(valve);
@@ -258,7 +257,7 @@ impl Machine {
     pub(crate) fn hooks_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let Some(valve) = self.tasks[task].rare.as_ref().and_then(|rare| rare.hooks_for) else { return };
         if self.tasks[task].state == State::Failed {
-            let failure = self.tasks[task].result;
+            let failure = self.tasks[task].value;
             self.warn_of_failure(around.program, failure, "in a hook");
         }
         self.complete_handover(around, valve);
@@ -492,7 +491,7 @@ impl Machine {
     }
 
     /// A wait of `task` for `first` that would close a circle of waiting is a `deadlock`.
-    pub(crate) fn check_circle(&self, task: u32, first: u32, what: &str) -> Result<(), Raise> {
+    pub(crate) fn check_circle(&self, task: u32, first: u32, what: Waiting) -> Result<(), Raise> {
         let mut came_from = std::collections::BTreeMap::from([(first, NONE)]);
         let mut waiting = vec![first];
         while let Some(at) = waiting.pop() {
@@ -509,14 +508,14 @@ impl Machine {
         Ok(())
     }
 
-    fn describe_circle(&self, task: u32, what: &str, came_from: &std::collections::BTreeMap<u32, u32>) -> String {
+    fn describe_circle(&self, task: u32, what: Waiting, came_from: &std::collections::BTreeMap<u32, u32>) -> String {
         let mut parts = Vec::new();
         let mut at = came_from[&task];
         while at != NONE {
-            parts.push(format!("{} waits for {}", self.path(at), self.describe_waiting(at)));
+            parts.push(format!("{} waits for {}", self.path(at), self.describe(self.tasks[at].waiting)));
             at = came_from[&at];
         }
-        parts.push(format!("{} waits for {what}", self.path(task)));
+        parts.push(format!("{} waits for {}", self.path(task), self.describe(what)));
         parts.reverse();
         format!("this would close a circle of waiting: {}", parts.join("; "))
     }
@@ -529,10 +528,12 @@ impl Machine {
                 let holder = self.valves[valve as usize].holds.last();
                 holder.and_then(|hold| self.tasks.find_alive(hold.task)).into_iter().collect()
             }
-            Waiting::Death(other) | Waiting::Rest(other) => self.tasks.find_alive(other).into_iter().collect(),
+            Waiting::Death(other) | Waiting::Rest(other) => {
+                self.tasks.get_alive(other).map(|_| other).into_iter().collect()
+            }
             Waiting::Spawned => self.children(task),
             Waiting::Children => match record.scopes.last().map(|scope| &scope.kind) {
-                Some(ScopeKind::Children(children)) if children.needs_all() || record.leaving.is_some() => {
+                Some(ScopeKind::Children(children)) if children.needs_all() || record.is_leaving() => {
                     self.children_of_scope(task, record.scopes.len() as u32 - 1)
                 }
                 _ => Vec::new(),

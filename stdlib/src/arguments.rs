@@ -42,12 +42,14 @@ pub(crate) fn integer(number: i64) -> Answer {
 /// Answers with a new string.
 pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> Answer {
     room_for(call, text.len())?;
+    call.burn(text.len() / CHARACTERS_A_STEP);
     value(call.machine.heap.string(text))
 }
 
 /// Answers with a new list.
 pub(crate) fn list(call: &mut Call<'_, '_>, items: &[Value]) -> Answer {
     room_for_pairs(call, items.len())?;
+    call.burn(items.len());
     value(call.machine.heap.list(items))
 }
 
@@ -123,10 +125,12 @@ pub(crate) fn proper_end(call: &Call<'_, '_>, at: usize, end: Value) -> Result<(
 ///
 /// # Errors
 /// A `type-error` if it is no proper list.
-pub(crate) fn elements(call: &Call<'_, '_>, at: usize) -> Result<Vec<Value>, Raise> {
+pub(crate) fn elements(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Value>, Raise> {
     let mut spine = Spine::new(&call.machine.heap, call.argument(at));
-    let items = spine.by_ref().map(|(_, item)| item).collect();
-    proper_end(call, at, spine.rest())?;
+    let items: Vec<Value> = spine.by_ref().map(|(_, item)| item).collect();
+    let end = spine.rest();
+    call.burn(items.len());
+    proper_end(call, at, end)?;
     Ok(items)
 }
 
@@ -137,7 +141,7 @@ pub(crate) enum Sequence {
 }
 
 /// The argument at a position as a list or string.
-pub(crate) fn sequence(call: &Call<'_, '_>, at: usize) -> Result<Sequence, Raise> {
+pub(crate) fn sequence(call: &mut Call<'_, '_>, at: usize) -> Result<Sequence, Raise> {
     match call.argument(at) {
         Value::Str(_) => call.text(at).map(Sequence::Text),
         Value::Nil | Value::Cons(_) => elements(call, at).map(Sequence::List),
@@ -165,6 +169,11 @@ pub(crate) fn room_for_pairs(call: &Call<'_, '_>, pairs: usize) -> Result<(), Ra
 }
 
 /// A value as `print` shows it.
-pub(crate) fn show(call: &Call<'_, '_>, value: Value) -> String {
-    call.machine.show(call.around.program, value)
+pub(crate) fn show(call: &mut Call<'_, '_>, value: Value) -> String {
+    let text = call.machine.show(call.around.program, value);
+    call.burn(text.len() / CHARACTERS_A_STEP);
+    text
 }
+
+/// So much text is made in the time of one turn of a loop.
+const CHARACTERS_A_STEP: usize = 8;

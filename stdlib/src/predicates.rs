@@ -13,7 +13,9 @@ fn same(call: &mut Call<'_, '_>) -> Answer {
 }
 
 fn equal(call: &mut Call<'_, '_>) -> Answer {
-    truth(call.machine.heap.equal(call.argument(0), call.argument(1)))
+    let (are_equal, pairs) = call.machine.heap.compared(call.argument(0), call.argument(1));
+    call.burn(pairs);
+    truth(are_equal)
 }
 
 /// Predicates.

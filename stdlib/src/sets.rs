@@ -65,14 +65,16 @@ fn union(call: &mut Call<'_, '_>) -> Answer {
 /// The elements of the first list that are, or are not, in the second.
 fn select(call: &mut Call<'_, '_>, common: bool) -> Answer {
     let mut items = elements(call, 0)?;
-    let others = Seen::of(&call.machine.heap, &elements(call, 1)?);
+    let others = elements(call, 1)?;
+    let others = Seen::of(&call.machine.heap, &others);
     items.retain(|&item| others.contains(&call.machine.heap, item) == common);
     list(call, &items)
 }
 
 fn is_subset(call: &mut Call<'_, '_>) -> Answer {
     let items = elements(call, 0)?;
-    let others = Seen::of(&call.machine.heap, &elements(call, 1)?);
+    let others = elements(call, 1)?;
+    let others = Seen::of(&call.machine.heap, &others);
     truth(items.iter().all(|&item| others.contains(&call.machine.heap, item)))
 }
 

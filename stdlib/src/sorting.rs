@@ -71,6 +71,7 @@ fn sorted(call: &mut Call<'_, '_>) -> Answer {
     let Some(keys) = Keys::of(call, &keys, strings) else { return value(Value::True) };
     let mut order: Vec<usize> = (0..items.len()).collect();
     order.sort_by(|&left, &right| if descending { keys.compare(right, left) } else { keys.compare(left, right) });
+    call.burn(items.len() * items.len().max(1).ilog2() as usize);
     let items: Vec<Value> = order.into_iter().map(|at| items[at]).collect();
     list(call, &items)
 }

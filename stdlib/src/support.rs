@@ -1,7 +1,8 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{Answer, elements, list, natural, pure, value};
+use crate::arguments::{Answer, elements, list, natural, pure, truth, value};
+use rpl_lang::code::GlobalKind;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
@@ -78,6 +79,20 @@ fn checked_function(call: &mut Call<'_, '_>) -> Answer {
     }
 }
 
+/// Whether a symbol is, where macros are expanded, the name of a function and of no macro.
+fn names_function(call: &mut Call<'_, '_>) -> Answer {
+    let Value::Symbol(name) = call.argument(0) else { return truth(false) };
+    let program = call.around.program;
+    let is_macro = program.macros.contains_key(&name);
+    let is_global = program
+        .names
+        .get(&name)
+        .is_some_and(|&global| matches!(program.globals[global as usize].kind, GlobalKind::Function(_)));
+    let text = call.machine.symbols.name(name);
+    let is_native = || call.around.natives.iter().any(|native| native.name == text);
+    truth(!is_macro && (is_global || is_native()))
+}
+
 /// What a macro raises when its form is not of the right shape.
 fn malformed(call: &mut Call<'_, '_>) -> Answer {
     Err(Raise::type_error(format!("this is not of the form {}", call.text(0)?)))
@@ -91,5 +106,6 @@ pub const NATIVES: &[Native] = &[
     pure("%transpose", "lists", "Rows of columns.", transpose),
     pure("%checked-list", "value name position", "The value if it is a list, else an error.", checked_list),
     pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
+    pure("%names-function", "name", "Whether a symbol is the name of a function.", names_function),
     pure("%malformed", "form", "The error of a macro whose form is malformed.", malformed),
 ];

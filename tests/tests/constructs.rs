@@ -7,11 +7,13 @@ fn check(text: &str, expected: &str) {
     assert_eq!(run(text), expected, "{text}");
 }
 
+/// r[construct.value]
 #[test]
 fn par_has_the_value_of_the_last_child_by_position() {
     check("(par (seq (wait-time 2) 'a) (seq (wait-time 1) 'b))", "=> b");
 }
 
+/// r[par.failure]
 #[test]
 fn par_fails_at_the_first_failure_and_evaporates_the_others() {
     check(
@@ -21,6 +23,7 @@ fn par_fails_at_the_first_failure_and_evaporates_the_others() {
     );
 }
 
+/// r[construct.decide]
 #[test]
 fn a_decision_falls_in_the_step_in_which_a_child_ends() {
     // All three are ready in the same instant; the losers run nothing but clean-ups.
@@ -35,6 +38,7 @@ fn a_decision_falls_in_the_step_in_which_a_child_ends() {
     );
 }
 
+/// r[construct.decide], r[construct.start]
 #[test]
 fn children_that_have_not_started_never_start() {
     check("(pursue (print 'a) (print 'b))", "a\n=> a");
@@ -42,6 +46,7 @@ fn children_that_have_not_started_never_start() {
     check("(try-all (seq (fail \"x\")) (print 'b) (print 'c))", "b\n=> b");
 }
 
+/// r[try-all.composite]
 #[test]
 fn try_all_fails_with_every_failure() {
     check(
@@ -51,6 +56,7 @@ fn try_all_fails_with_every_failure() {
     );
 }
 
+/// r[try-in-order.next]
 #[test]
 fn try_in_order_takes_the_first_success() {
     check("(try-in-order (fail \"a\") (seq (wait-time 1) 'b) (print 'c))", "=> b");
@@ -62,6 +68,7 @@ fn try_in_order_takes_the_first_success() {
     check("(try-each-in-order (x '(1 2 3)) (if (< x 2) (fail \"small\") x))", "=> 2");
 }
 
+/// r[construct.empty]
 #[test]
 fn empty_forms() {
     check("(list (seq) (par))", "=> (nil nil)");
@@ -71,6 +78,7 @@ fn empty_forms() {
     check("(par-map (x nil) x)", "=> nil");
 }
 
+/// r[construct.evaporated]
 #[test]
 fn evaporated_children_count_as_done() {
     check(
@@ -90,6 +98,7 @@ fn evaporated_children_count_as_done() {
     );
 }
 
+/// r[construct.clean]
 #[test]
 fn leaving_means_clean() {
     check(
@@ -101,6 +110,7 @@ fn leaving_means_clean() {
     );
 }
 
+/// r[construct.clean]
 #[test]
 fn clean_ups_start_in_order_of_position() {
     check(
@@ -112,6 +122,7 @@ fn clean_ups_start_in_order_of_position() {
     );
 }
 
+/// r[plan.order]
 #[test]
 fn a_plan_keeps_its_order_however_the_first_step_died() {
     check("(plan ((:tag b (print 'b)) (:tag a (seq (wait-time 1) (print 'a)))) (:order a b))", "a\nb\n=> a");
@@ -128,6 +139,7 @@ fn a_plan_keeps_its_order_however_the_first_step_died() {
     assert!(cycle.contains("circle"), "{cycle}");
 }
 
+/// r[timeout.instant], r[timeout.failure]
 #[test]
 fn a_timeout_fails_at_the_deadline_and_not_in_its_instant() {
     check("(with-timeout 1 (wait-time 1) 'done)", "=> done");
@@ -142,6 +154,7 @@ fn a_timeout_fails_at_the_deadline_and_not_in_its_instant() {
     );
 }
 
+/// r[construct.fixed]
 #[test]
 fn the_outcome_is_fixed_when_leaving_starts() {
     // The deadline falls into the clean-up of a failure: the failure stays.
@@ -152,6 +165,7 @@ fn the_outcome_is_fixed_when_leaving_starts() {
     );
 }
 
+/// r[spawn.life], r[spawn.failure]
 #[test]
 fn spawn_lives_as_long_as_the_plan_call() {
     check(
@@ -167,6 +181,7 @@ fn spawn_lives_as_long_as_the_plan_call() {
     check("(def-plan p () (spawn 7)) (def-plan q () (value (result (p)))) (print 1) (q)", "1\n=> nil");
 }
 
+/// r[spawn.failure], r[cleanup.protected]
 #[test]
 fn a_spawned_failure_waits_for_a_clean_up() {
     check(
@@ -179,6 +194,7 @@ fn a_spawned_failure_waits_for_a_clean_up() {
     );
 }
 
+/// r[map.children]
 #[test]
 fn maps_have_one_child_an_element() {
     check("(par-map (x '(3 1 2)) (wait-time x) (print x))", "1\n2\n3\n=> 2");
@@ -190,4 +206,105 @@ fn maps_have_one_child_an_element() {
 fn a_child_without_work_still_is_a_child() {
     check("(par nil 5)", "=> 5");
     check("(pursue nil 5)", "=> nil");
+}
+
+/// r[seq.order]
+#[test]
+fn seq_ends_at_the_first_failure() {
+    check("(seq (wait-time 1) (print (task-path (this-task))) 'last)", "main\n=> last");
+    check("(seq (print 1) (fail \"two\") (print 3))", "1\nfailed: plan-failure: two");
+}
+
+/// r[pursue.first]
+#[test]
+fn in_pursue_whoever_ends_first_decides() {
+    check("(pursue (seq (wait-time 2) 'slow) (seq (wait-time 1) 'quick))", "=> quick");
+    check(
+        "(with-failure-handling ((plan-failure (f) (list (failure-message f) (now))))
+           (pursue (evap-protect (wait-time 2) (print 'cut)) (seq (wait-time 1) (fail \"first\"))))",
+        "cut\n=> (\"first\" 1.0)",
+    );
+}
+
+/// r[try-all.first], r[try-all.tie]
+#[test]
+fn in_try_all_failures_before_a_success_are_forgotten() {
+    check("(list (try-all (seq (wait-time 2) 'a) (fail \"b\") (seq (wait-time 1) (fail \"c\"))) (now))", "=> (a 2.0)");
+    check("(try-all (seq (wait-time 1) 'first) (seq (wait-time 1) 'second))", "=> first");
+    // Its timer was set first, so it becomes ready first.
+    check("(try-all (seq (wait-time 0.5) (wait-time 0.5) 'first) (seq (wait-time 1) 'second))", "=> second");
+}
+
+/// r[construct.start], r[construct.value]
+#[test]
+fn children_start_in_the_order_of_their_position() {
+    check("(par (print 1) (par (print 2) (print 3)) (print 4))", "1\n4\n2\n3\n=> 4");
+    check("(plan ((:tag a (wait-time 1) 'a) (:tag b 'b) (seq (wait-time 0.5) 'c)) (:order b a))", "=> c");
+    check("(list (par-map (x nil) x) (par-map (x '(3 1)) (wait-time x) x))", "=> (nil 1)");
+}
+
+/// r[plan.order]
+#[test]
+fn an_order_that_cannot_be_kept_is_an_error_of_the_text() {
+    for (text, code) in [
+        ("(plan ((:tag a 1)) (:order a a))", "order-cycle"),
+        ("(plan ((:tag a 1) (:tag b 2) (:tag c 3)) (:order a b) (:order b c) (:order c a))", "order-cycle"),
+        ("(plan ((:tag a 1)) (:order a nobody))", "unknown-step"),
+        ("(plan ((:tag a 1) (:tag b 2)) (:order a b a))", "malformed"),
+    ] {
+        let found = run(text);
+        assert!(found.starts_with(&format!("error[{code}]")), "{text}\n{found}");
+    }
+    let data = run("(execute-plan '(plan ((:tag a 1) (:tag b 1)) (:order a b) (:order b a)))");
+    assert!(data.starts_with("failed: error") && data.contains("order-cycle"), "{data}");
+    check(
+        "(ignore-failures (failure) (partial-order ((:tag a (wait-time 1) (fail \"x\")) (:tag b (print 'never))) (:order a b)))",
+        "=> nil",
+    );
+}
+
+/// r[map.children], r[construct.empty]
+#[test]
+fn maps_over_nothing() {
+    check("(par-map (x nil) x)", "=> nil");
+    for form in ["(pursue-map (x nil) x)", "(try-all-map (x nil) x)"] {
+        check(&format!("(with-failure-handling ((composite-failure (f) (failure-parts f))) {form})"), "=> nil");
+    }
+}
+
+/// r[timeout.negative], r[timeout.instant]
+#[test]
+fn a_deadline_that_is_over() {
+    check("(list (with-timeout 0 'a) (with-timeout -1 (wait-time 0) 'b))", "=> (a b)");
+    check("(with-failure-handling ((timeout () (now))) (with-timeout -5 (wait-time 1)))", "=> 0.0");
+}
+
+/// r[spawn.task]
+#[test]
+fn spawn_goes_on_at_once() {
+    check(
+        "(let ((task (spawn (print 'child) (wait-time 1) 'done)))
+           (print (list (taskp task) (value (status task)) (now)))
+           (wait-for (end-task task))
+           (value (result task)))",
+        "(t ready 0.0)\nchild\n=> done",
+    );
+}
+
+/// r[construct.fixed]
+#[test]
+fn what_comes_late_is_attached() {
+    check(
+        "(with-failure-handling
+             ((plan-failure (f) (list (failure-message f) (map failure-message (failure-while-cleaning-up f)))))
+           (par (seq (wait-time 1) (fail \"first\"))
+                (evap-protect (wait-time 9) (seq (wait-time 1) (fail \"late\")))))",
+        "log: warning: a failure in a clean-up during evaporation: plan-failure: late\n=> (\"first\" nil)",
+    );
+    check(
+        "(def-plan p () (spawn (seq (wait-time 1.5) (fail \"spawned\"))) (evap-protect (seq (wait-time 1) (fail \"first\")) (wait-time 1)))
+         (with-failure-handling
+             ((plan-failure (f) (list (failure-message f) (map failure-message (failure-while-cleaning-up f)) (now)))) (p))",
+        "=> (\"first\" (\"spawned\") 2.0)",
+    );
 }

@@ -1,6 +1,7 @@
 //! The documents tell the truth: their code runs and prints what stands below it, their tables are
 //! the code's, their links lead somewhere, and each clause of the reference has a label of its own.
 
+use rpl_lang::check::RULES;
 use rpl_lang::compile::NoFiles;
 use rpl_robot::office::{self, BEHAVIOURS, FLUENTS, Oracle, PLANS, ROBOT_NAMES, VALVES};
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
@@ -171,9 +172,33 @@ fn plans_with_an_error_show_it() {
     each_block(&["lisp error"], |_, block, shown| differs(rpl_tests::run(&block.text).trim_end(), shown));
 }
 
+fn robot_library() -> Library {
+    library([base_natives(), office::natives()].concat(), &[("robot", PLANS)], &Tables(NoRobot))
+}
+
+#[test]
+fn warnings_are_those_of_the_check() {
+    let library = robot_library();
+    each_block(&["lisp check"], |_, block, shown| {
+        let (findings, program) = library.check("plan.rpl", &block.text, &mut NoFiles);
+        differs(rpl_lang::diagnostic::render(&findings, &program.sources, false).trim_end(), shown)
+    });
+}
+
+#[test]
+fn every_rule_of_the_check_has_its_example() {
+    let chapter = read("docs/warnings.md").text;
+    for rule in RULES {
+        let section = chapter.split(&format!("\n## {rule}\n")).nth(1).unwrap_or_else(|| panic!("{rule} is missing"));
+        let section = section.split("\n## ").next().unwrap_or_default();
+        assert!(section.contains(&format!("\nwarning[{rule}]: ")), "{rule} has no example");
+    }
+    assert_eq!(chapter.matches("\n## ").count(), RULES.len(), "a section of docs/warnings.md is no rule");
+}
+
 #[test]
 fn plans_for_the_robot_compile() {
-    let library = library([base_natives(), office::natives()].concat(), &[("robot", PLANS)], &Tables(NoRobot));
+    let library = robot_library();
     each_block(&["lisp robot"], |place, block, _| faults_of(&library, place, &block.text));
 }
 
@@ -200,7 +225,8 @@ fn faults_of_worlds_are_shown() {
 
 #[test]
 fn every_block_is_of_a_kind_that_is_checked() {
-    let known = ["lisp", "lisp error", "lisp robot", "lisp scenario", "toml", "toml error", "text", "sh", "rust"];
+    let known =
+        ["lisp", "lisp error", "lisp check", "lisp robot", "lisp scenario", "toml", "toml error", "text", "sh", "rust"];
     for document in documents() {
         for block in blocks(&document) {
             assert!(known.contains(&block.info.as_str()), "{}:{}: `{}`", document.name, block.line, block.info);

@@ -7,6 +7,7 @@ fn check(text: &str, expected: &str) {
     assert_eq!(run(text), expected, "{text}");
 }
 
+/// r[eval.whole], r[eval.order], r[eval.unbound]
 #[test]
 fn names_are_resolved_before_anything_runs() {
     let unbound = run("(print 'runs) (nowhere)");
@@ -17,6 +18,7 @@ fn names_are_resolved_before_anything_runs() {
     check("(defun f () x) (ignore-failures (unbound-variable) (print (f))) (defvar x 1) (f)", "=> 1");
 }
 
+/// r[eval.scope]
 #[test]
 fn one_namespace_and_lexical_scope() {
     check("(defun twice (f x) (f (f x))) (twice 1+ 3)", "=> 5");
@@ -24,6 +26,7 @@ fn one_namespace_and_lexical_scope() {
     check("(let ((list (lambda (x) (* x 10)))) (list 4))", "=> 40");
 }
 
+/// r[eval.tail]
 #[test]
 fn tail_calls_do_not_grow() {
     check("(defun down (n) (if (= n 0) 'done (down (- n 1)))) (down 3000000)", "=> done");
@@ -33,6 +36,7 @@ fn tail_calls_do_not_grow() {
     );
 }
 
+/// r[value.numbers], r[value.division], r[value.overflow]
 #[test]
 fn numbers() {
     check("(list (/ 6 3) (/ 7 2) (+ 1 2.0) (= 1 1.0) (equal 1 1.0))", "=> (2 3.5 3.0 t nil)");
@@ -40,6 +44,7 @@ fn numbers() {
     check("(with-failure-handling ((type-error () 'type)) (+ 1 'a))", "=> type");
 }
 
+/// r[loop.words], r[loop.value]
 #[test]
 fn loops_and_their_values() {
     check("(let ((i 0)) (loop (incf i) until (= i 5)) i)", "=> 5");
@@ -48,6 +53,7 @@ fn loops_and_their_values() {
     check("(let ((n 0)) (n-times 5 (incf n) until (= n 3)) n)", "=> 3");
 }
 
+/// r[def.macro], r[def.parameters]
 #[test]
 fn macros_and_optional_parameters() {
     check(
@@ -60,6 +66,7 @@ fn macros_and_optional_parameters() {
     );
 }
 
+/// r[eval.redefine]
 #[test]
 fn a_library_name_may_be_redefined() {
     check("(defun length (x) 'mine) (list (length '(1 2)) (sort < '(3 1 2)))", "=> (mine (1 2 3))");

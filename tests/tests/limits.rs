@@ -21,6 +21,7 @@ fn fails(text: &str, class: &str) {
     assert!(last.starts_with(&format!("failed: {class}")), "{text}\n{result}");
 }
 
+/// r[limit.steps]
 #[test]
 fn a_runaway_fails_and_can_be_handled_once() {
     fails("(loop)", "runaway");
@@ -28,6 +29,7 @@ fn a_runaway_fails_and_can_be_handled_once() {
     assert_eq!(run_limited(handled, 1_000, 1 << 30), "=> caught");
 }
 
+/// r[limit.twice]
 #[test]
 fn a_second_runaway_in_one_instant_passes_handlers() {
     fails("(loop (ignore-failures (failure) (loop)))", "runaway");
@@ -39,6 +41,7 @@ fn a_second_runaway_in_one_instant_passes_handlers() {
     assert_eq!(run_limited(later, 1_000, 1 << 30), "=> 5.0");
 }
 
+/// r[time.microseconds], r[limit.steps]
 #[test]
 fn no_time_passes_for_free() {
     fails("(loop (ignore-failures (timeout) (with-timeout 0 (wait-time 5))))", "runaway");
@@ -50,6 +53,7 @@ fn no_time_passes_for_free() {
     );
 }
 
+/// r[cleanup.limits]
 #[test]
 fn a_clean_up_has_limits_too() {
     fails("(unwind-protect (loop) (loop))", "runaway");
@@ -58,6 +62,7 @@ fn a_clean_up_has_limits_too() {
     fails("(def-fluent f nil) (par (unwind-protect (wait-for f) (par (wait-for f) (wait-for f))))", "deadlock");
 }
 
+/// r[limit.frames], r[limit.memory]
 #[test]
 fn runaway_recursion_and_allocation() {
     fails("(defun f (n) (+ 1 (f n))) (f 1)", "");
@@ -70,6 +75,7 @@ fn runaway_recursion_and_allocation() {
     assert!(tasks.starts_with("failed: out-of-memory"), "{}", &tasks[..200]);
 }
 
+/// r[limit.network]
 #[test]
 fn a_network_that_runs_away_is_a_failure() {
     fails("(def-fluent f 1) (defun g (x) (loop)) (wait-for (g f))", "runaway");
@@ -79,6 +85,7 @@ fn a_network_that_runs_away_is_a_failure() {
     );
 }
 
+/// r[deadlock.all]
 #[test]
 fn main_deadlocked_names_what_everybody_waits_for() {
     let result = run(
@@ -134,4 +141,55 @@ fn two_thousand_requests_of_one_valve() {
         ),
         "=> 1.0"
     );
+}
+
+#[test]
+fn walking_long_data_costs_steps() {
+    for walk in ["(append l nil)", "(sort < l)", "(equal l (copy-list l))", "(write-to-string l)"] {
+        let text =
+            format!("(defvar l nil) (dotimes (i 1000) (push i l)) (wait-time 1) (dotimes (i 100) {walk}) 'cheap");
+        let (scarce, ample) = (run_limited(&text, 20_000, 1 << 28), run_limited(&text, 10_000_000, 1 << 28));
+        assert!(scarce.contains("failed: runaway"), "{walk}: {scarce}");
+        assert_eq!(ample, "=> cheap", "{walk}");
+    }
+}
+
+#[test]
+fn a_partial_order_starts_each_step_when_all_before_it_are_done() {
+    let text = "(plan ((:tag a (print 'a)) (:tag b (print 'b)) (:tag c (wait-time 1) (print 'c)) (:tag d (print 'd)))
+                  (:order a d) (:order c d) (:order d b))";
+    let result = run_limited(text, 100_000, 1 << 24);
+    let printed: Vec<&str> = result.lines().take(4).collect();
+    assert_eq!(printed, ["a", "c", "d", "b"], "{result}");
+}
+
+/// r[limit.arguments]
+#[test]
+fn what_is_written_out_has_limits() {
+    let parameters = |count: usize| (0..count).map(|n| format!("p{n}")).collect::<Vec<_>>().join(" ");
+    let arguments = |count: usize| vec!["1"; count].join(" ");
+    let sum = |count: usize| format!("(defun f ({}) p0) (f {})", parameters(count), arguments(count));
+    assert_eq!(run(&sum(200)), "=> 1");
+    assert!(run(&sum(201)).starts_with("error["), "{}", run(&sum(201)));
+    assert_eq!(run(&format!("(par {})", arguments(10_000))), "=> 1");
+    let found = run(&format!("(par {})", arguments(10_001)));
+    assert!(found.starts_with("error["), "{}", &found[..found.len().min(300)]);
+}
+
+/// r[limit.steps], r[fail.carries]
+#[test]
+fn a_runaway_is_told_with_its_place_and_what_to_do() {
+    let result = run_limited("(defun spin () (loop)) (spin)", 1_000, 1 << 30);
+    assert!(result.starts_with("failed: runaway: 1000 steps in one instant"), "{result}");
+    assert!(result.contains("(wait-time 0.1)"), "{result}");
+}
+
+/// r[limit.frames], r[limit.memory]
+#[test]
+fn a_limit_can_be_handled() {
+    let deep = "(defun f (n) (+ 1 (f n))) (with-failure-handling ((stack-overflow () 'deep)) (f 1))";
+    assert_eq!(run(deep), "=> deep");
+    let wide =
+        "(defvar l nil) (with-failure-handling ((out-of-memory () (setq l nil) 'wide)) (loop (push (list 1 2 3) l)))";
+    assert_eq!(run_limited(wide, 100_000_000, 1 << 24), "=> wide");
 }

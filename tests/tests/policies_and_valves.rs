@@ -7,6 +7,7 @@ fn check(text: &str, expected: &str) {
     assert_eq!(run(text), expected, "{text}");
 }
 
+/// r[policy.is], r[policy.before]
 #[test]
 fn a_policy_starts_first_and_outranks_the_body() {
     check("(with-policy (seq (print 'policy) (wait-time 9)) (print 'body))", "policy\nbody\n=> body");
@@ -18,6 +19,7 @@ fn a_policy_starts_first_and_outranks_the_body() {
     );
 }
 
+/// r[policy.end]
 #[test]
 fn a_policy_that_succeeds_leaves_the_body_alone_and_one_that_fails_ends_it() {
     check("(with-policy (seq 1) (wait-time 1) (print 'body))", "body\n=> body");
@@ -31,6 +33,7 @@ fn a_policy_that_succeeds_leaves_the_body_alone_and_one_that_fails_ends_it() {
     );
 }
 
+/// r[priority.list], r[policy.is]
 #[test]
 fn outer_policies_outrank_inner_ones() {
     check(
@@ -41,6 +44,7 @@ fn outer_policies_outrank_inner_ones() {
     );
 }
 
+/// r[priority.run], r[priority.switch]
 #[test]
 fn priorities_order_what_is_ready() {
     check(
@@ -51,6 +55,7 @@ fn priorities_order_what_is_ready() {
     );
 }
 
+/// r[valve.line]
 #[test]
 fn equals_take_turns_in_the_order_of_asking() {
     check(
@@ -61,6 +66,7 @@ fn equals_take_turns_in_the_order_of_asking() {
     );
 }
 
+/// r[valve.borrow]
 #[test]
 fn descendants_borrow_one_at_a_time() {
     check(
@@ -71,6 +77,7 @@ fn descendants_borrow_one_at_a_time() {
     );
 }
 
+/// r[valve.preempt]
 #[test]
 fn a_higher_request_pre_empts_from_outside() {
     check(
@@ -82,6 +89,7 @@ fn a_higher_request_pre_empts_from_outside() {
     );
 }
 
+/// r[valve.preempt]
 #[test]
 fn a_higher_request_pre_empts_the_branch_from_inside() {
     check(
@@ -95,6 +103,7 @@ fn a_higher_request_pre_empts_the_branch_from_inside() {
     );
 }
 
+/// r[valve.hooks]
 #[test]
 fn hooks_run_innermost_first_and_may_block() {
     check(
@@ -109,6 +118,7 @@ fn hooks_run_innermost_first_and_may_block() {
     );
 }
 
+/// r[valve.return]
 #[test]
 fn pre_emption_nests_and_the_pre_empted_come_first_among_equals() {
     check(
@@ -122,6 +132,7 @@ fn pre_emption_nests_and_the_pre_empted_come_first_among_equals() {
     );
 }
 
+/// r[valve.dead], r[valve.is]
 #[test]
 fn a_valve_is_given_back_at_death_after_the_clean_ups() {
     check(
@@ -134,6 +145,7 @@ fn a_valve_is_given_back_at_death_after_the_clean_ups() {
     check("(def-valve v) (block b (with-valve v (return-from b 1))) (with-valve v 'again)", "=> again");
 }
 
+/// r[valve.calls]
 #[test]
 fn releasing_what_one_does_not_hold_is_an_error() {
     check("(def-valve v) (with-failure-handling ((valve-error () 'error)) (release-valve v))", "=> error");
@@ -143,6 +155,7 @@ fn releasing_what_one_does_not_hold_is_an_error() {
     );
 }
 
+/// r[valve.evaporated]
 #[test]
 fn an_evaporated_pre_empted_owner_cleans_up_at_once() {
     check(
@@ -155,6 +168,7 @@ fn an_evaporated_pre_empted_owner_cleans_up_at_once() {
     );
 }
 
+/// r[valve.clean-up]
 #[test]
 fn pre_emption_waits_for_a_clean_up() {
     check(
@@ -165,6 +179,7 @@ fn pre_emption_waits_for_a_clean_up() {
     );
 }
 
+/// r[valve.timers], r[timeout.suspended]
 #[test]
 fn a_deadline_passes_while_pre_empted() {
     check(
@@ -182,6 +197,7 @@ fn a_deadline_passes_while_pre_empted() {
     );
 }
 
+/// r[valve.circle]
 #[test]
 fn a_circle_of_waiting_is_a_deadlock() {
     let result = run("(def-valve v) (def-valve w)
@@ -205,4 +221,158 @@ fn a_resume_does_not_undo_a_pre_emption() {
               (seq (wait-time 2) (resume a)))",
         "5.0\n=> nil",
     );
+}
+
+/// r[priority.whole], r[priority.list]
+#[test]
+fn a_priority_is_a_list_of_whole_numbers() {
+    check(
+        "(def-fluent go nil)
+         (par (with-priority 1.2 (wait-for go) (print 'first))
+              (with-priority 1.9 (wait-for go) (print 'second))
+              (with-priority 1 (with-priority 1 (wait-for go) (print 'deeper)))
+              (with-priority 1 (with-priority -1 (wait-for go) (print 'below)))
+              (seq (wait-time 1) (setf (value go) t)))",
+        "deeper\nfirst\nsecond\nbelow\n=> t",
+    );
+    // What is missing counts 0: the plain child began to wait first.
+    check(
+        "(def-fluent go nil)
+         (par (with-priority 0 (wait-for go) (print 'zero)) (seq (wait-for go) (print 'plain))
+              (seq (wait-time 1) (setf (value go) t)))",
+        "plain\nzero\n=> t",
+    );
+}
+
+/// r[priority.switch]
+#[test]
+fn a_task_that_is_switched_out_stays_at_the_front() {
+    check(
+        "(def-fluent go nil)
+         (par (seq (wait-time 1) (print 'a) (setf (value go) t) (print 'a-goes-on))
+              (seq (wait-time 1) (print 'b))
+              (with-priority 1 (wait-for go) (print 'urgent)))",
+        "a\nurgent\na-goes-on\nb\n=> urgent",
+    );
+    // No time slices: whatever it does, an equal waits until it blocks.
+    check("(par (seq (dotimes (i 100000) (+ i 1)) (print 'long)) (print 'short))", "long\nshort\n=> short");
+}
+
+/// r[policy.before]
+#[test]
+fn the_body_rests_while_its_policy_has_something_to_run() {
+    check(
+        "(def-fluent f nil)
+         (with-policy (whenever f (print 'one) (dotimes (i 1000) (+ i 1)) (print 'two) (wait-time 2) (print 'three))
+           (setf (value f) t) (print 'body) (wait-time 1) (print (list 'goes-on (now))) (wait-time 3))",
+        "one\ntwo\nbody\n(goes-on 1.0)\nthree\n=> nil",
+    );
+}
+
+/// r[policy.end]
+#[test]
+fn a_policy_that_fails_ends_the_body_which_cleans_up_first() {
+    check(
+        "(with-failure-handling ((plan-failure (f) (list (failure-message f) (now))))
+           (with-policy (seq (wait-time 1) (fail \"policy\")) (unwind-protect (wait-time 9) (wait-time 2))))",
+        "=> (\"policy\" 3.0)",
+    );
+    check("(with-policies () 'body)", "=> body");
+}
+
+/// r[valve.line]
+#[test]
+fn the_more_important_stands_before_others_in_the_line() {
+    check(
+        "(def-valve v)
+         (par (with-priority 5 (with-valve v (wait-time 2)))
+              (seq (wait-time 1) (with-valve v (print 'first-to-ask)))
+              (with-priority 1 (wait-time 1.5) (with-valve v (print 'more-important)))
+              (seq (wait-time 1) (with-valve v (print 'third))))",
+        "more-important\nfirst-to-ask\nthird\n=> third",
+    );
+}
+
+/// r[valve.calls]
+#[test]
+fn a_valve_taken_twice_is_given_back_twice() {
+    check(
+        "(def-valve v)
+         (request-valve v) (request-valve v)
+         (list (holds-valve? v) (progn (release-valve v) (holds-valve? v)) (progn (release-valve v) (holds-valve? v)))",
+        "=> (t t nil)",
+    );
+    let found = run("(def-valve v) (par (with-valve v (wait-time 1)) (release-valve v))");
+    assert!(found.starts_with("failed: valve-error"), "{found}");
+}
+
+/// r[valve.hook-failure], r[valve.hooks]
+#[test]
+fn a_hook_that_fails_stops_nothing() {
+    check(
+        "(def-valve v)
+         (par (with-valve v (on-interrupt (print 'outer) (on-interrupt (fail \"hook\") (wait-time 2) (print 'goes-on))))
+              (with-priority 1 (wait-time 1) (with-valve v (print 'lent))))",
+        "outer\nlog: warning: a failure in a hook: plan-failure: hook\nlent\ngoes-on\n=> lent",
+    );
+}
+
+/// r[valve.hooks], r[valve.clean-up]
+#[test]
+fn hooks_run_at_the_priority_of_the_one_who_waits() {
+    check(
+        "(def-valve v)
+         (par (with-valve v (on-interrupt (seq (wait-time 1) (print 'hook)) (wait-time 5)))
+              (with-priority 1 (wait-time 2) (print 'between))
+              (with-priority 2 (wait-time 1) (with-valve v (print 'lent))))",
+        "hook\nlent\nbetween\n=> lent",
+    );
+}
+
+/// r[valve.clean-up]
+#[test]
+fn a_clean_up_in_the_way_runs_at_the_priority_of_the_one_who_waits() {
+    check(
+        "(def-valve v) (def-fluent go nil)
+         (par (with-valve v (unwind-protect (seq) (seq (wait-for go) (print 'clean))))
+              (with-priority 1 (wait-for go) (print 'middle))
+              (with-priority 2 (with-valve v (print 'high)))
+              (with-priority 3 (wait-time 1) (setf (value go) t)))",
+        "clean\nhigh\nmiddle\n=> t",
+    );
+}
+
+/// r[valve.preempt], r[valve.return]
+#[test]
+fn whoever_gets_the_valve_back_goes_on_where_it_was() {
+    check(
+        "(def-valve v)
+         (par (with-valve v (dotimes (i 3) (wait-time 1) (print (list 'low i (now)))))
+              (with-priority 1 (wait-time 1.5) (with-valve v (wait-time 10))))",
+        "(low 0 1.0)\n(low 1 11.5)\n(low 2 12.5)\n=> nil",
+    );
+    // A requester that dies in the line asks no more.
+    check(
+        "(def-valve v)
+         (par (with-valve v (wait-time 3) (print 'kept))
+              (ignore-failures (timeout) (with-timeout 1 (with-valve v (print 'never)))))",
+        "kept\n=> nil",
+    );
+}
+
+/// r[valve.circle]
+#[test]
+fn the_circle_is_told_with_tasks_and_valves() {
+    let result = run("(def-valve left) (def-valve right)
+         (par (:tag one (with-valve left (wait-time 1) (with-valve right 1)))
+              (:tag two (with-valve right (wait-time 1) (with-valve left 1))))");
+    for part in ["failed: deadlock", "main/one waits for valve right", "main/two waits for valve left"] {
+        assert!(result.contains(part), "{result}");
+    }
+    let joined = run("(def-valve v) (with-valve v (par (with-priority -1 (wait-time 1)) (with-valve v 1)) 'through)");
+    assert_eq!(joined, "=> through");
+    let evaporating = run("(def-valve v)
+         (par (:tag a (unwind-protect (wait-time 9) (with-valve v 1)))
+              (with-valve v (wait-time 1) (evaporate a)))");
+    assert!(evaporating.contains("waits for the end of main/a"), "{evaporating}");
 }

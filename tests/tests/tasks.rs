@@ -7,6 +7,7 @@ fn check(text: &str, expected: &str) {
     assert_eq!(run(text), expected, "{text}");
 }
 
+/// r[tag.scope]
 #[test]
 fn a_tag_is_bound_before_it_is_reached() {
     check(
@@ -18,11 +19,13 @@ fn a_tag_is_bound_before_it_is_reached() {
     );
 }
 
+/// r[tag.newest]
 #[test]
 fn a_tag_run_twice_means_the_newest_run() {
     check("(def-plan p () (dotimes (i 3) (:tag a (* i 10))) (value (result a))) (p)", "=> 20");
 }
 
+/// r[tag.scope]
 #[test]
 fn a_tag_never_reached_is_evaporated_when_the_plan_ends() {
     check("(def-plan p (go) (if go (:tag a 1)) a) (value (status (p nil)))", "=> evaporated");
@@ -34,11 +37,13 @@ fn a_tag_never_reached_is_evaporated_when_the_plan_ends() {
     );
 }
 
+/// r[tag.child]
 #[test]
 fn a_tag_in_child_position_is_the_child() {
     check("(par (:tag a (print (task-path a))))", "main/a\n=> \"main/a\"");
 }
 
+/// r[act.fluents], r[task.states]
 #[test]
 fn status_follows_the_task() {
     check(
@@ -56,6 +61,7 @@ fn status_follows_the_task() {
     check("(:tag a (print (value (status a))))", "running\n=> running");
 }
 
+/// r[act.fluents]
 #[test]
 fn begin_and_end() {
     check(
@@ -72,6 +78,7 @@ fn begin_and_end() {
     );
 }
 
+/// r[act.subtree], r[act.dead]
 #[test]
 fn evaporate_returns_when_the_subtree_is_clean() {
     check(
@@ -83,6 +90,7 @@ fn evaporate_returns_when_the_subtree_is_clean() {
     check("(def-plan p () (:tag a 1) (evaporate a) (value (status a))) (p)", "=> succeeded");
 }
 
+/// r[act.self]
 #[test]
 fn evaporating_oneself_or_an_ancestor_is_at_once() {
     check("(seq (:tag a (print 1) (evaporate a) (print 2)) 'after)", "1\n=> after");
@@ -90,6 +98,7 @@ fn evaporating_oneself_or_an_ancestor_is_at_once() {
     check("(evaporate (this-task)) (print 1)", "evaporated");
 }
 
+/// r[cleanup.protected]
 #[test]
 fn evaporation_during_a_clean_up_waits_for_it() {
     check(
@@ -103,6 +112,7 @@ fn evaporation_during_a_clean_up_waits_for_it() {
     );
 }
 
+/// r[suspend.count]
 #[test]
 fn suspensions_count() {
     check(
@@ -112,6 +122,7 @@ fn suspensions_count() {
     );
 }
 
+/// r[suspend.count]
 #[test]
 fn suspensions_of_ancestors_count_too() {
     check(
@@ -122,6 +133,7 @@ fn suspensions_of_ancestors_count_too() {
     );
 }
 
+/// r[act.subtree], r[cleanup.protected]
 #[test]
 fn a_child_of_a_suspended_task_is_suspended_and_a_clean_up_is_not() {
     check(
@@ -131,6 +143,7 @@ fn a_child_of_a_suspended_task_is_suspended_and_a_clean_up_is_not() {
     );
 }
 
+/// r[suspend.created]
 #[test]
 fn a_created_task_starts_suspended() {
     check(
@@ -144,6 +157,7 @@ fn a_created_task_starts_suspended() {
     );
 }
 
+/// r[act.self]
 #[test]
 fn suspending_oneself_is_at_once() {
     check(
@@ -152,6 +166,7 @@ fn suspending_oneself_is_at_once() {
     );
 }
 
+/// r[act.subtree]
 #[test]
 fn suspend_returns_at_rest() {
     check(
@@ -161,6 +176,7 @@ fn suspend_returns_at_rest() {
     );
 }
 
+/// r[suspend.keeps], r[wait-for.kept]
 #[test]
 fn a_suspended_task_keeps_its_first_wake_up() {
     check(
@@ -177,6 +193,7 @@ fn a_suspended_task_keeps_its_first_wake_up() {
     );
 }
 
+/// r[timeout.suspended]
 #[test]
 fn a_deadline_counts_while_suspended_and_takes_effect_at_the_resume() {
     check(
@@ -187,6 +204,7 @@ fn a_deadline_counts_while_suspended_and_takes_effect_at_the_resume() {
     );
 }
 
+/// r[suspend.form]
 #[test]
 fn with_task_suspended() {
     check(
@@ -202,6 +220,7 @@ fn with_task_suspended() {
     );
 }
 
+/// r[task.path]
 #[test]
 fn paths_are_stable() {
     let mut system = system(
@@ -234,8 +253,115 @@ fn paths_are_stable() {
     );
 }
 
+/// r[task.tree]
 #[test]
 fn a_task_is_found_by_its_path() {
     check("(par (:tag a (wait-time 5)) (evaporate (task \"main/a\"))) (now)", "=> 0.0");
     check("(task \"main/nobody\")", "=> nil");
+}
+
+/// r[task.is]
+#[test]
+fn what_makes_a_task_and_what_does_not() {
+    check(
+        "(def-fluent f t)
+         (defun here () (task-path (this-task)))
+         (def-plan called () (here))
+         (list (seq (here)) (loop (return (here))) (dolist (x '(1)) (return (here)))
+               (with-failure-handling ((failure () 1)) (here))
+               (with-failure-handling ((failure () (here))) (fail \"x\"))
+               (unwind-protect (here)) (try-in-order (here)) (whenever f (return (here)))
+               (execute-plan '(here)))",
+        &format!("=> ({})", ["\"main\""; 9].join(" ")),
+    );
+    check(
+        "(list (task-path (this-task)) (with-timeout 1 (task-path (this-task))) (with-priority 1 (task-path (this-task))))",
+        "=> (\"main\" \"main/with-timeout\" \"main/with-priority\")",
+    );
+    check(
+        "(def-plan p () (with-policy (print (task-path (this-task))) (print (task-path (this-task))))
+                        (process named (task-path named)))
+         (p)",
+        "main/p/with-policy[0]\nmain/p/with-policy[1]\n=> \"main/p/named\"",
+    );
+}
+
+/// r[task.states], r[act.fluents]
+#[test]
+fn a_task_goes_through_its_states() {
+    let mut seen = Vec::new();
+    for (what, at) in [("(wait-time 1)", 0.5), ("(suspend (this-task))", 0.5), ("1", 0.5), ("(fail \"x\")", 0.5)] {
+        seen.push(run(&format!(
+            "(def-plan p ()
+               (par (ignore-failures (failure) (:tag a {what}))
+                    (seq (wait-time {at}) (prog1 (value (status a)) (evaporate a)))))
+             (p)"
+        )));
+    }
+    assert_eq!(seen, ["=> blocked", "=> suspended", "=> succeeded", "=> failed"]);
+    check("(def-plan p () (par (seq (wait-time 1) (:tag a 1)) (value (status a)))) (p)", "=> created");
+}
+
+/// r[act.dead], r[suspend.form]
+#[test]
+fn a_dead_task_never_changes() {
+    check(
+        "(def-plan p ()
+           (:tag a 'v)
+           (suspend a) (resume a) (evaporate a)
+           (list (with-task-suspended (a) 'ran) (value (status a)) (value (result a)) (now)))
+         (p)",
+        "=> (ran succeeded v 0.0)",
+    );
+}
+
+/// r[act.self]
+#[test]
+fn a_task_ends_itself_within_its_clean_ups() {
+    check(
+        "(list (seq (:tag a (unwind-protect (seq (evaporate a) (print 'not-reached)) (print 'clean))) 'after) (now))",
+        "clean\n=> (after 0.0)",
+    );
+}
+
+/// r[suspend.created]
+#[test]
+fn a_step_that_has_not_begun_is_suspended() {
+    check(
+        "(plan ((:tag a (wait-time 1))
+                (:tag b (print (list 'b (now))))
+                (seq (suspend b) (wait-time 3) (print (value (status b))) (resume b)))
+           (:order a b))",
+        "suspended\n(b 3.0)\n=> nil",
+    );
+}
+
+/// r[suspend.keeps], r[valve.line]
+#[test]
+fn a_suspended_task_keeps_its_place_in_the_line_of_a_valve() {
+    check(
+        "(def-valve v)
+         (par (with-valve v (wait-time 4))
+              (:tag a (wait-time 0.5) (with-valve v (print (list 'a (now)))))
+              (seq (wait-time 1) (with-valve v (print (list 'b (now)))))
+              (seq (wait-time 2) (suspend a) (wait-time 1) (resume a)))",
+        "(a 4.0)\n(b 4.0)\n=> nil",
+    );
+    // While it rests, the others do not wait for it.
+    check(
+        "(def-valve v)
+         (par (with-valve v (wait-time 2))
+              (:tag a (wait-time 0.5) (with-valve v (print (list 'a (now)))))
+              (seq (wait-time 1) (with-valve v (print (list 'b (now)))))
+              (seq (wait-time 1) (suspend a) (wait-time 4) (resume a)))",
+        "(b 2.0)\n(a 5.0)\n=> nil",
+    );
+}
+
+/// r[tag.scope], r[tag.child]
+#[test]
+fn a_tag_is_not_known_outside_its_plan() {
+    let found = run("(def-plan p () (:tag x 1)) (def-plan q () (evaporate x)) (q)");
+    assert!(found.starts_with("error[unbound-name]"), "{found}");
+    check("(seq (:tag a (print (task-path a))) (process b (print (task-path b))))", "main/a\nmain/b\n=> \"main/b\"");
 }

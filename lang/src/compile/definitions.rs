@@ -1,8 +1,8 @@
 //! Top-level forms: definitions, loaded files, and forms that run.
 
-use super::ir::{Function, Ir, IrKind};
+use super::ir::{Defined, Function, Ir, IrKind};
 use super::special::Special;
-use super::{Compiler, Purpose, emit, thunk};
+use super::{Compiler, Purpose, TopLevel, emit, thunk};
 use crate::code::{CodeKind, FailureClass, GlobalKind};
 use crate::source::Span;
 use crate::symbol::Symbol;
@@ -20,7 +20,8 @@ impl Compiler<'_> {
             let special = self.tree.head(form).and_then(|head| self.specials.get(&head).copied());
             let Some(name) = self.tree.items(form).get(1).and_then(|&name| self.tree.symbol(name)) else { continue };
             let defines_value = special.is_some_and(|special| {
-                special.is_definition() && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load)
+                special.is_definition()
+                    && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load | Special::Deftest)
             });
             let shadows = self.program.names.get(&name).is_some_and(|&global| self.is_library(global))
                 || self.native_numbers.contains_key(&name);
@@ -38,11 +39,11 @@ impl Compiler<'_> {
         is_defined && self.robot_names.contains(&self.symbols.name(name))
     }
 
-    pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<Function>) {
+    pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
         let span = self.tree.span(node);
         let items = self.tree.items(node).to_vec();
         let Some(head) = self.tree.head(node) else {
-            return bodies.push(self.top_level_form(node));
+            return bodies.push(TopLevel::Form(self.top_level_form(node)));
         };
         if let Some(&code) = self.program.macros.get(&head) {
             if let Some(expansion) = self.expand(code, node) {
@@ -56,18 +57,18 @@ impl Compiler<'_> {
                 // Definitions may stand in a top-level `progn`, so that a macro can make several.
                 let holds_definition = items[1..].iter().any(|&item| self.is_definition_form(item));
                 if !holds_definition {
-                    return bodies.push(self.top_level_form(node));
+                    return bodies.push(TopLevel::Form(self.top_level_form(node)));
                 }
                 for &item in &items[1..] {
                     self.top_level(item, bodies);
                 }
             }
             Some(special) if special.is_definition() => self.definition(special, &items, span, bodies),
-            _ => bodies.push(self.top_level_form(node)),
+            _ => bodies.push(TopLevel::Form(self.top_level_form(node))),
         }
     }
 
-    fn top_level_expansion(&mut self, expansion: NodeId, bodies: &mut Vec<Function>) {
+    fn top_level_expansion(&mut self, expansion: NodeId, bodies: &mut Vec<TopLevel>) {
         stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.top_level(expansion, bodies));
     }
 
@@ -86,17 +87,19 @@ impl Compiler<'_> {
         thunk(name, CodeKind::Function, body, scope, span)
     }
 
-    fn definition(&mut self, special: Special, items: &[NodeId], span: Span, bodies: &mut Vec<Function>) {
+    fn definition(&mut self, special: Special, items: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
         let rest = &items[1..];
         match special {
             Special::Defun | Special::DefPlan => self.define_function(special, rest, span),
+            Special::DefGoal => self.define_goal(rest, span),
             Special::Defmacro => self.define_macro(rest, span),
             Special::Defvar | Special::Defconstant | Special::DefFluent => {
-                bodies.extend(self.define_value(special, rest, span));
+                bodies.extend(self.define_value(special, rest, span).map(TopLevel::Definition));
             }
             Special::DefValve => self.define_valve(rest, span),
             Special::DefFailure => self.define_failure(rest, span),
             Special::Load => self.load(rest, span, bodies),
+            Special::Deftest => bodies.extend(self.define_test(rest, span)),
             _ => unreachable!("only definitions come here"),
         }
     }
@@ -137,7 +140,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn define_function(&mut self, special: Special, rest: &[NodeId], span: Span) {
+    pub(super) fn define_function(&mut self, special: Special, rest: &[NodeId], span: Span) {
         let (form, kind) = match special {
             Special::Defun => ("`(defun NAME (PARAMETER...) FORM...)`", CodeKind::Function),
             _ => ("`(def-plan NAME (PARAMETER...) FORM...)`", CodeKind::Plan),
@@ -150,19 +153,12 @@ impl Compiler<'_> {
         let (doc, skip) = self.documentation(&rest[2..]);
         // The name is known inside the body, so that a function can call itself.
         let global = self.define_global(name, GlobalKind::Function(u32::MAX), doc.clone(), Some(span));
-        let text = self.symbols.name(name).to_string();
-        if self.program.macros.remove(&name).is_some() && self.purpose == Purpose::User {
-            self.diagnostics.push(crate::diagnostic::Diagnostic::warning(
-                "redefines-library",
-                span,
-                format!("`{text}` was a macro and is now a function"),
-                "defined again here",
-            ));
-        }
+        self.program.macros.remove(&name);
         let mut function = self.function(name, kind, parameters, &rest[2 + skip..], span);
         function.doc = doc;
-        let code = emit::emit(self, function, &[]);
+        let code = emit::emit(self, &function, &[]);
         self.program.globals[global as usize].kind = GlobalKind::Function(code);
+        self.note_definition(name, span, Defined::Function(global, function));
     }
 
     fn define_macro(&mut self, rest: &[NodeId], span: Span) {
@@ -176,10 +172,11 @@ impl Compiler<'_> {
         let errors = self.diagnostics.len();
         let mut function = self.function(name, CodeKind::Function, parameters, &rest[2 + skip..], span);
         function.doc = doc;
-        let code = emit::emit(self, function, &[]);
+        let code = emit::emit(self, &function, &[]);
         if self.diagnostics.len() == errors {
             self.program.macros.insert(name, code);
         }
+        self.note_definition(name, span, Defined::Macro(function));
     }
 
     fn define_value(&mut self, special: Special, rest: &[NodeId], span: Span) -> Option<Function> {
@@ -203,6 +200,7 @@ impl Compiler<'_> {
             _ => GlobalKind::Fluent,
         };
         let global = self.define_global(name, kind, doc, Some(span));
+        self.note_definition(name, span, Defined::Value);
         let value = rest.get(1).copied();
         let body_name = self.symbols.intern("form");
         let (value, scope) = self.in_function(CodeKind::Function, true, |compiler| match value {
@@ -227,6 +225,7 @@ impl Compiler<'_> {
             _ => None,
         });
         self.define_global(name, GlobalKind::Valve, doc, Some(span));
+        self.note_definition(name, span, Defined::Value);
     }
 
     /// `(def-failure NAME (PARENT) (SLOT...))`
@@ -239,13 +238,13 @@ impl Compiler<'_> {
         let parents = rest.get(1).map(|&list| self.tree.items(list).to_vec()).unwrap_or_default();
         let parent = match parents.as_slice() {
             [] => Some(self.symbols.intern("plan-failure")),
-            [parent] => self.failure_class(*parent),
+            [parent] => self.parent_class(*parent),
             _ => {
                 self.malformed(span, form);
                 return;
             }
         };
-        let Some(parent) = parent.filter(|parent| self.program.failure_classes.contains_key(parent)) else { return };
+        let Some(parent) = parent else { return };
         if self.program.is_failure_subclass(parent, name) {
             self.error("failure-cycle", span, "a failure class cannot be below itself", "circular");
             return;
@@ -253,9 +252,24 @@ impl Compiler<'_> {
         let slots = rest.get(2).map(|&list| self.tree.items(list).to_vec()).unwrap_or_default();
         let slots = slots.into_iter().filter_map(|slot| self.tree.symbol(slot)).collect();
         self.program.failure_classes.insert(name, FailureClass { parent: Some(parent), slots });
+        self.note_definition(name, span, Defined::Failure);
     }
 
-    fn load(&mut self, rest: &[NodeId], span: Span, bodies: &mut Vec<Function>) {
+    /// The class above another: it must stand above it in the text, too.
+    fn parent_class(&mut self, node: NodeId) -> Option<Symbol> {
+        let span = self.tree.span(node);
+        let Some(name) = self.tree.symbol(node) else {
+            self.malformed(span, "the name of a failure class");
+            return None;
+        };
+        if !self.program.failure_classes.contains_key(&name) {
+            self.unknown_class(name, span, false);
+            return None;
+        }
+        Some(name)
+    }
+
+    fn load(&mut self, rest: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
         let path = match rest {
             [path] => match &self.tree.get(*path).kind {
                 Kind::Str(path) => path.clone(),

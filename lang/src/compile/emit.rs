@@ -13,7 +13,7 @@ const MAX_REGISTERS: usize = 250;
 
 /// Emits a function and adds it to the program. `outer` gives the registers of the variables of
 /// the function around it, in which captured values are found.
-pub(super) fn emit(compiler: &mut Compiler<'_>, function: Function, outer: &[(VarId, Reg)]) -> u32 {
+pub(super) fn emit(compiler: &mut Compiler<'_>, function: &Function, outer: &[(VarId, Reg)]) -> u32 {
     let captures = function
         .captures
         .iter()
@@ -33,7 +33,7 @@ pub(super) fn emit(compiler: &mut Compiler<'_>, function: Function, outer: &[(Va
         handlers: Vec::new(),
         is_plan: function.kind == CodeKind::Plan,
     };
-    emitter.function(&function);
+    emitter.function(function);
     let Emitter { ops, spans, most, constructs, handlers, compiler, .. } = emitter;
     if most > MAX_REGISTERS {
         let name = compiler.symbols.name(function.name).to_string();
@@ -44,14 +44,15 @@ pub(super) fn emit(compiler: &mut Compiler<'_>, function: Function, outer: &[(Va
     let code = Code {
         name: function.name,
         kind: function.kind,
-        parameters: function.parameters,
+        exact_count: function.parameters.exact_count(),
+        parameters: function.parameters.clone(),
         registers: most.min(255) as u8,
         captures,
         ops,
         spans,
         constructs,
         handlers,
-        doc: function.doc,
+        doc: function.doc.clone(),
         span: function.span,
     };
     compiler.add_code(code)
@@ -70,6 +71,7 @@ pub(super) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span)]) -> Code 
     Code {
         name,
         kind: CodeKind::Task,
+        exact_count: 0,
         parameters: Parameters::default(),
         registers: 1,
         captures: Vec::new(),
@@ -618,7 +620,7 @@ impl Emitter<'_, '_> {
     /// Emits a function inside this one.
     fn inner(&mut self, function: &Function) -> u32 {
         let outer: Vec<(VarId, Reg)> = self.registers.iter().map(|(&variable, &reg)| (variable, reg)).collect();
-        emit(self.compiler, function.clone(), &outer)
+        emit(self.compiler, function, &outer)
     }
 
     /// Puts arguments into registers in a row and gives the first: `into` itself, if that is the
@@ -667,6 +669,12 @@ impl Emitter<'_, '_> {
         }
         let count = arguments.len() as u8;
         match callee {
+            Callee::Native(native) if self.compiler.natives[usize::from(*native)].name == "%set-value" => {
+                let [fluent, value] = arguments else { return };
+                let fluent_reg = self.operand(fluent, &[value]);
+                let value_reg = self.operand(value, &[]);
+                self.push(Op::Assign(into, fluent_reg, value_reg));
+            }
             Callee::Native(native) => {
                 let first = self.arguments(arguments);
                 if self.compiler.natives[usize::from(*native)].calls {

@@ -189,7 +189,7 @@ impl Compiler<'_> {
                 Some(&value) => self.resolve(value),
                 None => self.nil(place),
             };
-            let variable = self.new_variable(name);
+            let variable = self.new_variable(name, place);
             bound.push((variable, value));
             if sequential {
                 self.bindings.push((name, variable));
@@ -220,7 +220,7 @@ impl Compiler<'_> {
                 self.malformed(place, "`(NAME VALUE)`");
                 continue;
             };
-            let variable = self.bind(name);
+            let variable = self.bind(name, place);
             bound.push((variable, self.nil(place)));
             values.push((variable, items[1]));
         }
@@ -361,8 +361,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// `(setf (accessor ARG...) VALUE)` calls the native `%set-accessor` with the arguments and
-    /// the value.
+    /// `(setf (accessor ARG...) VALUE)` calls `%set-accessor`, a native or what `defstruct` made,
+    /// with the arguments and the value.
     fn set_place(&mut self, place: NodeId, value: NodeId, span: Span) -> Ir {
         if self.tree.symbol(place).is_some() {
             return self.assign(place, value, span);
@@ -371,18 +371,14 @@ impl Compiler<'_> {
             self.network_assignment(span);
         }
         let accessor = self.tree.head(place).map(|head| self.symbols.name(head).to_string());
-        let setter = accessor.as_deref().map(|accessor| format!("%set-{accessor}"));
-        let number = setter.and_then(|setter| self.natives.iter().position(|native| native.name == setter));
-        let Some(number) = number else {
+        let Some(accessor) = accessor else {
             let at = self.tree.span(place);
-            let message = match accessor {
-                Some(accessor) => format!("`({accessor} …)` is not a place that can be assigned"),
-                None => "this is not a place that can be assigned".to_string(),
-            };
-            self.error("not-a-place", at, message, "not a place").help = Some(
-                "places are names, `(value F)`, `(nth I LIST)`, `(gethash KEY TABLE)`, `(car X)`, `(cdr X)`".into(),
-            );
+            self.not_a_place(at, "this is not a place that can be assigned".to_string());
             return self.nil(span);
+        };
+        let setter = format!("%set-{accessor}");
+        let Some(number) = self.natives.iter().position(|native| native.name == setter) else {
+            return self.set_slot(&setter, place, value, span);
         };
         let nodes = self.tree.items(place)[1..].to_vec();
         let mut arguments = self.arguments(&nodes);
@@ -392,10 +388,32 @@ impl Compiler<'_> {
             || signature.max.is_some_and(|max| arguments.len() > usize::from(max))
         {
             let expected = super::resolve::describe_arity(signature.min - 1, signature.max.map(|max| max - 1));
-            let name = accessor.unwrap_or_default();
-            self.arity_error(&name, arguments.len() - 1, &expected, span);
+            self.arity_error(&accessor, arguments.len() - 1, &expected, span);
         }
         Ir { span, kind: IrKind::Call(Callee::Native(number as u16), arguments) }
+    }
+
+    /// A slot of what `defstruct` defined, perhaps further down: whether there is one is known when
+    /// the whole text is.
+    fn set_slot(&mut self, setter: &str, place: NodeId, value: NodeId, span: Span) -> Ir {
+        let setter = self.symbols.intern(setter);
+        let at = self.tree.span(place);
+        let Meaning::Global(global) = self.meaning(setter, at) else {
+            self.not_a_place(at, "this is not a place that can be assigned".to_string());
+            return self.nil(span);
+        };
+        let nodes = self.tree.items(place)[1..].to_vec();
+        let mut arguments = self.arguments(&nodes);
+        arguments.push(self.resolve(value));
+        self.calls.push((global, arguments.len(), span));
+        Ir { span, kind: IrKind::Call(Callee::Global(global), arguments) }
+    }
+
+    pub(super) fn not_a_place(&mut self, at: Span, message: String) {
+        self.error("not-a-place", at, message, "not a place").help = Some(
+            "places are names, `(value F)`, `(nth I LIST)`, `(gethash KEY TABLE)`, `(car X)`, `(cdr X)`, and slots of a `defstruct`"
+                .into(),
+        );
     }
 
     fn block(&mut self, rest: &[NodeId], span: Span) -> Ir {

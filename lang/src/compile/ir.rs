@@ -13,6 +13,8 @@ pub(crate) struct VarId(pub(crate) u32);
 #[derive(Clone, Debug)]
 pub(crate) struct Variable {
     pub(crate) name: Symbol,
+    /// Where it is bound.
+    pub(crate) span: Span,
     /// Depth of the function that binds it.
     pub(crate) function: usize,
     /// Whether an inner function refers to it.
@@ -31,6 +33,40 @@ impl Variable {
 /// Number of a block, unique in one compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct BlockId(pub(crate) u32);
+
+/// What a text was resolved to, before registers: what [`crate::check`] looks at.
+#[derive(Clone, Debug, Default)]
+pub struct Resolved {
+    /// In the order of the text, loaded files in their place.
+    pub(crate) definitions: Vec<Definition>,
+    /// What runs, in order: forms, and the values of definitions.
+    pub(crate) forms: Vec<Function>,
+    /// Bodies of tests.
+    pub(crate) tests: Vec<Function>,
+    /// By number.
+    pub(crate) variables: Vec<Variable>,
+}
+
+/// A definition of the text.
+#[derive(Clone, Debug)]
+pub(crate) struct Definition {
+    pub(crate) name: Symbol,
+    /// The whole form.
+    pub(crate) span: Span,
+    pub(crate) defined: Defined,
+}
+
+/// What a definition defines.
+#[derive(Clone, Debug)]
+pub(crate) enum Defined {
+    /// A function or plan, and its global.
+    Function(u32, Function),
+    Macro(Function),
+    /// A variable, constant, fluent or valve.
+    Value,
+    /// A class of failure, with a namespace of its own.
+    Failure,
+}
 
 /// A resolved form and its place.
 #[derive(Clone, Debug)]
@@ -123,6 +159,7 @@ pub(crate) enum ScopeIr {
 
 #[derive(Clone, Debug)]
 pub(crate) struct ClauseIr {
+    pub(crate) span: Span,
     pub(crate) classes: Vec<Symbol>,
     pub(crate) body: Ir,
 }

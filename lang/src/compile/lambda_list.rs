@@ -78,7 +78,7 @@ impl Compiler<'_> {
     fn parameter_name(&mut self, node: NodeId) -> Option<VarId> {
         let span = self.tree.span(node);
         match self.tree.get(node).kind {
-            Kind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name)),
+            Kind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name, span)),
             _ => {
                 self.error("parameter-list", span, "a parameter must be a name", "expected a name");
                 None

@@ -4,21 +4,27 @@
 mod definitions;
 mod emit;
 mod forms;
-mod ir;
+mod goal;
+pub(crate) mod ir;
 mod lambda_list;
 mod plan_forms;
 mod resolve;
 mod special;
+mod test_form;
 
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, Span};
 use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, Tree};
-use ir::{BlockId, Function, Ir, IrKind, VarId, Variable};
+pub use ir::Resolved;
+use ir::{BlockId, Defined, Definition, Function, Ir, IrKind, VarId, Variable};
 use special::Special;
+pub use special::{SpecialForm, special_forms};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use test_form::TestForm;
+pub use test_form::{Test, TestOptions};
 
 /// What the compiler knows of a native function.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +37,8 @@ pub struct NativeSignature {
     pub max: Option<u8>,
     /// Whether it waits, assigns or acts on tasks, which a network may not.
     pub effect: bool,
+    /// Whether it may block its task.
+    pub waits: bool,
     /// Whether it goes on in code of the plan, so that its value is found where a call's is.
     pub calls: bool,
 }
@@ -99,8 +107,12 @@ pub struct Compilation<'a> {
 pub struct Compiled {
     /// Code without parameters that runs the forms in order; its value is the last form's.
     pub main: u32,
+    /// The tests of the text, in order; those of loaded files are not among them.
+    pub tests: Vec<Test>,
     /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
+    /// What the text was resolved to.
+    pub resolved: Resolved,
 }
 
 /// Reads and compiles a text.
@@ -137,11 +149,30 @@ pub(crate) struct BlockScope {
     span: Span,
     token: Option<VarId>,
     used: bool,
+    /// Clean-ups around it.
+    clean_ups: u32,
 }
 
 pub(crate) struct HandlerScope {
     retry: BlockId,
     failure: VarId,
+}
+
+/// A name that means nothing yet.
+pub(crate) struct Unknown {
+    span: Span,
+    /// What is bound around it.
+    locals: Vec<Symbol>,
+}
+
+/// A top-level form with something to run.
+pub(crate) enum TopLevel {
+    /// The value of a definition.
+    Definition(Function),
+    /// A form of the main task.
+    Form(Function),
+    /// A test and its body.
+    Test(TestForm, Function),
 }
 
 pub(crate) struct Compiler<'a> {
@@ -157,17 +188,29 @@ pub(crate) struct Compiler<'a> {
     tree: Tree,
     diagnostics: Vec<Diagnostic>,
     variables: Vec<Variable>,
+    definitions: Vec<Definition>,
+    forms: Vec<Function>,
+    test_bodies: Vec<Function>,
     bindings: Vec<(Symbol, VarId)>,
     functions: Vec<FunctionScope>,
     blocks: Vec<BlockScope>,
     handlers: Vec<HandlerScope>,
+    /// Clean-ups around the form that is resolved.
+    clean_ups: u32,
     next_block: u32,
     /// Globals that were used before a definition was seen, with the first place.
-    undefined: BTreeMap<u32, Span>,
+    undefined: BTreeMap<u32, Unknown>,
+    /// Classes of failure that are handled or raised, checked when all definitions are known; and
+    /// whether a variable of that name is bound there.
+    classes: Vec<(Symbol, Span, bool)>,
     /// Calls of globals, checked when all definitions are known.
     calls: Vec<(u32, usize, Span)>,
     expansions: u32,
     loading: Vec<String>,
+    /// Names of the tests so far, with their places.
+    tests: BTreeMap<Arc<str>, Span>,
+    /// Methods of goals, by the plan that tries them.
+    methods: BTreeMap<Symbol, goal::Methods>,
 }
 
 /// Macros that expand into macros without end are cut here.
@@ -178,7 +221,7 @@ impl<'a> Compiler<'a> {
         let Compilation { program, symbols, natives, macros, loader, robot_names } = surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
-        let specials = special::TABLE.iter().map(|&(name, special)| (symbols.intern(name), special)).collect();
+        let specials = special::names().map(|(name, special)| (symbols.intern(name), special)).collect();
         Self {
             program,
             symbols,
@@ -192,15 +235,22 @@ impl<'a> Compiler<'a> {
             tree,
             diagnostics: Vec::new(),
             variables: Vec::new(),
+            definitions: Vec::new(),
+            forms: Vec::new(),
+            test_bodies: Vec::new(),
             bindings: Vec::new(),
             functions: Vec::new(),
             blocks: Vec::new(),
             handlers: Vec::new(),
+            clean_ups: 0,
             next_block: 0,
             undefined: BTreeMap::new(),
+            classes: Vec::new(),
             calls: Vec::new(),
             expansions: 0,
             loading: Vec::new(),
+            tests: BTreeMap::new(),
+            methods: BTreeMap::new(),
         }
     }
 
@@ -211,24 +261,61 @@ impl<'a> Compiler<'a> {
         for &form in forms {
             self.top_level(form, &mut bodies);
         }
-        let main = self.emit_main(name, bodies, span);
+        let (main, tests) = self.emit_main(name, bodies, span);
         self.check_undefined();
+        self.check_classes();
         self.check_calls();
         if self.purpose == Purpose::Library {
             self.program.library_globals = self.program.globals.len() as u32;
         }
-        Compiled { main, diagnostics: self.diagnostics }
+        let resolved = Resolved {
+            definitions: self.definitions,
+            forms: self.forms,
+            tests: self.test_bodies,
+            variables: self.variables,
+        };
+        Compiled { main, tests, diagnostics: self.diagnostics, resolved }
     }
 
-    /// One code that runs each form's code in turn: a form is a plan body of its own.
-    fn emit_main(&mut self, name: Symbol, bodies: Vec<Function>, span: Span) -> u32 {
-        let mut calls = Vec::new();
+    /// One code that runs each form's code in turn: a form is a plan body of its own. One more for
+    /// each test, which runs the definitions and then the test.
+    fn emit_main(&mut self, name: Symbol, bodies: Vec<TopLevel>, span: Span) -> (u32, Vec<Test>) {
+        let (mut calls, mut definitions, mut forms) = (Vec::new(), Vec::new(), Vec::new());
         for body in bodies {
-            let place = body.span;
-            calls.push((emit::emit(self, body, &[]), place));
+            match body {
+                TopLevel::Definition(body) => {
+                    let call = self.emit_call(&body);
+                    definitions.push(call);
+                    calls.push(call);
+                    self.forms.push(body);
+                }
+                TopLevel::Form(body) => {
+                    calls.push(self.emit_call(&body));
+                    self.forms.push(body);
+                }
+                TopLevel::Test(form, body) => {
+                    forms.push((form, self.emit_call(&body)));
+                    self.test_bodies.push(body);
+                }
+            }
         }
-        let code = emit::sequence(name, span, &calls);
-        self.add_code(code)
+        let main = self.add_code(emit::sequence(name, span, &calls));
+        let tests = forms
+            .into_iter()
+            .map(|(form, call)| {
+                let calls = [definitions.as_slice(), &[call]].concat();
+                form.with_code(self.add_code(emit::sequence(name, span, &calls)))
+            })
+            .collect();
+        (main, tests)
+    }
+
+    fn emit_call(&mut self, body: &Function) -> (u32, Span) {
+        (emit::emit(self, body, &[]), body.span)
+    }
+
+    fn note_definition(&mut self, name: Symbol, span: Span, defined: Defined) {
+        self.definitions.push(Definition { name, span, defined });
     }
 
     fn add_code(&mut self, code: Code) -> u32 {
@@ -254,10 +341,11 @@ impl<'a> Compiler<'a> {
     }
 
     fn check_undefined(&mut self) {
-        for (global, span) in std::mem::take(&mut self.undefined) {
+        for (global, Unknown { span, locals }) in std::mem::take(&mut self.undefined) {
             let name = self.program.globals[global as usize].name;
             self.program.names.remove(&name);
             let text = self.symbols.name(name).to_string();
+            let span = crate::lexer::find_name(&self.program.sources, span, &text).unwrap_or(span);
             if self.program.macros.contains_key(&name) {
                 self.error(
                     "macro-before-definition",
@@ -266,6 +354,8 @@ impl<'a> Compiler<'a> {
                     "not known yet here",
                 )
                 .help = Some("move the defmacro above its first use".into());
+            } else if let Some(accessor) = text.strip_prefix("%set-") {
+                self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
             } else if self.robot_names.contains(&text.as_str()) {
                 self.error(
                     "needs-a-world",
@@ -275,21 +365,56 @@ impl<'a> Compiler<'a> {
                 )
                 .help = Some("add `--world dept` to the command".into());
             } else {
-                let suggestion = self.suggestion(&text);
+                let goal = text
+                    .strip_prefix(goal::PREFIX)
+                    .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
+                let suggestion = self.suggestion(&text, &locals).map(|near| format!("did you mean `{near}`?"));
                 self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
-                    suggestion.map(|near| format!("did you mean `{near}`?"));
+                    suggestion.or(goal);
             }
         }
     }
 
+    /// Notes that a class of failure is handled or raised.
+    fn note_class(&mut self, name: Symbol, span: Span) {
+        if !self.program.failure_classes.contains_key(&name) {
+            let is_variable = self.bindings.iter().any(|&(bound, _)| bound == name);
+            self.classes.push((name, span, is_variable));
+        }
+    }
+
+    fn check_classes(&mut self) {
+        for (name, span, is_variable) in std::mem::take(&mut self.classes) {
+            if !self.program.failure_classes.contains_key(&name) {
+                self.unknown_class(name, span, is_variable);
+            }
+        }
+    }
+
+    fn unknown_class(&mut self, name: Symbol, span: Span, is_variable: bool) {
+        let text = self.symbols.name(name).to_string();
+        let span = crate::lexer::find_name(&self.program.sources, span, &text).unwrap_or(span);
+        let known = self.program.failure_classes.keys().map(|&class| self.symbols.name(class));
+        let near = crate::suggest::suggest(&text, known).map(str::to_string);
+        let help = match near {
+            _ if is_variable => format!(
+                "`{text}` is a variable here, and `fail` takes the bare name of a class; to pass a failure on, write `(refail)`"
+            ),
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("define it: `(def-failure {text} (failure) ())`"),
+        };
+        self.error("unknown-failure-class", span, format!("there is no failure class `{text}`"), "unknown class")
+            .help = Some(help);
+    }
+
     /// The nearest name a user could have meant.
-    fn suggestion(&self, text: &str) -> Option<String> {
+    fn suggestion(&self, text: &str, locals: &[Symbol]) -> Option<String> {
         let globals = self.program.names.keys().map(|&name| self.symbols.name(name));
         let natives = self.natives.iter().map(|native| native.name.as_str());
-        let specials = special::TABLE.iter().map(|&(name, _)| name);
+        let specials = special::names().map(|(name, _)| name);
         let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
-        let locals = self.bindings.iter().map(|&(name, _)| self.symbols.name(name));
-        let known = globals.chain(natives).chain(specials).chain(macros).chain(locals);
+        let locals = locals.iter().map(|&name| self.symbols.name(name));
+        let known = locals.chain(globals).chain(natives).chain(specials).chain(macros);
         crate::suggest::suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text))
             .map(str::to_string)
     }
@@ -302,7 +427,12 @@ impl<'a> Compiler<'a> {
                 let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
                 let expected = code.parameters.describe();
                 let definition = code.span;
-                self.arity_error(&name, count, &expected, span).related.push((definition, "defined here".into()));
+                // What is written is the place, and the value to assign is no argument of it.
+                let error = match name.strip_prefix("%set-") {
+                    Some(accessor) => self.arity_error(accessor, count - 1, "1 argument", span),
+                    None => self.arity_error(&name, count, &expected, span),
+                };
+                error.related.push((definition, "defined here".into()));
             }
         }
     }
@@ -312,14 +442,14 @@ impl<'a> Compiler<'a> {
         self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"))
     }
 
-    fn new_variable(&mut self, name: Symbol) -> VarId {
+    fn new_variable(&mut self, name: Symbol, span: Span) -> VarId {
         let function = self.functions.len() - 1;
-        self.variables.push(Variable { name, function, captured: false, assigned: false });
+        self.variables.push(Variable { name, span, function, captured: false, assigned: false });
         VarId(self.variables.len() as u32 - 1)
     }
 
-    fn bind(&mut self, name: Symbol) -> VarId {
-        let variable = self.new_variable(name);
+    fn bind(&mut self, name: Symbol, span: Span) -> VarId {
+        let variable = self.new_variable(name, span);
         self.bindings.push((name, variable));
         variable
     }

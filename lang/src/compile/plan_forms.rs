@@ -85,14 +85,14 @@ impl Compiler<'_> {
         let known = self.functions[root].tags.iter().flatten().find(|(tag, _)| *tag == name).map(|&(_, tag)| tag);
         let variable = match known {
             Some(variable) => variable,
-            None => self.new_tag(root, name),
+            None => self.new_tag(root, name, self.tree.span(items[1])),
         };
         self.variables[variable.0 as usize].assigned = true;
         Some((name, variable, items[2..].to_vec()))
     }
 
-    fn new_tag(&mut self, root: usize, name: Symbol) -> VarId {
-        self.variables.push(super::Variable { name, function: root, captured: false, assigned: true });
+    fn new_tag(&mut self, root: usize, name: Symbol, span: Span) -> VarId {
+        self.variables.push(super::Variable { name, span, function: root, captured: false, assigned: true });
         let variable = VarId(self.variables.len() as u32 - 1);
         if let Some(tags) = &mut self.functions[root].tags {
             tags.push((name, variable));
@@ -204,10 +204,11 @@ impl Compiler<'_> {
         let (Some(variable), [_, list]) = (variable.filter(|&name| self.is_bindable(name)), header.as_slice()) else {
             return self.malformed(span, &format!("`({name} (NAME LIST) FORM...)`"));
         };
+        let place = self.tree.span(header[0]);
         let list = self.resolve(*list);
         let body_name = self.symbols.intern(name);
         let ((element, body), scope) = self.in_function(CodeKind::Task, false, |compiler| {
-            let element = compiler.bind(variable);
+            let element = compiler.bind(variable, place);
             (element, compiler.body(&rest[1..], span))
         });
         let mut body = thunk(body_name, CodeKind::Task, body, scope, span);
@@ -273,7 +274,9 @@ impl Compiler<'_> {
             return self.malformed(span, "`(evap-protect FORM CLEAN-UP...)`");
         };
         let body = Box::new(self.resolve(body));
+        self.clean_ups += 1;
         let cleanup = Box::new(self.body(cleanup, span));
+        self.clean_ups -= 1;
         Ir { span, kind: IrKind::Cleanup { always, body, cleanup } }
     }
 
@@ -329,7 +332,7 @@ impl Compiler<'_> {
             let mut retried = false;
             let attempt = compiler.in_block(None, span, |compiler, retry| {
                 let failure_name = compiler.symbols.uninterned("failure");
-                let failure = compiler.new_variable(failure_name);
+                let failure = compiler.new_variable(failure_name, span);
                 let body = Box::new(compiler.body(&body_forms, span));
                 compiler.handlers.push(HandlerScope { retry, failure });
                 let clauses = clauses.iter().filter_map(|&clause| compiler.clause(clause, failure)).collect();
@@ -355,7 +358,7 @@ impl Compiler<'_> {
             Some(list) => list.to_vec(),
             None => vec![items[0]],
         };
-        let classes: Vec<Symbol> = class_nodes.into_iter().filter_map(|class| self.failure_class(class)).collect();
+        let classes: Vec<Symbol> = class_nodes.into_iter().filter_map(|class| self.handled_class(class)).collect();
         let parameter = self.list_items(items[1]);
         let name = match parameter.as_deref() {
             Some([]) => None,
@@ -371,26 +374,17 @@ impl Compiler<'_> {
         }
         let body = self.body(&items[2..], span);
         self.bindings.truncate(before);
-        Some(ClauseIr { classes, body })
+        Some(ClauseIr { span, classes, body })
     }
 
-    /// The name of a known failure class.
-    pub(super) fn failure_class(&mut self, node: NodeId) -> Option<Symbol> {
+    /// The name of a failure class; whether there is one is checked when all definitions are known.
+    fn handled_class(&mut self, node: NodeId) -> Option<Symbol> {
         let span = self.tree.span(node);
         let Some(name) = self.tree.symbol(node) else {
             self.malformed(span, "the name of a failure class");
             return None;
         };
-        if !self.program.failure_classes.contains_key(&name) {
-            let text = self.symbols.name(name).to_string();
-            let known = self.program.failure_classes.keys().map(|&class| self.symbols.name(class));
-            let near = crate::suggest::suggest(&text, known).map(str::to_string);
-            self.error("unknown-failure-class", span, format!("there is no failure class `{text}`"), "unknown class")
-                .help = Some(near.map_or_else(
-                || format!("define it: `(def-failure {text} (failure) ())`"),
-                |near| format!("did you mean `{near}`?"),
-            ));
-        }
+        self.note_class(name, span);
         Some(name)
     }
 

@@ -2,7 +2,7 @@
 //! an instruction of their own are recognised.
 
 use super::ir::{Binary, Callee, Ir, IrKind, Unary, VarId};
-use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW};
+use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW, Unknown};
 use crate::code::{CodeKind, Constant, Global, GlobalKind};
 use crate::source::Span;
 use crate::symbol::Symbol;
@@ -70,6 +70,7 @@ impl Compiler<'_> {
             Kind::Float(value) => Constant::Float(value),
             Kind::Str(text) => Constant::Str(text),
             Kind::Object(index) => Constant::Object(index),
+            Kind::Hole => Constant::Nil,
             Kind::List { dotted, .. } => {
                 let mut items: Vec<Constant> =
                     self.tree.items(node).to_vec().into_iter().map(|item| self.datum(item)).collect();
@@ -135,7 +136,8 @@ impl Compiler<'_> {
         self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
-        self.undefined.insert(global, span);
+        let locals = self.bindings.iter().map(|&(local, _)| local).collect();
+        self.undefined.insert(global, Unknown { span, locals });
         Meaning::Global(global)
     }
 
@@ -178,7 +180,7 @@ impl Compiler<'_> {
                 self.named_call(name, &items[1..], span)
             }
             Kind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
-            Kind::List { .. } | Kind::Object(_) => self.call_value(head, &items[1..], span),
+            Kind::List { .. } | Kind::Object(_) | Kind::Hole => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
@@ -268,6 +270,9 @@ impl Compiler<'_> {
             self.error("network-effect", span, message, "a network may only look").help =
                 Some("do it in the body, after the condition".into());
         }
+        if signature.name == "%fail" {
+            self.note_failed_class(nodes[0], span);
+        }
         if TAKES_FLUENTS.contains(&signature.name.as_str()) {
             return self.fluent_native(native, nodes, span);
         }
@@ -275,6 +280,16 @@ impl Compiler<'_> {
         match intrinsic(&signature.name, arguments, span) {
             Ok(ir) => ir,
             Err(arguments) => self.dereferenced(Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) }),
+        }
+    }
+
+    /// The class a `fail` names, if it is written out.
+    fn note_failed_class(&mut self, node: NodeId, span: Span) {
+        let quote = self.tree.head(node).is_some_and(|head| self.symbols.name(head) == "quote");
+        if let (true, [_, class]) = (quote, self.tree.items(node))
+            && let Some(name) = self.tree.symbol(*class)
+        {
+            self.note_class(name, span);
         }
     }
 
@@ -310,7 +325,7 @@ impl Compiler<'_> {
         let inner: Vec<_> = self.functions.drain(network..).collect();
         let arguments = self.arguments(nodes);
         let name = self.symbols.uninterned("count");
-        let variable = self.new_variable(name);
+        let variable = self.new_variable(name, span);
         self.functions.extend(inner);
         let counter = Ir { span, kind: IrKind::Call(Callee::Native(native), arguments) };
         self.functions[network].hoisted.push((variable, counter));
@@ -328,7 +343,8 @@ impl Compiler<'_> {
         let id = super::BlockId(self.next_block);
         self.next_block += 1;
         let function = self.functions.len() - 1;
-        self.blocks.push(BlockScope { name, id, function, span, token: None, used: false });
+        let clean_ups = self.clean_ups;
+        self.blocks.push(BlockScope { name, id, function, span, token: None, used: false, clean_ups });
         let body = inside(self, id);
         let block = self.blocks.pop().unwrap_or_else(|| unreachable!("the block was pushed above"));
         if block.used {
@@ -342,7 +358,10 @@ impl Compiler<'_> {
     pub(super) fn leave(&mut self, block: usize, value: Ir, span: Span) -> Ir {
         self.blocks[block].used = true;
         let (id, function) = (self.blocks[block].id, self.blocks[block].function);
-        if function == self.functions.len() - 1 {
+        // An exit from a clean-up may come too late: it must not touch the block's value before it
+        // is known to arrive.
+        let is_static = self.blocks[block].clean_ups == self.clean_ups || self.blocks[block].name.is_none();
+        if function == self.functions.len() - 1 && is_static {
             return Ir { span, kind: IrKind::Leave(id, Box::new(value)) };
         }
         let crossed = &self.functions[function + 1..];
@@ -357,7 +376,7 @@ impl Compiler<'_> {
             Some(token) => token,
             None => {
                 let name = self.symbols.uninterned("block");
-                self.variables.push(super::Variable { name, function, captured: false, assigned: false });
+                self.variables.push(super::Variable { name, span, function, captured: false, assigned: false });
                 let token = VarId(self.variables.len() as u32 - 1);
                 self.blocks[block].token = Some(token);
                 token

@@ -1,7 +1,7 @@
 //! The belief and its two updates.
 
 use super::grid::State;
-use super::kernel;
+use super::kernel::{self, LIFT, Share};
 use super::model::LocalizationModel;
 use super::parameters::{SONARS, Spread};
 use super::plane::{Activity, Plane};
@@ -13,6 +13,12 @@ use std::sync::Arc;
 
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
 const HEADING_BLUR_AT: f64 = 0.1;
+
+/// With less than this (of [`LIFT`]), motion has left nothing.
+const LEAST_EVIDENCE: f64 = 1e-15;
+
+/// Planes that are spread over their neighbours one after the other.
+const SLICE: usize = 45;
 
 /// P(l) over all states: one plane per heading. Its mass is 1 after every operation but
 /// [`Belief::advance`], which a normalizing one must follow.
@@ -137,7 +143,8 @@ impl Belief {
     /// A motion moves planes by whole cells and headings by whole steps; the rest is kept beside
     /// each plane as the true place of its cells, and noise is kept until it amounts to something.
     /// Interpolating at each step instead would blur by up to a quarter of a squared cell, far
-    /// more than odometry errs. What moves into walls is lost until the next normalization.
+    /// more than odometry errs. What moves into walls is lost until the next normalization. What
+    /// mixing has added, the same everywhere, stays.
     pub fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
         let (grid, error) = (&model.grid, &model.parameters.odometry);
         let distance_m = libm::hypot(motion.x_m, motion.y_m);
@@ -192,19 +199,19 @@ impl Belief {
         for heading in waking {
             self.planes[heading].activate(model);
         }
-        let before = self.planes.clone();
-        update_planes(&mut self.planes, |heading, plane| {
-            if !plane.is_active() {
-                return;
-            }
-            let own = &before[heading];
-            let mut cells: Vec<f32> = own.cells.iter().map(|cell| cell * (1.0 - 2.0 * spread) as f32).collect();
-            for next in neighbours(heading) {
-                add_neighbour(model, &mut cells, own, &before[next], spread);
-            }
-            plane.cells = Arc::new(cells);
-            plane.stored_peak = own.stored_peak.max(before[neighbours(heading)[0]].stored_peak);
-        });
+        let active = self.active_planes();
+        let slices: Vec<[Plane; 2]> = (0..count)
+            .step_by(SLICE)
+            .map(|first| [(first + count - 1) % count, (first + SLICE).min(count) % count])
+            .map(|edges| edges.map(|heading| self.planes[heading].clone()))
+            .collect();
+        let blur = |(slice, edges): (&mut [Plane], [Plane; 2])| blur_slice(model, slice, edges, spread);
+        let slices = self.planes.chunks_mut(SLICE).zip(slices);
+        if active >= PLANES_FOR_THREADS && rayon::current_num_threads() > 1 {
+            slices.par_bridge().for_each(blur);
+        } else {
+            slices.for_each(blur);
+        }
     }
 
     /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes; missing readings count for nothing.
@@ -216,11 +223,12 @@ impl Belief {
             scan.iter().enumerate().filter_map(|(sonar, bin)| bin.map(|bin| (sonar, bin))).collect();
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
         weigh_planes(&mut self.planes, model, &readings, average);
+        let lifted = average * f64::from(LIFT);
         let evidence: f64 =
-            self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { average }).sum();
+            self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { lifted }).sum();
         let mixed = if readings.is_empty() { 0.0 } else { model.parameters.mixing };
-        if evidence > 1e-60 {
-            self.normalize(model, evidence, average, mixed);
+        if evidence > LEAST_EVIDENCE {
+            self.normalize(model, evidence, lifted, mixed);
         } else {
             *self = Self::uniform(model);
         }
@@ -233,6 +241,11 @@ impl Belief {
 
     /// Mixes a share of the uniform distribution into the belief.
     pub fn mix(&mut self, model: &LocalizationModel, share: f64) {
+        if share >= 1.0 {
+            // A factor of 0 could not be taken out again when a neighbour is blended in.
+            *self = Self::uniform(model);
+            return;
+        }
         let mass = self.mass(model);
         self.normalize(model, mass, 1.0, share);
     }
@@ -242,41 +255,52 @@ impl Belief {
         let scale = (1.0 - mixed) / evidence;
         let add = mixed * model.prior();
         let threshold = model.threshold();
-        update_planes(&mut self.planes, |_, plane| match &mut plane.activity {
-            Activity::Active => {
-                plane.stored_mass = plane.stored_mass * scale + add * model.admissible_cells as f64;
-                plane.stored_peak = kernel::rescale(plane.cells_mut(), &model.admissible, scale as f32, add as f32);
-                if plane.peak() < threshold {
-                    plane.deactivate();
-                }
-            }
-            Activity::Inactive { factor, floor } => {
-                *factor *= average * scale;
-                *floor = *floor * average * scale + add;
-                if plane.peak() >= threshold {
-                    plane.activate(model);
-                } else {
-                    plane.forget_if_negligible();
-                }
+        update_planes(&mut self.planes, |_, plane| {
+            let scale = if plane.is_active() { scale } else { average * scale };
+            plane.factor *= scale;
+            plane.floor = plane.floor * scale + add;
+            if plane.peak() >= threshold {
+                plane.activate(model);
+            } else {
+                plane.activity = Activity::Inactive;
+                plane.forget_if_negligible();
             }
         });
     }
 }
 
-/// Adds a neighbour's share to the cells of a plane, aligned by where their cells really are. Of
-/// an inactive neighbour, whose cells are all below θ, the average is taken.
-fn add_neighbour(model: &LocalizationModel, cells: &mut [f32], own: &Plane, next: &Plane, spread: f64) {
-    let grid = &model.grid;
-    if next.is_active() {
-        let aligned = [0, 1].map(|axis| libm::round(next.offset_cells[axis] - own.offset_cells[axis]) as i64);
-        let size = (grid.columns, grid.rows);
-        kernel::add_shifted(cells, &next.cells, size, (aligned[0], aligned[1]), spread as f32);
-    } else {
-        let share = (spread * next.mass(model) / model.admissible_cells as f64) as f32;
-        for (cell, admissible) in cells.iter_mut().zip(model.admissible.iter()) {
-            *cell += share * admissible;
+/// Spreads the planes of consecutive headings over their neighbours; `edges` are those before and
+/// after, as they were.
+fn blur_slice(model: &LocalizationModel, slice: &mut [Plane], edges: [Plane; 2], spread: f64) {
+    let [mut before, after] = edges;
+    for heading in 0..slice.len() {
+        let own = slice[heading].clone();
+        if own.is_active() {
+            let next = slice.get(heading + 1).unwrap_or(&after);
+            slice[heading] = blurred(model, &own, [&before, next], spread);
+        }
+        before = own;
+    }
+}
+
+/// A plane with a share of its neighbours, aligned by where their cells really are. Of an inactive
+/// neighbour, whose cells are all below θ, the average is taken.
+fn blurred(model: &LocalizationModel, own: &Plane, neighbours: [&Plane; 2], spread: f64) -> Plane {
+    let keep = 1.0 - 2.0 * spread;
+    let mut plane = Plane { floor: keep * own.floor, ..own.clone() };
+    let mut shares = [const { Share::none() }; 2];
+    for (next, share) in neighbours.into_iter().zip(&mut shares) {
+        if next.is_active() {
+            let away = [0, 1].map(|axis| libm::round(next.offset_cells[axis] - own.offset_cells[axis]) as i64);
+            *share = Share { cells: &next.cells, by_cells: away, share: (spread * next.factor / own.factor) as f32 };
+            plane.floor += spread * next.floor;
+            plane.stored_peak = plane.stored_peak.max((f64::from(next.stored_peak) * next.factor / own.factor) as f32);
+        } else {
+            plane.floor += spread * next.mass(model) / model.admissible_cells as f64;
         }
     }
+    plane.cells = Arc::new(kernel::blended(&own.cells, keep as f32, &shares, (model.grid.columns, model.grid.rows)));
+    plane
 }
 
 fn normal(sigmas: f64) -> f64 {

@@ -1,125 +1,275 @@
-//! The loops over the cells of one plane. Every sum has one fixed order.
+//! The loops over the cells of one plane. Every sum has one fixed order, and every operation is one
+//! that rounds alike whatever the width of the registers: [`simd`](super::simd) compiles the same
+//! loops for wider ones.
 
 use super::grid::BLOCK;
 
-/// Length of the table of weights, a power of two above the largest sum of costs.
-pub(super) const WEIGHTS: usize = 8192;
+/// Blocks of a tile.
+const TILE_BLOCKS: usize = 16;
 
-/// One reading against one plane: the bins expected there, and what each costs.
+/// Cells of a tile, whole blocks; the table of expected distances for one, all directions, is some
+/// 360 kB and fits a second-level cache.
+pub(super) const TILE: usize = TILE_BLOCKS * BLOCK;
+
+/// Lanes of a sum: a whole number of the widest registers, so that all widths add alike.
+const LANES: usize = 16;
+
+/// Beams whose costs are looked up together.
+pub(super) const TOGETHER: usize = 4;
+
+/// Costs of the beams of a scan for some blocks of a tile.
+pub(super) type CostSums = [[u16; BLOCK]; TILE_BLOCKS];
+
+/// One reading against one tile of a plane: the bins expected there, and what each costs.
+#[derive(Clone, Copy)]
 pub(super) struct Beam<'a> {
-    /// A padded plane of expected bins.
-    pub expected: &'a [u8],
+    /// A tile of expected bins.
+    pub expected: &'a [u8; TILE],
     /// Costs by expected bin.
     pub costs: &'a [u8; 256],
 }
 
-/// The sum of a block, lane by lane and then across the lanes.
-fn block_sum(cells: &[f32; BLOCK]) -> f64 {
-    let mut lanes = [0f32; 16];
-    for chunk in cells.as_chunks::<16>().0 {
-        for (lane, cell) in lanes.iter_mut().zip(chunk) {
-            *lane += cell;
-        }
-    }
-    lanes.iter().map(|&lane| f64::from(lane)).sum()
+/// The part of a plane in one tile, and a scan to weigh it by.
+pub(super) struct Part<'a> {
+    /// Whole blocks.
+    pub cells: &'a mut [f32],
+    /// 1 where the robot can stand, else 0.
+    pub admissible: &'a [f32],
+    /// Factor and floor by which the cells are to be read.
+    pub terms: [f32; 2],
+    /// The scan.
+    pub beams: &'a [[Beam<'a>; TOGETHER]],
+    /// Binary logarithm of the weight a unit of cost amounts to.
+    pub log2_per_cost: f32,
+    /// Weight of cells below the threshold, and of empty blocks.
+    pub average: f32,
+    /// θ.
+    pub threshold: f32,
 }
 
+/// Sum and maximum of some cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Extent {
+    /// The sum.
+    pub mass: f64,
+    /// The largest cell.
+    pub peak: f32,
+}
+
+/// Sum and maximum of cells as they are visited, lane by lane.
+struct Lanes {
+    sums: [f32; LANES],
+    peaks: [f32; LANES],
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { sums: [0.0; LANES], peaks: [0.0; LANES] }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, cells: &[f32; LANES]) {
+        for ((sum, peak), &cell) in self.sums.iter_mut().zip(&mut self.peaks).zip(cells) {
+            *sum += cell;
+            *peak = larger(cell, *peak);
+        }
+    }
+
+    #[inline(always)]
+    fn extent(&self) -> Extent {
+        Extent {
+            mass: self.sums.iter().map(|&lane| f64::from(lane)).sum(),
+            peak: self.peaks.iter().copied().fold(0.0, larger),
+        }
+    }
+}
+
+/// One instruction, other than `f32::max`, which looks after NaN.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Sum and maximum of whole blocks.
+pub(super) fn extent(cells: &[f32]) -> Extent {
+    let parts = cells.chunks(TILE).map(|part| {
+        let mut lanes = Lanes::new();
+        part.as_chunks::<LANES>().0.iter().for_each(|chunk| lanes.add(chunk));
+        lanes.extent()
+    });
+    parts.fold(Extent::default(), Extent::and)
+}
+
+impl Extent {
+    /// Of these cells and others.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self { mass: self.mass + other.mass, peak: larger(self.peak, other.peak) }
+    }
+}
+
+#[inline(always)]
 fn block_peak(cells: &[f32; BLOCK]) -> f32 {
-    let mut lanes = [0f32; 16];
-    for chunk in cells.as_chunks::<16>().0 {
-        for (lane, &cell) in lanes.iter_mut().zip(chunk) {
-            *lane = if cell > *lane { cell } else { *lane };
+    let mut peaks = [0f32; LANES];
+    for chunk in cells.as_chunks::<LANES>().0 {
+        for (peak, &cell) in peaks.iter_mut().zip(chunk) {
+            *peak = larger(cell, *peak);
         }
     }
-    lanes.iter().fold(0.0, |peak, &lane| if lane > peak { lane } else { peak })
+    peaks.iter().copied().fold(0.0, larger)
 }
 
-/// The sum of a padded plane.
-pub(super) fn sum(cells: &[f32]) -> f64 {
-    cells.as_chunks::<BLOCK>().0.iter().map(block_sum).sum()
+/// Smallest value at which an admissible cell is read. No product of such a value, [`LIFT`], a weight
+/// and the share of a blur is a denormal number, which would cost a factor of five in time.
+const FLOOR: f32 = 1e-20;
+
+/// Weighed cells are stored this many times as large, 2⁶⁴, until the next normalization; so the range
+/// of floats is used on both sides of 1.
+pub(super) const LIFT: f32 = 18_446_744_073_709_551_616.0;
+
+/// Binary logarithm of the smallest weight of a scan, 8e-31: no scan speaks against a pose by more
+/// than 69 nats.
+const LEAST_LOG2: f32 = -100.0;
+
+/// 2^x for 0 ≥ x ≥ [`LEAST_LOG2`], below that the weight there; relative error 2e-7.
+///
+/// A polynomial of the fraction, minimal in the largest relative error, and the whole part added to
+/// the exponent; multiplications and additions only, so that all widths round alike.
+#[inline(always)]
+pub(super) fn exp2(x: f32) -> f32 {
+    // Added to a float, it leaves the whole part in the lowest bits.
+    const WHOLE: f32 = 12_582_912.0;
+    let x = larger(x, LEAST_LOG2);
+    let shifted = x + WHOLE;
+    let fraction = x - (shifted - WHOLE);
+    let power = shifted.to_bits() << 23;
+    let series = 1.326_472_7e-3 * fraction + 9.671_513e-3;
+    let series = series * fraction + 5.550_733_7e-2;
+    let series = series * fraction + 2.402_224_2e-1;
+    let series = series * fraction + std::f32::consts::LN_2;
+    f32::from_bits((series * fraction + 1.0).to_bits().wrapping_add(power))
 }
 
-/// The largest cell of a padded plane.
-pub(super) fn peak(cells: &[f32]) -> f32 {
-    cells.as_chunks::<BLOCK>().0.iter().map(block_peak).fold(0.0, f32::max)
+/// Natural logarithm of a normal float, to 1e-6 and rounding; finite for 0.
+#[inline(always)]
+fn ln(x: f32) -> f32 {
+    const SQRT_HALF_BITS: i32 = 0x3f35_04f3;
+    let bits = x.to_bits() as i32;
+    let exponent = (bits - SQRT_HALF_BITS) >> 23;
+    let t = f32::from_bits((bits - (exponent << 23)) as u32) - 1.0;
+    let series = 1.221_098_2e-1 * t - 1.878_273e-1;
+    let series = series * t + 2.045_475_5e-1;
+    let series = series * t - 2.489_679_3e-1;
+    let series = series * t + 3.331_603e-1;
+    let series = series * t - 5.000_14e-1;
+    let series = series * t + 1.000_001;
+    exponent as f32 * std::f32::consts::LN_2 + series * t
 }
 
-/// Sums the costs of all beams for one block of cells.
-fn block_costs(beams: &[Beam], block: usize) -> [u16; BLOCK] {
-    let mut sums = [0u16; BLOCK];
-    let mut fours = beams.chunks_exact(4);
-    for four in &mut fours {
-        let [a, b, c, d] = four else { continue };
-        let at = |beam: &Beam| -> [u8; BLOCK] { beam.expected.as_chunks::<BLOCK>().0[block] };
-        let (at_a, at_b, at_c, at_d) = (at(a), at(b), at(c), at(d));
-        for lane in 0..BLOCK {
-            sums[lane] += u16::from(a.costs[usize::from(at_a[lane])])
-                + u16::from(b.costs[usize::from(at_b[lane])])
-                + u16::from(c.costs[usize::from(at_c[lane])])
-                + u16::from(d.costs[usize::from(at_d[lane])]);
+/// −Σ p ln p over the admissible cells of a plane whose cells are to be read by these terms.
+#[inline(always)]
+pub(super) fn entropy(cells: &[f32], admissible: &[f32], [factor, floor]: [f32; 2]) -> f64 {
+    let mut sum = 0.0;
+    for (cells, admissible) in cells.chunks(TILE).zip(admissible.chunks(TILE)) {
+        let mut sums = [0f32; LANES];
+        for (cells, admissible) in cells.as_chunks::<LANES>().0.iter().zip(admissible.as_chunks::<LANES>().0) {
+            for lane in 0..LANES {
+                let value = (cells[lane] * factor + floor) * admissible[lane];
+                sums[lane] -= value * ln(value);
+            }
+        }
+        sum += sums.iter().map(|&lane| f64::from(lane)).sum::<f64>();
+    }
+    sum
+}
+
+/// Cells a turn of the portable loop looks up.
+const UNROLLED: usize = 4;
+
+/// Sums the costs of a scan for the blocks of a tile that are `loud`, in that order.
+pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize]) {
+    for four in beams {
+        let [a, b, c, d] = four.map(|beam| beam.costs);
+        let expected = four.map(|beam| beam.expected.as_chunks::<BLOCK>().0);
+        for (sums, &block) in sums.iter_mut().zip(loud) {
+            let [at_a, at_b, at_c, at_d] = expected.map(|blocks| &blocks[block]);
+            for first in (0..BLOCK).step_by(UNROLLED) {
+                for lane in first..first + UNROLLED {
+                    sums[lane] += u16::from(a[usize::from(at_a[lane])])
+                        + u16::from(b[usize::from(at_b[lane])])
+                        + u16::from(c[usize::from(at_c[lane])])
+                        + u16::from(d[usize::from(at_d[lane])]);
+                }
+            }
         }
     }
-    for beam in fours.remainder() {
-        let expected = &beam.expected.as_chunks::<BLOCK>().0[block];
-        for (sum, &bin) in sums.iter_mut().zip(expected) {
-            *sum += u16::from(beam.costs[usize::from(bin)]);
-        }
-    }
-    sums
 }
 
-/// Multiplies a plane by the weights of a scan (Eq. (2) without the normalizer) and returns its
-/// sum; cells below `threshold` are multiplied by the average weight (Eq. (3)), also those that share
-/// a block with others: a mirror pose must not gain on its twin because it lies beside the track.
-/// Cells that are not admissible become 0.
-pub(super) fn weigh(
-    cells: &mut [f32],
-    admissible: &[f32],
-    beams: &[Beam],
-    weights: &[f32; WEIGHTS],
-    average: f32,
-    threshold: f32,
-) -> f64 {
-    let mut mass = 0.0;
-    let blocks = cells.as_chunks_mut::<BLOCK>().0.iter_mut().zip(admissible.as_chunks::<BLOCK>().0);
-    for (block, (cells, admissible)) in blocks.enumerate() {
+/// Multiplies a part by the weights of a scan (Eq. (2) without the normalizer); cells below the
+/// threshold, also those that share a block with others, and empty blocks are multiplied by the
+/// average weight (Eq. (3)): a mirror pose must not gain on its twin because it lies beside the
+/// track. The cells are read by the part's terms, which bring in the last normalization; cells that
+/// are not admissible become 0. What is stored and returned is [`LIFT`] times as large.
+///
+/// # Deviation
+/// A weight is at least 2⁻¹⁰⁰ and an admissible cell is read as at least [`FLOOR`], so that no
+/// number becomes denormal.
+#[inline(always)]
+pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
+    let [factor, floor] = part.terms;
+    let lifted = [factor * LIFT, floor * LIFT];
+    let threshold = part.threshold * LIFT;
+    let cells = part.cells.as_chunks_mut::<BLOCK>().0;
+    let admissible = part.admissible.as_chunks::<BLOCK>().0;
+    let mut lanes = Lanes::new();
+    let (mut loud, mut count) = ([0; TILE_BLOCKS], 0);
+    for (block, (cells, admissible)) in cells.iter_mut().zip(admissible).enumerate() {
         let peak = block_peak(cells);
-        if peak == 0.0 {
-            continue;
-        }
-        if peak < threshold || beams.is_empty() {
-            for (cell, admissible) in cells.iter_mut().zip(admissible) {
-                *cell *= average * admissible;
-            }
+        if !part.beams.is_empty() && peak > 0.0 && peak * factor + floor >= part.threshold {
+            loud[count] = block;
+            count += 1;
         } else {
-            let sums = block_costs(beams, block);
-            for ((cell, admissible), &sum) in cells.iter_mut().zip(admissible).zip(&sums) {
-                let weight = if *cell < threshold { average } else { weights[usize::from(sum) & (WEIGHTS - 1)] };
-                *cell *= weight * admissible;
-            }
+            let weigh = |_, value| value * part.average;
+            weigh_block(cells, admissible, lifted, &mut lanes, weigh);
         }
-        mass += block_sum(cells);
     }
-    mass
+    let loud = &loud[..count];
+    let mut sums = [[0; BLOCK]; TILE_BLOCKS];
+    cost_sums(&mut sums, part.beams, loud);
+    for (sums, &block) in sums.iter().zip(loud) {
+        let weigh = |lane: usize, value| {
+            let weight = exp2(f32::from(sums[lane]) * part.log2_per_cost);
+            value * if value < threshold { part.average } else { weight }
+        };
+        weigh_block(&mut cells[block], &admissible[block], lifted, &mut lanes, weigh);
+    }
+    lanes.extent()
 }
 
-/// Smallest value of an admissible cell: no product of such a cell and a tempered weight becomes
-/// a denormal number, which would cost a factor of five in time.
-const FLOOR: f32 = 1e-30;
-
-/// `cell · scale + add` where admissible; returns the largest cell.
-pub(super) fn rescale(cells: &mut [f32], admissible: &[f32], scale: f32, add: f32) -> f32 {
-    let mut lanes = [0f32; 16];
-    let chunks = cells.as_chunks_mut::<16>().0.iter_mut().zip(admissible.as_chunks::<16>().0);
-    for (cells, admissible) in chunks {
-        for ((cell, admissible), lane) in cells.iter_mut().zip(admissible).zip(&mut lanes) {
-            let value = *cell * scale + add;
-            let value = if value > FLOOR { value } else { FLOOR } * admissible;
-            *cell = value;
-            *lane = if value > *lane { value } else { *lane };
+/// Multiplies a block, read by lifted terms, by a weight for each lane.
+#[inline(always)]
+fn weigh_block(
+    cells: &mut [f32; BLOCK],
+    admissible: &[f32; BLOCK],
+    [factor, floor]: [f32; 2],
+    lanes: &mut Lanes,
+    weigh: impl Fn(usize, f32) -> f32,
+) {
+    let chunks = cells.as_chunks_mut::<LANES>().0.iter_mut().zip(admissible.as_chunks::<LANES>().0);
+    for (chunk, (cells, admissible)) in chunks.enumerate() {
+        for lane in 0..LANES {
+            let value = larger(cells[lane] * factor + floor, FLOOR * LIFT);
+            cells[lane] = weigh(chunk * LANES + lane, value) * admissible[lane];
         }
+        lanes.add(cells);
     }
-    lanes.iter().fold(0.0, |peak, &lane| if lane > peak { lane } else { peak })
+}
+
+/// `cell · factor + floor` where admissible, else 0.
+pub(super) fn apply_terms(cells: &mut [f32], admissible: &[f32], [factor, floor]: [f32; 2]) {
+    for (cell, admissible) in cells.iter_mut().zip(admissible) {
+        *cell = larger(*cell * factor + floor, FLOOR) * admissible;
+    }
 }
 
 /// Moves a plane by whole cells; what leaves it is lost, what enters is 0.
@@ -179,33 +329,67 @@ pub(super) fn blur(cells: &mut [f32], columns: usize, rows: usize, spread_x: f32
     }
 }
 
-/// Adds `share` of another plane, moved by whole cells.
-pub(super) fn add_shifted(
-    out: &mut [f32],
-    other: &[f32],
-    (columns, rows): (usize, usize),
-    (by_columns, by_rows): (i64, i64),
-    share: f32,
-) {
-    let clip = |by: i64, count: usize| {
-        let first = by.clamp(0, count as i64);
-        let end = (count as i64 + by).clamp(first, count as i64);
-        (first as usize, end as usize)
-    };
-    let (left, right) = clip(by_columns, columns);
-    let (low, high) = clip(by_rows, rows);
-    for row in low..high {
-        let from = (row as i64 - by_rows) as usize * columns;
-        let source = &other[(from as i64 + left as i64 - by_columns) as usize..][..right - left];
-        for (cell, value) in out[row * columns + left..row * columns + right].iter_mut().zip(source) {
-            *cell += share * value;
+/// What a plane gets from another one.
+pub(super) struct Share<'a> {
+    /// The other plane.
+    pub cells: &'a [f32],
+    /// By how many columns and rows it is moved.
+    pub by_cells: [i64; 2],
+    /// What it is multiplied by.
+    pub share: f32,
+}
+
+impl Share<'_> {
+    /// Nothing.
+    pub(super) const fn none() -> Self {
+        Self { cells: &[], by_cells: [0; 2], share: 0.0 }
+    }
+}
+
+/// `keep` of a plane and shares of others.
+pub(super) fn blended(own: &[f32], keep: f32, shares: &[Share; 2], (columns, rows): (usize, usize)) -> Vec<f32> {
+    let mut out: Vec<f32> = Vec::with_capacity(own.len());
+    for (row, cells) in own.chunks_exact(columns).take(rows).enumerate() {
+        out.extend(cells.iter().map(|cell| keep * cell));
+        for share in shares {
+            add_row(&mut out[row * columns..], row, share, (columns, rows));
         }
+    }
+    out.resize(own.len(), 0.0);
+    out
+}
+
+/// Adds one row of a share.
+fn add_row(out: &mut [f32], row: usize, other: &Share, (columns, rows): (usize, usize)) {
+    let [by_columns, by_rows] = other.by_cells;
+    let from = row as i64 - by_rows;
+    if other.cells.is_empty() || from < 0 || from >= rows as i64 {
+        return;
+    }
+    let left = by_columns.clamp(0, columns as i64);
+    let right = (columns as i64 + by_columns).clamp(left, columns as i64);
+    let source = &other.cells[(from * columns as i64 + left - by_columns) as usize..];
+    for (cell, value) in out[left as usize..right as usize].iter_mut().zip(source) {
+        *cell += other.share * value;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exponential_and_logarithm_are_as_exact_as_they_say() {
+        for step in 0..=100_000 {
+            let x = -100.0 * step as f32 / 100_000.0;
+            let exact = libm::exp2(f64::from(x));
+            assert!((f64::from(exp2(x)) / exact - 1.0).abs() < 3e-7, "{x}");
+            let p = exp2(x);
+            assert!((f64::from(ln(p)) - libm::log(f64::from(p))).abs() < 2e-6 - 1e-7 * libm::log(exact), "{p}");
+        }
+        assert_eq!(exp2(-1e9), exp2(LEAST_LOG2));
+        assert_eq!(0.0 * ln(0.0), 0.0);
+    }
 
     #[test]
     fn a_shift_moves_a_point_and_drops_what_leaves() {
@@ -237,14 +421,15 @@ mod tests {
     }
 
     #[test]
-    fn adding_a_shifted_plane_is_shifting_and_adding() {
+    fn blending_in_a_moved_plane_is_shifting_and_adding() {
         let source: Vec<f32> = (0..64).map(|i| if i < 63 { i as f32 } else { 0.0 }).collect();
-        for (dx, dy) in [(0, 0), (1, -1), (-2, 2), (9, 0)] {
+        for (dx, dy) in [(0, 0), (1, -1), (-2, 2), (9, 0), (-12, 8)] {
             let mut moved = source.clone();
             shift(&mut moved, 9, 7, dx, dy);
-            let mut out = vec![0.0; 64];
-            add_shifted(&mut out, &source, (9, 7), (dx, dy), 1.0);
-            assert_eq!(moved[..63], out[..63]);
+            let shares = [Share { cells: &source, by_cells: [dx, dy], share: 2.0 }, Share::none()];
+            let out = blended(&source, 0.5, &shares, (9, 7));
+            let expected: Vec<f32> = source.iter().zip(&moved).map(|(own, other)| 0.5 * own + 2.0 * other).collect();
+            assert_eq!(out, expected);
         }
     }
 }

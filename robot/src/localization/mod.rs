@@ -18,6 +18,7 @@ mod parameters;
 mod plane;
 mod ray;
 mod sensor;
+mod simd;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -31,4 +32,5 @@ pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, Sens
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
 pub use sensor::{NO_ECHO, SensorModel};
+pub use simd::Instructions;
 pub use summary::Maximum;

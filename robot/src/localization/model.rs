@@ -1,9 +1,11 @@
 //! Everything about localization that never changes during a mission.
 
 use super::grid::{BeliefGrid, State};
+use super::kernel::TILE;
 use super::parameters::{LocalizationParameters, SONARS};
 use super::ray::DistanceField;
 use super::sensor::{self, BINS, SensorModel};
+use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 use rayon::prelude::*;
@@ -42,8 +44,10 @@ pub struct LocalizationModel {
     pub(super) admissible: Arc<Vec<f32>>,
     /// How many of them there are in one plane.
     pub(super) admissible_cells: usize,
-    /// `[direction][row][column]` bins, each plane padded to whole blocks.
-    expected: Vec<u8>,
+    /// `[tile][direction]` bins of the cells of a tile: what is read together lies together.
+    expected: Vec<[u8; TILE]>,
+    /// What the loops over cells are run with.
+    pub(super) instructions: Instructions,
     /// Expected scans of states spread evenly over all admissible ones.
     samples: Vec<[u8; SONARS]>,
     /// The model of the coarse belief that watches, if there is one.
@@ -84,6 +88,7 @@ impl LocalizationModel {
             admissible: Arc::new(admissible),
             admissible_cells: count,
             expected,
+            instructions: Instructions::fastest(),
             samples: Vec::new(),
             watch,
         };
@@ -111,16 +116,25 @@ impl LocalizationModel {
         self.parameters.activity_threshold * self.prior()
     }
 
-    /// Expected bins of one direction, a padded plane.
-    pub(super) fn expected_plane(&self, direction: usize) -> &[u8] {
-        let len = self.grid.plane_len();
-        &self.expected[direction * len..][..len]
+    /// The same model with its loops run by these instructions: slower or faster, with the same bits.
+    pub fn with_instructions(self, instructions: Instructions) -> Self {
+        let watch = self.watch.map(|coarse| Box::new(coarse.with_instructions(instructions)));
+        Self { instructions, watch, ..self }
+    }
+
+    /// Expected bins of one tile, by direction.
+    pub(super) fn expected_tile(&self, tile: usize) -> &[[u8; TILE]] {
+        &self.expected[tile * self.grid.directions..][..self.grid.directions]
+    }
+
+    fn expected_bin(&self, direction: usize, cell: usize) -> u8 {
+        self.expected_tile(cell / TILE)[direction][cell % TILE]
     }
 
     /// The noise-free scan at a state, in bins.
     pub fn expected_scan(&self, state: State) -> [u8; SONARS] {
         let cell = state.row * self.grid.columns + state.column;
-        std::array::from_fn(|sonar| self.expected_plane(self.grid.direction(state.heading, sonar))[cell])
+        std::array::from_fn(|sonar| self.expected_bin(self.grid.direction(state.heading, sonar), cell))
     }
 
     /// The state around a pose, if it is on the grid.
@@ -183,13 +197,13 @@ fn admissible_cells(map: &OccupancyGrid, field: &DistanceField, grid: &BeliefGri
     cells
 }
 
-/// Expected bins `[direction][row][column]`: the nearest surface in the cone around the direction.
+/// Expected bins `[tile][direction]`: the nearest surface in the cone around the direction.
 fn expected_bins(
     field: &DistanceField,
     grid: &BeliefGrid,
     admissible: &[f32],
     parameters: &LocalizationParameters,
-) -> Vec<u8> {
+) -> Vec<[u8; TILE]> {
     let rays: Vec<(f64, f64)> = (0..grid.directions)
         .map(|direction| {
             let (sin, cos) = libm::sincos(direction as f64 * std::f64::consts::TAU / grid.directions as f64);
@@ -208,11 +222,16 @@ fn expected_bins(
             widen_to_cones(&cast_row(field, &centres, &rays, stride, parameters), grid.columns, half_cone)
         })
         .collect();
-    let mut expected = vec![0; grid.directions * grid.plane_len()];
-    for (direction, plane) in expected.chunks_exact_mut(grid.plane_len()).enumerate() {
+    let tiles = grid.plane_len().div_ceil(TILE);
+    let mut expected = vec![[0; TILE]; tiles * grid.directions];
+    let mut plane = vec![0; tiles * TILE];
+    for direction in 0..grid.directions {
         for (row, bins) in rows.iter().enumerate() {
             plane[row * grid.columns..][..grid.columns]
                 .copy_from_slice(&bins[direction * grid.columns..][..grid.columns]);
+        }
+        for (tile, bins) in plane.as_chunks::<TILE>().0.iter().enumerate() {
+            expected[tile * grid.directions + direction] = *bins;
         }
     }
     expected

@@ -1,7 +1,7 @@
 //! One plane of the belief: all cells of equal heading.
 
 use super::grid::BeliefGrid;
-use super::kernel;
+use super::kernel::{self, Extent};
 use super::model::LocalizationModel;
 use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
@@ -16,20 +16,15 @@ const BLUR_MOST: f64 = 0.5;
 /// Whether a plane takes part in updates (Beetz et al. §2.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Activity {
-    /// Its cells are the belief.
+    /// It is moved and weighed.
     Active,
-    /// All its cells are below θ; a cell is worth `factor · stored + floor`.
+    /// All its cells are below θ: only its terms change.
     ///
     /// # Deviation
     /// The paper keeps the factor α_π alone and brings a part back when α_π > 1. Mixing adds the
     /// same amount to every cell, which stays exact as the second term; the plane comes back when
     /// its largest cell reaches θ, which for a floor of 0 is the paper's rule.
-    Inactive {
-        /// α_π: the product of the normalization factors since it was deactivated.
-        factor: f64,
-        /// What mixing has added to each admissible cell since.
-        floor: f64,
-    },
+    Inactive,
 }
 
 /// The cells of one heading. Clones share the cells until one of them is written.
@@ -37,8 +32,13 @@ pub enum Activity {
 pub struct Plane {
     /// `[row][column]`, padded to whole blocks; empty for a plane with factor 0.
     pub(super) cells: Arc<Vec<f32>>,
-    /// Whether the cells are the belief.
+    /// Whether it takes part in updates.
     pub(super) activity: Activity,
+    /// A cell is worth `factor · stored + floor`: the normalization that the next pass over the
+    /// cells brings in; for an inactive plane α_π, all normalizations since it was deactivated.
+    pub(super) factor: f64,
+    /// What mixing has added to each admissible cell, as above.
+    pub(super) floor: f64,
     /// Where cells really are, relative to their middles, in cells along x and y: motion that is
     /// not yet applied. At most half a cell for an active plane; a_π for an inactive one.
     pub(super) offset_cells: [f64; 2],
@@ -53,9 +53,17 @@ pub struct Plane {
 impl Plane {
     /// An active plane of these cells.
     pub(super) fn active(cells: Arc<Vec<f32>>) -> Self {
-        let (stored_mass, stored_peak) = (kernel::sum(&cells), kernel::peak(&cells));
-        let activity = Activity::Active;
-        Self { cells, activity, offset_cells: [0.0; 2], variance_cells: [0.0; 2], stored_mass, stored_peak }
+        let extent = kernel::extent(&cells);
+        Self {
+            cells,
+            activity: Activity::Active,
+            factor: 1.0,
+            floor: 0.0,
+            offset_cells: [0.0; 2],
+            variance_cells: [0.0; 2],
+            stored_mass: extent.mass,
+            stored_peak: extent.peak,
+        }
     }
 
     /// Whether the plane takes part in updates.
@@ -69,17 +77,13 @@ impl Plane {
     }
 
     /// Factor and floor by which stored cells are read.
-    fn terms(&self) -> (f64, f64) {
-        match self.activity {
-            Activity::Active => (1.0, 0.0),
-            Activity::Inactive { factor, floor } => (factor, floor),
-        }
+    pub(super) fn terms(&self) -> [f32; 2] {
+        [self.factor as f32, self.floor as f32]
     }
 
     /// Probability of one admissible cell.
     pub(super) fn value(&self, cell: usize) -> f64 {
-        let (factor, floor) = self.terms();
-        factor * self.cells.get(cell).copied().map_or(0.0, f64::from) + floor
+        self.factor * self.cells.get(cell).copied().map_or(0.0, f64::from) + self.floor
     }
 
     /// Probability of the cell around a point, or of the likeliest one beside it if it cannot be
@@ -103,14 +107,12 @@ impl Plane {
 
     /// Probability of the whole plane.
     pub(super) fn mass(&self, model: &LocalizationModel) -> f64 {
-        let (factor, floor) = self.terms();
-        factor * self.stored_mass + floor * model.admissible_cells as f64
+        self.factor * self.stored_mass + self.floor * model.admissible_cells as f64
     }
 
     /// Largest probability of a cell.
     pub(super) fn peak(&self) -> f64 {
-        let (factor, floor) = self.terms();
-        factor * f64::from(self.stored_peak) + floor
+        self.factor * f64::from(self.stored_peak) + self.floor
     }
 
     /// Where a cell's middle really is, in fractions of a cell.
@@ -135,19 +137,22 @@ impl Plane {
         }
     }
 
+    /// Takes in that the cells were read by the terms and weighed.
+    pub(super) fn weighed(&mut self, extent: Extent) {
+        (self.factor, self.floor) = (1.0, 0.0);
+        (self.stored_mass, self.stored_peak) = (extent.mass, extent.peak);
+    }
+
     /// The cells, copied first if a fork shares them.
     pub(super) fn cells_mut(&mut self) -> &mut Vec<f32> {
         Arc::make_mut(&mut self.cells)
     }
 
-    /// Stops updating the plane.
-    pub(super) fn deactivate(&mut self) {
-        self.activity = Activity::Inactive { factor: 1.0, floor: 0.0 };
-    }
-
     /// Applies factor, floor and motion to the cells and updates the plane from now on.
     pub(super) fn activate(&mut self, model: &LocalizationModel) {
-        let Activity::Inactive { factor, floor } = self.activity else { return };
+        if self.is_active() {
+            return;
+        }
         self.activity = Activity::Active;
         if self.cells.is_empty() {
             self.cells = Arc::new(vec![0.0; model.grid.plane_len()]);
@@ -155,15 +160,19 @@ impl Plane {
             self.variance_cells = [0.0; 2];
         }
         self.apply_motion(&model.grid);
-        self.stored_peak = kernel::rescale(self.cells_mut(), &model.admissible, factor as f32, floor as f32);
-        self.stored_mass = kernel::sum(&self.cells);
+        let terms = self.terms();
+        kernel::apply_terms(self.cells_mut(), &model.admissible, terms);
+        *self = Self {
+            offset_cells: self.offset_cells,
+            variance_cells: self.variance_cells,
+            ..Self::active(std::mem::take(&mut self.cells))
+        };
     }
 
     /// Drops stored cells that no longer matter beside the floor.
     pub(super) fn forget_if_negligible(&mut self) {
-        let Activity::Inactive { factor, floor } = &mut self.activity else { return };
-        if *floor > 0.0 && *factor * f64::from(self.stored_peak) < 1e-3 * *floor {
-            *factor = 0.0;
+        if self.floor > 0.0 && self.factor * f64::from(self.stored_peak) < 1e-3 * self.floor {
+            self.factor = 0.0;
             self.cells = Arc::default();
             self.stored_mass = 0.0;
             self.stored_peak = 0.0;

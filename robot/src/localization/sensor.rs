@@ -1,6 +1,6 @@
 //! P(s | o): how likely a sonar reading is where a distance is expected, as byte tables.
 
-use super::kernel::WEIGHTS;
+use super::kernel;
 use super::parameters::{SONARS, SensorParameters};
 
 /// The bin of a reading, or an expected distance, without an echo in range.
@@ -13,11 +13,8 @@ pub(super) const BINS: usize = 256;
 /// beam, and the clip at 255 is 8 nats, beyond what the uniform part of the mixture allows.
 const UNITS_PER_NAT: f64 = 32.0;
 
-/// Every sum of the table's bytes over one scan has a weight.
-const _: () = assert!(SONARS * (u8::MAX as usize) < WEIGHTS);
-
-/// Smallest weight of a scan: keeps products of floats out of the denormal range.
-const MIN_WEIGHT: f64 = 1e-30;
+/// Every sum of the table's bytes over one scan fits into 16 bits.
+const _: () = assert!(SONARS * (u8::MAX as usize) <= u16::MAX as usize);
 
 /// The sensor model, quantised.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +22,8 @@ pub struct SensorModel {
     max_range_m: f64,
     /// `[measured][expected]`: −ln P(measured | expected), less its smallest value over expected.
     costs: Vec<[u8; BINS]>,
-    /// Tempered weight of a scan by the sum of its bytes.
-    weights: Box<[f32; WEIGHTS]>,
+    /// Binary logarithm of the weight a unit of cost amounts to, tempered.
+    log2_per_cost: f32,
 }
 
 impl SensorModel {
@@ -42,11 +39,8 @@ impl SensorModel {
                 })
             })
             .collect();
-        let mut weights = Box::new([MIN_WEIGHT as f32; WEIGHTS]);
-        for (sum, weight) in weights.iter_mut().enumerate() {
-            *weight = tempered(tempering, sum).max(MIN_WEIGHT) as f32;
-        }
-        Self { max_range_m: parameters.max_range_m, costs, weights }
+        let log2_per_cost = (-tempering / UNITS_PER_NAT * std::f64::consts::LOG2_E) as f32;
+        Self { max_range_m: parameters.max_range_m, costs, log2_per_cost }
     }
 
     /// The bin of a distance.
@@ -64,19 +58,15 @@ impl SensorModel {
         &self.costs[usize::from(measured)]
     }
 
-    /// Tempered weights of a scan, by the sum of its costs.
-    pub(super) fn weights(&self) -> &[f32; WEIGHTS] {
-        &self.weights
+    /// Binary logarithm of the weight a unit of cost amounts to.
+    pub(super) fn log2_per_cost(&self) -> f32 {
+        self.log2_per_cost
     }
 
     /// Tempered weight of a scan whose costs have this sum.
     pub fn weight(&self, sum: usize) -> f64 {
-        f64::from(self.weights[sum.min(WEIGHTS - 1)])
+        f64::from(kernel::exp2(sum as f32 * self.log2_per_cost))
     }
-}
-
-fn tempered(tempering: f64, sum: usize) -> f64 {
-    libm::exp(-tempering * sum as f64 / UNITS_PER_NAT)
 }
 
 /// The bin of a distance under a maximal range.

@@ -4,7 +4,7 @@ use super::belief::Belief;
 use super::grid::State;
 use super::kernel;
 use super::model::LocalizationModel;
-use super::plane::{Activity, Plane};
+use super::plane::Plane;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,7 @@ impl Belief {
             .reduce(|best, next| if self.planes[next].peak() > self.planes[best].peak() { next } else { best });
         let heading = highest.unwrap_or(0);
         let cells = &self.planes[heading].cells;
-        let peak = kernel::peak(cells);
+        let peak = kernel::extent(cells).peak;
         let cell = cells.iter().position(|&value| value == peak).unwrap_or(0);
         self.refined(model, self.pose(model, heading, cell))
     }
@@ -138,8 +138,8 @@ impl Belief {
     /// within 0.5 m and 15° of each other. O(active states), a few milliseconds for all of them.
     pub fn maxima(&self, model: &LocalizationModel, max_count: usize, min_mass: f64) -> Vec<Maximum> {
         let peak = self.planes.iter().map(Plane::peak).fold(0.0, f64::max);
-        let cutoff = (peak * MAXIMUM_SHARE) as f32;
-        let mut summits: Vec<(f32, usize, usize)> = (0..self.planes.len())
+        let cutoff = peak * MAXIMUM_SHARE;
+        let mut summits: Vec<(f64, usize, usize)> = (0..self.planes.len())
             .into_par_iter()
             .flat_map_iter(|heading| self.summits(model, heading, cutoff))
             .collect();
@@ -187,9 +187,9 @@ impl Belief {
     }
 
     /// Cells of an active plane above the cutoff that no neighbour exceeds, with their values.
-    fn summits(&self, model: &LocalizationModel, heading: usize, cutoff: f32) -> Vec<(f32, usize, usize)> {
+    fn summits(&self, model: &LocalizationModel, heading: usize, cutoff: f64) -> Vec<(f64, usize, usize)> {
         let plane = &self.planes[heading];
-        if !plane.is_active() || plane.stored_peak < cutoff {
+        if !plane.is_active() || plane.peak() < cutoff {
             return Vec::new();
         }
         let count = self.planes.len();
@@ -197,7 +197,8 @@ impl Belief {
         let columns = model.grid.columns;
         let mut summits = Vec::new();
         for (cell, &value) in plane.cells.iter().enumerate() {
-            if value <= cutoff {
+            let probability = plane.value(cell);
+            if probability <= cutoff {
                 continue;
             }
             // A plateau has one summit: its first cell.
@@ -207,9 +208,8 @@ impl Belief {
             let later = [1, columns - 1, columns, columns + 1]
                 .iter()
                 .all(|&on| plane.cells.get(cell + on).is_none_or(|&next| next <= value));
-            let value_f64 = f64::from(value);
-            if earlier && later && before.value(cell) < value_f64 && after.value(cell) <= value_f64 {
-                summits.push((value, heading, cell));
+            if earlier && later && before.value(cell) < probability && after.value(cell) <= probability {
+                summits.push((probability, heading, cell));
             }
         }
         summits
@@ -220,11 +220,12 @@ impl Belief {
         let parts: Vec<f64> = self
             .planes
             .par_iter()
-            .map(|plane| match plane.activity {
-                Activity::Inactive { factor, floor } if factor * plane.stored_mass < 1e-3 * floor => {
-                    model.admissible_cells as f64 * entropy_term(floor)
+            .map(|plane| {
+                if plane.factor * plane.stored_mass < 1e-3 * plane.floor {
+                    model.admissible_cells as f64 * entropy_term(plane.floor)
+                } else {
+                    model.instructions.entropy(&plane.cells, &model.admissible, plane.terms())
                 }
-                _ => plane_entropy(plane, model),
             })
             .collect();
         parts.iter().sum()
@@ -259,9 +260,4 @@ fn clip(middle: f64, reach: f64, count: usize) -> std::ops::Range<usize> {
 
 fn entropy_term(probability: f64) -> f64 {
     if probability > 0.0 { -probability * libm::log(probability) } else { 0.0 }
-}
-
-fn plane_entropy(plane: &Plane, model: &LocalizationModel) -> f64 {
-    let cells = model.admissible.iter().enumerate().filter(|&(_, &admissible)| admissible > 0.0);
-    cells.map(|(cell, _)| entropy_term(plane.value(cell))).sum()
 }

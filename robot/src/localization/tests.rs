@@ -156,6 +156,62 @@ fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
 }
 
 #[test]
+fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
+    let error = OdometryError { forward_m: 0.25, sideward_m: 0.1, turn_per_metre_rad: 0.2, turn_per_radian_rad: 0.0 };
+    let model = model(LocalizationParameters { odometry: error, mixing: 0.0, activity_threshold: 0.0, ..parameters() });
+    let mut belief = Belief::around(&model, Pose::new(2.5, 2.0, 0.7), Spread { position_m: 0.8, heading_rad: 0.8 });
+    let before = belief.clone();
+    let motion = Pose::new(0.5, 0.1, 0.6);
+    belief.advance(&model, motion);
+    let (grid, headings) = (&model.grid, model.grid.headings);
+    let distance_m = libm::hypot(motion.x_m, motion.y_m);
+    let step = grid.angle_step_rad();
+    // What the error model gives along and across the heading, and of the heading, in cells and steps.
+    let [forward, sideward] = [0.25, 0.1].map(|error_m| error_m * error_m * distance_m / (grid.cell_m * grid.cell_m));
+    let turn_spread = (0.2 / step) * (0.2 / step) * distance_m / 2.0;
+    let turned = libm::round(before.heading_offset + motion.heading_rad / step) as usize;
+    let moved: Vec<[[f64; 2]; 2]> = (0..headings)
+        .map(|heading| {
+            let (sin, cos) = libm::sincos(before.heading_rad(&model, heading));
+            let by = [cos * motion.x_m - sin * motion.y_m, sin * motion.x_m + cos * motion.y_m];
+            let offset = before.planes()[heading].offset_cells;
+            let variance = [cos * cos * forward + sin * sin * sideward, sin * sin * forward + cos * cos * sideward];
+            [[offset[0] + by[0] / grid.cell_m, offset[1] + by[1] / grid.cell_m], variance]
+        })
+        .collect();
+    let rest = |heading: usize| moved[heading][0].map(|cells| cells - libm::round(cells));
+    let taps = |spread: f64| [(-1i64, spread), (0, 1.0 - 2.0 * spread), (1, spread)];
+    let on_grid =
+        |column: i64, row: i64| (0..grid.columns as i64).contains(&column) && (0..grid.rows as i64).contains(&row);
+    let mut exact = vec![vec![0.0; grid.cells()]; headings];
+    for state in states(&model) {
+        let [by, variance] = moved[state.heading];
+        let from = before.probability(&model, state);
+        let (column, row) =
+            (state.column as i64 + libm::round(by[0]) as i64, state.row as i64 + libm::round(by[1]) as i64);
+        for (dx, x_share) in taps(variance[0] / 2.0) {
+            for (dy, y_share) in taps(variance[1] / 2.0) {
+                for (turn, turn_share) in taps(turn_spread) {
+                    let beside = (state.heading as i64 + turn).rem_euclid(headings as i64) as usize;
+                    let aligned = [0, 1].map(|axis| libm::round(rest(state.heading)[axis] - rest(beside)[axis]) as i64);
+                    let (c, r) = (column + dx + aligned[0], row + dy + aligned[1]);
+                    if on_grid(column, row) && on_grid(column + dx, row + dy) && on_grid(c, r) {
+                        let to = &mut exact[(beside + turned) % headings][r as usize * grid.columns + c as usize];
+                        *to += from * x_share * y_share * turn_share;
+                    }
+                }
+            }
+        }
+    }
+    assert!(forward > 0.04 && turn_spread > 0.1 && turned > 0);
+    for (plane, exact) in belief.planes().iter().zip(&exact) {
+        for (cell, exact) in exact.iter().enumerate() {
+            assert!((plane.value(cell) - exact).abs() < 1e-6 * exact.max(1e-4), "{} {exact}", plane.value(cell));
+        }
+    }
+}
+
+#[test]
 fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
     let tempering = 0.7;
     let full = LocalizationParameters { tempering, mixing: 0.0, activity_threshold: 0.0, ..parameters() };
@@ -283,6 +339,12 @@ fn a_refuted_belief_is_uniform() {
     let uniform = Localization::start_uniform(&model).entropy(&model);
     assert!((localization.entropy(&model) - uniform).abs() < 1e-3);
     assert!(localization.estimate(&model).certainty < 0.2);
+    let mut odometry = Pose::default();
+    for _ in 0..40 {
+        odometry = odometry.compose(Pose::new(0.02, 0.0, 0.2));
+        localization.observe(&model, odometry, None);
+        assert!((localization.belief().mass(&model) - 1.0).abs() < 1e-3, "{}", localization.belief().mass(&model));
+    }
 }
 
 #[test]
@@ -362,6 +424,27 @@ fn the_number_of_threads_changes_no_bit() {
         })
     };
     assert!(run(1) == run(2));
+}
+
+#[test]
+fn all_instructions_give_the_same_bits() {
+    let run = |instructions: Instructions| {
+        let model = model(fine()).with_instructions(instructions);
+        let mut localization = Localization::start_uniform(&model);
+        let mut bytes = Vec::new();
+        for (step, (odometry, mut scan_m)) in drive(&model, 10_004, 16).into_iter().enumerate() {
+            // Any number of readings, also one that is no multiple of what is looked up together.
+            scan_m[SONARS - step % SONARS..].fill(f32::NAN);
+            localization.observe(&model, odometry, Some(&scan_m));
+            bytes.push(postcard::to_allocvec(&localization).expect("it can be written"));
+            bytes.push(localization.entropy(&model).to_bits().to_le_bytes().to_vec());
+        }
+        bytes
+    };
+    let portable = run(Instructions::PORTABLE);
+    for instructions in Instructions::available() {
+        assert!(run(instructions) == portable, "{}", instructions.name());
+    }
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Eq. (2) for all active planes: the loop that takes nearly all the time.
 
-use super::grid::BLOCK;
-use super::kernel::{self, Beam};
+use super::kernel::{Beam, Extent, Part, TILE, TOGETHER};
 use super::model::LocalizationModel;
 use super::plane::Plane;
 use rayon::prelude::*;
@@ -9,60 +8,81 @@ use rayon::prelude::*;
 /// With fewer active planes than this, handing them to other threads costs more than it gains.
 pub(super) const PLANES_FOR_THREADS: usize = 32;
 
-/// Cells of a tile, whole blocks; the table of expected distances for one, all directions, is some
-/// 360 kB and fits a second-level cache.
-const TILE: usize = 16 * BLOCK;
+/// The costs of a beam that says nothing.
+const SILENT: [u8; 256] = [0; 256];
 
-/// A scan to be weighed: bins by sonar, and the average weight of such a scan.
+/// A scan to be weighed.
 struct Evidence<'m> {
     model: &'m LocalizationModel,
-    readings: &'m [(usize, u8)],
+    /// Costs of each reading, by expected bin.
+    costs: Vec<&'m [u8; 256]>,
+    /// The average weight of such a scan.
     average: f64,
 }
 
-/// Multiplies the active planes by the weights of a scan and sums them.
+/// What a tile has to know of one plane.
+struct PlanePart<'p> {
+    cells: &'p mut [f32],
+    terms: [f32; 2],
+    /// Where each reading looks into the table of expected distances.
+    directions: &'p [usize],
+}
+
+/// Multiplies the active planes by the weights of a scan, bringing in their factor and floor, and
+/// sums them.
 ///
 /// The cells are visited tile by tile and within a tile plane by plane: neighbouring headings look
 /// into the same directions of the table, whose part for one tile stays in the cache. Tiles share
 /// nothing, and their sums are added in order, whatever the number of threads.
 pub(super) fn weigh_planes(planes: &mut [Plane], model: &LocalizationModel, readings: &[(usize, u8)], average: f64) {
-    let evidence = Evidence { model, readings, average };
-    let mut tiles: Vec<Vec<(usize, &mut [f32])>> = Vec::new();
+    let costs = readings.iter().map(|&(_, bin)| model.sensor.costs(bin)).collect();
+    let evidence = Evidence { model, costs, average };
+    let directions: Vec<Vec<usize>> = (0..planes.len())
+        .map(|heading| readings.iter().map(|&(beam, _)| model.grid.direction(heading, beam)).collect())
+        .collect();
+    let mut tiles: Vec<Vec<PlanePart>> = Vec::new();
     tiles.resize_with(model.grid.plane_len().div_ceil(TILE), Vec::new);
-    for (heading, plane) in planes.iter_mut().enumerate().filter(|(_, plane)| plane.is_active()) {
+    for (plane, directions) in planes.iter_mut().zip(&directions).filter(|(plane, _)| plane.is_active()) {
+        let terms = plane.terms();
         for (tile, cells) in tiles.iter_mut().zip(plane.cells_mut().chunks_mut(TILE)) {
-            tile.push((heading, cells));
+            tile.push(PlanePart { cells, terms, directions });
         }
     }
     let threads =
         tiles.first().is_some_and(|tile| tile.len() >= PLANES_FOR_THREADS) && rayon::current_num_threads() > 1;
-    let sums: Vec<Vec<f64>> = if threads {
+    let extents: Vec<Vec<Extent>> = if threads {
         tiles.into_par_iter().enumerate().map(|(index, tile)| evidence.weigh_tile(index, tile)).collect()
     } else {
         tiles.into_iter().enumerate().map(|(index, tile)| evidence.weigh_tile(index, tile)).collect()
     };
     for (index, plane) in planes.iter_mut().filter(|plane| plane.is_active()).enumerate() {
-        plane.stored_mass = sums.iter().map(|tile| tile[index]).sum();
+        plane.weighed(extents.iter().map(|tile| tile[index]).fold(Extent::default(), Extent::and));
     }
 }
 
 impl Evidence<'_> {
-    /// The sums of the planes' parts in one tile.
-    fn weigh_tile(&self, index: usize, tile: Vec<(usize, &mut [f32])>) -> Vec<f64> {
-        tile.into_iter().map(|(heading, cells)| self.weigh_part(heading, index * TILE, cells)).collect()
-    }
-
-    /// The cells of one plane from `first` on.
-    fn weigh_part(&self, heading: usize, first: usize, cells: &mut [f32]) -> f64 {
+    /// Sum and maximum of the planes' parts in one tile.
+    fn weigh_tile(&self, index: usize, tile: Vec<PlanePart>) -> Vec<Extent> {
         let model = self.model;
-        let range = first..first + cells.len();
-        let beam = |&(sonar, bin): &(usize, u8)| Beam {
-            expected: &model.expected_plane(model.grid.direction(heading, sonar))[range.clone()],
-            costs: model.sensor.costs(bin),
+        let expected = model.expected_tile(index);
+        let admissible = &model.admissible[index * TILE..];
+        let silent = Beam { expected: &expected[0], costs: &SILENT };
+        let mut beams = vec![[silent; TOGETHER]; self.costs.len().div_ceil(TOGETHER)];
+        let weigh = |part: PlanePart| {
+            let readings = part.directions.iter().zip(&self.costs);
+            for (beam, (&direction, costs)) in beams.as_flattened_mut().iter_mut().zip(readings) {
+                *beam = Beam { expected: &expected[direction], costs };
+            }
+            model.instructions.weigh(Part {
+                admissible: &admissible[..part.cells.len()],
+                cells: part.cells,
+                terms: part.terms,
+                beams: &beams,
+                log2_per_cost: model.sensor.log2_per_cost(),
+                average: self.average as f32,
+                threshold: model.threshold() as f32,
+            })
         };
-        let beams: Vec<Beam> = self.readings.iter().map(beam).collect();
-        let admissible = &model.admissible[range.clone()];
-        let (average, threshold) = (self.average as f32, model.threshold() as f32);
-        kernel::weigh(cells, admissible, &beams, model.sensor.weights(), average, threshold)
+        tile.into_iter().map(weigh).collect()
     }
 }

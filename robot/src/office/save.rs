@@ -83,7 +83,7 @@ impl SaveOutside for OfficeRobot {
 /// A scenario carried on where it was; `fresh` is the same one at its start.
 fn restored(bytes: &[u8], fresh: System<Oracle>) -> Result<System<Oracle>, String> {
     let symbols = fresh.machine.symbols.clone();
-    let loaded = Loaded { program: fresh.program, symbols, main: 0, warnings: Vec::new() };
+    let loaded = Loaded { program: fresh.program, symbols, main: 0, tests: Vec::new(), warnings: Vec::new() };
     System::load(bytes, fresh.library, loaded, fresh.outside).map_err(|error| format!("in the scenario, {error}"))
 }
 

@@ -23,7 +23,7 @@ pub(super) const NATIVES: &[Native] = &[
         name: "await-signal",
         parameters: "behaviour",
         doc: "Waits for the signal of a behaviour: returns at success, fails with its failure.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: await_signal,
     },
 ];

@@ -82,7 +82,7 @@ fn value(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn set_value(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let (fluent, value) = (call.fluent(0)?, call.argument(1));
+    let (fluent, value) = (call.argument(0), call.argument(1));
     call.machine.assign_fluent(call.around, fluent, value)?;
     Ok(Reply::Value(value))
 }

@@ -39,21 +39,21 @@ pub(super) const NATIVES: &[Native] = &[
         name: "evaporate",
         parameters: "task",
         doc: "Ends a task and all below it; returns when it is dead, clean-ups included.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: evaporate,
     },
     Native {
         name: "suspend",
         parameters: "task",
         doc: "Suspends a task and all below it; suspensions count.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: suspend,
     },
     Native {
         name: "resume",
         parameters: "task",
         doc: "Takes one suspension of a task back; a surplus one does nothing.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: resume,
     },
     Native {
@@ -88,14 +88,14 @@ pub(super) const NATIVES: &[Native] = &[
         name: "wait-time",
         parameters: "seconds",
         doc: "Blocks for a time; 0 goes to the end of the line of its priority.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: wait_time,
     },
     Native {
         name: "at-time",
         parameters: "seconds",
         doc: "Blocks until the clock shows a time; not at all if that is past.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: at_time,
     },
 ];
@@ -128,10 +128,10 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.tasks.find_alive(task).is_none() {
         return Ok(Reply::Value(Value::Nil));
     }
-    call.machine.check_circle(current, index, "the end of a task")?;
+    call.machine.check_circle(current, index, Waiting::Death(index))?;
     let me = call.machine.tasks.reference(current);
     call.machine.tasks[index].rare().mourners.push(me);
-    call.machine.tasks[current].waiting = Waiting::Death(task);
+    call.machine.tasks[current].waiting = Waiting::Death(index);
     Ok(Reply::Wait)
 }
 
@@ -204,7 +204,11 @@ fn wait_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn at_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let rest = seconds(call)? - call.machine.now_s();
+    let time = call.number(0)?;
+    if time.is_nan() {
+        return Err(Raise::type_error("a time must be a number that can be compared"));
+    }
+    let rest = time - call.machine.now_s();
     if rest <= 0.0 {
         return Ok(Reply::Value(Value::Nil));
     }

@@ -10,7 +10,7 @@ pub(super) const NATIVES: &[Native] = &[
         name: "request-valve",
         parameters: "valve",
         doc: "Waits for a valve and keeps it until `release-valve`; prefer `with-valve`.",
-        effect: Effect::Acts,
+        effect: Effect::Waits,
         code: request,
     },
     Native {

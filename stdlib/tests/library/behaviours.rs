@@ -78,7 +78,7 @@ fn dig(text: &str) -> (String, Digger) {
     let loaded = loaded.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let mut system = System::new(library, loaded, Digger::default());
     while system.advance() == Progress::Running {}
-    let shown = system.with_machine(|machine, around| machine.show(around.program, machine.tasks[machine.main].result));
+    let shown = system.with_machine(|machine, around| machine.show(around.program, machine.tasks[machine.main].value));
     (shown, system.outside)
 }
 
@@ -96,6 +96,7 @@ fn it_fails_as_the_behaviour_does() {
     assert_eq!(digger.steps_left, None);
 }
 
+/// r[behaviour.run]
 #[test]
 fn cut_short_it_stops_the_behaviour() {
     let (value, digger) =

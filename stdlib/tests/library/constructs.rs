@@ -2,6 +2,7 @@
 
 use crate::evaluate::{check, check_failures};
 
+/// r[control.conditions]
 #[test]
 fn conditions() {
     check(&[
@@ -59,6 +60,7 @@ fn loops() {
     ]);
 }
 
+/// r[setf.places]
 #[test]
 fn changing_places() {
     check(&[
@@ -167,6 +169,7 @@ fn policies() {
     check_failures(&[("(with-policies ((fail \"policy\")) 5)", "plan-failure: policy")]);
 }
 
+/// r[def.goal]
 #[test]
 fn goals() {
     check(&[(
@@ -219,6 +222,7 @@ fn networks_use_the_library() {
     ]);
 }
 
+/// r[eval.redefine]
 #[test]
 fn the_library_keeps_its_own_meaning() {
     check(&[

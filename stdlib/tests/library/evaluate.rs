@@ -28,8 +28,8 @@ pub fn evaluate(text: &str) -> Result<String, String> {
     let mut system = System::without_robot(library(), "test", text).map_err(|rejected| rejected.render(false))?;
     while system.advance() == Progress::Running {}
     system.with_machine(|machine, around| match machine.tasks[machine.main].state {
-        rpl_runtime::task::State::Succeeded => Ok(machine.write(around.program, machine.tasks[machine.main].result)),
-        _ => Err(machine.show(around.program, machine.tasks[machine.main].result)),
+        rpl_runtime::task::State::Succeeded => Ok(machine.write(around.program, machine.tasks[machine.main].value)),
+        _ => Err(machine.show(around.program, machine.tasks[machine.main].value)),
     })
 }
 

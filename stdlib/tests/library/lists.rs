@@ -3,6 +3,7 @@
 use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
 
+/// r[value.lists]
 #[test]
 fn building_and_taking_apart() {
     check(&[
@@ -40,6 +41,7 @@ fn building_and_taking_apart() {
     ]);
 }
 
+/// r[value.lists], r[value.alists]
 #[test]
 fn elements() {
     check(&[
@@ -72,6 +74,7 @@ fn elements() {
     ]);
 }
 
+/// r[value.order]
 #[test]
 fn functions_over_functions() {
     check(&[
@@ -118,6 +121,7 @@ fn functions_over_functions() {
     ]);
 }
 
+/// r[setf.places], r[value.nth]
 #[test]
 fn places() {
     check(&[

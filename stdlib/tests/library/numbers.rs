@@ -3,6 +3,7 @@
 use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
 
+/// r[value.overflow], r[value.division]
 #[test]
 fn arithmetic() {
     check(&[
@@ -37,6 +38,7 @@ fn arithmetic() {
     ]);
 }
 
+/// r[value.numbers]
 #[test]
 fn comparison() {
     check(&[

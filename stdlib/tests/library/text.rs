@@ -3,6 +3,7 @@
 use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
 
+/// r[value.strings]
 #[test]
 fn strings() {
     check(&[
@@ -85,6 +86,7 @@ fn predicates() {
     ]);
 }
 
+/// r[value.tables]
 #[test]
 fn hash_tables() {
     check(&[
@@ -139,6 +141,7 @@ fn hash_tables() {
     ]);
 }
 
+/// r[value.format]
 #[test]
 fn formats() {
     check(&[

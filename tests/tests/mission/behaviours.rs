@@ -20,11 +20,13 @@ fn outcome(body: &str) -> String {
     run_in(test_room(), body).outcome()
 }
 
+/// r[behaviour.states]
 #[test]
 fn before_its_activation_navigation_has_no_goals() {
     assert_eq!(outcome("(state)"), "=> (nil 0)");
 }
 
+/// r[behaviour.states], r[behaviour.activate], r[behaviour.one-assignment]
 #[test]
 fn activation_sets_all_goals_at_once() {
     assert_eq!(
@@ -37,6 +39,7 @@ fn activation_sets_all_goals_at_once() {
     );
 }
 
+/// r[behaviour.states]
 #[test]
 fn a_target_reached_is_one_goal_less() {
     assert_eq!(
@@ -50,6 +53,7 @@ fn a_target_reached_is_one_goal_less() {
     );
 }
 
+/// r[behaviour.states], r[behaviour.one-assignment]
 #[test]
 fn arrival_is_success_at_the_destination_and_nobody_sees_it_active_without_goals() {
     assert_eq!(
@@ -65,6 +69,7 @@ fn arrival_is_success_at_the_destination_and_nobody_sees_it_active_without_goals
     );
 }
 
+/// r[behaviour.states]
 #[test]
 fn without_a_way_navigation_fails_with_unreachable() {
     let run = run_in(
@@ -77,6 +82,7 @@ fn without_a_way_navigation_fails_with_unreachable() {
     assert_eq!(run.outcome(), "=> ((nil 0) t)");
 }
 
+/// r[behaviour.states]
 #[test]
 fn on_a_way_that_stays_blocked_navigation_fails_with_blocked() {
     let plan = format!(
@@ -89,6 +95,7 @@ fn on_a_way_that_stays_blocked_navigation_fails_with_blocked() {
     assert_eq!(run.outcome(), "=> (nil 0)", "{}", run.trace());
 }
 
+/// r[behaviour.states], r[behaviour.interrupted]
 #[test]
 fn who_loses_the_wheels_gets_its_signal_when_it_runs_again() {
     let run = run_in(
@@ -108,6 +115,7 @@ fn who_loses_the_wheels_gets_its_signal_when_it_runs_again() {
     assert_eq!(run.outcome(), "=> (nil 0)", "the activation ends with its task");
 }
 
+/// r[behaviour.states], r[behaviour.own]
 #[test]
 fn removing_all_goals_interrupts() {
     assert_eq!(
@@ -123,6 +131,7 @@ fn removing_all_goals_interrupts() {
     );
 }
 
+/// r[behaviour.states]
 #[test]
 fn deactivation_gives_no_signal() {
     let run = run_in(
@@ -139,6 +148,7 @@ fn deactivation_gives_no_signal() {
     assert_eq!(run.system.outside.host.state.translation_mps, 0.0);
 }
 
+/// r[behaviour.valve]
 #[test]
 fn what_drives_needs_the_wheels() {
     for behaviour in ["navigation :targets '((3.0 4.1))", "active-localization"] {
@@ -150,6 +160,7 @@ fn what_drives_needs_the_wheels() {
     assert!(outcome.contains("`arm`"), "{outcome}");
 }
 
+/// r[behaviour.one]
 #[test]
 fn an_activation_has_one_owner() {
     let run = run_in(
@@ -181,6 +192,7 @@ fn a_thing_is_picked_up_where_the_world_file_puts_it() {
     assert_eq!(run.outcome(), "=> (cup nil)");
 }
 
+/// r[behaviour.states]
 #[test]
 fn active_localization_has_nothing_to_do_where_the_position_is_known() {
     let run = run_in(
@@ -194,6 +206,7 @@ fn active_localization_has_nothing_to_do_where_the_position_is_known() {
     assert_eq!(run.outcome(), "=> (t t t)", "{}", run.trace());
 }
 
+/// r[behaviour.states]
 #[test]
 fn position_tracking_runs_whether_activated_or_not() {
     assert_eq!(
@@ -204,6 +217,7 @@ fn position_tracking_runs_whether_activated_or_not() {
     assert_eq!(run.outcome(), "=> t");
 }
 
+/// r[behaviour.states], r[behaviour.run]
 #[test]
 fn active_localization_succeeds_when_the_position_is_known_again() {
     let run = run_in(
@@ -217,6 +231,7 @@ fn active_localization_succeeds_when_the_position_is_known_again() {
     assert!(wheels_are_free(&run.system));
 }
 
+/// r[behaviour.states]
 #[test]
 fn active_localization_that_is_deactivated_stops_and_gives_no_signal() {
     let run = run_in(
@@ -232,6 +247,7 @@ fn active_localization_that_is_deactivated_stops_and_gives_no_signal() {
     assert_eq!(run.system.outside.distance_driven_m(), 0.0);
 }
 
+/// r[behaviour.states], r[behaviour.interrupted]
 #[test]
 fn active_localization_loses_the_wheels_like_navigation() {
     let run = run_in(

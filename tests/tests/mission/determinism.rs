@@ -31,6 +31,7 @@ fn the_errand_is_done_after_an_interruption() {
 
 const SEED: u64 = 1;
 
+/// r[determinism.same]
 #[test]
 fn the_same_seed_gives_the_same_trace() {
     assert_eq!(trace(SEED), trace(SEED));
@@ -41,6 +42,7 @@ fn another_seed_gives_another_trace() {
     assert_ne!(trace(SEED), trace(SEED + 1));
 }
 
+/// r[determinism.same]
 #[test]
 fn the_number_of_threads_changes_nothing() {
     assert_eq!(in_pool(1, SEED), in_pool(2, SEED));

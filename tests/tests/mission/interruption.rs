@@ -30,6 +30,7 @@ fn by_policy(event: &Event) -> bool {
     event.path.contains("relocalize-when-necessary")
 }
 
+/// r[behaviour.paper]
 #[test]
 fn a_turn_by_hand_interrupts_and_the_navigation_goes_on_from_the_new_pose() {
     let run = rotated();
@@ -78,6 +79,7 @@ fn a_turn_by_hand_interrupts_and_the_navigation_goes_on_from_the_new_pose() {
 }
 
 /// Turned after the first target, the robot does not go back to it.
+/// r[behaviour.paper]
 #[test]
 fn the_new_plan_starts_from_the_new_pose() {
     let run = Mission::new(dept(), PAPER).with_scenario("(wait-time 20) (rotate-robot! 70deg)").run(SEED, 600.0);

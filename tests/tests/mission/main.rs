@@ -8,5 +8,7 @@ mod examples;
 mod interruption;
 mod policies;
 mod save;
+mod stall;
+mod states;
 mod stop;
 mod world;

@@ -23,6 +23,7 @@ fn with_bell(plan: &str) -> Run {
     run
 }
 
+/// r[behaviour.nested]
 #[test]
 fn the_same_policy_twice_gives_up_the_belief_once() {
     let plan = "(with-policy (relocalize-when-necessary) (go-to 'mail-slots))";

@@ -13,6 +13,7 @@ const PLAN: &str = "
     (wait-time 0.5)
     (log (format \"~,2f clean-up ends\" (now)))))";
 
+/// r[cleanup.stop]
 #[test]
 fn clean_ups_run_and_the_robot_stands() {
     let mut system = Mission::new(test_room(), PLAN).start(1);

@@ -1,0 +1,298 @@
+//! Everything that has a name, in one table: for `rpl doc`, and for whatever completes or explains
+//! names. It is put together from the tables the compiler, the library and the robot work with.
+
+mod topics;
+
+use crate::CommandLine;
+use crate::mission::{self, Site};
+use anyhow::{Result, bail};
+use clap::CommandFactory;
+use rpl_lang::code::{Code, CodeKind, GlobalKind, Program};
+use rpl_lang::compile::{NoFiles, special_forms};
+use rpl_lang::pretty::print;
+use rpl_lang::reader::{fold_name, read};
+use rpl_lang::suggest::suggest;
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::Tree;
+use rpl_robot::office::BEHAVIOURS;
+use rpl_runtime::failure::CLASSES;
+use std::collections::BTreeMap;
+pub use topics::{TOPICS, Topic};
+
+/// What is known of a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The name; that of a command begins with `rpl`.
+    pub name: String,
+    /// What it is.
+    pub kind: Kind,
+    /// How it is written.
+    pub signature: String,
+    /// What it means; the first sentence says it in short.
+    pub doc: String,
+    /// Plan text that shows it, or nothing.
+    pub example: &'static str,
+}
+
+/// What has a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A form the compiler itself understands.
+    SpecialForm,
+    /// A form that is written out as another.
+    Macro,
+    /// A function.
+    Function,
+    /// A plan of the library.
+    Plan,
+    /// A fluent.
+    Fluent,
+    /// A behaviour.
+    Behaviour,
+    /// A valve.
+    Valve,
+    /// A class of failures.
+    FailureClass,
+    /// A variable or constant.
+    Variable,
+    /// A command of `rpl`.
+    Command,
+}
+
+impl Kind {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::SpecialForm => "special form",
+            Kind::Macro => "macro",
+            Kind::Function => "function",
+            Kind::Plan => "plan",
+            Kind::Fluent => "fluent",
+            Kind::Behaviour => "behaviour",
+            Kind::Valve => "valve",
+            Kind::FailureClass => "class of failures",
+            Kind::Variable => "variable",
+            Kind::Command => "command",
+        }
+    }
+}
+
+impl Entry {
+    /// The first sentence of its documentation.
+    pub fn summary(&self) -> &str {
+        let line = self.doc.lines().next().unwrap_or_default();
+        line.split_inclusive(". ").next().unwrap_or_default().trim_end()
+    }
+
+    /// Whether a word of its name or documentation begins with this one.
+    fn mentions(&self, word: &str) -> bool {
+        [self.name.as_str(), self.doc.as_str()].iter().any(|text| has_word(text, word))
+    }
+}
+
+fn has_word(text: &str, beginning: &str) -> bool {
+    text.to_lowercase().split(|c: char| !c.is_alphanumeric()).any(|word| word.starts_with(beginning))
+}
+
+/// All entries by name.
+pub struct Reference {
+    entries: BTreeMap<String, Entry>,
+}
+
+impl Reference {
+    /// Puts the table together.
+    ///
+    /// # Errors
+    /// The library does not compile.
+    pub fn new() -> Result<Self> {
+        let mut reference = Self { entries: BTreeMap::new() };
+        reference.add_library()?;
+        for native in mission::natives() {
+            let signature = call(native.name, native.parameters);
+            reference.add(native.name, Kind::Function, signature, native.doc.to_string(), "");
+        }
+        for form in special_forms() {
+            for name in form.names {
+                reference.add(name, Kind::SpecialForm, form.form.to_string(), form.doc.to_string(), form.example);
+            }
+        }
+        for behaviour in BEHAVIOURS {
+            let valve = behaviour.valve.map_or(String::new(), |valve| format!(" Drives with the valve `{valve}`."));
+            let signature = call("activate", format!("{} {}", behaviour.name, behaviour.parameters).trim_end());
+            reference.add(behaviour.name, Kind::Behaviour, signature, format!("{}{valve}", behaviour.doc), "");
+        }
+        for (name, parent, slots, doc) in CLASSES {
+            let below = if parent.is_empty() { String::new() } else { format!(" below {parent}") };
+            let slots = if slots.is_empty() { String::new() } else { format!(", with {}", slots.join(", ")) };
+            reference.add(name, Kind::FailureClass, format!("{name}{below}{slots}"), doc.to_string(), "");
+        }
+        for command in CommandLine::command().get_subcommands() {
+            let name = format!("rpl {}", command.get_name());
+            let usage = command.clone().bin_name(&name).render_usage().to_string();
+            let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+            let signature = usage.trim_start_matches("Usage: ").to_string();
+            reference.add(&name, Kind::Command, signature, format!("{about}. `{name} --help` tells more."), "");
+        }
+        Ok(reference)
+    }
+
+    /// The entry of a name, or of a command's name without `rpl`.
+    pub fn find(&self, name: &str) -> Option<&Entry> {
+        let name = fold_name(name);
+        self.entries.get(name.as_ref()).or_else(|| self.entries.get(&format!("rpl {name}")))
+    }
+
+    /// The entries of a topic, in the order of reading.
+    pub fn of_topic(&self, topic: &Topic) -> Vec<&Entry> {
+        let kind = match topic.word {
+            topics::COMMANDS => Some(Kind::Command),
+            topics::FAILURE_CLASSES => Some(Kind::FailureClass),
+            _ => None,
+        };
+        match kind {
+            Some(kind) => self.entries.values().filter(|entry| entry.kind == kind).collect(),
+            None => topic.names().filter_map(|name| self.entries.get(name)).collect(),
+        }
+    }
+
+    /// The entries that mention a word, or the beginning of one; those with it in their name first.
+    pub fn search(&self, word: &str) -> Vec<&Entry> {
+        let word = word.to_lowercase();
+        let mut found: Vec<&Entry> = self.entries.values().filter(|entry| entry.mentions(&word)).collect();
+        found.sort_by_key(|entry| !has_word(&entry.name, &word));
+        found
+    }
+
+    /// The name nearest to a mistyped one.
+    pub fn suggest(&self, name: &str) -> Option<&str> {
+        let topics = TOPICS.iter().map(|topic| topic.word);
+        suggest(&fold_name(name), self.entries.keys().map(String::as_str).chain(topics))
+    }
+
+    /// Adds a name unless it is internal to the library.
+    fn add(&mut self, name: &str, kind: Kind, signature: String, doc: String, example: &'static str) {
+        if name.starts_with('%') {
+            return;
+        }
+        let entry = Entry { name: name.to_string(), kind, signature, doc, example };
+        self.entries.insert(entry.name.clone(), entry);
+    }
+
+    fn add_library(&mut self) -> Result<()> {
+        // A text without forms compiles to nothing but the library.
+        let loaded = match Site::for_checking()?.library.load("", "", &mut NoFiles) {
+            Ok(loaded) => loaded,
+            Err(rejected) => bail!("the library does not compile\n{}", rejected.render(false)),
+        };
+        let (program, symbols) = (&loaded.program, &loaded.symbols);
+        for (&name, &code) in &program.macros {
+            let name = symbols.name(name);
+            let code = &program.codes[code as usize];
+            let doc = code.doc.as_deref().unwrap_or_default();
+            let (signature, doc) = match written_signature(doc) {
+                Some((signature, doc)) => (signature.to_string(), capitalized(doc)),
+                None => (call(name, &parameters(code, program)), doc.to_string()),
+            };
+            self.add(name, Kind::Macro, signature, doc, "");
+        }
+        for (&name, &global) in &program.names {
+            let known = &program.globals[global as usize];
+            let name = symbols.name(name);
+            let (kind, signature) = match known.kind {
+                GlobalKind::Function(code) => {
+                    let Some(code) = program.codes.get(code as usize) else { continue };
+                    let kind = if code.kind == CodeKind::Plan { Kind::Plan } else { Kind::Function };
+                    (kind, call(name, &parameters(code, program)))
+                }
+                GlobalKind::Variable | GlobalKind::Constant => (Kind::Variable, name.to_string()),
+                GlobalKind::Fluent => (Kind::Fluent, name.to_string()),
+                GlobalKind::Valve => (Kind::Valve, call("with-valve", &format!("{name} FORM..."))),
+                GlobalKind::Behaviour(_) => continue,
+            };
+            self.add(name, kind, signature, known.doc.as_deref().unwrap_or_default().to_string(), "");
+        }
+        Ok(())
+    }
+}
+
+/// The form a macro's documentation begins with, if it does: its parameters say less.
+fn written_signature(doc: &str) -> Option<(&str, &str)> {
+    doc.strip_prefix('`')?.split_once("`: ")
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn call(name: &str, parameters: &str) -> String {
+    if parameters.is_empty() { format!("({name})") } else { format!("({name} {parameters})") }
+}
+
+/// The parameters as the definition writes them: compiled code keeps only their number.
+fn parameters(code: &Code, program: &Program) -> String {
+    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
+    let text = program.sources.text_of(code.span);
+    let (roots, _) = read(text, code.span.source, &mut symbols, &mut tree);
+    let items = roots.first().map_or(&[][..], |&root| tree.items(root));
+    let Some(&list) = items.get(2) else { return String::new() };
+    tree.items(list).iter().map(|&item| print(&tree, &symbols, item)).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reference() -> Reference {
+        Reference::new().expect("the library compiles")
+    }
+
+    #[test]
+    fn no_name_is_without_signature_and_documentation() {
+        let reference = reference();
+        assert!(reference.entries.len() > 300);
+        for entry in reference.entries.values() {
+            assert!(entry.signature.contains(entry.name.as_str()) || entry.kind == Kind::SpecialForm, "{entry:?}");
+            assert!(!entry.signature.is_empty() && entry.doc.len() > 10, "{entry:?}");
+            let ends = entry.doc.ends_with(['.', '`']);
+            assert!(ends && entry.doc.starts_with(|c: char| !c.is_lowercase()), "{entry:?}");
+        }
+    }
+
+    #[test]
+    fn every_name_stands_under_one_topic() {
+        let reference = reference();
+        let mut counts: BTreeMap<&str, usize> = reference.entries.keys().map(|name| (name.as_str(), 0)).collect();
+        for topic in TOPICS {
+            assert!(reference.find(topic.word).is_none(), "`{}` means two things", topic.word);
+            for name in topic.names() {
+                assert!(
+                    reference.entries.contains_key(name),
+                    "the topic {} names `{name}`, which is nothing",
+                    topic.word
+                );
+            }
+            for entry in reference.of_topic(topic) {
+                *counts.entry(entry.name.as_str()).or_default() += 1;
+            }
+        }
+        let wrong: Vec<_> = counts.into_iter().filter(|&(_, count)| count != 1).collect();
+        assert!(wrong.is_empty(), "{wrong:?}");
+    }
+
+    #[test]
+    fn every_example_is_formatted_and_compiles() {
+        let site = Site::for_checking().expect("the library compiles");
+        let reference = reference();
+        let entries: Vec<&Entry> = reference.entries.values().filter(|entry| !entry.example.is_empty()).collect();
+        assert!(entries.len() > 15);
+        for entry in entries {
+            if let Err(rejected) = site.library.load(&entry.name, entry.example, &mut NoFiles) {
+                panic!("{}", rejected.render(false));
+            }
+            let source = rpl_lang::source::SourceId(0);
+            let formatted = rpl_lang::formatter::format(entry.example, source).expect("it has no faults");
+            assert_eq!(formatted.trim_end(), entry.example);
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! `rpl test FILE...`: runs the tests in plans, each in a system of its own.
+
+use crate::console::Console;
+use crate::drive::{Ending, Pace, Records, drive};
+use crate::failure_report::{FailureRecord, Reporter};
+use crate::files::{self, PlanText};
+use crate::interrupt;
+use crate::mission::{self, Robot, Site};
+use crate::status::Status;
+use crate::time::parse_duration_us;
+use anyhow::{Context, Result, bail};
+use rpl_lang::compile::Test;
+use rpl_lang::diagnostic::render;
+use rpl_robot::office::OfficeSettings;
+use rpl_runtime::library::{Loaded, Rejected};
+use rpl_runtime::system::{Outcome, System};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{self, IsTerminal};
+use std::time::Instant;
+
+/// Arguments of `rpl test`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// Plan files with `deftest` forms
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<String>,
+    /// Runs only the tests whose name contains this
+    #[arg(long, value_name = "TEXT")]
+    filter: Option<String>,
+    /// The world of the tests that name none
+    #[arg(long, value_name = "W")]
+    world: Option<String>,
+    /// The seed of the tests that name none
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// When the tests that say nothing else must have ended, in the time of the plan
+    #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
+    until: u64,
+    /// Writes one JSON object to standard output instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` writes.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Report {
+    tests: Vec<Record>,
+    succeeded: usize,
+    failed: usize,
+    wall_s: f64,
+}
+
+/// How a test went.
+#[derive(Clone, Debug, Serialize)]
+struct Record {
+    name: String,
+    file: String,
+    line: usize,
+    outcome: &'static str,
+    time_s: f64,
+    seed: u64,
+    world: Option<String>,
+    failure: Option<FailureRecord>,
+    output: Vec<String>,
+    /// Why it did not succeed, for people.
+    #[serde(skip)]
+    reason: String,
+}
+
+/// Runs the tests of all files.
+///
+/// # Errors
+/// A world or scenario is wrong, or standard output is closed.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    interrupt::catch();
+    let began = Instant::now();
+    let colour = console.colour && io::stdout().is_terminal();
+    let mut session = Session { arguments, colour, sites: BTreeMap::new(), report: Report::default() };
+    let mut is_wrong = false;
+    for name in &arguments.files {
+        match files::plan(name) {
+            Ok(plan) => is_wrong |= !session.file(&plan, console)?,
+            // The tests of the other files can still run.
+            Err(error) => {
+                console.note(&format!("error: {error}"));
+                is_wrong = true;
+            }
+        }
+        if interrupt::is_asked() {
+            return Ok(Status::Interrupted);
+        }
+    }
+    let mut report = session.report;
+    report.wall_s = (began.elapsed().as_secs_f64() * 1e3).round() / 1e3;
+    if arguments.json {
+        console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
+    } else if !report.tests.is_empty() {
+        console.print(&summary(&report))?;
+    }
+    if report.tests.is_empty() && !is_wrong {
+        match &arguments.filter {
+            Some(filter) => bail!("no test has a name with `{filter}` in it"),
+            None => bail!("there is no test: `(deftest NAME FORM...)` at the top level of a plan makes one"),
+        }
+    }
+    Ok(match (is_wrong, report.failed) {
+        (true, _) => Status::Wrong,
+        (false, 0) => Status::Succeeded,
+        (false, _) => Status::Failed,
+    })
+}
+
+fn summary(report: &Report) -> String {
+    let count = report.tests.len();
+    let tests = if count == 1 { "1 test".to_string() } else { format!("{count} tests") };
+    match report.failed {
+        0 => format!("{tests}, all ok, in {:.1} s", report.wall_s),
+        failed => format!("{tests}, {failed} failed, in {:.1} s", report.wall_s),
+    }
+}
+
+/// World and scenario of a test.
+type Place = (Option<String>, Option<String>);
+
+struct Session<'a> {
+    arguments: &'a Arguments,
+    colour: bool,
+    /// Building the models of a world takes longer than most tests.
+    sites: BTreeMap<Place, Site>,
+    report: Report,
+}
+
+impl Session<'_> {
+    /// Runs the tests of a file; false if its text is wrong.
+    fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<bool> {
+        let (site, loaded) = match load_without_world(plan)? {
+            Ok(found) => found,
+            Err(rejected) => {
+                console.note(rejected.render(console.colour).trim_end());
+                return Ok(false);
+            }
+        };
+        if !loaded.warnings.is_empty() {
+            console.note(render(&loaded.warnings, &loaded.program.sources, console.colour).trim_end());
+        }
+        let filter = self.arguments.filter.as_deref().unwrap_or_default();
+        let tests: Vec<&Test> = loaded.tests.iter().filter(|test| test.name.contains(filter)).collect();
+        let width = tests.iter().map(|test| test.name.chars().count()).max().unwrap_or(0);
+        if self.arguments.files.len() > 1 && !tests.is_empty() && !self.arguments.json {
+            console.print(&plan.name)?;
+        }
+        for test in tests {
+            let record = self.test(plan, test, (&site, &loaded))?;
+            if interrupt::is_asked() {
+                return Ok(true);
+            }
+            let has_succeeded = record.outcome == "succeeded";
+            self.report.succeeded += usize::from(has_succeeded);
+            self.report.failed += usize::from(!has_succeeded);
+            if !self.arguments.json {
+                self.tell(&record, width, console)?;
+            }
+            self.report.tests.push(record);
+        }
+        Ok(true)
+    }
+
+    /// Runs a test in its world, or else where its file was compiled.
+    fn test(&mut self, plan: &PlanText, test: &Test, without_world: (&Site, &Loaded)) -> Result<Record> {
+        let world = test.options.world.as_deref().map(str::to_string).or_else(|| self.arguments.world.clone());
+        let scenario = test.options.scenario.as_deref().map(str::to_string);
+        if world.is_none() && scenario.is_none() {
+            let (site, loaded) = without_world;
+            return self.run_test(site, loaded.clone(), test, None);
+        }
+        let site = self.site((world.clone(), scenario), test)?;
+        match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+            Ok(loaded) => self.run_test(&site, loaded, test, world),
+            // With a robot, names of the file's own may be the robot's.
+            Err(rejected) => {
+                bail!("the test `{}` cannot run in a world\n{}", test.name, rejected.render(false).trim_end())
+            }
+        }
+    }
+
+    fn site(&mut self, place: Place, test: &Test) -> Result<Site> {
+        if let Some(site) = self.sites.get(&place) {
+            return Ok(site.clone());
+        }
+        let (world, scenario) = &place;
+        let build = || {
+            let world = world.as_deref().map(mission::world).transpose()?;
+            let scenario = scenario.as_deref().map(files::scenario).transpose()?;
+            Site::new(world, scenario, OfficeSettings::default())
+        };
+        let site = build().with_context(|| format!("the test `{}` cannot run", test.name))?;
+        self.sites.insert(place, site.clone());
+        Ok(site)
+    }
+
+    fn run_test(&self, site: &Site, mut loaded: Loaded, test: &Test, world: Option<String>) -> Result<Record> {
+        // The same text at another site: its tests are the same but for the numbers of their code.
+        let code = loaded.tests.iter().find(|known| known.name == test.name).map_or(test.code, |known| known.code);
+        loaded.main = code;
+        let (file, (line, _)) = {
+            let sources = &loaded.program.sources;
+            (sources.get(test.span.source).name.to_string(), sources.line_column(test.span))
+        };
+        let seed = test.options.seed.unwrap_or(self.arguments.seed);
+        let until_us = test.options.until_s.map_or(self.arguments.until, |until_s| (until_s * 1e6).round() as u64);
+        let mut system = System::new(site.library.clone(), loaded, site.robot(seed));
+        system.machine.seed_random(seed);
+        let mut output = Console::keeping();
+        let pace = Pace { until_us: Some(until_us), factor: None };
+        let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;
+        let (outcome, failure, reason) = self.judge(&system, ending, until_us);
+        let reason = match world {
+            None if site.lacks_world && outcome != "succeeded" => {
+                format!(
+                    "{reason}\nit ran without a robot: write `:world \"dept\"` behind its name, or add `--world dept`"
+                )
+            }
+            _ => reason,
+        };
+        Ok(Record {
+            name: test.name.to_string(),
+            file,
+            line,
+            outcome,
+            time_s: system.machine.now_s(),
+            seed,
+            world,
+            failure,
+            output: output.kept(),
+            reason,
+        })
+    }
+
+    fn judge(
+        &self,
+        system: &System<Robot>,
+        ending: Ending,
+        until_us: u64,
+    ) -> (&'static str, Option<FailureRecord>, String) {
+        match ending {
+            Ending::Outcome(Outcome::Succeeded(_)) => ("succeeded", None, String::new()),
+            Ending::Outcome(Outcome::Failed(failure)) => {
+                let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.colour };
+                ("failed", reporter.record(failure), reporter.text("", failure).trim_end().to_string())
+            }
+            Ending::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),
+            Ending::TimeUp => ("timeout", None, format!("it had not ended after {} s", until_us as f64 / 1e6)),
+            Ending::Interrupted => ("interrupted", None, String::new()),
+        }
+    }
+
+    fn tell(&self, record: &Record, width: usize, console: &mut Console) -> Result<()> {
+        let has_succeeded = record.outcome == "succeeded";
+        let (word, colour) = if has_succeeded { ("ok    ", 32) } else { ("FAILED", 31) };
+        let word = if self.colour { format!("\u{1b}[{colour}m{word}\u{1b}[0m") } else { word.to_string() };
+        console.print(&format!("{word}  {:width$}  {:>8.1} s", record.name, record.time_s))?;
+        if !has_succeeded {
+            let printed = record.output.iter().flat_map(|text| text.lines()).map(|line| format!("printed: {line}"));
+            for line in record.reason.lines().map(str::to_string).chain(printed) {
+                console.print(format!("        {line}").trim_end())?;
+            }
+        }
+        Ok(console.flush()?)
+    }
+}
+
+/// The plan compiled without a robot, or, if it names the robot's things, with the robot's names.
+fn load_without_world(plan: &PlanText) -> Result<Result<(Site, Loaded), Rejected>> {
+    let site = Site::without_robot()?;
+    let rejected = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+        Ok(loaded) => return Ok(Ok((site, loaded))),
+        Err(rejected) => rejected,
+    };
+    if rejected.diagnostics.iter().all(|finding| finding.code != "needs-a-world") {
+        return Ok(Err(rejected));
+    }
+    let site = Site::for_checking()?;
+    let loaded = site.library.load(&plan.name, &plan.text, &mut plan.folder.clone());
+    Ok(loaded.map(|loaded| (site, loaded)))
+}

@@ -1,0 +1,159 @@
+//! Calls that must fail: of what is no function, with arguments it does not take, with a format
+//! that does not fit.
+
+use super::Check;
+use super::walk::each_form;
+use crate::code::{Constant, GlobalKind, Parameters};
+use crate::compile::ir::{Callee, Ir, IrKind};
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::suggest::suggest;
+
+pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
+    for root in check.roots() {
+        each_form(root, &mut |ir| {
+            let IrKind::Call(callee, arguments) = &ir.kind else { return };
+            match callee {
+                Callee::Global(global) => global_call(check, *global, arguments, ir.span, found),
+                Callee::Value(value) => value_call(check, value, arguments, ir.span, found),
+                Callee::Native(_) => format_call(check, ir, found),
+            }
+        });
+    }
+}
+
+fn global_call(check: &Check<'_>, global: u32, arguments: &[Ir], span: Span, found: &mut Vec<Diagnostic>) {
+    let name = check.global_name(global);
+    let what = match check.kind(global) {
+        GlobalKind::Function(_) => {
+            if let Some(known) = check.known(global) {
+                keywords(check, name, &known.function.parameters, arguments, span, found);
+            }
+            return;
+        }
+        GlobalKind::Fluent => "a fluent",
+        GlobalKind::Valve => "a valve",
+        GlobalKind::Behaviour(_) => "a behaviour",
+        GlobalKind::Variable | GlobalKind::Constant => return,
+    };
+    let warning = check.warning("wrong-call", span, format!("`{name}` is {what}, not a function"), "cannot be called");
+    found.push(match check.kind(global) {
+        GlobalKind::Fluent => warning.help(format!("its value is `(value {name})`")),
+        GlobalKind::Behaviour(_) => warning.help(format!("write `(run-behaviour {name} …)`")),
+        _ => warning,
+    });
+}
+
+fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found: &mut Vec<Diagnostic>) {
+    let (name, value) = match value.kind {
+        IrKind::Local(variable) => match check.bindings().constant(variable) {
+            Some(value) => (check.variable_name(variable), value),
+            None => return,
+        },
+        _ => ("this function", value),
+    };
+    let is_data = match value.kind {
+        IrKind::Int(_) | IrKind::True | IrKind::Binary(..) => true,
+        IrKind::Const(constant) => !matches!(check.constant(constant), Constant::Native(_) | Constant::Object(_)),
+        _ => false,
+    };
+    if is_data {
+        let message = format!("`{name}` is a local variable here, and no function");
+        found.push(check.warning("wrong-call", span, message, "cannot be called"));
+    }
+    let IrKind::Lambda(function) = &value.kind else { return };
+    if !function.parameters.accepts(arguments.len()) {
+        let count = arguments.len();
+        let given = if count == 1 { "1 is given".to_string() } else { format!("{count} are given") };
+        let expected = function.parameters.describe();
+        let message = format!("`{name}` takes {expected}, and {given}");
+        let defined = super::places::brief(&check.subject.program.sources, function.span);
+        let warning = check.warning("wrong-call", span, message, format!("takes {expected}"));
+        found.push(warning.related(defined, "defined here"));
+    }
+    keywords(check, name, &function.parameters, arguments, span, found);
+}
+
+/// Keywords a function does not know, or that have no value.
+fn keywords(
+    check: &Check<'_>,
+    name: &str,
+    parameters: &Parameters,
+    arguments: &[Ir],
+    span: Span,
+    found: &mut Vec<Diagnostic>,
+) {
+    let positional = usize::from(parameters.required) + usize::from(parameters.optional);
+    if parameters.keys.is_empty() || parameters.rest || arguments.len() <= positional {
+        return;
+    }
+    let known: Vec<&str> = parameters.keys.iter().map(|&key| check.name(key)).collect();
+    unknown_keywords(check, name, &known, &arguments[positional..], span, found);
+}
+
+/// Tells the keywords among `:key value` pairs that are not known.
+pub(super) fn unknown_keywords(
+    check: &Check<'_>,
+    name: &str,
+    known: &[&str],
+    pairs: &[Ir],
+    span: Span,
+    found: &mut Vec<Diagnostic>,
+) {
+    for pair in pairs.chunks(2) {
+        let Some(key) = check.keyword(&pair[0]).map(|key| check.name(key)) else { return };
+        let place = super::places::keyword(&check.subject.program.sources, span, pair[0].span, key);
+        if !known.contains(&key) {
+            let message = format!("`{name}` has no parameter `:{key}`");
+            let near = suggest(key, known.iter().copied());
+            let listed: Vec<String> = known.iter().map(|known| format!("`:{known}`")).collect();
+            let warning = check.warning("unknown-parameter", place, message, "unknown parameter");
+            found.push(match (near, listed.is_empty()) {
+                (Some(near), _) => warning.help(format!("did you mean `:{near}`?")),
+                (None, false) => warning.help(format!("it has {}", listed.join(", "))),
+                (None, true) => warning.help("it has none"),
+            });
+        } else if pair.len() == 1 {
+            let message = format!("`:{key}` has no value in this call of `{name}`");
+            found.push(check.warning("unknown-parameter", place, message, "a value is missing"));
+        }
+    }
+}
+
+/// Directives of a format that have no argument, and arguments that have no directive.
+fn format_call(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
+    let Some(("format" | "%format", [control, values @ ..])) = check.native_call(ir) else { return };
+    let IrKind::Const(constant) = control.kind else { return };
+    let Constant::Str(text) = check.constant(constant) else { return };
+    let Some(directives) = count_directives(text) else { return };
+    if directives == values.len() {
+        return;
+    }
+    let plural = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
+    let message = format!(
+        "this format shows {}, and {} given",
+        plural(directives, "value"),
+        match values.len() {
+            1 => "1 is".to_string(),
+            count => format!("{count} are"),
+        }
+    );
+    found.push(check.warning("wrong-format", ir.span, message, format!("shows {}", plural(directives, "value"))));
+}
+
+/// How many values a format shows; none if it has a directive that is not known.
+fn count_directives(text: &str) -> Option<usize> {
+    let mut count = 0;
+    let mut characters = text.chars();
+    while let Some(character) = characters.next() {
+        if character != '~' {
+            continue;
+        }
+        match characters.find(|c| !c.is_ascii_digit() && *c != ',')?.to_ascii_lowercase() {
+            'a' | 's' | 'd' | 'f' => count += 1,
+            '%' | '~' => {}
+            _ => return None,
+        }
+    }
+    Some(count)
+}

@@ -1,0 +1,85 @@
+//! Places in the text: what is marked, and what a comment there says.
+
+use crate::compile::ir::{Ir, IrKind};
+use crate::diagnostic::Diagnostic;
+use crate::lexer::Token;
+use crate::source::{Sources, Span};
+
+/// What a comment begins with that takes warnings away.
+const ALLOWANCE: &str = "; check: allow ";
+
+/// The span if it stands in one line, else its head: `(loop`.
+pub(super) fn brief(sources: &Sources, span: Span) -> Span {
+    let text = sources.text_of(span);
+    if !text.contains('\n') {
+        return span;
+    }
+    let end = text.char_indices().skip(1).find(|&(_, c)| c.is_whitespace() || matches!(c, '(' | ')'));
+    Span { end: span.start + end.map_or(1, |(at, _)| at as u32), ..span }
+}
+
+/// The text of the span, shortened to one line.
+pub(super) fn one_line(sources: &Sources, span: Span) -> String {
+    let text = sources.text_of(span);
+    match text.split_once('\n') {
+        Some((first, _)) => format!("{} …", first.trim_end()),
+        None => text.to_string(),
+    }
+}
+
+/// Whether a comment in the line of the warning, or in the line above, names its rule.
+pub(super) fn is_allowed(sources: &Sources, warning: &Diagnostic) -> bool {
+    let text = &sources.get(warning.span.source).text;
+    let start = text.floor_char_boundary(warning.span.start as usize);
+    let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+    let line_end = text[start..].find('\n').map_or(text.len(), |newline| start + newline);
+    let above_start = text[..line_start.saturating_sub(1)].rfind('\n').map_or(0, |newline| newline + 1);
+    let above = text[above_start..line_start].trim();
+    let beside = &text[start..line_end];
+    let names_rule = |line: &str| {
+        line.split_once(ALLOWANCE).is_some_and(|(_, rules)| rules.split_whitespace().any(|rule| rule == warning.code))
+    };
+    names_rule(beside) || (above.starts_with(';') && names_rule(above))
+}
+
+/// The place of a name that is bound at the span, which is the name alone or begins a list with it;
+/// none if the span is of something else.
+pub(super) fn binding_name(sources: &Sources, span: Span, name: &str) -> Option<Span> {
+    let text = sources.text_of(span);
+    let inner = text.strip_prefix('(').unwrap_or(text);
+    let inner_start = text.len() - inner.trim_start().len();
+    let rest = text.get(inner_start..)?;
+    let end = rest.find(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | ';')).unwrap_or(rest.len());
+    if crate::reader::fold_name(&rest[..end]) != name {
+        return None;
+    }
+    let start = span.start + inner_start as u32;
+    Some(Span { start, end: start + end as u32, ..span })
+}
+
+/// Where a form stands, or, if it is a name a macro has copied, where the name first stands in the
+/// form around it.
+pub(super) fn narrowed(check: &super::Check<'_>, around: Span, ir: &Ir) -> Span {
+    let name = match ir.kind {
+        IrKind::Global(global) => check.global_name(global),
+        IrKind::Local(variable) => check.variable_name(variable),
+        _ => return ir.span,
+    };
+    let within = if super::lies_in(ir.span, around) { ir.span } else { around };
+    crate::lexer::find_name(&check.subject.program.sources, within, name).unwrap_or(ir.span)
+}
+
+/// Where a keyword stands: at its own place, or, if a macro has copied it, where the call names it.
+pub(super) fn keyword(sources: &Sources, call: Span, own: Span, key: &str) -> Span {
+    if own != call {
+        return own;
+    }
+    let (tokens, _) = crate::lexer::lex(sources.text_of(call), call.source);
+    let named = tokens.into_iter().filter(|(token, _)| *token == Token::Keyword).map(|(_, span)| Span {
+        start: call.start + span.start,
+        end: call.start + span.end,
+        ..call
+    });
+    let is_key = |span: &Span| crate::reader::fold_name(&sources.text_of(*span)[1..]) == key;
+    named.into_iter().find(is_key).unwrap_or(own)
+}

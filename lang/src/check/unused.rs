@@ -1,0 +1,152 @@
+//! Bindings nobody reads, and values nobody uses.
+
+use super::bindings::Place;
+use super::walk::each_form;
+use super::{Check, places};
+use crate::compile::ir::{Ir, IrKind, Unary, VarId};
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+
+/// Natives that do nothing but give a value, and so do nothing where it is not used.
+const PURE: &[&str] = &[
+    "+",
+    "-",
+    "*",
+    "/",
+    "<",
+    "<=",
+    ">",
+    ">=",
+    "=",
+    "/=",
+    "1+",
+    "1-",
+    "abs",
+    "min",
+    "max",
+    "mod",
+    "floor",
+    "ceiling",
+    "round",
+    "truncate",
+    "sqrt",
+    "sin",
+    "cos",
+    "not",
+    "null",
+    "eq",
+    "equal",
+    "list",
+    "cons",
+    "car",
+    "cdr",
+    "first",
+    "second",
+    "third",
+    "rest",
+    "nth",
+    "length",
+    "append",
+    "reverse",
+    "list-length",
+    "member",
+    "assoc",
+    "format",
+    "%format",
+    "string-append",
+    "value",
+    "now",
+    "status",
+    "result",
+    "begin-task",
+    "end-task",
+    "create-fluent",
+    "this-task",
+    "holds-valve?",
+    "failure-class",
+    "failure-message",
+];
+
+pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
+    for number in 0..check.subject.text.variables.len() as u32 {
+        found.extend(unused_binding(check, VarId(number)));
+    }
+    for root in check.roots() {
+        each_form(root, &mut |ir| unused_values(check, ir, found));
+    }
+}
+
+fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
+    let binding = check.bindings().get(variable);
+    let span = check.subject.text.variables[variable.0 as usize].span;
+    let name = check.variable_name(variable);
+    if binding.reads > 0 || binding.place == Place::Elsewhere || name.starts_with(['_', '%', '#']) {
+        return None;
+    }
+    // What a macro binds has no place of its own in the text.
+    let place = places::binding_name(&check.subject.program.sources, span, name)?;
+    let is_function = matches!(binding.value.map(|value| &value.kind), Some(IrKind::Lambda(_)));
+    let (message, help) = match (binding.place, binding.assignments > 0) {
+        (_, true) => (format!("`{name}` is assigned and never read"), "remove it and its assignments".to_string()),
+        (Place::Parameter, _) => {
+            (format!("the parameter `{name}` is never used"), format!("if it must be there, call it `_{name}`"))
+        }
+        _ if is_function => (format!("the local function `{name}` is never called"), "remove it".to_string()),
+        _ => (format!("`{name}` is never used"), format!("remove it, or call it `_{name}` if it must be there")),
+    };
+    Some(check.warning("unused-binding", place, message, "never read").help(help))
+}
+
+/// Forms of which the value is lost and that do nothing else.
+fn unused_values(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
+    match &ir.kind {
+        IrKind::Seq(items) => {
+            let lost = items.split_last().map_or(&[][..], |(_, lost)| lost);
+            lost.iter().for_each(|item| found.extend(unused_value(check, ir.span, item)));
+        }
+        IrKind::Loop(body) => match &body.kind {
+            IrKind::Seq(items) => {
+                found.extend(items.last().and_then(|last| unused_value(check, ir.span, last)));
+            }
+            _ => found.extend(unused_value(check, ir.span, body)),
+        },
+        IrKind::Whenever { body, .. } => found.extend(unused_value(check, ir.span, body)),
+        _ => {}
+    }
+}
+
+fn unused_value(check: &Check<'_>, around: Span, ir: &Ir) -> Option<Diagnostic> {
+    // What a macro adds has the place of the macro's call.
+    if ir.span == around || !is_idle(check, ir) {
+        return None;
+    }
+    let text = check.subject.program.sources.text_of(ir.span);
+    let warning =
+        check.warning("unused-value", ir.span, "this does nothing: its value is not used", "the value is lost");
+    let is_format = check.native_call(ir).is_some_and(|(name, _)| matches!(name, "format" | "%format"));
+    let is_word = matches!(ir.kind, IrKind::Local(_) | IrKind::Global(_) | IrKind::Const(_));
+    if is_word && text.starts_with('(') && !text.starts_with("(quote") {
+        return None;
+    }
+    Some(match is_format {
+        true => warning.help("`format` gives a text; to write it, `(print (format …))`"),
+        false => warning,
+    })
+}
+
+/// Whether evaluating a form can only give its value or fail.
+fn is_idle(check: &Check<'_>, ir: &Ir) -> bool {
+    match &ir.kind {
+        IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) | IrKind::Global(_) | IrKind::Lambda(_) => true,
+        IrKind::Binary(_, left, right) => is_idle(check, left) && is_idle(check, right),
+        IrKind::Unary(operation, operand) => *operation != Unary::Deref && is_idle_or_nil(check, operand),
+        IrKind::Call(..) => check.native_call(ir).is_some_and(|(name, arguments)| {
+            PURE.contains(&name) && arguments.iter().all(|argument| is_idle_or_nil(check, argument))
+        }),
+        _ => false,
+    }
+}
+
+fn is_idle_or_nil(check: &Check<'_>, ir: &Ir) -> bool {
+    matches!(ir.kind, IrKind::Nil | IrKind::True) || is_idle(check, ir)
+}

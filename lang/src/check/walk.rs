@@ -1,0 +1,112 @@
+//! Walks over resolved forms.
+
+use crate::compile::ir::{Callee, Function, Ir, IrKind, ScopeIr};
+
+/// What stands directly inside a form.
+pub(super) enum Part<'a> {
+    Form(&'a Ir),
+    Function(&'a Function),
+}
+
+/// Shows the parts of a form in the order of evaluation.
+pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(Part<'a>)) {
+    match &ir.kind {
+        IrKind::Nil
+        | IrKind::True
+        | IrKind::Int(_)
+        | IrKind::Const(_)
+        | IrKind::Local(_)
+        | IrKind::Global(_)
+        | IrKind::Refail(_) => {}
+        IrKind::SetLocal(_, value)
+        | IrKind::SetGlobal(_, value)
+        | IrKind::DefFluent(_, value)
+        | IrKind::Unary(_, value)
+        | IrKind::Leave(_, value)
+        | IrKind::LeaveDynamic(_, value)
+        | IrKind::Loop(value) => see(Part::Form(value)),
+        IrKind::Block { body, .. } => see(Part::Form(body)),
+        IrKind::If(condition, then, otherwise) => {
+            [condition, then, otherwise].into_iter().for_each(|part| see(Part::Form(part)));
+        }
+        IrKind::Binary(_, left, right) => [left, right].into_iter().for_each(|part| see(Part::Form(part))),
+        IrKind::And(items) | IrKind::Or(items) | IrKind::Seq(items) => {
+            items.iter().for_each(|item| see(Part::Form(item)));
+        }
+        IrKind::Let(bindings, body) => {
+            bindings.iter().for_each(|(_, value)| see(Part::Form(value)));
+            see(Part::Form(body));
+        }
+        IrKind::Lambda(function) | IrKind::Network(function) => see(Part::Function(function)),
+        IrKind::Call(callee, arguments) => {
+            if let Callee::Value(value) = callee {
+                see(Part::Form(value));
+            }
+            arguments.iter().for_each(|argument| see(Part::Form(argument)));
+        }
+        IrKind::Construct(construct) | IrKind::Spawn(construct) => {
+            construct.argument.iter().for_each(|argument| see(Part::Form(argument)));
+            construct.children.iter().for_each(|child| see(Part::Function(&child.body)));
+        }
+        IrKind::ConstructMap(construct, list) => {
+            see(Part::Form(list));
+            construct.children.iter().for_each(|child| see(Part::Function(&child.body)));
+        }
+        IrKind::Handler { body, clauses, .. } => {
+            see(Part::Form(body));
+            clauses.iter().for_each(|clause| see(Part::Form(&clause.body)));
+        }
+        IrKind::Cleanup { body, cleanup, .. } => [body, cleanup].into_iter().for_each(|part| see(Part::Form(part))),
+        IrKind::Scope(scope, body) => {
+            match scope {
+                ScopeIr::Valve(value) | ScopeIr::Suspended(value) => see(Part::Form(value)),
+                ScopeIr::OnInterrupt(hook) | ScopeIr::OnResume(hook) => see(Part::Function(hook)),
+            }
+            see(Part::Form(body));
+        }
+        IrKind::WaitFor { fluent, timeout, .. } => {
+            see(Part::Form(fluent));
+            timeout.iter().for_each(|timeout| see(Part::Form(timeout)));
+        }
+        IrKind::Whenever { fluent, body, .. } => [fluent, body].into_iter().for_each(|part| see(Part::Form(part))),
+    }
+}
+
+/// Shows every form in a function, inner functions included, each before its parts.
+pub(super) fn each_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Ir)) {
+    each_function_form(function, &mut |_, ir| see(ir));
+}
+
+/// The same, each with the function it stands in.
+pub(super) fn each_function_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Function, &'a Ir)) {
+    for default in function.bindings.iter().filter_map(|binding| binding.default.as_ref()) {
+        descend(function, default, see);
+    }
+    descend(function, &function.body, see);
+}
+
+/// Shows every form in a form, itself first.
+pub(super) fn each_form_within<'a>(ir: &'a Ir, see: &mut dyn FnMut(&'a Ir)) {
+    deep(|| {
+        see(ir);
+        parts(ir, &mut |part| match part {
+            Part::Form(inner) => each_form_within(inner, see),
+            Part::Function(function) => each_form(function, see),
+        });
+    });
+}
+
+fn descend<'a>(function: &'a Function, ir: &'a Ir, see: &mut dyn FnMut(&'a Function, &'a Ir)) {
+    deep(|| {
+        see(function, ir);
+        parts(ir, &mut |part| match part {
+            Part::Form(inner) => descend(function, inner, see),
+            Part::Function(function) => each_function_form(function, see),
+        });
+    });
+}
+
+/// Macros can nest forms deeper than a stack is.
+pub(super) fn deep<T>(inside: impl FnOnce() -> T) -> T {
+    stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, inside)
+}

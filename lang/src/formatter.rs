@@ -1,0 +1,253 @@
+//! Lays plan text out anew: [`crate::indentation`] says how, the author says where lines break.
+//!
+//! Atoms, comments and line breaks stay as they are written; indentation and spaces are set, blank
+//! lines in a row become one, closing parentheses go to the end of the line before. What one line
+//! holds is broken only if it is too long; lines are never joined. Formatting a formatted text
+//! changes nothing, and what is read does not change either.
+
+mod concrete;
+mod lines;
+
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::indentation::{Rule, Shape, Style, WIDTH, aligns, is_label, rule};
+use crate::lexer::{Prefix, lex};
+use crate::reader::{fold_name, read};
+use crate::source::SourceId;
+use crate::symbol::Symbols;
+use crate::syntax::Tree;
+use concrete::{Concrete, Mark, Node, Piece};
+use lines::Lines;
+use std::collections::BTreeMap;
+
+/// The text laid out anew. Cost: linear, but for the indentation of very deep texts.
+///
+/// # Errors
+/// The faults of a text that cannot be read.
+pub fn format(text: &str, source: SourceId) -> Result<String, Vec<Diagnostic>> {
+    let (_, found) = read(text, source, &mut Symbols::default(), &mut Tree::default());
+    if found.iter().any(|finding| finding.severity == Severity::Error) {
+        return Err(found);
+    }
+    let (tokens, _) = lex(text, source);
+    let concrete = Concrete::new(text, &tokens);
+    let mut formatter = Formatter { bodies: bodies(&concrete), concrete: &concrete, lines: Lines::default() };
+    formatter.top_level();
+    Ok(formatter.lines.finish())
+}
+
+/// The macros a text defines that take a body, with how many parameters stand before it.
+fn bodies(concrete: &Concrete<'_>) -> BTreeMap<String, usize> {
+    let mut bodies = BTreeMap::new();
+    for form in concrete.data(concrete.root()) {
+        let mut items = concrete.data(form);
+        let head = items.next().map(|head| concrete.text(head));
+        if head.is_some_and(|head| head.eq_ignore_ascii_case("defmacro"))
+            && let (Some(name), Some(parameters)) = (items.next(), items.next())
+            && let Some(before) = parameters_before_body(concrete, parameters)
+        {
+            bodies.insert(fold_name(concrete.text(name)).into_owned(), before);
+        }
+    }
+    bodies
+}
+
+fn parameters_before_body(concrete: &Concrete<'_>, parameters: &Node) -> Option<usize> {
+    let words: Vec<_> = concrete.data(parameters).map(|node| fold_name(concrete.text(node))).collect();
+    let at = words.iter().position(|word| matches!(word.as_ref(), "&body" | "&rest"))?;
+    let takes_body = words[at] == "&body" || matches!(words.get(at + 1)?.as_ref(), "body" | "forms");
+    takes_body.then(|| words[..at].iter().filter(|word| !word.starts_with('&')).count())
+}
+
+struct Formatter<'a> {
+    concrete: &'a Concrete<'a>,
+    bodies: BTreeMap<String, usize>,
+    lines: Lines,
+}
+
+/// A list on its way to paper.
+struct Layout<'a> {
+    rule: Rule,
+    head: Option<String>,
+    /// Data, comments left out.
+    items: Vec<&'a Node>,
+    /// Column of the `(`.
+    column: usize,
+    /// Column of the first argument, once it stands on the head's line.
+    argument: Option<usize>,
+    /// Items that stay on the first line, the head included, when the formatter breaks it.
+    on_first_line: usize,
+    /// The author wrote it on one line, and it does not fit there.
+    is_too_long: bool,
+    /// Nothing but short atoms: as many on a line as fit.
+    fills: bool,
+}
+
+impl<'a> Formatter<'a> {
+    fn node(&self, index: usize) -> &'a Node {
+        &self.concrete.nodes[index]
+    }
+
+    fn top_level(&mut self) {
+        let mut after_datum = false;
+        for &index in &self.concrete.root().children {
+            let node = self.node(index);
+            if node.lines_before > 0 || after_datum && !node.is_comment() || self.lines.must_break() {
+                self.lines.new_line(0, node.lines_before > 1);
+            } else {
+                self.lines.space();
+            }
+            self.piece(node, Shape::Form, 0);
+            after_datum = !node.is_comment();
+        }
+    }
+
+    /// Writes a piece where the line ends now; so many closers follow it on its line.
+    fn piece(&mut self, node: &'a Node, shape: Shape, closers: usize) {
+        match node.piece {
+            Piece::Atom | Piece::BlockComment => self.lines.write(self.concrete.text(node)),
+            Piece::LineComment => self.lines.comment(self.concrete.text(node).trim_end()),
+            Piece::Marked(mark) => self.marked(node, mark, shape, closers),
+            Piece::List => stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.list(node, shape, closers)),
+        }
+    }
+
+    fn marked(&mut self, node: &'a Node, mark: Mark, shape: Shape, closers: usize) {
+        self.lines.write(self.concrete.text(node));
+        let column = self.lines.column();
+        let shape = match mark {
+            Mark::Prefix(Prefix::Quote) => Shape::Quoted,
+            Mark::DatumComment => shape,
+            Mark::Prefix(_) => Shape::Form,
+        };
+        for (at, &index) in node.children.iter().enumerate() {
+            let child = self.node(index);
+            // `, @x` must not become `,@x`.
+            let is_splice = mark == Mark::Prefix(Prefix::Unquote) && self.concrete.text(child).starts_with('@');
+            if self.lines.must_break() {
+                self.lines.new_line(column, false);
+            } else if at > 0 || is_splice {
+                self.lines.space();
+            }
+            self.piece(child, shape, closers);
+        }
+    }
+
+    fn list(&mut self, node: &'a Node, shape: Shape, closers: usize) {
+        let mut layout = self.layout(node, shape, closers);
+        self.lines.write("(");
+        let mut at = 0;
+        for (place, &index) in node.children.iter().enumerate() {
+            let child = self.node(index);
+            let is_last = place + 1 == node.children.len();
+            let closers = if is_last { closers + 1 } else { 0 };
+            if place > 0 {
+                let is_own_line = child.lines_before > 0 || self.lines.must_break();
+                if is_own_line || self.overflows(&layout, child, at, closers) {
+                    self.lines.new_line(layout.indent(at), child.lines_before > 1);
+                } else {
+                    self.lines.space();
+                    if at == 1 && !child.is_comment() {
+                        layout.argument = Some(self.lines.column());
+                    }
+                }
+            }
+            self.piece(child, layout.rule.shape(at), closers);
+            at += usize::from(!child.is_comment());
+        }
+        if self.lines.ends_in_comment() {
+            self.lines.new_line(layout.indent(at.max(1)), false);
+        }
+        self.lines.write(")");
+    }
+
+    /// Whether the child, which the author put on the present line, must begin one of its own.
+    fn overflows(&self, layout: &Layout<'_>, child: &Node, at: usize, closers: usize) -> bool {
+        if child.is_comment() || at < layout.on_first_line || self.follows_label(layout, at) {
+            return false;
+        }
+        if layout.is_too_long && !layout.fills {
+            return true;
+        }
+        let mut end = self.lines.column() + 1 + child.width + closers;
+        if self.is_label(layout, at) {
+            end += layout.items.get(at + 1).map_or(0, |value| 1 + value.width);
+        }
+        child.is_flat && end > WIDTH && layout.indent(at) <= self.lines.column()
+    }
+
+    fn is_label(&self, layout: &Layout<'_>, at: usize) -> bool {
+        let word = layout.items.get(at).map(|item| fold_name(self.concrete.text(item)));
+        word.is_some_and(|word| is_label(layout.head.as_deref(), &word))
+    }
+
+    /// Whether the item is the value of a keyword or the condition of an `until`, on whose line it
+    /// stays.
+    fn follows_label(&self, layout: &Layout<'_>, at: usize) -> bool {
+        let run = (1..at).rev().take(8).take_while(|&before| self.is_label(layout, before)).count();
+        run % 2 == 1 && !self.is_label(layout, at)
+    }
+
+    fn layout(&self, node: &'a Node, shape: Shape, closers: usize) -> Layout<'a> {
+        let items: Vec<&Node> = self.concrete.data(node).collect();
+        let column = self.lines.column();
+        let head = items.first().filter(|head| head.piece == Piece::Atom).map(|head| self.concrete.text(head));
+        let head = head.filter(|head| !head.starts_with('"')).map(|head| fold_name(head).into_owned());
+        let rule = self.rule(head.as_deref(), shape);
+        let argument_column = column + 2 + head.as_deref().map_or(0, |head| head.chars().count());
+        let on_first_line = match rule.style {
+            Style::Body(distinguished) => 1 + distinguished,
+            Style::Call if aligns(argument_column, WIDTH) => 2,
+            Style::Call | Style::Forms | Style::Data => 1,
+        };
+        let is_call = matches!(rule.style, Style::Call | Style::Data);
+        let mut layout = Layout {
+            rule,
+            head,
+            column,
+            argument: None,
+            on_first_line,
+            is_too_long: node.is_flat && column + node.width + closers > WIDTH,
+            fills: is_call && items.iter().all(|item| item.piece == Piece::Atom),
+            items,
+        };
+        // `(loop while E` is one line.
+        if layout.head.as_deref() == Some("loop") && self.is_label(&layout, 1) {
+            layout.on_first_line = 3;
+        }
+        layout
+    }
+
+    fn rule(&self, head: Option<&str>, shape: Shape) -> Rule {
+        const DATA: Rule = Rule::plain(Style::Data);
+        let known = || {
+            let head = head?;
+            self.bodies.get(head).map(|&before| Rule::plain(Style::Body(before))).or_else(|| rule(head))
+        };
+        match shape {
+            Shape::Data => Rule { rest: Shape::Data, ..DATA },
+            Shape::Quoted => known().unwrap_or(Rule { rest: Shape::Quoted, ..DATA }),
+            Shape::Clause => DATA,
+            Shape::Bindings => Rule { leading: &[], rest: Shape::Binding, style: Style::Data },
+            Shape::Binding => Rule::plain(Style::Call),
+            Shape::Handlers => Rule { leading: &[], rest: Shape::Handler, style: Style::Data },
+            Shape::Handler => Rule { leading: &[Shape::Data], rest: Shape::Form, style: Style::Body(1) },
+            Shape::Form => known().unwrap_or(match head {
+                Some(head) if !head.starts_with(':') => Rule::plain(Style::Call),
+                _ => DATA,
+            }),
+        }
+    }
+}
+
+impl Layout<'_> {
+    /// The column of the item at a position that begins a line.
+    fn indent(&self, at: usize) -> usize {
+        match (self.rule.style, self.argument) {
+            (Style::Data, _) => self.column + 1,
+            _ if at == 0 => self.column + 1,
+            (Style::Body(distinguished), _) if at <= distinguished => self.column + 4,
+            (Style::Call | Style::Forms, Some(argument)) => argument,
+            (Style::Body(_) | Style::Call | Style::Forms, _) => self.column + 2,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Stalls: with a robot the world may always change, so a run that waits in vain is no deadlock. It
+//! is reported when nothing drives and no task but policies has gone on for a long time.
+
+use crate::behaviour::Phase;
+use crate::machine::{Machine, Output, Surroundings};
+use crate::task::{NONE, ScopeKind, State, Waiting};
+use rpl_lang::code::Rule;
+use serde::{Deserialize, Serialize};
+
+/// How long nothing may happen.
+const PATIENCE_US: u64 = 120_000_000;
+
+/// Since when nothing has happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stall {
+    /// When something drove, or a task that is no policy ran.
+    pub since_us: u64,
+    /// It was reported, and nothing has happened since.
+    pub is_reported: bool,
+}
+
+impl Machine {
+    /// Notes that a task runs. Cost: its depth in the task tree, once in each instant.
+    pub(crate) fn note_progress(&mut self, task: u32) {
+        if (self.stall.since_us < self.now_us || self.stall.is_reported) && !self.belongs_to_policy(task) {
+            self.stall = Stall { since_us: self.now_us, is_reported: false };
+        }
+    }
+
+    /// Reports once that nothing happens any more. Called after each step of the robot.
+    pub(crate) fn look_for_stall(&mut self, around: &Surroundings<'_>) {
+        if self.drives(around) {
+            self.stall = Stall { since_us: self.now_us, is_reported: false };
+        }
+        if self.stall.is_reported || self.now_us - self.stall.since_us < PATIENCE_US || self.awaits_time() {
+            return;
+        }
+        self.stall.is_reported = true;
+        let text = format!(
+            "stalled: for {} s nothing drives and no task but policies goes on: {}",
+            PATIENCE_US / 1_000_000,
+            self.what_tasks_wait_for().join("; ")
+        );
+        self.output.push(Output::Log(format!("warning: {text}")));
+        self.trace_warning(&text);
+    }
+
+    /// What each task that can go no further by itself waits for.
+    pub(crate) fn what_tasks_wait_for(&self) -> Vec<String> {
+        self.tasks
+            .iter()
+            .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
+            .filter(|(_, task)| !task.state.is_dead() && task.state != State::Created)
+            .map(|(index, task)| match task.is_held() {
+                true => format!("{} is suspended", self.path(index)),
+                false => format!("{} waits for {}", self.path(index), self.describe(task.waiting)),
+            })
+            .collect()
+    }
+
+    fn drives(&self, around: &Surroundings<'_>) -> bool {
+        let specs = around.outside.behaviours();
+        self.activations
+            .iter()
+            .zip(specs)
+            .any(|(activation, spec)| activation.phase == Phase::Active && spec.valve.is_some())
+    }
+
+    /// Whether a task that is no policy goes on at a known time.
+    fn awaits_time(&self) -> bool {
+        self.tasks.iter().any(|(index, task)| {
+            task.waiting == Waiting::Time
+                && task.state == State::Blocked
+                && !task.is_held()
+                && !self.belongs_to_policy(index)
+        })
+    }
+
+    /// Whether a task is a policy, or below one.
+    fn belongs_to_policy(&self, task: u32) -> bool {
+        let mut at = task;
+        while let Some(record) = self.tasks.get(at) {
+            let scope =
+                self.tasks.get(record.parent).and_then(|parent| parent.scopes.get(record.parent_scope as usize));
+            if let Some(ScopeKind::Children(children)) = scope.map(|scope| &scope.kind)
+                && children.rule == Rule::Policy
+                && record.position == 0
+            {
+                return true;
+            }
+            at = record.parent;
+        }
+        false
+    }
+}
