@@ -14,7 +14,7 @@ const RUNS: usize = 25;
 const STATES: usize = 7_200_000;
 const BEAMS: f64 = SONARS as f64;
 
-type Ranges = [f32; SONARS];
+type Ranges = Vec<f32>;
 
 /// A department of 30 × 30 m: a corridor through the middle, rooms with doors on both sides, and
 /// furniture everywhere.
@@ -60,7 +60,8 @@ fn model(activity_threshold: f64) -> LocalizationModel {
 /// What the robot measures at a pose, with 3 cm of noise.
 fn scan_at(model: &LocalizationModel, pose: Pose, noise: &mut Stream) -> Ranges {
     let Some(state) = model.state_at(pose) else { panic!("{pose:?} is not on the map") };
-    model.expected_scan(state).map(|bin| (model.sensor.range_m(bin) + 0.03 * noise.normal()) as f32)
+    let noisy = |bin| (model.sensor.range_m(bin) + 0.03 * noise.normal()) as f32;
+    model.expected_scan(state).into_iter().map(noisy).collect()
 }
 
 /// A drive up the corridor: the motion of each step and the scan after it.
@@ -197,8 +198,8 @@ fn full_updates(report: &Report, model: &LocalizationModel, names: Names, two_ms
 
 fn sense(model: &LocalizationModel, belief: &mut Belief, steps: &[(Pose, Ranges)], threads: usize, alone: bool) -> f64 {
     let mut scans = steps.iter().cycle();
-    let mut next = || scans.next().map_or([f32::NAN; SONARS], |&(_, scan)| scan);
-    let ms = on(threads, || least_ms(RUNS, alone, || (), || belief.sense_ranges(model, &next())));
+    let mut next = || scans.next().map_or(&[][..], |(_, scan)| scan.as_slice());
+    let ms = on(threads, || least_ms(RUNS, alone, || (), || belief.sense_ranges(model, next())));
     assert_eq!(belief.active_planes(), model.grid.headings);
     assert_sums_to_one(model, belief);
     ms

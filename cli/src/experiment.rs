@@ -8,6 +8,8 @@ mod statistics;
 mod trial;
 mod trials;
 
+pub use statistics::{Spread, wilson_95};
+
 use crate::console::Console;
 use crate::files::{self, PlanText};
 use crate::mission::{self, Site};

@@ -41,10 +41,10 @@ pub struct Figure<'a> {
     pub map: &'a OccupancyGrid,
     /// Rooms whose names are written.
     pub rooms: &'a [Room],
-    /// Where the robot was: a solid line.
-    pub true_path_in_map: Vec<Point>,
-    /// Where it believed it was: a dashed line.
-    pub estimated_path_in_map: Vec<Point>,
+    /// Where the robot was: solid lines.
+    pub true_paths_in_map: Vec<Vec<Point>>,
+    /// Where it believed it was: dashed lines.
+    pub estimated_paths_in_map: Vec<Vec<Point>>,
     /// Where it may be: the darker the likelier.
     pub belief: Option<&'a PositionBelief>,
     /// Robots.
@@ -58,8 +58,8 @@ impl<'a> Figure<'a> {
             title,
             map,
             rooms,
-            true_path_in_map: Vec::new(),
-            estimated_path_in_map: Vec::new(),
+            true_paths_in_map: Vec::new(),
+            estimated_paths_in_map: Vec::new(),
             belief: None,
             markers: Vec::new(),
         }
@@ -83,8 +83,9 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     let map = world.map(RESOLUTION_M);
     let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", &map, &world.rooms);
-    figure.true_path_in_map = track.iter().map(|sight| sight.robot_in_map.point()).collect();
-    figure.estimated_path_in_map = track.iter().map(|sight| sight.estimate_in_map.point()).collect();
+    figure.true_paths_in_map.push(track.iter().map(|sight| sight.robot_in_map.point()).collect());
+    let estimated: Vec<Point> = track.iter().map(|sight| sight.estimate_in_map.point()).collect();
+    figure.estimated_paths_in_map = without_jumps(&estimated);
     if let (Some(first), Some(last)) = (track.first(), track.last()) {
         figure.markers.push(Marker { pose_in_map: first.robot_in_map, label: "start", is_true: true });
         figure.markers.push(Marker { pose_in_map: last.robot_in_map, label: "end", is_true: true });
@@ -103,7 +104,7 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
         let mut figure = Figure::of_map(&title, &map, &world.rooms);
         figure.belief = Some(&scene.belief);
         let before = &track[..scene.track_length];
-        figure.true_path_in_map = before.iter().map(|sight| sight.robot_in_map.point()).collect();
+        figure.true_paths_in_map.push(before.iter().map(|sight| sight.robot_in_map.point()).collect());
         figure.mark(&scene.sight);
         write(folder, &format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-")), &figure)?;
     }
@@ -159,9 +160,12 @@ pub fn draw(figure: &Figure<'_>) -> String {
         let name = text(&room.name, sheet.x(centre.x), sheet.y(centre.y), 0.4).set("fill", "#555");
         document = document.add(name);
     }
-    document = document
-        .add(path(&figure.true_path_in_map, sheet, "true-path"))
-        .add(pieces(&figure.estimated_path_in_map, sheet));
+    for points_in_map in &figure.true_paths_in_map {
+        document = document.add(path(points_in_map, sheet, "true-path"));
+    }
+    for points_in_map in &figure.estimated_paths_in_map {
+        document = document.add(path(points_in_map, sheet, "estimated-path").set("stroke-dasharray", "0.25 0.15"));
+    }
     for marker in &figure.markers {
         document = document.add(robot(marker, sheet));
     }
@@ -231,10 +235,8 @@ fn shading(belief: &PositionBelief, sheet: Sheet) -> Group {
 /// An estimate that jumps between two looks was not driven: the line breaks there.
 const JUMP_M: f64 = 0.5;
 
-fn pieces(points_in_map: &[Point], sheet: Sheet) -> Group {
-    points_in_map.chunk_by(|before, after| (after - before).norm() <= JUMP_M).fold(Group::new(), |group, piece| {
-        group.add(path(piece, sheet, "estimated-path").set("stroke-dasharray", "0.25 0.15"))
-    })
+fn without_jumps(points_in_map: &[Point]) -> Vec<Vec<Point>> {
+    points_in_map.chunk_by(|before, after| (after - before).norm() <= JUMP_M).map(<[Point]>::to_vec).collect()
 }
 
 fn path(points_in_map: &[Point], sheet: Sheet, class: &str) -> Polyline {
@@ -325,7 +327,7 @@ mod tests {
         let world = World::builtin("test-room").expect("the world is built in");
         let map = world.map(RESOLUTION_M);
         let mut figure = Figure::of_map("a <title>", &map, &world.rooms);
-        figure.true_path_in_map = vec![Point::new(1.0, 1.0), Point::new(2.0, 1.0)];
+        figure.true_paths_in_map.push(vec![Point::new(1.0, 1.0), Point::new(2.0, 1.0)]);
         figure.markers.push(Marker { pose_in_map: world.start_in_map, label: "start", is_true: true });
         let drawn = draw(&figure);
         for part in ["a &lt;title&gt;", "west", "east", "start", "5 m", "class=\"true-path\"", "points=\"1,6.2 2,6.2\""]

@@ -4,6 +4,8 @@ use crate::examples;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
+use rpl_robot::occupancy::OccupancyGrid;
+use rpl_robot::world::{GreyImage, RosMap};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
@@ -88,18 +90,60 @@ fn advice(name: &str) -> String {
     }
 }
 
+/// A map that was read, and what may not be meant as it is written.
+#[derive(Clone, Debug)]
+pub struct MapFile {
+    /// The map.
+    pub grid: OccupancyGrid,
+    /// To be shown to the user.
+    pub warning: Option<String>,
+}
+
+/// The map in a folder that is named instead of its file.
+pub const MAP_FILE: &str = "map.yaml";
+
 /// A file as text.
 ///
 /// # Errors
 /// One clause that says why not.
 pub fn read_text(path: &Path) -> Result<String, String> {
+    text_of(read_bytes(path)?)
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let file = File::open(path).map_err(|error| reason(&error))?;
     if file.metadata().is_ok_and(|known| known.is_dir()) {
         return Err("it is a folder; name a file in it".to_string());
     }
     let mut bytes = Vec::new();
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
-    text_of(bytes)
+    within_limit(bytes)
+}
+
+fn within_limit(bytes: Vec<u8>) -> Result<Vec<u8>, String> {
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(format!("it is longer than {} MiB", MAX_BYTES >> 20));
+    }
+    Ok(bytes)
+}
+
+/// A map of the ROS map_server, by its YAML file or the folder it is in.
+///
+/// # Errors
+/// A file that is missing or has faults.
+pub fn ros_map(name: &Path) -> Result<MapFile> {
+    let path = if name.is_dir() { name.join(MAP_FILE) } else { name.to_path_buf() };
+    let shown = path.display();
+    let text = read_text(&path).map_err(|reason| anyhow!("cannot read the map `{shown}`: {reason}"))?;
+    let map =
+        RosMap::parse(&text, &shown.to_string()).map_err(|error| anyhow!("the map `{shown}` has faults\n{error}"))?;
+    let image_path = path.parent().unwrap_or(Path::new(".")).join(&map.image);
+    let image_name = image_path.display();
+    let bytes = read_bytes(&image_path)
+        .map_err(|reason| anyhow!("cannot read `{image_name}`, the image of the map `{shown}`: {reason}"))?;
+    let image = GreyImage::decode(&bytes).map_err(|error| anyhow!("cannot use `{image_name}`: {error}"))?;
+    let warning = map.warning(&image).map(|warning| format!("warning: {shown}: {warning}"));
+    Ok(MapFile { grid: map.grid(&image), warning })
 }
 
 /// All of standard input as text.
@@ -117,10 +161,7 @@ pub fn standard_input() -> Result<String> {
 /// # Errors
 /// One clause that says why not.
 pub fn text_of(bytes: Vec<u8>) -> Result<String, String> {
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(format!("it is longer than {} MiB", MAX_BYTES >> 20));
-    }
-    String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(within_limit(bytes)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
         format!("it is not a text in UTF-8 (byte {at}, line {line}); a plan is a text file")

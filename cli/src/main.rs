@@ -16,6 +16,7 @@ mod figures;
 mod files;
 mod fmt;
 mod interrupt;
+mod localize;
 mod mission;
 mod overrides;
 mod reference;
@@ -87,6 +88,8 @@ enum Command {
     },
     /// Runs a plan with many seeds and makes a table
     Experiment(experiment::Arguments),
+    /// Finds the robot in a recorded drive, and says how well
+    Localize(Box<localize::Arguments>),
     /// Writes the completions of a shell
     Completions {
         /// The shell
@@ -129,6 +132,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
         Command::Examples { name } => examples::run(name.as_deref(), console),
         Command::Doc { name } => doc::run(name.as_deref(), console),
         Command::Experiment(arguments) => experiment::run(arguments, console),
+        Command::Localize(arguments) => localize::run(arguments, console),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut CommandLine::command(), "rpl", &mut script);

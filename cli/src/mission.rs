@@ -1,10 +1,12 @@
 //! What a plan runs with: the library, and a robot in a world or none.
 
-use crate::files::PlanText;
+use crate::console;
+use crate::files::{self, MapFile, PlanText};
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::{Point, Pose, Vector};
+use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::office::{
     self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SimulatedHost, VALVES,
 };
@@ -379,18 +381,37 @@ pub fn world(name: &str) -> Result<World> {
         return Ok(world);
     }
     let path = Path::new(name);
+    let is_map = path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml");
+    if is_map || path.join(files::MAP_FILE).is_file() {
+        let title = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+        let map = read_map(path)?;
+        return World::from_map(&title, map).with_context(|| format!("the map `{name}` is no world"));
+    }
     if path.extension().is_some_and(|extension| extension == "toml") || path.is_file() {
-        let text =
-            crate::files::read_text(path).map_err(|reason| anyhow!("cannot read the world `{name}`: {reason}"))?;
-        return World::parse(&text, name).map_err(|error| anyhow!("the world `{name}` has faults\n{error}"));
+        let text = files::read_text(path).map_err(|reason| anyhow!("cannot read the world `{name}`: {reason}"))?;
+        let beside = path.parent().unwrap_or(Path::new("."));
+        let load_map = |map: &str| read_map(&beside.join(map)).map_err(|error| format!("{error:#}"));
+        return World::parse_with_map(&text, name, load_map)
+            .map_err(|error| anyhow!("the world `{name}` has faults\n{error}"));
     }
     match suggest(name, World::builtin_names()) {
         Some(meant) => bail!("no world is called `{name}`; did you mean `{meant}`?"),
         None => {
             let names: Vec<&str> = World::builtin_names().collect();
-            bail!("no world is called `{name}`; there are {}, and files that end in .toml", names.join(", "))
+            bail!(
+                "no world is called `{name}`; there are {}, files that end in .toml, and ROS maps (a map.yaml or its folder)",
+                names.join(", ")
+            )
         }
     }
+}
+
+fn read_map(path: &Path) -> Result<OccupancyGrid> {
+    let MapFile { grid, warning } = files::ros_map(path)?;
+    if let Some(warning) = warning {
+        console::note(&warning);
+    }
+    Ok(grid)
 }
 
 #[cfg(test)]

@@ -47,6 +47,11 @@ impl Symbols {
         &self.names[symbol.0 as usize]
     }
 
+    /// Whether a symbol is in this table.
+    pub fn contains(&self, symbol: Symbol) -> bool {
+        (symbol.0 as usize) < self.names.len()
+    }
+
     /// How many symbols there are.
     pub fn len(&self) -> usize {
         self.names.len()

@@ -1,4 +1,5 @@
-//! The robot: geometry, maps and worlds, simulator, localization, active localization, navigation.
+//! The robot: geometry, maps and worlds, simulator, localization, active localization, navigation,
+//! and recorded drives.
 //!
 //! Every algorithm here is a pure function of its inputs and of seeded random streams: no clock,
 //! no thread order, no file. Each module separates an immutable *model* (built once from a world,
@@ -14,5 +15,6 @@ pub mod navigation;
 pub mod occupancy;
 pub mod office;
 pub mod random;
+pub mod recording;
 pub mod simulator;
 pub mod world;

@@ -35,6 +35,33 @@ impl OccupancyGrid {
         Self { resolution_m, origin_in_map, columns, rows, cells: vec![cell; columns * rows] }
     }
 
+    /// The part with free cells and one cell around it: what cannot be stood in needs no belief. The
+    /// whole grid if nothing is free.
+    pub fn around_free(&self) -> Self {
+        let free: Vec<(usize, usize)> = (0..self.cells.len())
+            .filter(|&index| self.cells[index] == Cell::Free)
+            .map(|index| (index % self.columns, index / self.columns))
+            .collect();
+        let bounds = |along: fn(&(usize, usize)) -> usize, count: usize| {
+            let first = free.iter().map(along).min().map_or(0, |first| first.saturating_sub(1));
+            let end = free.iter().map(along).max().map_or(count, |last| (last + 2).min(count));
+            first..end
+        };
+        let (columns, rows) = (bounds(|cell| cell.0, self.columns), bounds(|cell| cell.1, self.rows));
+        let origin_in_map = Point::new(
+            self.origin_in_map.x + columns.start as f64 * self.resolution_m,
+            self.origin_in_map.y + rows.start as f64 * self.resolution_m,
+        );
+        let row_cells = |row: usize| &self.cells[row * self.columns..][columns.clone()];
+        Self {
+            resolution_m: self.resolution_m,
+            origin_in_map,
+            columns: columns.len(),
+            rows: rows.len(),
+            cells: rows.clone().flat_map(row_cells).copied().collect(),
+        }
+    }
+
     /// Column and row of the cell around a point, if the point is on the grid.
     pub fn cell_at(&self, point_in_map: Point) -> Option<(usize, usize)> {
         let column = libm::floor((point_in_map.x - self.origin_in_map.x) / self.resolution_m);
@@ -64,5 +91,28 @@ impl OccupancyGrid {
     /// The cell around a point; a point outside the grid is unknown.
     pub fn at(&self, point_in_map: Point) -> Cell {
         self.cell_at(point_in_map).map_or(Cell::Unknown, |(column, row)| self.get(column, row))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_around_free_cells_has_the_same_cells_at_the_same_places() {
+        let mut grid = OccupancyGrid::filled(Point::new(-2.0, 3.0), 0.5, 9, 7, Cell::Unknown);
+        grid.set(3, 2, Cell::Free);
+        grid.set(5, 4, Cell::Free);
+        grid.set(6, 4, Cell::Occupied);
+        let part = grid.around_free();
+        assert_eq!((part.columns, part.rows), (5, 5));
+        for row in 0..part.rows {
+            for column in 0..part.columns {
+                assert_eq!(part.get(column, row), grid.at(part.centre(column, row)));
+            }
+        }
+        assert_eq!(part.around_free(), part);
+        let blank = OccupancyGrid::filled(Point::origin(), 0.5, 4, 3, Cell::Unknown);
+        assert_eq!(blank.around_free(), blank);
     }
 }

@@ -234,7 +234,7 @@ impl Machine {
     fn signal(&mut self, around: &mut Surroundings<'_>, behaviour: u16, signal: Result<(), Value>) {
         self.trace_signal(around, behaviour, &signal);
         let waiting =
-            self.tasks.iter().find(|(_, task)| task.waiting == Waiting::Signal(behaviour)).map(|(index, _)| index);
+            self.living_tasks().into_iter().find(|&task| self.tasks[task].waiting == Waiting::Signal(behaviour));
         match waiting {
             Some(task) => {
                 let wake = match signal {

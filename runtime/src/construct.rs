@@ -351,7 +351,7 @@ impl Machine {
         let mut free = Vec::new();
         for &(_, after) in order[first..].iter().take_while(|&&(before, _)| before == dead) {
             let Ok(at) = held.binary_search_by_key(&after, |held| held.position) else { continue };
-            held[at].constraints -= 1;
+            held[at].constraints = held[at].constraints.saturating_sub(1);
             if held[at].constraints == 0 {
                 free.push(held[at].task);
             }

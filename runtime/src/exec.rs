@@ -269,6 +269,13 @@ impl Machine {
 
     fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Exit {
         loop {
+            // Where a departure ends, what was protected until then is stopped before it goes on.
+            if self.scratch.switch && self.current != SCRATCH_TASK {
+                self.scratch.switch = false;
+                if self.must_switch() {
+                    return Exit::Switched;
+                }
+            }
             let raise = match self.instructions(around, place, entry) {
                 Ok(Exit::Blocked) if self.is_leaving() => {
                     if self.unwind_running(around, place) {
@@ -1195,6 +1202,10 @@ impl Machine {
                             fail!(self.wrong_type("the condition of `whenever`", "a fluent", value));
                         };
                         let task = self.current;
+                        if owned {
+                            // It dies with the watch; nothing names it then.
+                            self.scratch.stack[base + usize::from(a)] = Value::Nil;
+                        }
                         let watch = self.start_watch(task, fluent, missed, owned);
                         self.push_scope(ScopeKind::Watch(watch));
                         continue 'frame;
@@ -1250,6 +1261,10 @@ impl Machine {
                         let value = std::mem::take(&mut r!(condition));
                         let timeout = if seconds == NO_REG { None } else { Some(std::mem::take(&mut r!(seconds))) };
                         attempt!(self.refuse_in_network("nothing can be waited for"));
+                        if owned {
+                            // It dies with the wait; nothing names it then.
+                            self.scratch.stack[base + usize::from(condition)] = Value::Nil;
+                        }
                         save!();
                         match self.wait_for(value, timeout, owned)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,

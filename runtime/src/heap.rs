@@ -1,7 +1,7 @@
 //! The heap: pairs, strings, cells, closures and hash tables in slabs of their own.
 
 use crate::failure::Failure;
-use crate::slab::{Marks, Slab};
+use crate::slab::{Marks, Slab, is_free_list};
 use crate::value::Value;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
@@ -247,6 +247,14 @@ impl Heap {
             Value::Table(index) => Key::Object(8, index, 0),
             Value::Behaviour(index) => Key::Object(9, u32::from(index), 0),
         })
+    }
+
+    /// Whether each table knows which of its places are free.
+    pub(crate) fn is_whole(&self) -> bool {
+        let pairs = is_free_list(&self.free_pairs, self.pairs.len(), |index| self.pairs[index].0 == Value::Unbound);
+        let slabs = [self.strings.is_whole(), self.cells.is_whole(), self.closures.is_whole()];
+        let counts = self.allocated <= usize::MAX / 4 && self.bytes <= usize::MAX / 4;
+        pairs && slabs == [true; 3] && self.tables.is_whole() && self.failures.is_whole() && counts
     }
 
     /// Whether a collection is due.

@@ -25,6 +25,10 @@ impl Machine {
             self.check_task(index, task, queued.is_set(index))
                 .map_err(|what| format!("{} (task {index}): {what}", self.path(index)))?;
         }
+        let resting = self.tasks.iter().filter(|(_, task)| matches!(task.waiting, Waiting::Rest(_))).count();
+        ensure(resting == self.waits_for_rest as usize, || {
+            format!("{resting} tasks wait for others to be at rest, and {} are counted", self.waits_for_rest)
+        })?;
         self.check_fluents()?;
         self.check_watches()?;
         self.check_valves()

@@ -10,6 +10,8 @@
 pub mod behaviour;
 mod construct;
 mod datum;
+pub mod difference;
+pub mod disturbance;
 mod exec;
 pub mod failure;
 pub mod fluent;
@@ -32,5 +34,6 @@ pub mod task;
 pub mod trace;
 mod tree;
 mod unwind;
+mod validate;
 pub mod value;
 pub mod valve;

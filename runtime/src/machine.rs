@@ -297,9 +297,10 @@ impl Machine {
 
     /// Makes a failure of a class, raised by the current task.
     pub(crate) fn new_failure(&mut self, class: Symbol, message: String, slots: Vec<(Symbol, Value)>) -> Value {
-        let (path, calls) = match self.current {
-            NONE => (String::new(), Vec::new()),
-            task => (self.path(task), self.plan_calls(task)),
+        // The current task may have ended just now, and what was around it with it.
+        let (path, calls) = match self.tasks.get(self.current) {
+            Some(task) if !task.state.is_dead() => (self.path(self.current), self.plan_calls(self.current)),
+            _ => (String::new(), Vec::new()),
         };
         let is_runaway = self.symbols.name(class) == "runaway";
         self.heap.allocated += 8;

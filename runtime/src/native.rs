@@ -2,7 +2,7 @@
 
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
-use crate::value::Value;
+use crate::value::{TaskRef, Value};
 
 /// What a native function answers.
 pub enum Reply {
@@ -29,6 +29,11 @@ pub struct Call<'c, 's> {
 }
 
 impl Call<'_, '_> {
+    /// The task that calls.
+    pub fn task(&self) -> TaskRef {
+        self.machine.tasks.reference(self.machine.current)
+    }
+
     /// The argument at a position; `nil` if it was left out.
     pub fn argument(&self, at: usize) -> Value {
         self.arguments.get(at).copied().unwrap_or(Value::Nil)

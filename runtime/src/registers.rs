@@ -4,6 +4,7 @@
 //! A block has the smallest of the sizes 1, 2, 3, 4, 6, 8, 12, 16, 24 … that fits. Free blocks of
 //! one size are linked through their first value.
 
+use crate::slab::Marks;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,18 @@ fn class(count: usize) -> (usize, usize) {
     let power = (count - 1).ilog2() as usize;
     let between = 3 << (power - 1);
     if count <= between { (2 * power, between) } else { (2 * power + 1, 2 << power) }
+}
+
+/// More classes than there are sizes below 2³².
+const MAX_CLASSES: usize = 64;
+
+/// The size of the blocks of a class.
+fn size(class: usize) -> usize {
+    match class {
+        0 | 1 => class + 1,
+        _ if class.is_multiple_of(2) => 3 << (class / 2 - 1),
+        _ => 4 << (class / 2 - 1),
+    }
 }
 
 impl RegisterStore {
@@ -76,6 +89,31 @@ impl RegisterStore {
         let block = &mut self.values[start as usize..start as usize + size];
         block.fill(Value::Nil);
         block[0] = std::mem::replace(&mut self.free[class], Value::Int(i64::from(start)));
+    }
+
+    /// Whether the blocks in use and the free ones lie apart, and all within the store.
+    pub(crate) fn is_whole(&self, mut used: impl Iterator<Item = Registers>) -> bool {
+        let mut seen = Marks::new(self.values.len());
+        let mut claim = |start: usize, size: usize| {
+            start + size <= self.values.len() && (start..start + size).all(|at| seen.set(at as u32))
+        };
+        let all_apart = used.all(|registers| match (registers.start as usize, registers.count as usize) {
+            (start, 0) => start <= self.values.len(),
+            (start, count) => claim(start, class(count).1),
+        });
+        all_apart
+            && self.free.len() <= MAX_CLASSES
+            && self.free.iter().enumerate().all(|(class, &first)| {
+                let mut at = first;
+                while let Value::Int(start) = at {
+                    let Ok(start) = u32::try_from(start) else { return false };
+                    if !claim(start as usize, size(class)) {
+                        return false;
+                    }
+                    at = self.values[start as usize];
+                }
+                at == Value::Nil
+            })
     }
 
     /// A block for so many values: the same one if it fits.

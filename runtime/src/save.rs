@@ -11,9 +11,11 @@
 //! rest; the rest is [`postcard`].
 
 use crate::behaviour::{NoRobot, Outside};
+use crate::difference::{Difference, difference};
 use crate::library::{Library, Loaded};
 use crate::machine::Machine;
 use crate::system::{System, Units};
+use crate::validate::{Bounds, validate_program};
 use rpl_lang::code::{Code, Constant, FailureClass, Global, Program};
 use rpl_lang::source::{Source, SourceId};
 use rpl_lang::symbol::Symbol;
@@ -66,6 +68,8 @@ pub enum SaveError {
     Program,
     /// They were changed or cut off.
     Damaged,
+    /// They were written, but not by a run: something in them names what is not there.
+    Inconsistent(String),
     /// The robot cannot take its part.
     Outside(String),
 }
@@ -81,6 +85,7 @@ impl fmt::Display for SaveError {
                 write!(out, "the run was saved from another program: its text, library or robot is not the same")
             }
             SaveError::Damaged => write!(out, "the saved run is damaged: its bytes were changed or cut off"),
+            SaveError::Inconsistent(why) => write!(out, "the saved run is damaged: {why}"),
             SaveError::Outside(why) => write!(out, "the robot cannot be restored: {why}"),
         }
     }
@@ -196,6 +201,16 @@ impl<O: SaveOutside> System<O> {
         bytes
     }
 
+    /// The first part in which two runs of one program differ, by its path, such as
+    /// `machine.tasks[17].registers[3]`; none if they are saved alike.
+    pub fn difference(&self, other: &Self) -> Option<Difference> {
+        let addition = |system: &Self| Addition::between(&system.base.program, &system.program, &system.units);
+        difference("machine", &self.machine, &other.machine)
+            .or_else(|| difference("program", &addition(self), &addition(other)))
+            .or_else(|| difference("next_step_us", &self.next_step_us, &other.next_step_us))
+            .or_else(|| difference("robot", &self.outside.save(), &other.outside.save()))
+    }
+
     /// A run read from bytes. `loaded` is the same program, compiled again with the same library;
     /// `outside` is the same robot, built anew.
     ///
@@ -221,10 +236,20 @@ impl<O: SaveOutside> System<O> {
             return Err(SaveError::Program);
         }
         type Payload = (Addition, Machine, u64, Vec<u8>);
-        let (addition, machine, next_step_us, robot) =
-            stacker::grow(STACK_BYTES, || postcard::from_bytes::<Payload>(payload)).map_err(|_| SaveError::Damaged)?;
+        let ((addition, machine, next_step_us, robot), rest) =
+            stacker::grow(STACK_BYTES, || postcard::take_from_bytes::<Payload>(payload))
+                .map_err(|_| SaveError::Damaged)?;
+        if !rest.is_empty() {
+            return Err(SaveError::Damaged);
+        }
         outside.load(&robot).map_err(SaveError::Outside)?;
         let (program, units) = addition.add_to(&base.program);
+        let bounds =
+            Bounds { program: &program, natives: library.natives.len(), behaviours: outside.behaviours().len() };
+        validate_program(&program, base.program.codes.len())
+            .and_then(|()| machine.validate(&bounds))
+            .and_then(|()| machine.check_invariants())
+            .map_err(SaveError::Inconsistent)?;
         Ok(Self { program, units: Arc::new(units), machine, outside, library, base: Arc::new(base), next_step_us })
     }
 }

@@ -206,6 +206,28 @@ impl Priorities {
         false
     }
 
+    /// Whether a priority is in the table.
+    pub(crate) fn knows(&self, priority: u32) -> bool {
+        (priority as usize) < self.lists.len()
+    }
+
+    /// The line of each priority.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = Line> {
+        self.lines.iter().copied()
+    }
+
+    /// Whether the order is one of all priorities, and each has its rank and its line.
+    pub(crate) fn is_whole(&self) -> bool {
+        let count = self.lists.len();
+        let is_ranked = |(rank, &number): (usize, &u32)| self.ranks.get(number as usize) == Some(&(rank as u32));
+        let first_line =
+            self.order.iter().position(|&number| self.lines.get(number as usize).is_none_or(|line| line.first != NONE));
+        count > 0
+            && [self.ranks.len(), self.lines.len(), self.order.len()] == [count; 3]
+            && self.order.iter().enumerate().all(is_ranked)
+            && self.first_used as usize <= first_line.unwrap_or(count)
+    }
+
     /// All tasks in the run queue.
     pub fn queued(&self, tasks: &Tasks) -> Vec<u32> {
         self.lines.iter().flat_map(|line| line.tasks(tasks)).collect()

@@ -59,6 +59,11 @@ impl<T> Slab<T> {
         self.slots.len()
     }
 
+    /// Whether the free slots are those without a value, each once.
+    pub(crate) fn is_whole(&self) -> bool {
+        is_free_list(&self.free, self.slots.len(), |index| self.slots[index].is_none())
+    }
+
     /// Frees every slot whose mark is not set; gives how many remain.
     pub fn sweep(&mut self, marks: &Marks, mut freed: impl FnMut(u32, T)) -> usize {
         let mut live = 0;
@@ -92,6 +97,13 @@ impl<T> std::ops::IndexMut<u32> for Slab<T> {
             None => panic!("slot {index} is free: a handle has outlived its object"),
         }
     }
+}
+
+/// Whether a list names each free one of so many slots once.
+pub(crate) fn is_free_list(free: &[u32], slots: usize, is_free: impl Fn(usize) -> bool) -> bool {
+    let mut seen = Marks::new(slots);
+    let all_free = free.iter().all(|&index| (index as usize) < slots && is_free(index as usize) && seen.set(index));
+    all_free && (0..slots).filter(|&index| is_free(index)).count() == free.len()
 }
 
 /// One bit for each slot of a slab.

@@ -47,10 +47,11 @@ impl Machine {
 
     /// What each task that can go no further by itself waits for.
     pub(crate) fn what_tasks_wait_for(&self) -> Vec<String> {
-        self.tasks
-            .iter()
+        self.living_tasks()
+            .into_iter()
+            .map(|index| (index, &self.tasks[index]))
             .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
-            .filter(|(_, task)| !task.state.is_dead() && task.state != State::Created)
+            .filter(|(_, task)| task.state != State::Created)
             .map(|(index, task)| match task.is_held() {
                 true => format!("{} is suspended", self.path(index)),
                 false => format!("{} waits for {}", self.path(index), self.describe(task.waiting)),

@@ -639,6 +639,14 @@ impl Tasks {
         self.slots.iter()
     }
 
+    /// Whether every slot has a generation, and the free ones are those without a task.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.generations.len() == self.slots.slots()
+            && self.generations.iter().all(|&generation| generation < u32::MAX / 2)
+            && self.slots.is_whole()
+            && self.registers.is_whole(self.slots.iter().map(|(_, task)| task.registers))
+    }
+
     /// How many slots there are.
     pub fn slots(&self) -> usize {
         self.slots.slots()

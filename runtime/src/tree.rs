@@ -72,6 +72,18 @@ impl Machine {
         children
     }
 
+    /// Main and all tasks below it, each before its children. Which slots they have depends on what
+    /// was collected before, so what a plan can see goes by this order.
+    pub(crate) fn living_tasks(&self) -> Vec<u32> {
+        let mut tasks = Vec::new();
+        let mut waiting = vec![self.main];
+        while let Some(task) = waiting.pop() {
+            tasks.push(task);
+            waiting.extend(self.children(task).into_iter().rev());
+        }
+        tasks
+    }
+
     /// Whether a task is another or below it.
     pub(crate) fn is_within(&self, task: u32, ancestor: u32) -> bool {
         let mut at = task;

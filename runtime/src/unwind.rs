@@ -290,12 +290,8 @@ impl Machine {
         if !self.tasks[self.main].is_protected() {
             return self.main;
         }
-        let cleaning: Vec<u32> = self
-            .tasks
-            .iter()
-            .filter(|(_, task)| !task.state.is_dead() && !task.is_leaving() && task.is_cleaning_up())
-            .map(|(index, _)| index)
-            .collect();
+        let mut cleaning = self.living_tasks();
+        cleaning.retain(|&task| !self.tasks[task].is_leaving() && self.tasks[task].is_cleaning_up());
         let is_innermost = |&task: &u32| !cleaning.iter().any(|&other| other != task && self.is_within(other, task));
         cleaning.iter().copied().find(is_innermost).unwrap_or(self.main)
     }

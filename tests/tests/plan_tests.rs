@@ -52,7 +52,7 @@ fn a_run_ignores_tests_but_their_faults_are_found() {
     assert!(rpl_tests::run("(seq (print 1) (let () (deftest a 1)))").contains("can only stand at top level"));
 }
 
-/// r[test.options]
+/// r[test.form], r[test.options]
 #[test]
 fn options_stand_before_the_body_and_are_checked() {
     let text = "(deftest a \"Doc.\" :world \"dept\" :scenario \"s.rpl\" :seed 3 :until 2min (print 1) :done)";
@@ -74,7 +74,7 @@ fn a_test_fails_with_the_failure_of_its_body() {
     assert!(outcome("(wait-time 3) (fail timeout \"late\")").starts_with("failed: "));
 }
 
-/// r[assert.values]
+/// r[assert.message], r[assert.values]
 #[test]
 fn assert_tells_the_values_of_the_arguments_of_a_call() {
     let message = |text: &str| {

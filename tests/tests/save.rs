@@ -143,7 +143,8 @@ fn a_run_replaced_by_its_saved_copy_at_every_step_goes_on_alike() {
         loop {
             let saved = system.save();
             let again = load(text, &saved).unwrap_or_else(|error| panic!("{name}, step {steps}: {error}"));
-            assert!(again.machine == system.machine, "{name}, step {steps}: the loaded machine differs");
+            let difference = again.difference(&system).map(|difference| difference.to_string());
+            assert_eq!(difference, None, "{name}, step {steps}");
             assert!(again.program == system.program, "{name}, step {steps}: the loaded program differs");
             assert!(again.save() == saved, "{name}, step {steps}: saved again, the bytes differ");
             system = again;
@@ -193,6 +194,85 @@ fn forks_go_on_alike_and_apart() {
             assert_eq!(end(fork), expected, "{name}, forked at step {at}");
         }
     }
+}
+
+/// Texts of plans in the other tests and the examples: what stands between quotes there and compiles.
+fn texts_elsewhere() -> Vec<String> {
+    let files = [
+        include_str!("constructs.rs"),
+        include_str!("failures.rs"),
+        include_str!("fluents.rs"),
+        include_str!("policies_and_valves.rs"),
+        include_str!("tasks.rs"),
+        include_str!("stress.rs"),
+        include_str!("execute_plan.rs"),
+        include_str!("evaluation.rs"),
+        include_str!("limits.rs"),
+    ];
+    let examples = [
+        include_str!("../../examples/evap-protect.rpl"),
+        include_str!("../../examples/failure-handling.rpl"),
+        include_str!("../../examples/first-steps.rpl"),
+        include_str!("../../examples/fluents.rpl"),
+        include_str!("../../examples/plan-as-data.rpl"),
+        include_str!("../../examples/policy.rpl"),
+        include_str!("../../examples/try-all.rpl"),
+        include_str!("../../examples/valve.rpl"),
+    ];
+    let quoted = files.iter().flat_map(|file| {
+        let file = file.replace("\\\"", "\u{1}").replace("\\n", "\n");
+        let strings: Vec<String> = file.split('"').skip(1).step_by(2).map(|text| text.replace('\u{1}', "\"")).collect();
+        strings
+    });
+    let compiles = |text: &String| text.contains('(') && library().load("test.rpl", text, &mut NoFiles).is_ok();
+    quoted.chain(examples.map(str::to_string)).filter(compiles).collect()
+}
+
+#[test]
+fn every_program_of_the_tests_and_examples_is_reloaded_alike() {
+    let limits = rpl_runtime::machine::Limits { steps: 5_000, frames: 200, bytes: 1 << 24 };
+    let texts = texts_elsewhere();
+    assert!(texts.len() > 150, "{} programs were found", texts.len());
+    for text in texts {
+        let (mut plain, mut reloaded) = (start(&text), start(&text));
+        plain.machine.limits = limits;
+        reloaded.machine.limits = limits;
+        for at in 0..120 {
+            let saved = reloaded.save();
+            let again = load(&text, &saved).unwrap_or_else(|error| panic!("{text}\nstep {at}: {error}"));
+            assert!(again.save() == saved, "{text}\nstep {at}: saved again, the bytes differ");
+            reloaded = again;
+            let goes_on = step(&mut plain);
+            assert_eq!(step(&mut reloaded), goes_on, "{text}\nstep {at}");
+            if reloaded.machine != plain.machine {
+                panic!("{text}\nafter step {at}: {}", plain.difference(&reloaded).expect("a difference has a name"));
+            }
+            if !goes_on {
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn a_difference_names_the_part() {
+    let (_, text) = PROGRAMS[0];
+    let mut system = start(text);
+    for _ in 0..4 {
+        step(&mut system);
+    }
+    let told = |change: &dyn Fn(&mut System<NoRobot>)| {
+        let mut other = system.fork();
+        change(&mut other);
+        system.difference(&other).map(|difference| difference.path)
+    };
+    assert_eq!(told(&|_| {}), None);
+    assert_eq!(told(&|other| other.machine.now_us += 1).as_deref(), Some("machine.now_us"));
+    assert_eq!(told(&|other| other.machine.tasks[1].wait_number += 1).as_deref(), Some("machine.tasks[1].wait_number"));
+    assert_eq!(told(&|other| other.machine.fluents[0].height = 7).as_deref(), Some("machine.fluents[0].height"));
+    let place = system.machine.heap.pairs.len();
+    let longer = told(&|other| drop(other.machine.heap.cons(other.machine.globals[0], other.machine.globals[0])));
+    assert_eq!(longer.as_deref(), Some("machine.heap.pairs"), "{place} pairs");
 }
 
 #[test]

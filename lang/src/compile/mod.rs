@@ -409,7 +409,10 @@ impl<'a> Compiler<'a> {
 
     /// The nearest name a user could have meant.
     fn suggestion(&self, text: &str, locals: &[Symbol]) -> Option<String> {
-        let globals = self.program.names.keys().map(|&name| self.symbols.name(name));
+        // Of equally near names the text's own come first.
+        let (library, own): (Vec<_>, Vec<_>) =
+            self.program.names.iter().partition(|&(_, &global)| self.is_library(global));
+        let globals = own.into_iter().chain(library).map(|(&name, _)| self.symbols.name(name));
         let natives = self.natives.iter().map(|native| native.name.as_str());
         let specials = special::names().map(|(name, _)| name);
         let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));

@@ -177,7 +177,7 @@ impl Compiler<'_> {
                 if let Some(&code) = self.program.macros.get(&name) {
                     return self.expand_and_resolve(code, node, span);
                 }
-                self.named_call(name, &items[1..], span)
+                self.named_call(name, head, &items[1..], span)
             }
             Kind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
             Kind::List { .. } | Kind::Object(_) | Kind::Hole => self.call_value(head, &items[1..], span),
@@ -244,9 +244,10 @@ impl Compiler<'_> {
         result
     }
 
-    fn named_call(&mut self, name: Symbol, nodes: &[NodeId], span: Span) -> Ir {
+    fn named_call(&mut self, name: Symbol, head: NodeId, nodes: &[NodeId], span: Span) -> Ir {
         match self.meaning(name, span) {
-            Meaning::Local(_) => unreachable!("lexical names are called as values"),
+            // A tag of the plan.
+            Meaning::Local(_) => self.call_value(head, nodes, span),
             Meaning::Global(global) => {
                 let arguments = self.arguments(nodes);
                 self.calls.push((global, arguments.len(), span));

@@ -2,7 +2,7 @@
 
 use super::parameters::ActiveParameters;
 use crate::geometry::{Point, Pose};
-use crate::localization::{LocalizationModel, Maximum, SONARS};
+use crate::localization::{LocalizationModel, Maximum};
 
 /// How likely the robot gets to a point the map shows as occupied, or the other way round.
 const MAP_IS_WRONG: f64 = 0.02;
@@ -75,7 +75,7 @@ impl<'m> EntropyForecast<'m> {
                 .shares
                 .iter()
                 .zip(&views)
-                .map(|(share, view)| share * view.reach * self.likelihood(truth.scan.as_ref(), view.scan.as_ref()));
+                .map(|(share, view)| share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref()));
             truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached
         };
         self.truths.iter().zip(&self.truth_shares).map(|(truth, share)| share * after(truth)).sum()
@@ -94,7 +94,7 @@ impl<'m> EntropyForecast<'m> {
     }
 
     /// How likely a scan is where another one is expected; a place without scans tells nothing.
-    fn likelihood(&self, sensed: Option<&[u8; SONARS]>, expected: Option<&[u8; SONARS]>) -> f64 {
+    fn likelihood(&self, sensed: Option<&[u8]>, expected: Option<&[u8]>) -> f64 {
         let (Some(sensed), Some(expected)) = (sensed, expected) else { return 1.0 };
         let cost = |(s, o): (&u8, &u8)| usize::from(self.costs[usize::from(*s) * BINS + usize::from(*o)]);
         let once = self.model.sensor.weight(sensed.iter().zip(expected).map(cost).sum());
@@ -113,7 +113,7 @@ struct View {
     /// How probably the robot gets there: maxima are known to the tolerance, and so is the clearance.
     reach: f64,
     /// The noise-free scan there; none where the robot cannot stand.
-    scan: Option<[u8; SONARS]>,
+    scan: Option<Vec<u8>>,
 }
 
 /// The sensor model's costs, each the least within `tolerance` bins of the expected one, less what

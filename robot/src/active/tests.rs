@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::geometry::{Point, Pose, distance_m};
-use crate::localization::{Localization, LocalizationModel, LocalizationParameters, Maximum, SONARS, Spread};
+use crate::localization::{Localization, LocalizationModel, LocalizationParameters, Maximum, Spread};
 use crate::occupancy::{Cell, OccupancyGrid};
 use std::f64::consts::PI;
 
@@ -187,7 +187,7 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
     assert_eq!(loaded, active);
 }
 
-fn scan_at(model: &LocalizationModel, pose_in_map: Pose) -> [f32; SONARS] {
+fn scan_at(model: &LocalizationModel, pose_in_map: Pose) -> Vec<f32> {
     let state = model.state_at(pose_in_map).expect("a pose on the map");
-    model.expected_scan(state).map(|bin| model.sensor.range_m(bin) as f32)
+    model.expected_scan(state).into_iter().map(|bin| model.sensor.range_m(bin) as f32).collect()
 }

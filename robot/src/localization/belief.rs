@@ -3,7 +3,7 @@
 use super::grid::State;
 use super::kernel::{self, LIFT, Share};
 use super::model::LocalizationModel;
-use super::parameters::{SONARS, Spread};
+use super::parameters::Spread;
 use super::plane::{Activity, Plane};
 use super::weigh::{PLANES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
@@ -32,8 +32,8 @@ pub struct Belief {
     heading_variance: f64,
 }
 
-/// The bins of one scan; none for a reading that is missing or left out.
-pub(super) type Scan = [Option<u8>; SONARS];
+/// The bins of one scan, beam by beam; none for a reading that is missing or left out.
+pub(super) type Scan = Vec<Option<u8>>;
 
 impl Belief {
     /// Every admissible state alike.
@@ -70,7 +70,7 @@ impl Belief {
             *plane = Plane { offset_cells: offset, ..Plane::active(Arc::new(cells)) };
         }
         belief.heading_offset = heading_offset;
-        belief.sense(model, &[None; SONARS]);
+        belief.sense(model, &[]);
         belief
     }
 
@@ -82,7 +82,7 @@ impl Belief {
             let cells = (0..model.grid.plane_len()).map(|cell| (both(cell) * f64::from(model.admissible[cell])) as f32);
             *plane = Plane::active(Arc::new(cells.collect()));
         }
-        merged.sense(model, &[None; SONARS]);
+        merged.sense(model, &[]);
         merged
     }
 
@@ -101,7 +101,7 @@ impl Belief {
             });
             *plane = Plane::active(Arc::new(values.collect()));
         });
-        belief.sense(model, &[None; SONARS]);
+        belief.sense(model, &[]);
         belief
     }
 
@@ -218,9 +218,9 @@ impl Belief {
     ///
     /// # Deviation
     /// After a scan a share of the uniform distribution is mixed in.
-    pub(super) fn sense(&mut self, model: &LocalizationModel, scan: &Scan) {
+    pub(super) fn sense(&mut self, model: &LocalizationModel, scan: &[Option<u8>]) {
         let readings: Vec<(usize, u8)> =
-            scan.iter().enumerate().filter_map(|(sonar, bin)| bin.map(|bin| (sonar, bin))).collect();
+            scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect();
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
         weigh_planes(&mut self.planes, model, &readings, average);
         let lifted = average * f64::from(LIFT);
@@ -235,8 +235,8 @@ impl Belief {
     }
 
     /// Eq. (2) for a scan in metres, every finite reading of it.
-    pub fn sense_ranges(&mut self, model: &LocalizationModel, sonar_m: &[f32; SONARS]) {
-        self.sense(model, &sonar_m.map(|range_m| range_m.is_finite().then(|| model.sensor.bin(f64::from(range_m)))));
+    pub fn sense_ranges(&mut self, model: &LocalizationModel, ranges_m: &[f32]) {
+        self.sense(model, &model.sensor.scan(ranges_m));
     }
 
     /// Mixes a share of the uniform distribution into the belief.

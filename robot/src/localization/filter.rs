@@ -2,7 +2,7 @@
 
 use super::belief::{Belief, Scan};
 use super::model::LocalizationModel;
-use super::parameters::{LocalizationParameters, SONARS, Spread};
+use super::parameters::{LocalizationParameters, Spread};
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -31,12 +31,12 @@ struct Rest {
     scans: u32,
 }
 
-fn has_changed(before_m: &[f32; SONARS], now_m: &[f32; SONARS]) -> bool {
+fn has_changed(before_m: &[f32], now_m: &[f32]) -> bool {
     let changed = |(before, now): &(&f32, &f32)| (**before - **now).abs() > CHANGED_M;
     before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
 }
 
-/// The coarse belief takes in every so many-th sonar, beginning with the next one at each update.
+/// The coarse belief takes in every so many-th beam, beginning with the next one at each update.
 const WATCH_BEAM_STRIDE: u64 = 3;
 
 /// Share of the old belief kept when relocalization starts.
@@ -51,7 +51,7 @@ pub struct Localization {
     /// Odometry at the last observation.
     observed_at_in_odom: Option<Pose>,
     /// The last scan that was used.
-    last_scan_m: Option<[f32; SONARS]>,
+    last_scan_m: Option<Vec<f32>>,
     rest: Rest,
     /// The coarse belief that watches over the fine one, if there is one.
     watch: Option<Belief>,
@@ -135,28 +135,24 @@ impl Localization {
         Self::from_beliefs(model, self.belief.merged(model, &other.belief), watch)
     }
 
-    /// Takes in odometry and, if there is one, a scan; readings that are not finite are missing.
+    /// Takes in odometry and, if there is one, a scan, a reading for each beam of the model;
+    /// readings that are not finite are missing.
     /// Returns whether the belief was updated.
     ///
     /// # Deviation
     /// The belief is updated only after some motion, by `update_distance_m` and
     /// `update_angle_rad`: scans from one place repeat the same evidence. A robot at rest takes a
     /// few scans and no more, unless the scan changes: somebody may have turned it.
-    pub fn observe(
-        &mut self,
-        model: &LocalizationModel,
-        odometry_in_odom: Pose,
-        sonar_m: Option<&[f32; SONARS]>,
-    ) -> bool {
+    pub fn observe(&mut self, model: &LocalizationModel, odometry_in_odom: Pose, ranges_m: Option<&[f32]>) -> bool {
         self.observed_at_in_odom = Some(odometry_in_odom);
         let since = odometry_in_odom.relative_to(*self.updated_at_in_odom.get_or_insert(odometry_in_odom));
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
-        if !moved && !sonar_m.is_some_and(|sonar_m| self.is_due_at_rest(&model.parameters, sonar_m)) {
+        if !moved && !ranges_m.is_some_and(|ranges_m| self.is_due_at_rest(&model.parameters, ranges_m)) {
             return false;
         }
         self.belief.advance(model, since);
-        let scan = self.scan(model, self.mode.pose_in_map.compose(since), sonar_m);
+        let scan = self.scan(model, self.mode.pose_in_map.compose(since), ranges_m);
         self.belief.sense(model, &scan);
         self.mode = self.belief.mode(model);
         self.watch_over(model, since, &scan);
@@ -166,17 +162,17 @@ impl Localization {
             self.rest = Rest::default();
         }
         self.rest.waited = 0;
-        if let Some(sonar_m) = sonar_m {
+        if let Some(ranges_m) = ranges_m {
             self.rest.scans += 1;
-            self.last_scan_m = Some(*sonar_m);
+            self.last_scan_m = Some(ranges_m.to_vec());
         }
         true
     }
 
     /// Counts an observation at rest and tells whether it is to be used.
-    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, sonar_m: &[f32; SONARS]) -> bool {
+    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, ranges_m: &[f32]) -> bool {
         self.rest.waited += 1;
-        let changed = self.last_scan_m.is_none_or(|last_m| has_changed(&last_m, sonar_m));
+        let changed = self.last_scan_m.as_deref().is_none_or(|last_m| has_changed(last_m, ranges_m));
         if changed {
             self.rest.scans = 0;
         }
@@ -185,16 +181,17 @@ impl Localization {
     }
 
     /// Updates the coarse belief, and makes the fine one anew if they disagree.
-    fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scan: &Scan) {
+    fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scan: &[Option<u8>]) {
         let (Some(watch), Some(coarse), Some(parameters)) = (&mut self.watch, &model.watch, &model.parameters.watch)
         else {
             return;
         };
         // Beams far apart in turn: their evidence overlaps less, and they cost less.
         let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
-        let beam = |sonar: usize| scan[sonar].filter(|_| sonar % WATCH_BEAM_STRIDE as usize == turn);
+        let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
+        let scan: Scan = scan.iter().enumerate().map(beam).collect();
         watch.advance(coarse, motion);
-        watch.sense(coarse, &std::array::from_fn(beam));
+        watch.sense(coarse, &scan);
         self.agreed = watch.mass_of_cells_near(coarse, self.mode.pose_in_map);
         if self.agreed < parameters.agreement * self.mode.mass {
             self.belief = Belief::resampled(model, watch, coarse);
@@ -204,20 +201,20 @@ impl Localization {
     }
 
     /// The bins of a scan, without the readings that gating leaves out.
-    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, sonar_m: Option<&[f32; SONARS]>) -> Scan {
-        let Some(sonar_m) = sonar_m else { return [None; SONARS] };
-        let mut scan = sonar_m.map(|range_m| range_m.is_finite().then(|| model.sensor.bin(f64::from(range_m))));
+    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, ranges_m: Option<&[f32]>) -> Scan {
+        let Some(ranges_m) = ranges_m else { return Scan::new() };
+        let mut scan = model.sensor.scan(ranges_m);
         let Some(gating) = &model.parameters.gating else { return scan };
         let Some(state) = model.state_at(predicted_in_map) else { return scan };
         if self.mode.mass < gating.min_certainty || !model.is_admissible(state.column, state.row) {
             return scan;
         }
         let expected = model.expected_scan(state);
-        let short = |sonar: usize| f64::from(sonar_m[sonar]) < model.sensor.range_m(expected[sonar]) - gating.margin_m;
-        let gated: Vec<usize> = (0..SONARS).filter(|&sonar| scan[sonar].is_some() && short(sonar)).collect();
+        let short = |beam: usize| f64::from(ranges_m[beam]) < model.sensor.range_m(expected[beam]) - gating.margin_m;
+        let gated: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some() && short(beam)).collect();
         if gated.len() <= gating.max_readings {
-            for sonar in gated {
-                scan[sonar] = None;
+            for beam in gated {
+                scan[beam] = None;
             }
         }
         scan

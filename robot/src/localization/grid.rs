@@ -1,6 +1,5 @@
 //! Where the cells of the belief lie.
 
-use super::parameters::SONARS;
 use crate::geometry::{Point, wrap_angle_rad};
 use crate::occupancy::OccupancyGrid;
 
@@ -37,14 +36,22 @@ pub struct BeliefGrid {
     pub rows: usize,
     /// Heading planes; plane `k` has heading `k · angle_step`.
     pub headings: usize,
-    /// Directions of the table of expected distances: the coarsest step that meets every sonar at
+    /// Directions of the table of expected distances: the coarsest step that meets every beam at
     /// every heading.
     pub directions: usize,
+    /// Bearing of each beam, in steps of the table.
+    bearings: Vec<usize>,
 }
 
 impl BeliefGrid {
     /// The grid over a map; `angle_step_deg` must divide 360.
-    pub(super) fn over(map: &OccupancyGrid, cell_m: f64, angle_step_deg: u32, centred: bool) -> Self {
+    pub(super) fn over(
+        map: &OccupancyGrid,
+        cell_m: f64,
+        angle_step_deg: u32,
+        centred: bool,
+        beams_deg: &[i32],
+    ) -> Self {
         let cells_along = |map_cells: usize| {
             let exact = map_cells as f64 * map.resolution_m / cell_m;
             libm::ceil(exact - 1e-9).max(1.0) as usize
@@ -54,6 +61,8 @@ impl BeliefGrid {
         let first = |origin: f64, middle: f64, count: usize| {
             if centred { middle - (count as f64 - 1.0) / 2.0 * cell_m } else { origin + cell_m / 2.0 }
         };
+        let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
+        let step_deg = beams_deg.iter().copied().fold(angle_step_deg, greatest_common_divisor);
         Self {
             cell_m,
             origin_in_map: Point::new(
@@ -63,7 +72,8 @@ impl BeliefGrid {
             columns,
             rows,
             headings: (360 / angle_step_deg) as usize,
-            directions: (360 / greatest_common_divisor(angle_step_deg, 360 / SONARS as u32)) as usize,
+            directions: (360 / step_deg) as usize,
+            bearings: beams_deg.iter().map(|bearing| (bearing / step_deg) as usize).collect(),
         }
     }
 
@@ -115,11 +125,14 @@ impl BeliefGrid {
         (libm::round(heading_rad / self.angle_step_rad()) as i64).rem_euclid(self.headings as i64) as usize
     }
 
-    /// Which direction of the table sonar `sonar` reads at heading `heading`.
-    pub fn direction(&self, heading: usize, sonar: usize) -> usize {
-        let per_heading = self.directions / self.headings;
-        let per_sonar = self.directions / SONARS;
-        (heading * per_heading + sonar * per_sonar) % self.directions
+    /// Beams of one scan.
+    pub fn beams(&self) -> usize {
+        self.bearings.len()
+    }
+
+    /// Which direction of the table beam `beam` reads at heading `heading`.
+    pub fn direction(&self, heading: usize, beam: usize) -> usize {
+        (heading * (self.directions / self.headings) + self.bearings[beam]) % self.directions
     }
 }
 
@@ -132,27 +145,32 @@ mod tests {
     use super::*;
     use crate::occupancy::Cell;
 
-    fn grid(step_deg: u32) -> BeliefGrid {
+    fn grid(step_deg: u32, beams_deg: &[i32]) -> BeliefGrid {
         let map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.05, 540, 401, Cell::Free);
-        BeliefGrid::over(&map, 0.15, step_deg, true)
+        BeliefGrid::over(&map, 0.15, step_deg, true, beams_deg)
     }
 
     #[test]
     fn a_mirror_pose_falls_on_a_cell() {
-        let grid = grid(2);
+        let grid = grid(2, &[0]);
         let (a, b) = (grid.centre(3, 5), grid.centre(grid.columns - 4, grid.rows - 6));
         assert!((a.x + b.x - 27.0).abs() < 1e-9 && (a.y + b.y - 20.05).abs() < 1e-9);
         assert_eq!(grid.headings % 2, 0);
     }
 
     #[test]
-    fn every_sonar_at_every_heading_has_its_own_exact_direction() {
-        for step_deg in [1, 2, 3, 5, 6, 8, 10, 12, 15] {
-            let grid = grid(step_deg);
+    fn every_beam_at_every_heading_has_its_own_exact_direction() {
+        let ring: Vec<i32> = (0..24).map(|sonar| 15 * sonar).collect();
+        let fan: Vec<i32> = (0..13).map(|beam| -90 + 15 * beam).chain([-89, 4]).collect();
+        for (beams_deg, step_deg) in
+            [&ring, &fan].into_iter().flat_map(|beams| [1, 2, 6, 8, 15].map(|step| (beams, step)))
+        {
+            let grid = grid(step_deg, beams_deg);
             for heading in 0..grid.headings {
-                for sonar in 0..SONARS {
-                    let degrees = grid.direction(heading, sonar) * 360 / grid.directions;
-                    assert_eq!(degrees, (heading * step_deg as usize + sonar * 15) % 360);
+                for (beam, bearing_deg) in beams_deg.iter().enumerate() {
+                    let degrees = grid.direction(heading, beam) * 360 / grid.directions;
+                    let exact = (heading as i32 * step_deg as i32 + bearing_deg).rem_euclid(360);
+                    assert_eq!(degrees, exact as usize);
                 }
             }
         }

@@ -28,9 +28,12 @@ pub use belief::Belief;
 pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
 pub use model::{LocalizationModel, ModelError};
-pub use parameters::{Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, Watch};
+pub use parameters::{
+    Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, Watch, sonar_ring_deg,
+};
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
-pub use sensor::{NO_ECHO, SensorModel};
+pub(crate) use sensor::{BINS, components};
+pub use sensor::{MAX_BEAMS, NO_ECHO, SensorModel};
 pub use simd::Instructions;
 pub use summary::Maximum;

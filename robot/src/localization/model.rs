@@ -2,9 +2,9 @@
 
 use super::grid::{BeliefGrid, State};
 use super::kernel::TILE;
-use super::parameters::{LocalizationParameters, SONARS};
+use super::parameters::LocalizationParameters;
 use super::ray::DistanceField;
-use super::sensor::{self, BINS, SensorModel};
+use super::sensor::{self, BINS, MAX_BEAMS, SensorModel};
 use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
@@ -23,6 +23,9 @@ pub enum ModelError {
     /// The cells are not a positive length, or smaller than those of the map.
     #[error("belief cells must be at least as large as the map's, {0} m")]
     CellSize(String),
+    /// A scan without beams, or with more than a sum of byte costs holds.
+    #[error("a scan has 1 to {MAX_BEAMS} beams, found {0}")]
+    Beams(usize),
     /// The robot fits nowhere.
     #[error("the map has no free cell the robot could stand in")]
     NoFreeCell,
@@ -36,7 +39,7 @@ pub struct LocalizationModel {
     pub parameters: LocalizationParameters,
     /// Where the cells lie.
     pub grid: BeliefGrid,
-    /// The sonar model.
+    /// The sensor model.
     pub sensor: SensorModel,
     /// Distances in the map.
     pub distances: DistanceField,
@@ -49,7 +52,7 @@ pub struct LocalizationModel {
     /// What the loops over cells are run with.
     pub(super) instructions: Instructions,
     /// Expected scans of states spread evenly over all admissible ones.
-    samples: Vec<[u8; SONARS]>,
+    samples: Vec<Vec<u8>>,
     /// The model of the coarse belief that watches, if there is one.
     pub(super) watch: Option<Box<LocalizationModel>>,
 }
@@ -67,7 +70,11 @@ impl LocalizationModel {
         if !(parameters.cell_m.is_finite() && parameters.cell_m >= map.resolution_m - 1e-9) {
             return Err(ModelError::CellSize(map.resolution_m.to_string()));
         }
-        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred);
+        let beams = parameters.beams_deg.len();
+        if beams == 0 || beams > MAX_BEAMS {
+            return Err(ModelError::Beams(beams));
+        }
+        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred, &parameters.beams_deg);
         let distances = DistanceField::new(map);
         let admissible = admissible_cells(map, &distances, &grid, parameters.clearance_m);
         let count = admissible.iter().filter(|&&cell| cell > 0.0).count();
@@ -94,6 +101,16 @@ impl LocalizationModel {
         };
         model.samples = model.draw_samples();
         Ok(model)
+    }
+
+    /// Memory that the tables and a belief on this map will take, without building them: two copies
+    /// of the belief, because noise is spread from one into the other.
+    pub fn needed_bytes(map: &OccupancyGrid, parameters: &LocalizationParameters) -> u64 {
+        let along = |cells: usize| libm::ceil(cells as f64 * map.resolution_m / parameters.cell_m).max(1.0);
+        let cells = along(map.columns) * along(map.rows);
+        let headings = 360.0 / f64::from(parameters.angle_step_deg.max(1));
+        // Whole degrees are the finest table of directions.
+        (cells * (headings * 2.0 * size_of::<f32>() as f64 + 360.0)) as u64
     }
 
     /// Cells of (x, y) the robot can stand in.
@@ -132,9 +149,10 @@ impl LocalizationModel {
     }
 
     /// The noise-free scan at a state, in bins.
-    pub fn expected_scan(&self, state: State) -> [u8; SONARS] {
+    pub fn expected_scan(&self, state: State) -> Vec<u8> {
         let cell = state.row * self.grid.columns + state.column;
-        std::array::from_fn(|sonar| self.expected_bin(self.grid.direction(state.heading, sonar), cell))
+        let beams = 0..self.grid.beams();
+        beams.map(|beam| self.expected_bin(self.grid.direction(state.heading, beam), cell)).collect()
     }
 
     /// The state around a pose, if it is on the grid.
@@ -144,7 +162,7 @@ impl LocalizationModel {
     }
 
     /// Expected scans of states spread evenly over cells and headings.
-    fn draw_samples(&self) -> Vec<[u8; SONARS]> {
+    fn draw_samples(&self) -> Vec<Vec<u8>> {
         let cells: Vec<usize> = (0..self.grid.cells()).filter(|&cell| self.admissible[cell] > 0.0).collect();
         let headings = self.grid.headings;
         let stride = (cells.len() * headings / SAMPLES).max(1);
@@ -167,9 +185,9 @@ impl LocalizationModel {
     /// robot would still look likelier than that. Here it is the average over a sample of states.
     pub(super) fn average_weight(&self, readings: &[(usize, u8)]) -> f64 {
         let costs: Vec<(usize, &[u8; BINS])> =
-            readings.iter().map(|&(sonar, bin)| (sonar, self.sensor.costs(bin))).collect();
-        let sum = |sample: &[u8; SONARS]| -> usize {
-            costs.iter().map(|&(sonar, costs)| usize::from(costs[usize::from(sample[sonar])])).sum()
+            readings.iter().map(|&(beam, bin)| (beam, self.sensor.costs(bin))).collect();
+        let sum = |sample: &[u8]| -> usize {
+            costs.iter().map(|&(beam, costs)| usize::from(costs[usize::from(sample[beam])])).sum()
         };
         let total: f64 = self.samples.iter().map(|sample| self.sensor.weight(sum(sample))).sum();
         total / self.samples.len() as f64

@@ -27,7 +27,9 @@ pub struct LocalizationParameters {
     pub centred: bool,
     /// Positions nearer than this to anything occupied carry no mass: the robot is a disc.
     pub clearance_m: f64,
-    /// The sonar model.
+    /// Bearings of the beams of one scan, from straight ahead to the left, in whole degrees.
+    pub beams_deg: Vec<i32>,
+    /// The model of one beam.
     pub sensor: SensorParameters,
     /// The error model of the odometry.
     pub odometry: OdometryError,
@@ -60,6 +62,7 @@ impl Default for LocalizationParameters {
             angle_step_deg: 2,
             centred: true,
             clearance_m: 0.15,
+            beams_deg: sonar_ring_deg(),
             sensor: SensorParameters::default(),
             odometry: OdometryError::default(),
             tempering: 0.15,
@@ -105,13 +108,42 @@ impl LocalizationParameters {
         })
     }
 
+    /// For a laser range finder: rays and no cones, a finer grid, and odometry as in recorded drives;
+    /// sensor and odometry are what a fit to such drives gives, rounded.
+    ///
+    /// # Deviation
+    /// As for the sonars, but nothing watches: a recorded drive is not disturbed.
+    pub fn laser() -> Self {
+        Self {
+            cell_m: 0.1,
+            clearance_m: 0.0,
+            sensor: SensorParameters::laser(),
+            odometry: OdometryError {
+                forward_m: 0.14,
+                sideward_m: 0.09,
+                turn_per_metre_rad: 4.2f64.to_radians(),
+                turn_per_radian_rad: 6.5f64.to_radians(),
+            },
+            tempering: 0.2,
+            mixing: 1e-4,
+            gating: None,
+            watch: None,
+            ..Self::default()
+        }
+    }
+
     /// A coarse grid (30 cm, 6°) for tests and for saving often.
     pub fn coarse() -> Self {
         Self { cell_m: 0.3, angle_step_deg: 6, ..Self::default() }
     }
 }
 
-/// P(s | o) of one sonar: a mixture of a Gaussian around the expected distance, a uniform and a
+/// Bearings of the sonars.
+pub fn sonar_ring_deg() -> Vec<i32> {
+    (0..SONARS).map(|sonar| (sonar * 360 / SONARS) as i32).collect()
+}
+
+/// P(s | o) of one beam, a sonar's cone or a laser's ray: a mixture of a Gaussian around the expected distance, a uniform and a
 /// geometric density (Fox, Burgard, Thrun §3.2), and the echo that never comes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorParameters {
@@ -121,6 +153,9 @@ pub struct SensorParameters {
     pub mount_radius_m: f64,
     /// Full opening angle of the cone; the nearest surface in it is expected.
     pub cone_deg: u32,
+    /// Readings are on average longer by this than the way to the first occupied cell: in a map made
+    /// of scans, cells before the surface are occupied as well.
+    pub wall_depth_m: f64,
     /// Standard deviation of the Gaussian, which must cover half a belief cell.
     pub sigma_m: f64,
     /// What the standard deviation grows by per metre of distance.
@@ -143,6 +178,7 @@ impl Default for SensorParameters {
             max_range_m: 5.0,
             mount_radius_m: 0.0,
             cone_deg: 15,
+            wall_depth_m: 0.0,
             sigma_m: 0.12,
             sigma_per_m: 0.02,
             hit: 0.55,
@@ -151,6 +187,30 @@ impl Default for SensorParameters {
             short_mean_m: 2.0,
             missed: 0.25,
         }
+    }
+}
+
+impl SensorParameters {
+    /// The beam of a laser range finder.
+    pub fn laser() -> Self {
+        Self {
+            max_range_m: 12.0,
+            mount_radius_m: 0.0,
+            cone_deg: 0,
+            wall_depth_m: 0.08,
+            sigma_m: 0.077,
+            sigma_per_m: 0.0045,
+            hit: 0.78,
+            uniform: 0.19,
+            short: 0.002,
+            short_mean_m: 1.4,
+            missed: 0.03,
+        }
+    }
+
+    /// Weights of the Gaussian, the uniform, the geometric density and "no echo".
+    pub fn weights(&self) -> [f64; 4] {
+        [self.hit, self.uniform, self.short, self.missed]
     }
 }
 

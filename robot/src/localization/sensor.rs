@@ -1,20 +1,21 @@
-//! P(s | o): how likely a sonar reading is where a distance is expected, as byte tables.
+//! P(s | o): how likely a reading is where a distance is expected, as byte tables.
 
+use super::belief::Scan;
 use super::kernel;
-use super::parameters::{SONARS, SensorParameters};
+use super::parameters::SensorParameters;
 
 /// The bin of a reading, or an expected distance, without an echo in range.
 pub const NO_ECHO: u8 = 255;
 
 /// Distance bins: 255 for distances in range, and [`NO_ECHO`].
-pub(super) const BINS: usize = 256;
+pub(crate) const BINS: usize = 256;
 
 /// Negative log-likelihoods are stored in units of 1/32 nat: rounding errs by at most 1/64 nat a
 /// beam, and the clip at 255 is 8 nats, beyond what the uniform part of the mixture allows.
 const UNITS_PER_NAT: f64 = 32.0;
 
-/// Every sum of the table's bytes over one scan fits into 16 bits.
-const _: () = assert!(SONARS * (u8::MAX as usize) <= u16::MAX as usize);
+/// Beams of a scan, at most: every sum of the table's bytes over one scan fits into 16 bits.
+pub const MAX_BEAMS: usize = u16::MAX as usize / u8::MAX as usize;
 
 /// The sensor model, quantised.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,12 @@ impl SensorModel {
         bin(range_m, self.max_range_m)
     }
 
+    /// The bins of a scan in metres; readings that are not finite are missing.
+    pub(super) fn scan(&self, ranges_m: &[f32]) -> Scan {
+        let bin = |range_m: &f32| range_m.is_finite().then(|| self.bin(f64::from(*range_m)));
+        ranges_m.iter().map(bin).collect()
+    }
+
     /// The middle of a bin, in metres; the maximal range for [`NO_ECHO`].
     pub fn range_m(&self, bin: u8) -> f64 {
         if bin == NO_ECHO { self.max_range_m } else { (f64::from(bin) + 0.5) * self.max_range_m / 255.0 }
@@ -76,35 +83,47 @@ pub(super) fn bin(range_m: f64, max_range_m: f64) -> u8 {
 
 /// P(measured | expected) over the measured bins; sums to 1.
 pub(super) fn mixture(parameters: &SensorParameters, expected: usize) -> Vec<f64> {
-    let width_m = parameters.max_range_m / 255.0;
-    let centre_m = |bin: usize| (bin as f64 + 0.5) * width_m;
-    let no_echo = usize::from(NO_ECHO);
-    let mut density = vec![parameters.uniform / BINS as f64; BINS];
-    density[no_echo] += parameters.missed;
-    if expected == no_echo {
-        density[no_echo] += parameters.hit;
-    } else {
-        let sigma_m = parameters.sigma_m + parameters.sigma_per_m * centre_m(expected);
-        let gauss = (0..no_echo).map(|bin| {
-            let away = (centre_m(bin) - centre_m(expected)) / sigma_m;
-            libm::exp(-0.5 * away * away)
-        });
-        add_scaled(&mut density, gauss.collect(), parameters.hit);
+    let mut density = vec![0.0; BINS];
+    for (part, weight) in components(parameters, expected).iter().zip(parameters.weights()) {
+        for (sum, value) in density.iter_mut().zip(part) {
+            *sum += weight * value;
+        }
     }
-    let short = (0..expected).map(|bin| libm::exp(-centre_m(bin) / parameters.short_mean_m));
-    add_scaled(&mut density, short.collect(), parameters.short);
     let total: f64 = density.iter().sum();
     density.iter().map(|value| value / total).collect()
 }
 
-/// Adds `part`, brought to the sum `weight`.
-fn add_scaled(density: &mut [f64], part: Vec<f64>, weight: f64) {
+/// The densities of the mixture over the measured bins, in the order of
+/// [`SensorParameters::weights`]: the expected surface, anything, something before it, no echo.
+/// Each sums to 1, or is 0 where there is no room for it.
+pub(crate) fn components(parameters: &SensorParameters, expected: usize) -> [Vec<f64>; 4] {
+    let width_m = parameters.max_range_m / 255.0;
+    let centre_m = |bin: usize| (bin as f64 + 0.5) * width_m;
+    let no_echo = usize::from(NO_ECHO);
+    let mut silence = vec![0.0; BINS];
+    silence[no_echo] = 1.0;
+    let hit = if expected == no_echo {
+        silence.clone()
+    } else {
+        let sigma_m = parameters.sigma_m + parameters.sigma_per_m * centre_m(expected);
+        normalized((0..no_echo).map(|bin| {
+            let away = (centre_m(bin) - centre_m(expected) - parameters.wall_depth_m) / sigma_m;
+            libm::exp(-0.5 * away * away)
+        }))
+    };
+    let short = normalized((0..expected).map(|bin| libm::exp(-centre_m(bin) / parameters.short_mean_m)));
+    [hit, vec![1.0 / BINS as f64; BINS], short, silence]
+}
+
+/// The values brought to the sum 1 and filled up to all bins with 0.
+fn normalized(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut part: Vec<f64> = values.collect();
     let total: f64 = part.iter().sum();
     if total > 0.0 {
-        for (sum, value) in density.iter_mut().zip(&part) {
-            *sum += weight * value / total;
-        }
+        part.iter_mut().for_each(|value| *value /= total);
     }
+    part.resize(BINS, 0.0);
+    part
 }
 
 #[cfg(test)]

@@ -132,7 +132,8 @@ impl Board {
     /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
     /// again before anybody has seen it uncertain.
     fn track_position(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
-        self.localization.observe(&model.localization, percept.odometry_in_odom, percept.sonar_m.as_ref());
+        let ranges_m = percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice());
+        self.localization.observe(&model.localization, percept.odometry_in_odom, ranges_m);
         if std::mem::take(&mut self.position_doubted) {
             self.localization.refute(&model.localization);
             outbox.events.push(("position doubted".into(), Vec::new()));

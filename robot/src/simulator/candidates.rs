@@ -10,6 +10,7 @@ const CELL_M: f64 = 1.0;
 /// Lists of surface indices per cell, row-major, flattened.
 #[derive(Debug)]
 pub(super) struct Candidates {
+    origin_in_map: Point,
     columns: usize,
     rows: usize,
     visible: Lists,
@@ -39,12 +40,13 @@ impl Lists {
 
 impl Candidates {
     /// Lists for sensors that reach `range_m` and a body that touches within `touch_m`.
-    pub fn new(surfaces: &[Surface], size_m: Vector, range_m: f64, touch_m: f64) -> Self {
+    pub fn new(surfaces: &[Surface], bounds: Rect, range_m: f64, touch_m: f64) -> Self {
+        let size_m = bounds.max - bounds.min;
         let columns = (libm::ceil(size_m.x / CELL_M) as usize).max(1);
         let rows = (libm::ceil(size_m.y / CELL_M) as usize).max(1);
         let cells: Vec<Rect> = (0..rows * columns)
             .map(|cell| {
-                let min = Point::new((cell % columns) as f64 * CELL_M, (cell / columns) as f64 * CELL_M);
+                let min = bounds.min + Vector::new((cell % columns) as f64 * CELL_M, (cell / columns) as f64 * CELL_M);
                 Rect { min, max: min + Vector::new(CELL_M, CELL_M) }
             })
             .collect();
@@ -68,7 +70,7 @@ impl Candidates {
         };
         let visible = Lists::new(cells.iter().map(seen_from));
         let touchable = Lists::new(cells.iter().map(|cell| within(cell, touch_m)));
-        Self { columns, rows, visible, touchable }
+        Self { origin_in_map: bounds.min, columns, rows, visible, touchable }
     }
 
     /// Surfaces that a sensor at the point may see.
@@ -82,8 +84,9 @@ impl Candidates {
     }
 
     fn cell(&self, point: Point) -> usize {
-        let column = ((point.x / CELL_M).max(0.0) as usize).min(self.columns - 1);
-        let row = ((point.y / CELL_M).max(0.0) as usize).min(self.rows - 1);
+        let from_origin = (point - self.origin_in_map) / CELL_M;
+        let column = (from_origin.x.max(0.0) as usize).min(self.columns - 1);
+        let row = (from_origin.y.max(0.0) as usize).min(self.rows - 1);
         row * self.columns + column
     }
 }

@@ -5,7 +5,7 @@ use super::percept::{LASER_READINGS, SONARS, laser_direction_rad};
 use super::settings::SimulatorSettings;
 use super::surface::{Form, Surface, surfaces_of};
 use crate::geometry::{Point, Vector};
-use crate::world::{Origin, SeenBy, Solid, World};
+use crate::world::{Origin, Rect, SeenBy, Solid, World};
 use std::sync::Arc;
 
 /// A world made ready for simulation: built once, shared by all states that run in it. Building
@@ -29,11 +29,11 @@ impl SimulatorModel {
     /// Makes a world ready. The edge of the world is a wall, in case it has none.
     pub fn new(world: Arc<World>, settings: SimulatorSettings) -> Self {
         let solids = world.solids();
-        let surfaces: Vec<Surface> = solids.iter().flat_map(surfaces_of).chain(world_edge(world.size_m)).collect();
+        let surfaces: Vec<Surface> = solids.iter().flat_map(surfaces_of).chain(world_edge(world.bounds())).collect();
         let laser_m = if settings.laser { settings.laser_max_range_m } else { 0.0 };
         let range_m = settings.sonar_max_range_m.max(laser_m);
         let touch_m = settings.robot_radius_m + 2.0 * settings.max_translation_mps * settings.step_s();
-        let candidates = Candidates::new(&surfaces, world.size_m, range_m, touch_m);
+        let candidates = Candidates::new(&surfaces, world.bounds(), range_m, touch_m);
         let direction = |angle_rad: f64| {
             let (sin, cos) = libm::sincos(angle_rad);
             Vector::new(cos, sin)
@@ -52,9 +52,9 @@ impl SimulatorModel {
     }
 }
 
-fn world_edge(size_m: Vector) -> impl Iterator<Item = Surface> {
-    let corners =
-        [Point::new(0.0, 0.0), Point::new(0.0, size_m.y), Point::new(size_m.x, size_m.y), Point::new(size_m.x, 0.0)];
+fn world_edge(bounds: Rect) -> impl Iterator<Item = Surface> {
+    let Rect { min, max } = bounds;
+    let corners = [min, Point::new(min.x, max.y), max, Point::new(max.x, min.y)];
     (0..4).map(move |side| Surface {
         form: Form::Edge { a: corners[side], b: corners[(side + 1) % 4] },
         origin: Origin::Wall,

@@ -4,8 +4,8 @@ use super::gripper::{Item, ItemPlace};
 use super::model::SimulatorModel;
 use super::people::PERSON_RADIUS_M;
 use super::state::{Contacts, SimulatorState};
-use crate::geometry::{Point, Pose, distance_m};
-use crate::world::{Object, Origin, Outline, UnknownName};
+use crate::geometry::{Point, Pose, Vector, distance_m};
+use crate::world::{Object, Origin, Outline, Rect, UnknownName};
 
 /// Why the experimenter cannot do that.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -92,10 +92,9 @@ impl SimulatorModel {
 
     /// What a disc at a point would touch, if anything.
     pub fn in_the_way(&self, state: &SimulatorState, point_in_map: Point, radius_m: f64) -> Option<String> {
-        let inside = radius_m <= point_in_map.x
-            && point_in_map.x <= self.world.size_m.x - radius_m
-            && radius_m <= point_in_map.y
-            && point_in_map.y <= self.world.size_m.y - radius_m;
+        let Rect { min, max } = self.world.bounds();
+        let reach = Vector::new(radius_m, radius_m);
+        let inside = Rect { min: min + reach, max: max - reach }.contains(point_in_map);
         if !inside {
             return Some("the edge of the world".to_owned());
         }

@@ -5,7 +5,7 @@ use super::parse::Placed;
 use super::read::{Reader, Table};
 use super::solid::Origin;
 use super::{Door, Item, Object, Place, Rect, Room, Wall, World};
-use crate::geometry::{Point, Pose, Vector};
+use crate::geometry::{Point, Pose};
 use std::ops::Range;
 
 /// Radius of the robot; nothing may stand that near to its start.
@@ -63,20 +63,24 @@ pub(super) fn doors(
     }
 }
 
+fn reach(bounds: Rect) -> String {
+    let Rect { min, max } = bounds;
+    format!("the world reaches from ({}, {}) to ({}, {})", min.x, min.y, max.x, max.y)
+}
+
 /// Start, doors, objects and places lie within the world.
 pub(super) fn inside(
     reader: &mut Reader,
-    size_m: Vector,
+    bounds: Rect,
     start: Option<&Placed<'_, '_, Pose>>,
     doors: &[Placed<'_, '_, Door>],
     objects: &[Placed<'_, '_, Object>],
     places: &[Placed<'_, '_, Place>],
 ) {
-    let bounds = Rect { min: Point::origin(), max: Point::from(size_m) };
     let mut point = |what: String, key: &str, at: Point, table: &Table| {
         if !bounds.contains(at) {
             let message = format!("{what} is at ({}, {}), outside the world", at.x, at.y);
-            let help = format!("the world reaches from (0, 0) to ({}, {})", size_m.x, size_m.y);
+            let help = reach(bounds);
             reader.note(table.span_of(key), key, message, help);
         }
     };
@@ -116,12 +120,11 @@ pub(super) fn item_names(reader: &mut Reader, items: &[Placed<'_, '_, Item>]) {
 }
 
 /// Things lie within the world.
-pub(super) fn items_inside(reader: &mut Reader, size_m: Vector, items: &[Placed<'_, '_, Item>]) {
-    let bounds = Rect { min: Point::origin(), max: Point::from(size_m) };
+pub(super) fn items_inside(reader: &mut Reader, bounds: Rect, items: &[Placed<'_, '_, Item>]) {
     for item in items.iter().filter(|item| !bounds.contains(item.value.at)) {
         let Item { name, at } = &item.value;
         let message = format!("the item `{name}` is at ({}, {}), outside the world", at.x, at.y);
-        let help = format!("the world reaches from (0, 0) to ({}, {})", size_m.x, size_m.y);
+        let help = reach(bounds);
         reader.note(item.table.span_of("at"), "at", message, help);
     }
 }

@@ -11,12 +11,12 @@ use crate::occupancy::{Cell, OccupancyGrid};
 const TOUCH_M: f64 = 1e-6;
 
 impl World {
-    /// The robot's map, with the lower left corner of cell (0, 0) at the origin: cells that a wall,
+    /// The robot's map, with the lower left corner of cell (0, 0) at that of the world: cells that a wall,
     /// a mapped object or a door mapped as closed reaches into are occupied, those that cannot be
     /// reached from the start, a room or a place are unknown. Cost: cells + outline length.
     pub fn map(&self, resolution_m: f64) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
-        self.draw(OccupancyGrid::filled(Point::origin(), resolution_m, columns, rows, Cell::Free))
+        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free))
     }
 
     /// The same map on a grid centred on the middle of the world, so that the pose mirrored by 180°
@@ -24,7 +24,7 @@ impl World {
     pub fn map_centred(&self, resolution_m: f64) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
         let half = Vector::new(columns as f64, rows as f64) * (resolution_m / 2.0);
-        let origin_in_map = Point::from(self.size_m / 2.0) - half;
+        let origin_in_map = self.bounds().centre() - half;
         self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free))
     }
 
@@ -45,8 +45,21 @@ impl World {
                 occupy(&mut grid, &solid.outline);
             }
         }
+        self.forget_unrecorded(&mut grid);
         self.forget_outside(&mut grid);
         grid
+    }
+
+    /// Turns the free cells that a recorded map does not know into unknown ones.
+    fn forget_unrecorded(&self, grid: &mut OccupancyGrid) {
+        let Some(recorded) = &self.recorded else { return };
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                if grid.get(column, row) == Cell::Free && recorded.at(grid.centre(column, row)) == Cell::Unknown {
+                    grid.set(column, row, Cell::Unknown);
+                }
+            }
+        }
     }
 
     /// Turns the free cells that nothing the robot knows is connected with into unknown ones.

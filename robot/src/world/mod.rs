@@ -3,20 +3,30 @@
 mod builtin;
 mod check;
 mod error;
+mod image;
 mod lookup;
 mod map;
 mod parse;
 mod read;
+mod recorded;
+mod ros_map;
+#[cfg(test)]
+mod ros_map_tests;
 mod solid;
 #[cfg(test)]
 mod tests;
+mod yaml;
 
 pub use check::ROBOT_RADIUS_M;
 pub use error::{Finding, WorldError};
+pub use image::{GreyImage, ImageError};
 pub use lookup::UnknownName;
+pub use recorded::NoRoom;
+pub use ros_map::{MapMode, RosMap};
 pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m};
 
 use crate::geometry::{Point, Pose, Vector};
+use crate::occupancy::OccupancyGrid;
 use serde::{Deserialize, Serialize};
 
 /// An axis-parallel rectangle, in the map frame.
@@ -180,8 +190,12 @@ pub struct Item {
 pub struct World {
     /// Its name.
     pub name: String,
-    /// Width and height; the origin is bottom left.
+    /// The lower left corner: (0, 0), or where a recorded map has it.
+    pub origin_in_map: Point,
+    /// Width and height.
     pub size_m: Vector,
+    /// A recorded map: what is occupied there is a wall, what is unknown there is so in the robot's map.
+    pub recorded: Option<OccupancyGrid>,
     /// Where the robot stands at the start.
     pub start_in_map: Pose,
     /// Walls.
@@ -200,4 +214,11 @@ pub struct World {
     pub people: Vec<Person>,
     /// Things that can be carried.
     pub items: Vec<Item>,
+}
+
+impl World {
+    /// The rectangle that everything is in.
+    pub fn bounds(&self) -> Rect {
+        Rect { min: self.origin_in_map, max: self.origin_in_map + self.size_m }
+    }
 }

@@ -3,7 +3,9 @@
 use super::check;
 use super::read::{Reader, Table};
 use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
+use super::{Rect, recorded};
 use crate::geometry::{Point, Vector};
+use crate::occupancy::OccupancyGrid;
 use toml::de::DeTable;
 
 /// Thickness of a wall that states none.
@@ -13,8 +15,8 @@ const WALL_THICKNESS_M: f64 = 0.15;
 const LARGEST_M: f64 = 1000.0;
 
 /// The keys at the top of a world file.
-const WORLD_KEYS: [&str; 11] =
-    ["name", "size", "start", "wall", "room", "door", "object", "place", "region", "person", "item"];
+const WORLD_KEYS: [&str; 12] =
+    ["name", "size", "map", "start", "wall", "room", "door", "object", "place", "region", "person", "item"];
 
 /// Something read, and the table it stands in.
 pub(super) struct Placed<'t, 'i, T> {
@@ -23,19 +25,32 @@ pub(super) struct Placed<'t, 'i, T> {
 }
 
 impl World {
-    /// Reads the text of a world file; `file_name` is for the messages only.
+    /// Reads the text of a world file that names no recorded map; `file_name` is for the messages only.
+    ///
+    /// # Errors
+    /// As for [`World::parse_with_map`].
+    pub fn parse(text: &str, file_name: &str) -> Result<World, WorldError> {
+        Self::parse_with_map(text, file_name, |_| Err("this world cannot read other files".to_owned()))
+    }
+
+    /// Reads the text of a world file; `load_map` gives the recorded map of the name that stands there.
     ///
     /// # Errors
     /// All faults of the file at once: text that is not TOML, unknown or missing keys, values of the
-    /// wrong kind or size, names used twice or not at all, things outside the world or in a wall.
-    pub fn parse(text: &str, file_name: &str) -> Result<World, WorldError> {
+    /// wrong kind or size, names used twice or not at all, things outside the world or in a wall, a
+    /// map that cannot be loaded.
+    pub fn parse_with_map(
+        text: &str,
+        file_name: &str,
+        load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
+    ) -> Result<World, WorldError> {
         let mut reader = Reader { file: file_name, text, findings: Vec::new() };
         let (document, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
             reader.note(error.span().unwrap_or(0..0), "", error.message(), "world files are TOML, see toml.io");
         }
         let top = Table { values: document.get_ref(), span: 0..0, header: String::new() };
-        let world = if errors.is_empty() { read_world(&mut reader, &top) } else { None };
+        let world = if errors.is_empty() { read_world(&mut reader, &top, load_map) } else { None };
         let mut findings = reader.findings;
         findings.sort_by_key(|finding| (finding.line, finding.column));
         match world {
@@ -45,10 +60,14 @@ impl World {
     }
 }
 
-fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World> {
+fn read_world<'i>(
+    reader: &mut Reader<'i>,
+    top: &Table<'_, 'i>,
+    load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
+) -> Option<World> {
     reader.only_keys(top, &WORLD_KEYS);
     let name = reader.text(top, "name", "\"my-lab\"");
-    let size_m = read_size(reader, top);
+    let ground = read_ground(reader, top, load_map);
     let start = reader.pose(top, "start", "[2.0, 3.0, \"90deg\"]");
     let start = start.map(|value| Placed { value, table: top.clone() });
     let walls = read_all(reader, top, "wall", read_wall);
@@ -63,13 +82,16 @@ fn read_world<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<World>
     check::names(reader, &rooms, &places);
     check::item_names(reader, &items);
     check::doors(reader, &doors, &rooms, &walls);
-    if let Some(size_m) = size_m {
-        check::inside(reader, size_m, start.as_ref(), &doors, &objects, &places);
-        check::items_inside(reader, size_m, &items);
+    if let Some(ground) = &ground {
+        check::inside(reader, ground.bounds, start.as_ref(), &doors, &objects, &places);
+        check::items_inside(reader, ground.bounds, &items);
     }
+    let ground = ground?;
     let world = World {
         name: name?,
-        size_m: size_m?,
+        origin_in_map: ground.bounds.min,
+        size_m: ground.bounds.max - ground.bounds.min,
+        recorded: ground.recorded,
         start_in_map: start.as_ref().map(|start| start.value)?,
         walls: values(walls),
         rooms: values(rooms),
@@ -96,6 +118,39 @@ fn read_all<'t, 'i, T>(
 ) -> Vec<Placed<'t, 'i, T>> {
     let tables = reader.tables(top, key);
     tables.iter().filter_map(|table| read(reader, table).map(|value| Placed { value, table: table.clone() })).collect()
+}
+
+/// Where the world lies, and its recorded map.
+struct Ground {
+    bounds: Rect,
+    recorded: Option<OccupancyGrid>,
+}
+
+/// A world has a size, or a recorded map that has one.
+fn read_ground<'i>(
+    reader: &mut Reader<'i>,
+    top: &Table<'_, 'i>,
+    load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
+) -> Option<Ground> {
+    if !top.values.contains_key("map") {
+        let max = Point::from(read_size(reader, top)?);
+        return Some(Ground { bounds: Rect { min: Point::origin(), max }, recorded: None });
+    }
+    if top.values.contains_key("size") {
+        let help = "leave `size` out: the recorded map says how large the world is and where it lies";
+        reader.note(top.span_of("size"), "size", "a world has either `size` or `map`", help);
+    }
+    let name = reader.text(top, "map", "\"map.yaml\"")?;
+    match load_map(&name) {
+        Ok(map) => {
+            let bounds = Rect { min: map.origin_in_map, max: map.origin_in_map + recorded::size_m(&map) };
+            Some(Ground { bounds, recorded: Some(map) })
+        }
+        Err(reason) => {
+            reader.note(top.span_of("map"), "map", reason, "name the YAML file of a ROS map, relative to this file");
+            None
+        }
+    }
 }
 
 fn read_size<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<Vector> {

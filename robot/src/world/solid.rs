@@ -1,5 +1,6 @@
 //! The solid bodies of a world: walls cut by doors, door leaves, objects.
 
+use super::recorded::blocks;
 use super::{Axis, Door, Object, Rect, SeenBy, Shape, Wall, World};
 use crate::geometry::{Point, Vector, distance_m};
 
@@ -50,7 +51,8 @@ impl World {
     /// out and reach half their thickness beyond their ends, so that corners are filled.
     pub fn solids(&self) -> Vec<Solid> {
         let walls = self.walls.iter().flat_map(|wall| wall_outlines(wall, &self.doors));
-        let walls = walls.map(|outline| Solid { outline, origin: Origin::Wall, seen_by: SEEN_BY_ALL });
+        let recorded = self.recorded.iter().flat_map(blocks).map(Outline::of_rect);
+        let walls = walls.chain(recorded).map(|outline| Solid { outline, origin: Origin::Wall, seen_by: SEEN_BY_ALL });
         let doors = self.doors.iter().enumerate().map(|(index, door)| Solid {
             outline: Outline::of_rect(door.leaf()),
             origin: Origin::Door(index),

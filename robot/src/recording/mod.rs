@@ -1,0 +1,21 @@
+//! Recorded drives: laser scans with odometry, and how well the filter finds the robot in them.
+//!
+//! A [`Recording`] is read from the text of a CARMEN log. [`BeamChoice`] picks the beams that the
+//! filter is given, [`Window`] cuts the drive into trials, [`localize`] makes one, and
+//! [`fit_sensor`] and [`fit_odometry`] estimate the parameters of the models from a recording.
+//!
+//! Read in this order: `carmen`, `beams`, `window`, `trial`, `fit`.
+
+mod beams;
+mod carmen;
+mod fit;
+#[cfg(test)]
+mod tests;
+mod trial;
+mod window;
+
+pub use beams::{BeamChoice, BeamError};
+pub use carmen::{LogError, Recording, Scan, ScanGeometry};
+pub use fit::{FitError, fit_odometry, fit_sensor};
+pub use trial::{PoseError, Start, Trial, localize};
+pub use window::{Window, WindowError};

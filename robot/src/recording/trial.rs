@@ -1,0 +1,109 @@
+//! One trial: the filter goes through a window and is compared with the corrected poses.
+
+use super::beams::BeamChoice;
+use super::carmen::Recording;
+use super::window::Window;
+use crate::geometry::{Pose, wrap_angle_rad};
+use crate::localization::{Localization, LocalizationModel, Spread};
+
+/// An estimate this near to the corrected pose is right.
+const RIGHT_M: f64 = 0.5;
+
+/// See [`RIGHT_M`].
+const RIGHT_RAD: f64 = 10.0 / 180.0 * std::f64::consts::PI;
+
+/// The share of a window by the end of which the robot must be found.
+const FOUND_WITHIN: f64 = 0.9;
+
+/// What the filter knows at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Nothing.
+    Uniform,
+    /// The corrected pose.
+    FromTruth,
+}
+
+/// How far an estimate is from the corrected pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseError {
+    /// Since the start of the window, along the corrected path.
+    pub travelled_m: f64,
+    /// The corrected pose.
+    pub true_in_map: Pose,
+    /// What the filter says.
+    pub estimate_in_map: Pose,
+    /// How sure of it the filter is.
+    pub certainty: f64,
+}
+
+impl PoseError {
+    /// Between the positions.
+    pub fn position_m(&self) -> f64 {
+        self.true_in_map.distance_m(self.estimate_in_map)
+    }
+
+    /// Between the headings, at least 0.
+    pub fn heading_rad(&self) -> f64 {
+        libm::fabs(wrap_angle_rad(self.estimate_in_map.heading_rad - self.true_in_map.heading_rad))
+    }
+
+    fn is_right(&self) -> bool {
+        self.position_m() <= RIGHT_M && self.heading_rad() <= RIGHT_RAD
+    }
+}
+
+/// What a trial showed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// After each scan.
+    pub errors: Vec<PoseError>,
+    /// After this way the estimate was right and stayed so until the end; none if it was wrong there.
+    pub found_after_m: Option<f64>,
+    /// Whether that was within nine tenths of the window.
+    pub succeeded: bool,
+}
+
+impl Trial {
+    /// The errors from the moment on from which the estimate stayed right.
+    pub fn errors_once_found(&self) -> &[PoseError] {
+        let found = self.errors.iter().rposition(|error| !error.is_right()).map_or(0, |last| last + 1);
+        &self.errors[found..]
+    }
+}
+
+/// Runs the filter over a window; `after_scan` is called after each scan.
+pub fn localize(
+    model: &LocalizationModel,
+    recording: &Recording,
+    beams: &BeamChoice,
+    window: &Window,
+    start: Start,
+    mut after_scan: impl FnMut(),
+) -> Trial {
+    let scans = &recording.scans[window.scans.clone()];
+    let mut localization = match (start, scans.first()) {
+        (Start::FromTruth, Some(first)) => Localization::start_at(model, first.laser_in_map, Spread::default()),
+        (Start::Uniform, _) | (_, None) => Localization::start_uniform(model),
+    };
+    let mut travelled_m = 0.0;
+    let mut last = scans.first().map_or(Pose::default(), |scan| scan.laser_in_map);
+    let mut errors = Vec::with_capacity(scans.len());
+    for scan in scans {
+        travelled_m += last.distance_m(scan.laser_in_map);
+        last = scan.laser_in_map;
+        localization.observe(model, scan.laser_in_odom, Some(&beams.ranges_m(scan)));
+        let estimate = localization.estimate(model);
+        errors.push(PoseError {
+            travelled_m,
+            true_in_map: scan.laser_in_map,
+            estimate_in_map: estimate.pose_in_map,
+            certainty: estimate.certainty,
+        });
+        after_scan();
+    }
+    let mut trial = Trial { errors, found_after_m: None, succeeded: false };
+    trial.found_after_m = trial.errors_once_found().first().map(|error| error.travelled_m);
+    trial.succeeded = trial.found_after_m.is_some_and(|found_m| found_m <= FOUND_WITHIN * window.length_m);
+    trial
+}

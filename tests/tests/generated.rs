@@ -1,0 +1,80 @@
+//! Some thousand generated runs, and what earlier ones found.
+
+use rpl_runtime::system::Progress;
+use rpl_tests::generated::drive::{Case, Tally};
+use rpl_tests::generated::{forged, texts};
+use rpl_tests::{run, system, transcript};
+
+/// Each run under disturbances, and once more forked, saved, or with collections.
+#[test]
+fn generated_runs_keep_what_every_run_must() {
+    let mut tally = Tally::default();
+    for seed in 0..300 {
+        let case = Case::generated(seed);
+        if let Err(finding) = case.judge(10, &mut tally) {
+            panic!("seed {seed}: {finding}\n{}", case.text);
+        }
+    }
+    assert_eq!(tally.rejected, 0, "the grammar writes what can run");
+    assert!(tally.clean_ups > 300 && tally.succeeded > 500 && tally.failed > 500 && tally.stopped > 50, "{tally:?}");
+}
+
+#[test]
+fn mangled_texts_are_compiled_or_refused() {
+    let mut compiled = 0;
+    for seed in 0..400 {
+        compiled += usize::from(texts::judge(seed).unwrap_or_else(|finding| panic!("seed {seed}: {finding}")));
+    }
+    assert!(compiled > 5, "some mangled texts still compile: {compiled}");
+}
+
+#[test]
+fn forged_runs_are_refused_or_run() {
+    let mut tally = forged::Tally::default();
+    for seed in 0..40 {
+        forged::judge(seed, 20, &mut tally).unwrap_or_else(|finding| panic!("seed {seed}: {finding}"));
+    }
+    assert!(tally.refused > 200 && tally.ran > 50, "{tally:?}");
+}
+
+#[test]
+fn a_task_that_ends_its_ancestor_ends_with_it() {
+    assert_eq!(
+        run("(pursue (process t1 (try-all (par (evaporate t1)))))"),
+        "failed: composite-failure: there was nothing that could succeed"
+    );
+}
+
+#[test]
+fn a_tag_is_no_function() {
+    assert_eq!(
+        run("(par (:tag work (work)))"),
+        "failed: type-error: what is called must be a function, and it is a task"
+    );
+}
+
+#[test]
+fn a_suspension_that_a_clean_up_held_up_takes_effect_where_the_failure_is_handled() {
+    let text = "(par (:tag a (with-failure-handling ((failure () (print 'handled)))
+                       (unwind-protect (seq (wait-time 1) (fail)) (wait-time 1))))
+                     (seq (wait-time 1.5) (suspend a) (print (now)) (wait-time 2) (print 'resumes) (resume a)))";
+    assert_eq!(run(text), "2.0\nresumes\nhandled\n=> nil");
+}
+
+#[test]
+fn a_deadlock_lists_tasks_in_the_order_of_the_tree() {
+    let mut system = system(
+        "(def-fluent f nil)
+         (par (par (wait-time 0.1) (wait-time 0.1))
+              (seq (wait-time 1) (par (wait-for f) (seq (wait-time 1) (with-policy (wait-for f) (wait-for f))))))",
+    );
+    while system.advance() == Progress::Running {
+        // Every slot that is free is used again by another task.
+        system.machine.heap.threshold = 0;
+    }
+    let told = transcript(&mut system);
+    let waits: Vec<&str> =
+        told.split("; ").filter_map(|wait| wait.split_once(" waits").map(|(path, _)| path)).collect();
+    assert_eq!(waits.len(), 3, "{told}");
+    assert!(waits[1].ends_with("with-policy[0]") && waits[2].ends_with("with-policy[1]"), "{told}");
+}
