@@ -71,11 +71,10 @@ impl<'m> EntropyForecast<'m> {
             posterior_entropy(self.shares.iter().zip(&views).map(|(share, view)| share * (1.0 - view.reach)));
         let after = |truth: &Maximum| {
             let truth = view(truth);
-            let weights = self
-                .shares
-                .iter()
-                .zip(&views)
-                .map(|(share, view)| share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref()));
+            let weights =
+                self.shares.iter().zip(&views).map(|(share, view)| {
+                    share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref())
+                });
             truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached
         };
         self.truths.iter().zip(&self.truth_shares).map(|(truth, share)| share * after(truth)).sum()
