@@ -16,6 +16,17 @@ pub fn catch() {
     .ok();
 }
 
+/// Catches Ctrl-C from now on for a prompt: it interrupts what runs and ends nothing. Where that is
+/// impossible it keeps its usual effect.
+pub fn catch_for_prompt() {
+    ctrlc::set_handler(|| ASKED_TO_STOP.store(true, Ordering::SeqCst)).ok();
+}
+
+/// What was asked has been done.
+pub fn forget() {
+    ASKED_TO_STOP.store(false, Ordering::SeqCst);
+}
+
 /// Whether the process was told to stop.
 pub fn is_asked() -> bool {
     ASKED_TO_STOP.load(Ordering::SeqCst)

@@ -20,6 +20,7 @@ mod localize;
 mod mission;
 mod overrides;
 mod reference;
+mod repl;
 mod run;
 mod status;
 mod test;
@@ -36,18 +37,35 @@ use std::process::ExitCode;
 
 /// Reactive plans, and a robot that carries them out
 #[derive(Parser, Debug)]
-#[command(name = "rpl", version, arg_required_else_help = true)]
+#[command(name = "rpl", version)]
 #[command(after_help = "Exit status: 0 success, 1 the plan failed, 2 the text or the command line is wrong, \
                         3 --until was reached, 130 interrupted.")]
 struct CommandLine {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    #[command(flatten)]
+    prompt: PromptArguments,
+}
+
+/// What `rpl` alone takes, which is the prompt.
+#[derive(clap::Args, Clone, Debug)]
+struct PromptArguments {
+    /// Without a command: the world of the prompt's robot
+    #[arg(long, value_name = "W")]
+    world: Option<String>,
+    /// Without a command: the seed of every random stream
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
 }
 
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Runs a plan
     Run(Box<run::Arguments>),
+    /// Reads forms and runs them: the prompt, with the stepper. So does `rpl` alone
+    Repl(repl::Arguments),
+    /// The same, stopped before the first form of a file
+    Step(repl::Arguments),
     /// Checks plans without running them: all faults at once, and what is probably wrong.
     ///
     /// An error is what keeps a plan from running, and makes the exit status 2; a warning is not, and
@@ -99,7 +117,10 @@ enum Command {
 
 fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
-        Ok(line) => line.command,
+        Ok(CommandLine { command: Some(command), .. }) => command,
+        Ok(CommandLine { prompt: PromptArguments { world, seed }, .. }) => {
+            Command::Repl(repl::Arguments { world, seed, ..repl::Arguments::default() })
+        }
         Err(error) => {
             // What cannot be written has nobody to read it.
             error.print().ok();
@@ -124,6 +145,8 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
     match command {
         Command::Run(arguments) => run::run(arguments, console),
+        Command::Repl(arguments) => repl::run(arguments, false, console),
+        Command::Step(arguments) => repl::run(arguments, true, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
         Command::Test(arguments) => test::run(arguments, console),
         Command::Fmt(arguments) => fmt::run(arguments, console),

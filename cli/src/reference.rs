@@ -142,6 +142,12 @@ impl Reference {
         self.entries.get(name.as_ref()).or_else(|| self.entries.get(&format!("rpl {name}")))
     }
 
+    /// All names that can stand in a plan, and how they are written.
+    pub fn signatures(&self) -> impl Iterator<Item = (&str, &str)> {
+        let in_plans = self.entries.values().filter(|entry| entry.kind != Kind::Command);
+        in_plans.map(|entry| (entry.name.as_str(), entry.signature.as_str()))
+    }
+
     /// The entries of a topic, in the order of reading.
     pub fn of_topic(&self, topic: &Topic) -> Vec<&Entry> {
         let kind = match topic.word {

@@ -170,6 +170,49 @@ pub enum Op {
     Refail(Reg),
 }
 
+impl Op {
+    /// Whether a stepper stops before it: it calls, waits, assigns, or opens a construct.
+    pub fn is_step(&self) -> bool {
+        matches!(
+            self,
+            Op::Call(..)
+                | Op::TailCall(..)
+                | Op::CallValue(..)
+                | Op::TailCallValue(..)
+                | Op::CallNative(..)
+                | Op::SetGlobal(..)
+                | Op::DefFluent(..)
+                | Op::CellSet(..)
+                | Op::Assign(..)
+                | Op::Parallel(..)
+                | Op::ParallelMap(..)
+                | Op::Spawn(..)
+                | Op::PushValve(..)
+                | Op::PushSuspended(..)
+                | Op::PushWatch(..)
+                | Op::WaitFor(..)
+                | Op::ReturnFrom(..)
+                | Op::Refail(..)
+        )
+    }
+
+    /// The register that has the value of the form when the instruction is done, if it has one.
+    pub fn value_register(&self) -> Option<Reg> {
+        match *self {
+            Op::Call(reg, ..)
+            | Op::CallNative(reg, ..)
+            | Op::SetGlobal(reg, _)
+            | Op::DefFluent(reg, _)
+            | Op::Parallel(reg, _)
+            | Op::ParallelMap(reg, ..)
+            | Op::Spawn(reg, _)
+            | Op::WaitFor(reg, ..) => Some(reg),
+            Op::CallValue(reg, _) => Some(reg + 1),
+            _ => None,
+        }
+    }
+}
+
 /// What a `whenever` does with events that come while its body runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Missed {
@@ -307,6 +350,19 @@ pub enum CodeKind {
     Network,
 }
 
+/// A variable of the text and where it is found while code runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Local {
+    /// Its name in the text.
+    pub name: Symbol,
+    /// Its register, or that of the cell that holds it.
+    pub register: Reg,
+    /// The first instruction at which it has its value.
+    pub from: u32,
+    /// One past the last instruction of its scope.
+    pub to: u32,
+}
+
 /// A compiled body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Code {
@@ -330,6 +386,8 @@ pub struct Code {
     pub constructs: Vec<Construct>,
     /// Classes of failure that [`Op::PushHandler`] names, one list of classes a clause.
     pub handlers: Vec<Vec<Vec<Symbol>>>,
+    /// Variables, in the order of their binding.
+    pub locals: Vec<Local>,
     /// Documentation string.
     pub doc: Option<Arc<str>>,
     /// The whole definition.

@@ -16,8 +16,9 @@ use std::hint::black_box;
 /// How far the window of one frame reaches.
 const WINDOW: usize = 256;
 
-/// Registers within reach of the current frame: its own, and those of any frame it calls.
-const REACH: usize = 2 * WINDOW;
+/// Registers within reach of the current frame: its own, those of any frame it calls, and a few
+/// that are cleared along with them.
+const REACH: usize = 2 * WINDOW + 4;
 
 /// Why the stepper came back.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub(crate) enum Exit {
     Blocked,
     /// A more important task is ready, or the task is suspended.
     Switched,
+    /// The stepper is to look at the task before the next instruction.
+    Paused,
     /// The task is dead.
     Dead,
     /// A datum is to be compiled; its code goes on in the register.
@@ -45,7 +48,7 @@ impl Limits {
     /// Whether one more frame may start at this register above so many others.
     #[inline]
     fn allow(&self, frames: usize, base: usize) -> bool {
-        frames < self.frames as usize && base * size_of::<Value>() < self.bytes / 2
+        frames < self.frames as usize && base < self.bytes / (2 * size_of::<Value>())
     }
 }
 
@@ -113,31 +116,73 @@ impl Machine {
         record.steps = record.steps.saturating_add(1);
         self.scratch.burned = 0;
         self.flush_status(around);
-        let record = &mut self.tasks[task];
+        let record = &self.tasks[task];
         let mut place = Place { frame: record.frame, fuel: self.limits.steps.saturating_sub(record.steps) };
-        let wake = record.take_wake();
-        let register = record.frame.base as usize + usize::from(record.wake_register);
-        let keeps_value = record.wake_register != NO_REG;
-        let is_leaving = record.is_leaving();
         self.scratch.frames.clear();
-        self.scratch.frames.extend_from_slice(&record.frames);
-        self.restore_registers(around.program, task, place.frame);
-        if is_leaving && !self.unwind_running(around, &mut place) {
-            return self.after_exit(around, task, place, Exit::Blocked);
+        if !record.frames.is_empty() {
+            self.scratch.frames.extend_from_slice(&record.frames);
         }
-        let exit = match wake {
-            Wake::Raise(failure) if !is_leaving => self.raise(around, &mut place, Raise::Again(failure)),
-            Wake::Value(value) if !is_leaving && keeps_value => {
-                self.scratch.stack[register] = value;
-                None
-            }
-            _ => None,
-        };
-        let exit = match exit {
+        self.restore_registers(around.program, task, place.frame);
+        let exit = match self.take_up(around, task, &mut place) {
             Some(exit) => exit,
             None => self.execute(around, &mut place, 0),
         };
+        if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
+            return None;
+        }
         self.after_exit(around, task, place, exit)
+    }
+
+    /// Gives a task that goes on what it was woken with; answers how it left, if it did.
+    #[inline]
+    fn take_up(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
+        let record = &mut self.tasks[task];
+        if record.raises || record.rare.is_some() {
+            return self.take_up_slowly(around, task, place);
+        }
+        let register = record.wake_register;
+        let at = place.frame.base as usize + usize::from(register);
+        match &mut record.value {
+            Value::Unbound => return None,
+            Value::True if register != NO_REG => self.scratch.stack[at] = Value::True,
+            value if register != NO_REG => self.scratch.stack[at] = *value,
+            _ => {}
+        }
+        record.value = Value::Unbound;
+        None
+    }
+
+    #[inline(never)]
+    fn take_up_slowly(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
+        let record = &mut self.tasks[task];
+        let wake = record.take_wake();
+        let register = record.frame.base as usize + usize::from(record.wake_register);
+        let keeps_value = record.wake_register != NO_REG;
+        if record.is_leaving() {
+            return if self.unwind_running(around, place) { None } else { Some(Exit::Blocked) };
+        }
+        match wake {
+            Wake::Raise(failure) => return self.raise(around, place, Raise::Again(failure)),
+            Wake::Value(value) if keeps_value => self.scratch.stack[register] = value,
+            _ => {}
+        }
+        None
+    }
+
+    /// Lays a task aside that waits now, unless there is more to do than that.
+    #[inline]
+    fn pause(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place) -> bool {
+        let Some(record) = self.tasks.get_mut(task) else { return false };
+        if record.state != State::Running || record.rare.is_some() || self.scratch.gives_way {
+            return false;
+        }
+        record.state = State::Blocked;
+        record.steps = self.limits.steps.saturating_sub(place.fuel);
+        let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
+        self.store(task, place.frame, registers);
+        self.current = NONE;
+        self.flush_status(around);
+        true
     }
 
     /// Puts a task's registers on the stack. What its record does not keep is nil.
@@ -165,12 +210,13 @@ impl Machine {
         match exit {
             Exit::Returned(value) => self.finish(around, task, value),
             Exit::Dead => {}
-            Exit::Blocked | Exit::Switched | Exit::Execute(..) if alive => {
+            Exit::Blocked | Exit::Switched | Exit::Paused | Exit::Execute(..) if alive => {
                 let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
                 self.store(task, place.frame, registers);
                 self.current = NONE;
                 match exit {
                     Exit::Switched => self.requeue_running(task),
+                    Exit::Paused => self.set_aside(task),
                     Exit::Execute(value, register) => {
                         self.tasks[task].wake_register = register;
                         datum = Some(value);
@@ -276,7 +322,11 @@ impl Machine {
                     return Exit::Switched;
                 }
             }
-            let raise = match self.instructions(around, place, entry) {
+            let exit = match self.scratch.stepping.is_on {
+                false => self.instructions::<false>(around, place, entry),
+                true => self.instructions::<true>(around, place, entry),
+            };
+            let raise = match exit {
                 Ok(Exit::Blocked) if self.is_leaving() => {
                     if self.unwind_running(around, place) {
                         continue;
@@ -462,7 +512,12 @@ impl Machine {
         clippy::too_many_lines,
         reason = "one arm an instruction; the loop must be one function to keep its state in registers"
     )]
-    fn instructions(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Result<Exit, Raise> {
+    fn instructions<const STEPPING: bool>(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        entry: usize,
+    ) -> Result<Exit, Raise> {
         let program = around.program;
         let mut code: &Code = &program.codes[place.frame.code as usize];
         let mut code_number = place.frame.code;
@@ -562,11 +617,18 @@ impl Machine {
         }
 
         'frame: loop {
-            if self.scratch.stack.len() < base + REACH {
-                self.grow_stack(base);
+            if STEPPING {
+                let frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                save!();
+                if self.stops_before(program, &code.ops[pc], frame) {
+                    return Ok(Exit::Paused);
+                }
             }
-            let Some(r) = self.scratch.stack[base..].first_chunk_mut::<REACH>() else {
-                unreachable!("the stack reaches a window beyond the base");
+            let window =
+                self.scratch.stack.get_mut(base..base + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
+            let Some(r) = window else {
+                self.grow_stack(base);
+                continue 'frame;
             };
             macro_rules! r {
                 ($register:expr) => {
@@ -579,11 +641,14 @@ impl Machine {
                 ($callee:expr, $first:expr, $count:expr) => {
                     let mut at = $first + $count;
                     let end = $first + usize::from($callee.registers);
-                    while at < end {
+                    if let Some(four) = r[at..].first_chunk_mut::<4>() {
+                        *four = [Value::Nil; 4];
+                    }
+                    while at + 4 < end {
+                        at += 4;
                         if let Some(four) = r[at..].first_chunk_mut::<4>() {
                             *four = [Value::Nil; 4];
                         }
-                        at += 4;
                     }
                 };
             }
@@ -641,7 +706,11 @@ impl Machine {
                 }};
             }
             let ops = code.ops.as_slice();
+            let mut is_looked_at = STEPPING;
             loop {
+                if STEPPING && !std::mem::take(&mut is_looked_at) {
+                    continue 'frame;
+                }
                 let op = &ops[pc];
                 pc += 1;
                 match *op {
@@ -650,11 +719,12 @@ impl Machine {
                     Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
                     Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
                     Op::Global(a, global) => {
-                        let value = self.globals[global as usize];
+                        // By reference: a value taken apart and put together again is slow to read.
+                        let value = &self.globals[global as usize];
                         if matches!(value, Value::Unbound) {
                             fail!(self.describe_global(around, global));
                         }
-                        r!(a) = value;
+                        r!(a) = *value;
                     }
                     Op::SetGlobal(a, global) => {
                         let value = r!(a);
@@ -864,7 +934,8 @@ impl Machine {
                     }
                     Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
                         burn!();
-                        let tail = matches!(op, Op::TailCallValue(..));
+                        // Looked at again, so that no other instruction keeps its number at hand.
+                        let tail = matches!(black_box(op), Op::TailCallValue(..));
                         let function = &r!(callee);
                         let first = usize::from(callee) + 1;
                         let known = match *function {
@@ -996,7 +1067,10 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        r!(0) = copied(&r!(a));
+                        match &r!(a) {
+                            &Value::Int(value) => r!(0) = Value::Int(black_box(value)),
+                            value => r!(0) = copied(value),
+                        }
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
@@ -1258,15 +1332,18 @@ impl Machine {
                     Op::WaitFor(a, condition, seconds, owned) => {
                         // The condition and the time are of no use to anybody else: a task that
                         // waits keeps fewer registers without them.
-                        let value = std::mem::take(&mut r!(condition));
+                        let fluent = match r!(condition) {
+                            Value::Fluent(fluent) => fluent,
+                            other => {
+                                attempt!(self.refuse_in_network("nothing can be waited for"));
+                                fail!(self.wrong_type("the condition of `wait-for`", "a fluent", other));
+                            }
+                        };
+                        r!(condition) = Value::Nil;
                         let timeout = if seconds == NO_REG { None } else { Some(std::mem::take(&mut r!(seconds))) };
                         attempt!(self.refuse_in_network("nothing can be waited for"));
-                        if owned {
-                            // It dies with the wait; nothing names it then.
-                            self.scratch.stack[base + usize::from(condition)] = Value::Nil;
-                        }
                         save!();
-                        match self.wait_for(value, timeout, owned)? {
+                        match self.wait_for(fluent, timeout, owned)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,
                             None => block!(a),
                         }
@@ -1282,6 +1359,32 @@ impl Machine {
                         r!(a) = value;
                     }
                     Op::Assign(a, fluent, value) => {
+                        // `nil` and `t` to a fluent nothing is computed from: the common signal.
+                        let truth = match &r!(value) {
+                            Value::Nil => Some(Value::Nil),
+                            Value::True => Some(Value::True),
+                            _ => None,
+                        };
+                        if let (Some(truth), &Value::Fluent(fluent)) = (truth, &r!(fluent))
+                            && self.current != SCRATCH_TASK
+                            && !self.trace.enabled
+                            && let Some(entry) = self.fluents.get_mut(fluent)
+                            && entry.is_plain()
+                        {
+                            r!(a) = truth;
+                            if entry.value.is_true() == truth.is_true()
+                                && matches!(entry.value, Value::Nil | Value::True)
+                            {
+                                continue;
+                            }
+                            entry.value = truth;
+                            if truth.is_true() && entry.waiters.first != NONE {
+                                self.wake_waiters(fluent, Wake::Value(Value::True));
+                                check_switch!();
+                                continue 'frame;
+                            }
+                            continue;
+                        }
                         let (fluent, value) = (r!(fluent), r!(value));
                         r!(a) = value;
                         save!();
@@ -1289,7 +1392,6 @@ impl Machine {
                         attempt!(self.assign_fluent(around, fluent, value));
                         fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
                         collect_if_full!();
-                        check_leaving!();
                         check_switch!();
                         continue 'frame;
                     }
@@ -1516,29 +1618,25 @@ impl Machine {
     }
 
     /// Waits for a fluent to be true: the value at once, or none if the task waits now.
-    fn wait_for(&mut self, condition: Value, timeout: Option<Value>, owned: bool) -> Result<Option<Value>, Raise> {
-        let Value::Fluent(fluent) = condition else {
-            return Err(self.wrong_type("the condition of `wait-for`", "a fluent", condition));
-        };
+    fn wait_for(&mut self, fluent: u32, timeout: Option<Value>, owned: bool) -> Result<Option<Value>, Raise> {
         let seconds = match timeout {
             Some(value) => Some(value.as_f64().ok_or_else(|| self.wrong_type("`:timeout`", "a number", value))?),
             None => None,
         };
         let task = self.current;
-        if let Some(failure) = self.fluents[fluent].failure {
+        let entry = &mut self.fluents[fluent];
+        if let Some(failure) = entry.failure {
             return Err(Raise::Again(failure));
         }
-        let value = self.fluents[fluent].reading();
-        if value.is_true() {
+        if entry.is_true() {
+            let value = entry.reading();
             if owned {
                 self.free_network(fluent);
             }
             return Ok(Some(value));
         }
         self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: seconds.is_some() };
-        let mut line = self.fluents[fluent].waiters;
-        line.push_back(&mut self.tasks, task);
-        self.fluents[fluent].waiters = line;
+        entry.waiters.push_back(&mut self.tasks, task);
         if let Some(seconds) = seconds {
             self.set_wake_timer(task, seconds);
         }

@@ -87,6 +87,18 @@ impl Fluent {
         if self.is_pulsed && self.value == Value::Nil { Value::True } else { self.value }
     }
 
+    /// Whether what is read now is true.
+    pub fn is_true(&self) -> bool {
+        self.is_pulsed || self.value.is_true()
+    }
+
+    /// Whether it is a plan's, no network reads it and nothing watches it: a new value concerns
+    /// nobody but those who wait for it.
+    #[inline]
+    pub(crate) fn is_plain(&self) -> bool {
+        matches!(self.origin, Origin::Plan) && self.dependents.is_empty() && self.watches.is_empty()
+    }
+
     fn is_computed(&self) -> bool {
         !matches!(self.origin, Origin::Plan | Origin::System)
     }
@@ -298,7 +310,7 @@ impl Machine {
     }
 
     /// Wakes all waiters of a fluent, in the order of their waiting.
-    fn wake_waiters(&mut self, fluent: u32, wake: Wake) {
+    pub(crate) fn wake_waiters(&mut self, fluent: u32, wake: Wake) {
         let mut task = std::mem::take(&mut self.fluents[fluent].waiters).first;
         let mut was_owned = false;
         while task != NONE {

@@ -136,8 +136,7 @@ impl Library {
     pub fn load(&self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Loaded, Rejected> {
         let mut program = self.program.clone();
         let mut symbols = self.symbols.clone();
-        let source = program.sources.add(name, text);
-        let compiled = self.compile(&mut program, &mut symbols, source, Purpose::User, loader);
+        let compiled = self.extend(&mut program, &mut symbols, name, text, loader);
         let program = Arc::new(program);
         if has_error(&compiled.diagnostics) {
             return Err(Rejected { diagnostics: compiled.diagnostics, program });
@@ -164,6 +163,19 @@ impl Library {
         diagnostics.extend(check::check(subject, &diagnostics));
         diagnostics.sort_by_key(|diagnostic| diagnostic.span);
         (diagnostics, Arc::new(program))
+    }
+
+    /// Compiles a text into a program that was started from this library.
+    pub(crate) fn extend(
+        &self,
+        program: &mut Program,
+        symbols: &mut Symbols,
+        name: &str,
+        text: &str,
+        loader: &mut dyn Loader,
+    ) -> Compiled {
+        let source = program.sources.add(name, text);
+        self.compile(program, symbols, source, Purpose::User, loader)
     }
 
     /// Compiles a datum into a program that runs.

@@ -90,6 +90,8 @@ pub struct Scratch {
     pub(crate) burned: u32,
     /// The running task goes to the end of its line.
     pub(crate) gives_way: bool,
+    /// Somebody steps through the run, and how far.
+    pub(crate) stepping: crate::stepping::Stepping,
 }
 
 /// Scratch is no part of a state.

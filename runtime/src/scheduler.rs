@@ -168,6 +168,7 @@ impl Priorities {
     }
 
     /// Puts a task at the end of its line, or at the front.
+    #[inline]
     pub fn enqueue(&mut self, tasks: &mut Tasks, task: u32, priority: u32, front: bool) {
         let line = &mut self.lines[priority as usize];
         if front {
@@ -184,6 +185,7 @@ impl Priorities {
     }
 
     /// The next task to run, taken out of its line.
+    #[inline]
     pub fn pop(&mut self, tasks: &mut Tasks) -> Option<u32> {
         while let Some(&number) = self.order.get(self.first_used as usize) {
             if let Some(task) = self.lines[number as usize].pop_front(tasks) {

@@ -666,17 +666,24 @@ impl Tasks {
     pub fn get(&self, index: u32) -> Option<&Task> {
         self.slots.get(index)
     }
+
+    /// The task in a slot, if it is used.
+    pub fn get_mut(&mut self, index: u32) -> Option<&mut Task> {
+        self.slots.get_mut(index)
+    }
 }
 
 impl std::ops::Index<u32> for Tasks {
     type Output = Task;
 
+    #[inline]
     fn index(&self, index: u32) -> &Task {
         &self.slots[index]
     }
 }
 
 impl std::ops::IndexMut<u32> for Tasks {
+    #[inline]
     fn index_mut(&mut self, index: u32) -> &mut Task {
         &mut self.slots[index]
     }

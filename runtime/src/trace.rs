@@ -204,6 +204,7 @@ impl Machine {
         }
     }
 
+    #[inline]
     pub(crate) fn trace_woken(&mut self, task: u32) {
         if self.trace.enabled {
             let path = self.path(task);
@@ -211,9 +212,15 @@ impl Machine {
         }
     }
 
+    #[inline]
     pub(crate) fn trace_fluent(&mut self, program: &Program, fluent: u32) {
-        if self.trace.enabled
-            && let Some(name) = self.fluents[fluent].name
+        if self.trace.enabled {
+            self.write_fluent(program, fluent);
+        }
+    }
+
+    fn write_fluent(&mut self, program: &Program, fluent: u32) {
+        if let Some(name) = self.fluents[fluent].name
             && !self.trace.quiet.contains(&fluent)
         {
             let details = vec![

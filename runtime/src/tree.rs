@@ -246,8 +246,11 @@ impl Machine {
             return;
         };
         self.priorities.enqueue(&mut self.tasks, task, priority, front);
-        if self.current != NONE
-            && !self.scratch.switch
+        if self.current == NONE || self.scratch.switch {
+            return;
+        }
+        let current = &self.tasks[self.current];
+        if (current.priority != priority || current.rare.is_some())
             && self.priorities.is_higher(priority, self.effective_priority(self.current))
         {
             self.scratch.switch = true;
@@ -257,6 +260,12 @@ impl Machine {
     /// Puts the running task back: at the front of its line, or aside if it is suspended.
     pub(crate) fn requeue_running(&mut self, task: u32) {
         self.set_state(task, State::Ready);
+        self.queue(task, true);
+    }
+
+    /// Puts the running task back as if nothing had happened: no fluent tells of it.
+    pub(crate) fn set_aside(&mut self, task: u32) {
+        self.tasks[task].state = State::Ready;
         self.queue(task, true);
     }
 
@@ -473,10 +482,13 @@ impl Machine {
     }
 
     /// Moves the current task's registers and frames into its record.
+    #[inline]
     pub(crate) fn store(&mut self, task: u32, frame: Frame, registers: usize) {
         self.tasks.set_registers(task, &self.scratch.stack[..frame.base as usize + registers]);
         let record = &mut self.tasks[task];
-        record.frames.set(&self.scratch.frames);
+        if !(record.frames.is_empty() && self.scratch.frames.is_empty()) {
+            record.frames.set(&self.scratch.frames);
+        }
         record.frame = frame;
     }
 

@@ -3,7 +3,7 @@
 
 use super::Compiler;
 use super::ir::{Binary, BlockId, Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, Unary, VarId};
-use crate::code::{Child, Code, CodeKind, Constant, Construct, NO_REG, Op, Parameters, Reg};
+use crate::code::{Child, Code, CodeKind, Constant, Construct, Local, NO_REG, Op, Parameters, Reg};
 use crate::source::Span;
 use crate::symbol::Symbol;
 use std::collections::BTreeMap;
@@ -31,16 +31,18 @@ pub(super) fn emit(compiler: &mut Compiler<'_>, function: &Function, outer: &[(V
         scopes: 0,
         constructs: Vec::new(),
         handlers: Vec::new(),
+        locals: Vec::new(),
         is_plan: function.kind == CodeKind::Plan,
     };
     emitter.function(function);
-    let Emitter { ops, spans, most, constructs, handlers, compiler, .. } = emitter;
+    let Emitter { ops, spans, most, constructs, handlers, locals, compiler, .. } = emitter;
     if most > MAX_REGISTERS {
         let name = compiler.symbols.name(function.name).to_string();
         let message = format!("`{name}` needs {most} registers, and {MAX_REGISTERS} is the most");
         compiler.error("too-large", function.span, message, "too many variables or arguments at once").help =
             Some("split it into smaller functions or plans".into());
     }
+    let end = ops.len() as u32;
     let code = Code {
         name: function.name,
         kind: function.kind,
@@ -52,6 +54,7 @@ pub(super) fn emit(compiler: &mut Compiler<'_>, function: &Function, outer: &[(V
         spans,
         constructs,
         handlers,
+        locals: locals.into_iter().map(|local| Local { to: local.to.min(end), ..local }).collect(),
         doc: function.doc.clone(),
         span: function.span,
     };
@@ -79,6 +82,7 @@ pub(super) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span)]) -> Code 
         spans,
         constructs: Vec::new(),
         handlers: Vec::new(),
+        locals: Vec::new(),
         doc: None,
         span,
     }
@@ -105,6 +109,7 @@ struct Emitter<'c, 'a> {
     scopes: usize,
     constructs: Vec<Construct>,
     handlers: Vec<Vec<Vec<Symbol>>>,
+    locals: Vec<Local>,
     is_plan: bool,
 }
 
@@ -112,11 +117,11 @@ impl Emitter<'_, '_> {
     fn function(&mut self, function: &Function) {
         for binding in &function.bindings {
             let reg = self.fresh();
-            self.registers.insert(binding.variable, reg);
+            self.place(binding.variable, reg);
         }
         for &capture in &function.captures {
             let reg = self.fresh();
-            self.registers.insert(capture, reg);
+            self.place(capture, reg);
         }
         if self.is_plan {
             self.push(Op::EnterPlan);
@@ -126,7 +131,7 @@ impl Emitter<'_, '_> {
             let reg = self.fresh();
             let constant = self.compiler.constant(Constant::Symbol(name));
             self.push(Op::TagNew(reg, constant));
-            self.registers.insert(tag, reg);
+            self.place(tag, reg);
             self.put_in_cell(tag, reg);
         }
         for binding in &function.bindings {
@@ -150,7 +155,7 @@ impl Emitter<'_, '_> {
     fn default_value(&mut self, binding: &super::ir::ParameterBinding, reg: Reg) {
         let given = binding.given.map(|given| {
             let flag = self.fresh();
-            self.registers.insert(given, flag);
+            self.place(given, flag);
             self.push(Op::True(flag));
             flag
         });
@@ -163,6 +168,16 @@ impl Emitter<'_, '_> {
             self.push(Op::Nil(flag));
         }
         self.land(jump);
+    }
+
+    /// Gives a variable its register. Its value is there from the next instruction on.
+    fn place(&mut self, variable: VarId, register: Reg) {
+        self.registers.insert(variable, register);
+        let name = self.compiler.variables[variable.0 as usize].name;
+        // What macros bind for themselves is no variable of the text.
+        if !self.compiler.symbols.name(name).starts_with(['%', '#']) {
+            self.locals.push(Local { name, register, from: self.ops.len() as u32, to: u32::MAX });
+        }
     }
 
     fn put_in_cell(&mut self, variable: VarId, reg: Reg) {
@@ -189,6 +204,9 @@ impl Emitter<'_, '_> {
         let before = self.next;
         let result = inside(self);
         self.next = before;
+        let end = self.ops.len() as u32;
+        let ended = self.locals.iter_mut().filter(|local| usize::from(local.register) >= before);
+        ended.filter(|local| local.to == u32::MAX).for_each(|local| local.to = end);
         result
     }
 
@@ -612,7 +630,7 @@ impl Emitter<'_, '_> {
         for (variable, value) in bindings {
             let reg = self.fresh();
             self.value(value, reg, false);
-            self.registers.insert(*variable, reg);
+            self.place(*variable, reg);
             self.put_in_cell(*variable, reg);
         }
     }
@@ -782,7 +800,7 @@ impl Emitter<'_, '_> {
     fn handler(&mut self, body: &Ir, failure: VarId, clauses: &[super::ir::ClauseIr], into: Reg) {
         let failure_reg = self.fresh();
         let clause_reg = self.fresh();
-        self.registers.insert(failure, failure_reg);
+        self.place(failure, failure_reg);
         self.handlers.push(clauses.iter().map(|clause| clause.classes.clone()).collect());
         let index = self.handlers.len() as u16 - 1;
         let push = self.push(Op::PushHandler(failure_reg, index, 0));

@@ -232,14 +232,16 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// A living task other than the one of networks; by its path, for which slot it has depends on
-    /// collections.
+    /// A task of the tree; by its place there, for which slot it has depends on collections.
     fn some_task(&mut self) -> TaskRef {
         let machine = &self.system.machine;
-        let living = machine.tasks.iter().skip(1).filter(|(_, task)| !task.state.is_dead());
-        let mut living: Vec<(String, u32)> = living.map(|(index, _)| (machine.path(index), index)).collect();
-        living.sort();
-        machine.tasks.reference(living[self.dice.below(living.len())].1)
+        let mut living = vec![machine.main];
+        let mut at = 0;
+        while let Some(&task) = living.get(at) {
+            living.extend(machine.children(task));
+            at += 1;
+        }
+        machine.tasks.reference(living[self.dice.below(living.len())])
     }
 
     /// A fluent with a name.

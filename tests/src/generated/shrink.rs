@@ -96,7 +96,7 @@ fn candidates(forms: &[Form], path: &[usize]) -> Vec<Vec<Form>> {
     if let Form::List(items) = form
         && items.first() == Some(&Form::Atom("let".into()))
     {
-        for part in items.iter().skip(2).flat_map(|inner| items_of(inner)) {
+        for part in items.iter().skip(2).flat_map(items_of) {
             all.push(edited(forms, path, Some(part.clone())));
         }
     }

@@ -1,0 +1,127 @@
+//! Where a run stops: at a plan or function, at a line, at a tag, or when a condition over fluents
+//! becomes true.
+
+use crate::mission::Robot;
+use rpl_lang::source::Span;
+use rpl_lang::suggest::suggest;
+use rpl_runtime::session::Condition;
+use rpl_runtime::stepping::Stop;
+use rpl_runtime::system::System;
+use std::fmt;
+
+/// A place or condition.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Breakpoint {
+    /// The entry of a plan or function, or the beginning of a tagged task.
+    Name(String),
+    /// A line of a text; of the loaded file without a name.
+    Line(Option<String>, usize),
+    /// A condition, with its text and whether it held last.
+    Condition { text: String, condition: Condition, held: bool },
+}
+
+impl Breakpoint {
+    /// What a user has typed: `deliver`, `12`, `delivery.rpl:12`, `(> x* 3)`.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str, system: &mut System<Robot>, colour: bool) -> Result<Self, String> {
+        if text.starts_with('(') {
+            let condition = system.condition(text).map_err(|rejected| rejected.render(colour))?;
+            let held = system.holds(condition).unwrap_or(false);
+            return Ok(Self::Condition { text: text.to_string(), condition, held });
+        }
+        if let Ok(line) = text.parse() {
+            return Ok(Self::Line(None, line));
+        }
+        if let Some((file, line)) = text.rsplit_once(':')
+            && let Ok(line) = line.parse()
+        {
+            return Ok(Self::Line(Some(file.to_string()), line));
+        }
+        let name = text.to_lowercase();
+        let known = known_names(system);
+        if known.contains(&name) {
+            return Ok(Self::Name(name));
+        }
+        let meant = suggest(&name, known.iter().map(String::as_str));
+        Err(match meant {
+            Some(meant) => format!("no plan, function or tag is called `{name}`; did you mean `{meant}`?"),
+            None => {
+                format!("no plan, function or tag is called `{name}`; a line is a number, a condition stands in ( )")
+            }
+        })
+    }
+
+    /// Compiles its condition into another program.
+    pub fn restore(&mut self, system: &mut System<Robot>) {
+        if let Self::Condition { text, condition, held } = self
+            && let Ok(compiled) = system.condition(text)
+        {
+            *condition = compiled;
+            *held = system.holds(compiled).unwrap_or(false);
+        }
+    }
+
+    /// The condition, if it is one.
+    pub fn condition(&self) -> Option<Condition> {
+        match self {
+            Self::Condition { condition, .. } => Some(*condition),
+            Self::Name(_) | Self::Line(..) => None,
+        }
+    }
+
+    /// Notes whether the condition holds; tells whether it has become true.
+    pub fn becomes(&mut self, holds: bool) -> bool {
+        match self {
+            Self::Condition { held, .. } => !std::mem::replace(held, holds) && holds,
+            Self::Name(_) | Self::Line(..) => false,
+        }
+    }
+
+    /// Whether a task that stands before a form stands at this place.
+    pub fn is_at(&self, system: &System<Robot>, stop: &Stop, file: Option<&str>) -> bool {
+        match self {
+            Self::Name(name) => {
+                let tag = system.machine.tasks.find_alive(stop.task).map(|task| system.machine.tasks[task].name);
+                let is_named = |symbol| system.machine.symbols.name(symbol) == name;
+                stop.is_entry && (is_named(stop.name) || stop.depth == 0 && tag.is_some_and(is_named))
+            }
+            Self::Line(text, line) => {
+                let source = system.program.sources.get(stop.span.source);
+                let is_text = text.as_deref().or(file).is_none_or(|name| *source.name == *name);
+                is_text && system.program.sources.line_column(first(stop.span)).0 == *line
+            }
+            Self::Condition { .. } => false,
+        }
+    }
+}
+
+fn first(span: Span) -> Span {
+    Span { end: span.start, ..span }
+}
+
+/// Names of functions, plans and tags.
+fn known_names(system: &System<Robot>) -> Vec<String> {
+    let program = &system.program;
+    let codes = program.codes.iter().flat_map(|code| {
+        let children = code.constructs.iter().flat_map(|construct| &construct.children);
+        std::iter::once(code.name).chain(children.filter_map(|child| child.name))
+    });
+    let mut names: Vec<String> = codes.map(|name| system.machine.symbols.name(name).to_string()).collect();
+    names.sort();
+    names.dedup();
+    names.retain(|name| !name.starts_with(['%', '#']));
+    names
+}
+
+impl fmt::Display for Breakpoint {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name(name) => write!(out, "{name}"),
+            Self::Line(None, line) => write!(out, "line {line}"),
+            Self::Line(Some(file), line) => write!(out, "{file}:{line}"),
+            Self::Condition { text, .. } => write!(out, "{text}"),
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
+
+use super::breakpoint::Breakpoint;
+use super::timeline::{Past, Position, Timeline, is_shown};
+use crate::console::Console;
+use crate::events;
+use crate::files::Folder;
+use crate::interrupt;
+use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
+use anyhow::{Result, anyhow};
+use rpl_lang::symbol::Symbol;
+use rpl_runtime::library::Rejected;
+use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
+use rpl_runtime::session::{Answer, Submitted};
+use rpl_runtime::stepping::{Stepped, Stop};
+use rpl_runtime::system::System;
+use rpl_runtime::trace::Event;
+use rpl_runtime::value::Value;
+use std::collections::BTreeMap;
+use std::io;
+
+/// One line of history, from the start to a present.
+#[derive(Clone)]
+pub struct Branch {
+    /// The present.
+    pub system: System<Robot>,
+    /// The past.
+    pub timeline: Timeline,
+    /// What happened.
+    pub log: Vec<Event>,
+    /// The form a task stands before, if a stepper stopped there.
+    pub stop: Option<Stop>,
+    /// Whether a form is under way.
+    pub is_running: bool,
+}
+
+/// How far to go on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Until {
+    /// To the end of the form, or to a breakpoint.
+    End,
+    /// To the next form, in whatever task.
+    Step,
+    /// To the next form of the same task that is not deeper in calls.
+    Next,
+    /// To the next form of the function or plan that called this one.
+    Out,
+    /// To an instant of virtual time.
+    Time(u64),
+    /// To a place or condition, as for a breakpoint.
+    Place(Breakpoint),
+}
+
+/// Why the run stands still.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Halt {
+    /// The form has ended.
+    Answered(Answer),
+    /// Where the user wanted to go.
+    Arrived,
+    /// At a breakpoint, so described.
+    Breakpoint(String),
+    /// Ctrl-C.
+    Interrupted,
+}
+
+/// Everything a user of the prompt has.
+pub struct Session {
+    /// The history being worked on.
+    pub branch: Branch,
+    /// Its name.
+    pub name: String,
+    /// Other histories, by name.
+    pub others: BTreeMap<String, Branch>,
+    /// Where a run stops.
+    pub breakpoints: Vec<Breakpoint>,
+    /// Expressions shown whenever a run stops.
+    pub watches: Vec<String>,
+    /// The file that `:break LINE` means.
+    pub file: Option<String>,
+    folder: Folder,
+    texts: usize,
+}
+
+impl Session {
+    /// A session on a site, before the first form.
+    ///
+    /// # Errors
+    /// The session's own text does not compile.
+    pub fn new(site: &Site, seed: u64) -> Result<Self> {
+        let mut system = System::session(&site.library, site.robot(seed))
+            .map_err(|rejected: Rejected| anyhow!("the session cannot start\n{}", rejected.render(false)))?;
+        system.machine.seed_random(seed);
+        let quiet: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| fluent_named(&system, name)).collect();
+        system.machine.trace.quiet.extend(quiet);
+        system.machine.trace.take();
+        let timeline = Timeline::new(&system);
+        let branch = Branch { system, timeline, log: Vec::new(), stop: None, is_running: false };
+        Ok(Self {
+            branch,
+            name: "main".to_string(),
+            others: BTreeMap::new(),
+            breakpoints: Vec::new(),
+            watches: Vec::new(),
+            file: None,
+            folder: Folder::Disk(".".into()),
+            texts: 0,
+        })
+    }
+
+    /// Name of the next text that is typed, as errors call it.
+    pub fn next_text_name(&mut self) -> String {
+        self.texts += 1;
+        format!("<{}>", self.texts)
+    }
+
+    /// Hands in forms to be run. `folder` is what they may load from.
+    ///
+    /// # Errors
+    /// The findings in the text.
+    pub fn submit(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<Submitted, Rejected> {
+        let mut folder = folder.unwrap_or_else(|| self.folder.clone());
+        let branch = &mut self.branch;
+        let submitted = branch.system.submit(name, text, &mut folder)?;
+        branch.is_running = true;
+        branch.stop = None;
+        branch.timeline.handed_in(&branch.system);
+        Ok(submitted)
+    }
+
+    /// Evaluates forms beside the one that runs, with the variables of the call it stands in.
+    ///
+    /// # Errors
+    /// The findings in the text.
+    pub fn inspect(&mut self, name: &str, text: &str) -> Result<(Submitted, Result<Value, Value>), Rejected> {
+        let mut folder = self.folder.clone();
+        let branch = &mut self.branch;
+        let variables = variables_at(branch);
+        let found = branch.system.inspect(name, text, &variables, &mut folder)?;
+        branch.timeline.handed_in(&branch.system);
+        Ok(found)
+    }
+
+    /// Lets the form that runs go on.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    pub fn go_on(&mut self, until: &Until, console: &mut Console) -> io::Result<Halt> {
+        console.begin_status();
+        let halt = Runner { session: self, until, console }.run();
+        console.end_status();
+        let halt = halt?;
+        if matches!(halt, Halt::Answered(_)) {
+            self.branch.is_running = false;
+            self.branch.stop = None;
+        }
+        Ok(halt)
+    }
+
+    /// Gives up the form that runs; its clean-ups run.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    pub fn give_up(&mut self, console: &mut Console) -> io::Result<Halt> {
+        let branch = &mut self.branch;
+        branch.system.give_up_form();
+        branch.stop = None;
+        branch.timeline.handed_in(&branch.system);
+        let breakpoints = std::mem::take(&mut self.breakpoints);
+        let halt = self.go_on(&Until::End, console);
+        self.breakpoints = breakpoints;
+        halt
+    }
+
+    /// Takes an earlier state for the present one. What came after it is forgotten.
+    pub fn go_back_to(&mut self, past: Past) {
+        let Past { system, position, stop } = past;
+        let branch = &mut self.branch;
+        branch.system = system;
+        branch.timeline.go_back_to(position);
+        branch.stop = stop;
+        branch.is_running = branch.system.answer().is_none() && !branch.system.is_waiting_for_form();
+        let next = branch.system.machine.trace.next_sequence;
+        branch.log.retain(|event| event.sequence < next);
+        self.restore_conditions();
+    }
+
+    /// Compiles the conditions of breakpoints into the present program, which may be another one.
+    pub fn restore_conditions(&mut self) {
+        let system = &mut self.branch.system;
+        self.breakpoints.iter_mut().for_each(|place| place.restore(system));
+    }
+}
+
+/// What the stopped task sees where it stands.
+fn variables_at(branch: &Branch) -> Vec<(Symbol, Value)> {
+    let task = branch.stop.as_ref().and_then(|stop| branch.system.machine.tasks.find_alive(stop.task));
+    let calls = task.map(|task| branch.system.machine.variables(&branch.system.program, task));
+    calls.and_then(|calls| calls.into_iter().next()).map_or(Vec::new(), |(_, variables)| variables)
+}
+
+fn fluent_named(system: &System<Robot>, name: &str) -> Option<u32> {
+    let symbol = system.machine.symbols.find(name)?;
+    match system.machine.globals.get(*system.program.names.get(&symbol)? as usize)? {
+        Value::Fluent(fluent) => Some(*fluent),
+        _ => None,
+    }
+}
+
+struct Runner<'a> {
+    session: &'a mut Session,
+    until: &'a Until,
+    console: &'a mut Console,
+}
+
+impl Runner<'_> {
+    fn run(&mut self) -> io::Result<Halt> {
+        let start = self.session.branch.stop.take();
+        let stops_at_forms = self.stops_at_forms();
+        interrupt::forget();
+        loop {
+            if interrupt::is_asked() {
+                interrupt::forget();
+                return Ok(Halt::Interrupted);
+            }
+            let stepped = match stops_at_forms {
+                true => self.session.branch.system.step_form(),
+                false if self.session.branch.system.step_task() => Stepped::Ran,
+                false => Stepped::Settled,
+            };
+            if self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT || stepped == Stepped::Settled {
+                self.hand_on()?;
+            }
+            match stepped {
+                Stepped::Before(stop) => {
+                    self.session.branch.timeline.position.step += 1;
+                    if let Some(halt) = self.halt_before(&stop, start.as_ref()) {
+                        self.session.branch.stop = Some(stop);
+                        self.hand_on()?;
+                        return Ok(halt);
+                    }
+                }
+                Stepped::Ran => {}
+                Stepped::Settled => {
+                    if let Some(halt) = self.settled() {
+                        return Ok(halt);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether the run must be looked at form by form, which is slower.
+    fn stops_at_forms(&self) -> bool {
+        let is_place = |breakpoint: &Breakpoint| breakpoint.condition().is_none();
+        match self.until {
+            Until::Step | Until::Next | Until::Out => true,
+            Until::Place(place) if is_place(place) => true,
+            _ => self.session.breakpoints.iter().any(is_place),
+        }
+    }
+
+    fn halt_before(&self, stop: &Stop, start: Option<&Stop>) -> Option<Halt> {
+        let system = &self.session.branch.system;
+        if !is_shown(system, stop) {
+            return None;
+        }
+        let is_here = |place: &Breakpoint| place.is_at(system, stop, self.session.file.as_deref());
+        let same_task = start.is_none_or(|start| start.task == stop.task);
+        let was_depth = start.map_or(u32::MAX, |start| start.depth);
+        let has_arrived = match self.until {
+            Until::Step => true,
+            Until::Next => same_task && stop.depth <= was_depth,
+            Until::Out => same_task && stop.depth < was_depth,
+            Until::Place(place) => is_here(place),
+            Until::End | Until::Time(_) => false,
+        };
+        if has_arrived {
+            return Some(Halt::Arrived);
+        }
+        let breakpoint = self.session.breakpoints.iter().find(|place| is_here(place))?;
+        Some(Halt::Breakpoint(breakpoint.to_string()))
+    }
+
+    /// All tasks are blocked: the form has ended, or the clock moves.
+    fn settled(&mut self) -> Option<Halt> {
+        self.session.branch.timeline.position.step = Position::END;
+        if let Some(answer) = self.session.branch.system.answer() {
+            return Some(Halt::Answered(answer));
+        }
+        if let Some(halt) = self.condition_met() {
+            return Some(halt);
+        }
+        let branch = &mut self.session.branch;
+        if let (&Until::Time(time_us), Some(next_us)) = (self.until, branch.system.next_instant_us())
+            && next_us > time_us
+        {
+            return Some(Halt::Arrived);
+        }
+        branch.system.next_instant();
+        branch.timeline.next_instant(&branch.system);
+        if self.console.wants_status() {
+            let sight = branch.system.outside.sight();
+            let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);
+            self.console.status(line);
+        }
+        None
+    }
+
+    /// A condition that has become true since the last instant.
+    fn condition_met(&mut self) -> Option<Halt> {
+        let Session { branch, breakpoints, .. } = &mut *self.session;
+        if let Until::Place(place) = self.until
+            && let Some(condition) = place.condition()
+            && branch.system.holds(condition).unwrap_or(false)
+        {
+            return Some(Halt::Arrived);
+        }
+        let mut met = None;
+        for breakpoint in breakpoints.iter_mut() {
+            let Some(condition) = breakpoint.condition() else { continue };
+            let holds = branch.system.holds(condition).unwrap_or(false);
+            if breakpoint.becomes(holds) && met.is_none() {
+                met = Some(Halt::Breakpoint(breakpoint.to_string()));
+            }
+        }
+        met
+    }
+
+    /// Shows what was printed, and keeps what happened.
+    fn hand_on(&mut self) -> io::Result<()> {
+        let machine = &mut self.session.branch.system.machine;
+        let (happened, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
+        if !happened.is_empty() {
+            let is_lost = self.session.branch.system.outside.is_lost();
+            events::lines(&happened, is_lost).iter().for_each(|line| self.console.note(line));
+            self.session.branch.log.extend(happened);
+        }
+        for line in output {
+            match line {
+                Output::Print(text) => self.console.print(&text)?,
+                Output::Log(text) => self.console.note(&text),
+            }
+        }
+        self.console.flush()
+    }
+}
