@@ -19,7 +19,12 @@ use concrete::{Concrete, Mark, Node, Piece};
 use lines::Lines;
 use std::collections::BTreeMap;
 
-/// The text laid out anew. Cost: linear, but for the indentation of very deep texts.
+/// Breaking a long line can make a comment or a list stand elsewhere and so leave another line to
+/// break; texts are at rest after two rounds, made-up ones after a few more.
+const MOST_ROUNDS: usize = 8;
+
+/// The text laid out anew, until laying it out changes nothing. Cost: linear, but for the
+/// indentation of very deep texts.
 ///
 /// # Errors
 /// The faults of a text that cannot be read.
@@ -28,11 +33,23 @@ pub fn format(text: &str, source: SourceId) -> Result<String, Vec<Diagnostic>> {
     if found.iter().any(|finding| finding.severity == Severity::Error) {
         return Err(found);
     }
+    let mut laid_out = lay_out(text, source);
+    for _ in 1..MOST_ROUNDS {
+        let again = lay_out(&laid_out, source);
+        if again == laid_out {
+            break;
+        }
+        laid_out = again;
+    }
+    Ok(laid_out)
+}
+
+fn lay_out(text: &str, source: SourceId) -> String {
     let (tokens, _) = lex(text, source);
     let concrete = Concrete::new(text, &tokens);
     let mut formatter = Formatter { bodies: bodies(&concrete), concrete: &concrete, lines: Lines::default() };
     formatter.top_level();
-    Ok(formatter.lines.finish())
+    formatter.lines.finish()
 }
 
 /// The macros a text defines that take a body, with how many parameters stand before it.

@@ -39,6 +39,8 @@ pub(super) struct Node {
     pub(super) is_flat: bool,
     /// Characters it then takes.
     pub(super) width: usize,
+    /// Whether a comment ends its last line, which then comes behind its closers.
+    pub(super) has_trailing: bool,
 }
 
 impl Node {
@@ -118,18 +120,23 @@ impl<'t> Concrete<'t> {
         let text = &self.text[start..end];
         let is_flat = piece != Piece::LineComment && !text.contains('\n');
         let width = text.chars().count();
-        self.add(Node { piece, start, end, children: Vec::new(), lines_before, is_flat, width });
+        self.add(Node { piece, start, end, children: Vec::new(), lines_before, is_flat, width, has_trailing: false });
     }
 
     /// A list whose closer came, or a mark whose datum did.
     fn close(&mut self, mut node: Node) {
-        let children = || node.children.iter().map(|&child| &self.nodes[child]);
-        let are_flat = children().all(|child| child.is_flat);
-        let in_a_row = children().skip(1).all(|child| child.lines_before == 0);
-        let widths: usize = children().map(|child| child.width).sum();
+        let mut children: Vec<&Node> = node.children.iter().map(|&child| &self.nodes[child]).collect();
+        // Closers go in front of a trailing comment, so a list before one can stand on one line.
+        let is_trailing = |last: &&Node| last.piece == Piece::LineComment && last.lines_before == 0;
+        let trailing = children.pop_if(|last| node.piece == Piece::List && is_trailing(last));
+        let Some((last, before)) = children.split_last() else { return self.add(node) };
+        let are_flat = children.iter().all(|child| child.is_flat) && before.iter().all(|child| !child.has_trailing);
+        let in_a_row = children.iter().skip(1).all(|child| child.lines_before == 0);
+        let widths: usize = children.iter().map(|child| child.width).sum();
+        node.has_trailing = trailing.is_some() || last.has_trailing;
         (node.is_flat, node.width) = match node.piece {
-            Piece::Marked(_) => (are_flat && node.children.len() == 1, node.end - node.start + widths),
-            _ => (are_flat && in_a_row, 2 + widths + node.children.len().saturating_sub(1)),
+            Piece::Marked(_) => (are_flat && before.is_empty(), node.end - node.start + widths),
+            _ => (are_flat && in_a_row && !(trailing.is_some() && last.has_trailing), 2 + widths + before.len()),
         };
         self.add(node);
     }
@@ -153,5 +160,14 @@ impl<'t> Concrete<'t> {
 }
 
 fn list(start: usize, end: usize, lines_before: usize) -> Node {
-    Node { piece: Piece::List, start, end, children: Vec::new(), lines_before, is_flat: true, width: 2 }
+    Node {
+        piece: Piece::List,
+        start,
+        end,
+        children: Vec::new(),
+        lines_before,
+        is_flat: true,
+        width: 2,
+        has_trailing: false,
+    }
 }
