@@ -335,9 +335,9 @@ impl Machine {
         for (index, task) in self.tasks.iter() {
             let mut at = task.first_child;
             while at != NONE {
+                self.validate_link(at)?;
                 ensure(children.set(at) && self.tasks[at].parent == index, "a task is a child of two")?;
                 at = self.tasks[at].next_sibling;
-                self.validate_link(at)?;
             }
         }
         let mut main_reaches = 0;
