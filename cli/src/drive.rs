@@ -5,6 +5,7 @@ use crate::events;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
 use crate::trace_file::TraceFile;
+use rpl_robot::localization::Localization;
 use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::system::{Outcome, Progress, System};
 use rpl_runtime::trace::{Event, EventKind};
@@ -49,6 +50,8 @@ pub struct Records {
     pub relocalizations: u64,
     /// What the robot and the scenario reported.
     pub marks: Vec<Mark>,
+    /// The belief at each choice of active localization, if somebody is to look into it.
+    pub choices: Option<Vec<Localization>>,
     /// The belief at the turning points of localization, if somebody is to draw it.
     pub scenes: Option<Vec<Scene>>,
 }
@@ -79,6 +82,8 @@ pub struct Mark {
     pub sight: Sight,
     /// How far it had driven.
     pub distance_m: f64,
+    /// How much of the track lies before it.
+    pub track_length: usize,
 }
 
 /// Runs a system to its end.
@@ -188,7 +193,14 @@ impl Driver<'_> {
                 let track_length = self.records.track.len();
                 scenes.push(Scene { what: what.clone(), time_s, belief, sight, track_length });
             }
-            self.records.marks.push(Mark { what, sight, distance_m: account.distance_m });
+            if let Some(choices) = &mut self.records.choices
+                && what == "localization action"
+                && let Robot::Office(robot) = &self.system.outside
+            {
+                choices.push(robot.board.localization.clone());
+            }
+            let track_length = self.records.track.len();
+            self.records.marks.push(Mark { what, sight, distance_m: account.distance_m, track_length });
         }
         match &mut self.records.trace {
             Some(trace) => trace.write(event),

@@ -1,31 +1,39 @@
 //! `rpl experiment NAME`: a plan over many seeds, in parallel, as a table.
 
+mod calibration;
+mod catalogue;
+mod chart;
+mod choices;
 mod statistics;
+mod trial;
 mod trials;
 
 pub use statistics::{Spread, wilson_95};
 
 use crate::console::Console;
-use crate::drive::{Ending, Mark, Pace, Records, drive};
 use crate::files::{self, PlanText};
-use crate::mission::{self, Robot, Site};
+use crate::mission::{self, Site};
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use anyhow::{Context, Result, bail};
+use catalogue::{EXPERIMENTS, Experiment, Report, Row};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rpl_lang::suggest::suggest;
 use rpl_robot::geometry::Pose;
-use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::OfficeSettings;
-use rpl_runtime::system::{Outcome, System};
+use rpl_runtime::system::System;
+use std::fs;
 use std::io::IsTerminal;
 use std::num::NonZero;
-use trials::{Trial, comparison, run_all, table};
+use std::path::PathBuf;
+use trial::{Trial, one_trial};
+use trials::{comparison, raw_rows, run_all, table};
 
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// `rotated`, or a plan of your own
+    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`, or a
+    /// plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -43,88 +51,105 @@ pub struct Arguments {
     /// What happens on the way: a plan with hands in the world
     #[arg(long, value_name = "FILE")]
     scenario: Option<String>,
+    /// Only this row of the table
+    #[arg(long, value_name = "ROW")]
+    row: Option<String>,
+    /// Writes every run as a line of `runs.csv`, and charts, into this folder
+    #[arg(long, value_name = "FOLDER")]
+    results: Option<PathBuf>,
     /// A run that takes longer, in the plan's time, counts as failed
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
     until: u64,
 }
 
-/// An experiment with a name: a mission, and what it is compared with.
-struct Experiment {
-    name: &'static str,
-    world: &'static str,
-    /// Where the robot must really be at the end.
-    goal: &'static str,
-    /// The first is the experiment itself.
-    rows: &'static [Row],
-}
-
-/// One row of a table.
-#[derive(Clone, Copy)]
-struct Row {
-    name: &'static str,
-    plan: &'static str,
-    scenario: Option<&'static str>,
-    /// Whether the filter follows the papers' equations to the letter.
-    literal: bool,
-}
-
-const ROTATED: Row =
-    Row { name: "rotated", plan: "delivery.rpl", scenario: Some("experiments/rotated.rpl"), literal: false };
-
-const EXPERIMENTS: &[Experiment] = &[Experiment {
-    name: "rotated",
-    world: "dept",
-    goal: "wolframs-shelf",
-    rows: &[
-        ROTATED,
-        Row { name: "undisturbed", scenario: None, ..ROTATED },
-        Row { name: "no relocalization", plan: "experiments/no-relocalization.rpl", ..ROTATED },
-        Row { name: "literal equations", literal: true, ..ROTATED },
-    ],
-}];
-
-/// How near to the goal the robot must really be.
-const AT_GOAL_M: f64 = 0.5;
-
-/// An estimate further off than this is wrong.
-const WRONG_ESTIMATE_M: f64 = 1.0;
-
 /// Runs the experiment.
 ///
 /// # Errors
-/// No experiment or plan has the name, or the plan's text is wrong.
+/// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == arguments.name);
     let Some(experiment) = experiment else {
         let trials = own_plan(arguments, console)?;
         console.print(&table(&arguments.name, &trials))?;
+        write_results(arguments, &[(arguments.name.as_str(), trials.clone())], &[])?;
         return Ok(status(&trials));
     };
-    let world = mission::world(arguments.world.as_deref().unwrap_or(experiment.world))?;
-    let goal = Some(world.place(experiment.goal)?.pose_in_map);
-    let mut rows = Vec::new();
-    for row in experiment.rows {
-        let scenario_name = row.scenario.map(|scenario| arguments.scenario.as_deref().unwrap_or(scenario));
-        let scenario = scenario_name.map(files::scenario).transpose()?;
-        let settings = settings(row.literal);
-        let site = Site::new(Some(world.clone()), scenario, settings)?;
-        let trials = all_trials(arguments, console, &site, &files::plan(row.plan)?, goal, row.name)?;
-        rows.push((row.name, trials));
+    let chosen = rows(experiment, arguments.row.as_deref())?;
+    if experiment.report == Report::Choices {
+        return choices::run(arguments, &chosen, console);
     }
-    let (name, trials) = &rows[0];
-    console.print(&table(name, trials))?;
-    console.print("")?;
-    console.print(&comparison(&rows))?;
-    Ok(status(&rows[0].1))
+    let mut rows = Vec::new();
+    for row in chosen {
+        rows.push((row.name, trials_of(arguments, console, row)?));
+    }
+    let (name, first) = &rows[0];
+    match experiment.report {
+        Report::Success => {
+            console.print(&table(name, first))?;
+            console.print("")?;
+            console.print(&comparison(&rows))?;
+            write_results(arguments, &rows, &[("error.svg", chart::error_over_time(&rows))])?;
+            Ok(status(first))
+        }
+        Report::Comparison => {
+            console.print(&comparison(&rows))?;
+            write_results(arguments, &rows, &[])?;
+            Ok(Status::Succeeded)
+        }
+        Report::Calibration => {
+            let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
+            console.print(&calibration::table(&all))?;
+            console.print("")?;
+            console.print(&comparison(&rows))?;
+            let diagram = chart::reliability(&calibration::bins(&all));
+            write_results(arguments, &rows, &[("reliability.svg", diagram)])?;
+            Ok(Status::Succeeded)
+        }
+        Report::Choices => Ok(Status::Succeeded),
+    }
+}
+
+/// All rows of an experiment, or the one that is asked for.
+fn rows(experiment: &Experiment, name: Option<&str>) -> Result<Vec<&'static Row>> {
+    let Some(name) = name else { return Ok(experiment.rows.iter().collect()) };
+    let found: Vec<&Row> = experiment.rows.iter().filter(|row| row.name == name).collect();
+    if found.is_empty() {
+        let names: Vec<&str> = experiment.rows.iter().map(|row| row.name).collect();
+        bail!("the experiment `{}` has no row `{name}`; it has {}", experiment.name, names.join(", "));
+    }
+    Ok(found)
+}
+
+fn trials_of(arguments: &Arguments, console: &mut Console, row: &Row) -> Result<Vec<Trial>> {
+    let (site, goal) = site_of(arguments, row)?;
+    all_trials(arguments, console, &site, &files::plan(row.plan)?, goal, row.name)
+}
+
+/// Where a row takes place, and where its robot must be at the end.
+fn site_of(arguments: &Arguments, row: &Row) -> Result<(Site, Option<Pose>)> {
+    let world = mission::world(arguments.world.as_deref().unwrap_or(row.world))?;
+    let goal = row.goal.map(|goal| world.place(goal)).transpose()?.map(|place| place.pose_in_map);
+    let scenario_name = row.scenario.map(|scenario| arguments.scenario.as_deref().unwrap_or(scenario));
+    let scenario = scenario_name.map(files::scenario).transpose()?;
+    let mut settings = OfficeSettings::default();
+    (row.change)(&mut settings);
+    Ok((Site::new(Some(world), scenario, settings)?, goal))
+}
+
+/// Writes every run and the charts into the folder for results, if there is to be one.
+fn write_results(arguments: &Arguments, rows: &[(&str, Vec<Trial>)], charts: &[(&str, String)]) -> Result<()> {
+    let Some(folder) = &arguments.results else { return Ok(()) };
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    let raw = raw_rows(rows);
+    for (name, text) in charts.iter().map(|(name, text)| (*name, text)).chain([("runs.csv", &raw)]) {
+        let path = folder.join(name);
+        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
+    }
+    Ok(())
 }
 
 fn status(trials: &[Trial]) -> Status {
     if trials.iter().all(|trial| trial.succeeded) { Status::Succeeded } else { Status::Failed }
-}
-
-fn settings(literal: bool) -> OfficeSettings {
-    let localization = if literal { LocalizationParameters::literal() } else { LocalizationParameters::default() };
-    OfficeSettings { localization, ..OfficeSettings::default() }
 }
 
 /// A plan of the user's own, over seeds.
@@ -140,7 +165,7 @@ fn own_plan(arguments: &Arguments, console: &mut Console) -> Result<Vec<Trial>> 
     })?;
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
     let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
-    let site = Site::new(world, scenario, settings(false))?;
+    let site = Site::new(world, scenario, OfficeSettings::default())?;
     all_trials(arguments, console, &site, &plan, None, &arguments.name)
 }
 
@@ -179,40 +204,4 @@ fn progress(runs: u64, console: &Console) -> ProgressBar {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
-}
-
-fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_map: Option<Pose>) -> Result<Trial> {
-    let mut records = Records::default();
-    let mut silent = Console::silent();
-    let pace = Pace { until_us: Some(until_us), factor: None };
-    let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
-    let mut succeeded = matches!(ending, Ending::Outcome(Outcome::Succeeded(_)));
-    let mut measures = vec![("time [s]", Some(system.machine.now_s()))];
-    if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
-        measures.push(("distance [m]", Some(account.distance_m)));
-        measures.push(("contacts caused", Some(f64::from(account.contacts))));
-        measures.push(("relocalizations", Some(records.relocalizations as f64)));
-        measures.extend(disturbance(&records.marks));
-        if let Some(goal_in_map) = goal_in_map {
-            let off_m = sight.robot_in_map.distance_m(goal_in_map);
-            succeeded &= off_m <= AT_GOAL_M;
-            measures.push(("off the goal [m]", Some(off_m)));
-        }
-    }
-    Ok(Trial { seed, succeeded, measures })
-}
-
-/// How far the robot drove from the scenario's deed until it noticed that it was lost, and how often
-/// it then believed to have found its position where it was not.
-fn disturbance(marks: &[Mark]) -> [(&'static str, Option<f64>); 2] {
-    let deed = marks.iter().position(|mark| mark.what == "rotated by hand");
-    let after = deed.map_or(&[][..], |deed| &marks[deed..]);
-    let noticed = after.iter().find(|mark| mark.what == "position lost");
-    let noticed_m = deed.zip(noticed).map(|(deed, noticed)| noticed.distance_m - marks[deed].distance_m);
-    let is_wrong = |mark: &&Mark| {
-        let off_m = mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map);
-        mark.what == "position found" && off_m > WRONG_ESTIMATE_M
-    };
-    let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
-    [("noticed after [m]", noticed_m), ("wrong recoveries", wrong)]
 }

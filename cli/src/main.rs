@@ -3,6 +3,7 @@
 //! One file per subcommand; `mission` says what a plan runs with, `drive` runs it.
 
 mod check;
+mod choice_figures;
 mod console;
 mod doc;
 mod drive;

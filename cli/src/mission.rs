@@ -119,6 +119,11 @@ impl Site {
         Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario, lacks_world: false })
     }
 
+    /// What was built from the world, if there is one.
+    pub fn office(&self) -> Option<&Arc<OfficeModel>> {
+        self.office.as_ref()
+    }
+
     /// The robot at the start of a run, if there is one.
     pub fn robot(&self, seed: u64) -> Robot {
         let Some(office) = &self.office else { return Robot::Absent(NoRobot) };

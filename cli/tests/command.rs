@@ -338,7 +338,7 @@ fn an_experiment_makes_a_table_however_many_jobs() {
     });
     assert_eq!(tables[0], tables[1]);
     assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
-    assert!(tables[0].contains("time [s]                  6      90.00       0.00"), "{}", tables[0]);
+    assert!(tables[0].contains("time [s]                  6      90.00     0.00"), "{}", tables[0]);
 }
 
 #[test]

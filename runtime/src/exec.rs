@@ -652,6 +652,16 @@ impl Machine {
                     }
                 };
             }
+            // In parts, as in `copied`; what is neither is copied whole, never put together again.
+            macro_rules! copy {
+                ($to:expr, $from:expr) => {
+                    match &r!($from) {
+                        &Value::Int(value) => r!($to) = Value::Int(black_box(value)),
+                        &Value::Cons(pair) => r!($to) = Value::Cons(black_box(pair)),
+                        _ => r.copy_within(usize::from($from)..usize::from($from) + 1, usize::from($to)),
+                    }
+                };
+            }
             macro_rules! arithmetic {
                 ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
                     match (&r!($a), &r!($b)) {
@@ -749,7 +759,7 @@ impl Machine {
                         self.scratch.stack[base + usize::from(a)] = fluent;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => r!(a) = copied(&r!(b)),
+                    Op::Move(a, b) => copy!(a, b),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
                         collect_if_full!();
@@ -1067,10 +1077,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        match &r!(a) {
-                            &Value::Int(value) => r!(0) = Value::Int(black_box(value)),
-                            value => r!(0) = copied(value),
-                        }
+                        copy!(0u8, a);
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
@@ -1332,9 +1339,10 @@ impl Machine {
                     Op::WaitFor(a, condition, seconds, owned) => {
                         // The condition and the time are of no use to anybody else: a task that
                         // waits keeps fewer registers without them.
-                        let fluent = match r!(condition) {
-                            Value::Fluent(fluent) => fluent,
+                        let fluent = match &r!(condition) {
+                            Value::Fluent(fluent) => *fluent,
                             other => {
+                                let other = *other;
                                 attempt!(self.refuse_in_network("nothing can be waited for"));
                                 fail!(self.wrong_type("the condition of `wait-for`", "a fluent", other));
                             }

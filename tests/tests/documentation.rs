@@ -225,8 +225,20 @@ fn faults_of_worlds_are_shown() {
 
 #[test]
 fn every_block_is_of_a_kind_that_is_checked() {
-    let known =
-        ["lisp", "lisp error", "lisp check", "lisp robot", "lisp scenario", "toml", "toml error", "text", "sh", "rust"];
+    // The sessions at the prompt are typed by the tests of the command.
+    let known = [
+        "lisp",
+        "lisp error",
+        "lisp check",
+        "lisp robot",
+        "lisp scenario",
+        "session",
+        "toml",
+        "toml error",
+        "text",
+        "sh",
+        "rust",
+    ];
     for document in documents() {
         for block in blocks(&document) {
             assert!(known.contains(&block.info.as_str()), "{}:{}: `{}`", document.name, block.line, block.info);

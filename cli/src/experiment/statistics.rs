@@ -50,6 +50,37 @@ pub fn wilson_95(successes: usize, runs: usize) -> (f64, f64) {
     ((centre - half).max(0.0), (centre + half).min(1.0))
 }
 
+/// Half the 95 % interval of a mean of so many numbers with this deviation, for more than a few of
+/// them (normal approximation).
+pub fn mean_95(deviation: f64, count: usize) -> f64 {
+    if count == 0 { 0.0 } else { Z_95 * deviation / (count as f64).sqrt() }
+}
+
+/// The interval that covers the mean of a Poisson distribution with 95 %, given one count: the means
+/// under which a count as high, or as low, has 2.5 % (Garwood 1936).
+pub fn poisson_95(count: u32) -> (f64, f64) {
+    // P(at most n events | mean), by its sum.
+    let at_most = |events: u32, mean: f64| -> f64 {
+        let mut term = (-mean).exp();
+        let mut sum = term;
+        for k in 1..=events {
+            term *= mean / f64::from(k);
+            sum += term;
+        }
+        sum
+    };
+    let solve = |is_below: &dyn Fn(f64) -> bool| -> f64 {
+        let (mut low, mut high) = (0.0, 2.0 * f64::from(count) + 20.0);
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            if is_below(middle) { low = middle } else { high = middle }
+        }
+        low
+    };
+    let low = if count == 0 { 0.0 } else { solve(&|mean| 1.0 - at_most(count - 1, mean) < 0.025) };
+    (low, solve(&|mean| at_most(count, mean) > 0.025))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +111,15 @@ mod tests {
         assert_eq!(wilson_95(0, 0), (0.0, 1.0));
         assert_eq!(wilson_95(0, 50).0, 0.0);
         assert_eq!(wilson_95(50, 50).1, 1.0);
+    }
+
+    #[test]
+    fn counts_without_and_with_events_have_their_intervals() {
+        // Without events the upper end is −ln 0.025; the ends for ten are in Garwood's table.
+        let (low, high) = poisson_95(0);
+        assert!(low == 0.0 && (high + 0.025f64.ln()).abs() < 1e-9);
+        let (low, high) = poisson_95(10);
+        assert!((low - 4.795).abs() < 1e-3 && (high - 18.390).abs() < 1e-3, "{low} {high}");
     }
 
     #[test]

@@ -1,20 +1,9 @@
 //! Runs over seeds on several threads, and their table.
 
-use super::statistics::{Spread, wilson_95};
+use super::statistics::{Spread, mean_95, poisson_95, wilson_95};
+use super::trial::Trial;
 use crossbeam::channel;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// One run of an experiment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
-    /// Its seed.
-    pub seed: u64,
-    /// Whether the plan succeeded.
-    pub succeeded: bool,
-    /// What was measured: name with unit, and value, if there was anything to measure in this run;
-    /// the same names in every run.
-    pub measures: Vec<(&'static str, Option<f64>)>,
-}
 
 /// One result for each seed, in the order of the seeds however the threads were scheduled.
 /// `done` is called after each.
@@ -65,8 +54,8 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
             100.0 * high
         ),
         format!(
-            "{:20} {:>6} {:>10} {:>10} {:>10} {:>10} {:>10}",
-            "", "runs", "mean", "deviation", "min", "median", "max"
+            "{:20} {:>6} {:>10} {:>8} {:>10} {:>10} {:>10} {:>10}",
+            "", "runs", "mean", "± 95 %", "deviation", "min", "median", "max"
         ),
     ];
     let names: Vec<&str> =
@@ -76,9 +65,9 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
             trials.iter().filter_map(|trial| trial.measures.get(at)).filter_map(|&(_, value)| value).collect();
         if let Some(spread) = Spread::of(&numbers) {
             let Spread { mean, deviation, min, median, max } = spread;
-            let count = numbers.len();
+            let (count, half) = (numbers.len(), mean_95(deviation, numbers.len()));
             lines.push(format!(
-                "{name:20} {count:>6} {mean:>10.2} {deviation:>10.2} {min:>10.2} {median:>10.2} {max:>10.2}"
+                "{name:20} {count:>6} {mean:>10.2} {half:>8.2} {deviation:>10.2} {min:>10.2} {median:>10.2} {max:>10.2}"
             ));
         }
     }
@@ -93,36 +82,71 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
 /// One line for each row of an experiment, so that they can be compared.
 pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
     let mut lines = vec![format!(
-        "{:18} {:>10} {:>16} {:>9} {:>6} {:>12} {:>11}",
-        "", "delivered", "95 % interval", "contacts", "wrong", "noticed [m]", "time [s]"
+        "{:18} {:>9} {:>15} {:>8} {:>14} {:>9} {:>7} {:>8} {:>17}",
+        "", "succeeded", "95 % interval", "contacts", "wrong (95 %)", "noticed", "≤ 2 m", "time", "alarms/km (95 %)"
     )];
-    for (name, trials) in rows {
-        let successes = trials.iter().filter(|trial| trial.succeeded).count();
-        let (low, high) = wilson_95(successes, trials.len());
-        let numbers = |measure: &str| -> Vec<f64> {
-            trials
-                .iter()
-                .flat_map(|trial| &trial.measures)
-                .filter(|(name, _)| *name == measure)
-                .filter_map(|&(_, value)| value)
-                .collect()
-        };
-        let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
-        let median = |measure: &str| {
-            Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
-        };
-        lines.push(format!(
-            "{name:18} {:>10} {:>16} {:>9} {:>6} {:>12} {:>11}",
-            format!("{successes}/{}", trials.len()),
-            format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high),
-            total("contacts caused"),
-            total("wrong recoveries"),
-            median("noticed after [m]"),
-            median("time [s]"),
-        ));
-    }
-    lines.push("contacts and wrong recoveries are totals, noticed and time are medians".to_string());
+    lines.extend(rows.iter().map(|(name, trials)| compared(name, trials)));
+    lines.push(
+        "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it".into(),
+    );
+    lines.push("was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right".into());
     lines.join("\n")
+}
+
+fn compared(name: &str, trials: &[Trial]) -> String {
+    let rate = |successes: usize, runs: usize| {
+        let (low, high) = wilson_95(successes, runs);
+        format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high)
+    };
+    let numbers = |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
+    let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
+    let median = |measure: &str| {
+        Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
+    };
+    let successes = trials.iter().filter(|trial| trial.succeeded).count();
+    let disturbed = numbers("wrong recoveries");
+    let wrong = disturbed.iter().filter(|&&count| count > 0.0).count();
+    let wrong = if disturbed.is_empty() {
+        "–".to_string()
+    } else {
+        format!("{wrong} (≤{:.1} %)", 100.0 * wilson_95(wrong, disturbed.len()).1)
+    };
+    let within = numbers("noticed within 2 m");
+    let within = if within.is_empty() {
+        "–".to_string()
+    } else {
+        format!("{:.1} %", 100.0 * within.iter().sum::<f64>() / within.len() as f64)
+    };
+    let driven_km = total("distance [m]") / 1000.0;
+    let alarms = total("false alarms");
+    let (low, high) = poisson_95(alarms as u32);
+    format!(
+        "{name:18} {:>9} {:>15} {:>8} {wrong:>14} {:>9} {within:>7} {:>8} {:>17}",
+        format!("{successes}/{}", trials.len()),
+        rate(successes, trials.len()),
+        total("contacts caused"),
+        median("noticed after [m]"),
+        median("time [s]"),
+        format!("{:.2} ({:.2}–{:.2})", alarms / driven_km, low / driven_km, high / driven_km),
+    )
+}
+
+/// Every run as a line of comma-separated values, with the names above.
+pub fn raw_rows(rows: &[(&str, Vec<Trial>)]) -> String {
+    let names: Vec<&str> = rows
+        .iter()
+        .flat_map(|(_, trials)| trials)
+        .next()
+        .map_or(Vec::new(), |trial| trial.measures.iter().map(|&(name, _)| name).collect());
+    let mut lines = vec![format!("row,seed,succeeded,{}", names.join(","))];
+    for (row, trials) in rows {
+        for trial in trials {
+            let value = |name: &&str| trial.measure(name).map_or(String::new(), |value| value.to_string());
+            let values: Vec<String> = names.iter().map(value).collect();
+            lines.push(format!("\"{row}\",{},{},{}", trial.seed, trial.succeeded, values.join(",")));
+        }
+    }
+    lines.join("\n") + "\n"
 }
 
 #[cfg(test)]
@@ -144,7 +168,8 @@ mod tests {
 
     #[test]
     fn the_table_counts_successes_and_names_failed_seeds() {
-        let trial = |seed, succeeded, time_s| Trial { seed, succeeded, measures: vec![("time [s]", time_s)] };
+        let trial =
+            |seed, succeeded, time_s| Trial { seed, succeeded, measures: vec![("time [s]", time_s)], samples: vec![] };
         let text = table("rotated", &[trial(1, true, Some(10.0)), trial(2, false, Some(30.0)), trial(3, true, None)]);
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
         assert!(text.contains("time [s]                  2      20.00"), "{text}");

@@ -49,13 +49,24 @@ pub fn choose(
     obstacles_in_base: &[Point],
     parameters: &ActiveParameters,
 ) -> Option<(Choice, ActionField)> {
+    let forecast = EntropyForecast::new(model, maxima, parameters);
+    choose_among(model, maxima, obstacles_in_base, parameters, &forecast)
+}
+
+/// The same for any hypotheses and a forecast over them.
+pub(super) fn choose_among(
+    model: &LocalizationModel,
+    maxima: &[Maximum],
+    obstacles_in_base: &[Point],
+    parameters: &ActiveParameters,
+    forecast: &EntropyForecast<'_>,
+) -> Option<(Choice, ActionField)> {
     if maxima.is_empty() {
         return None;
     }
     let grid = ActionGrid::new(parameters.resolution_m, parameters.reach_m);
     let occupancy = occupancy(model, grid, maxima, obstacles_in_base, parameters);
     let costs = CostField::new(grid, &occupancy, parameters);
-    let forecast = EntropyForecast::new(model, maxima, parameters);
     let targets = targets(grid, &occupancy, &costs, parameters);
     let entropies: Vec<f64> = targets.par_iter().map(|&cell| forecast.expected(grid.point_in_base(cell))).collect();
     let payoff = |&(cell, entropy): &(usize, f64)| -(entropy + parameters.alpha_per_m * costs.cost_m[cell]);

@@ -1,7 +1,7 @@
 //! The state machine: wander, choose, follow, choose again, until the pose is known.
 
 use super::choice::{Choice, choose};
-use super::parameters::ActiveParameters;
+use super::parameters::{ActiveParameters, Exploration};
 use crate::geometry::{Point, Pose, distance_m};
 use crate::localization::{Localization, LocalizationModel, Maximum};
 use serde::{Deserialize, Serialize};
@@ -18,8 +18,8 @@ const WANDER_AGAIN_M: f64 = 3.0;
 /// What active localization wants the robot to do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Intent {
-    /// Move about at random, without touching anything.
-    Wander,
+    /// Move about in a way that is not chosen for what can be learnt, without touching anything.
+    Explore(Exploration),
     /// Follow these points, the nearest first, the target last.
     FollowPath {
         /// Points of the odometry frame, which stays put however the belief jumps.
@@ -136,7 +136,7 @@ impl ActiveLocalization {
             }
             Phase::Done | Phase::Failed => false,
         };
-        if choose_now {
+        if choose_now && self.parameters.exploration == Exploration::Active {
             self.choose(model, localization);
         }
         self.intent()
@@ -144,7 +144,10 @@ impl ActiveLocalization {
 
     fn intent(&self) -> Intent {
         match &self.phase {
-            Phase::Wander { .. } => Intent::Wander,
+            Phase::Wander { .. } if self.parameters.exploration == Exploration::Active => {
+                Intent::Explore(Exploration::Wander)
+            }
+            Phase::Wander { .. } => Intent::Explore(self.parameters.exploration),
             Phase::Follow { path_in_odom, .. } => Intent::FollowPath { path_in_odom: path_in_odom.clone() },
             Phase::Done => Intent::Done,
             Phase::Failed => Intent::Failed,
@@ -157,7 +160,7 @@ impl ActiveLocalization {
             return;
         }
         self.updates = localization.updates();
-        let certain = localization.estimate(model).certainty > self.parameters.certainty;
+        let certain = localization.estimate(model).certainty > self.parameters.found_certainty;
         self.confirmed = if certain { self.confirmed + 1 } else { 0 };
     }
 

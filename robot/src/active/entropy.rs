@@ -9,7 +9,7 @@ const MAP_IS_WRONG: f64 = 0.02;
 
 const BINS: usize = 256;
 
-/// Computes expected entropies for one set of maxima.
+/// Computes expected entropies for one set of hypotheses, usually the maxima.
 ///
 /// # Deviation
 /// Eq. (6) sums over all sensings; with few maxima the noise-free scans at the target, one for
@@ -20,23 +20,40 @@ const BINS: usize = 256;
 pub(super) struct EntropyForecast<'m> {
     model: &'m LocalizationModel,
     parameters: &'m ActiveParameters,
-    maxima: &'m [Maximum],
-    /// Masses of the maxima, as shares.
+    /// What is thought possible.
+    hypotheses: &'m [Maximum],
+    /// Masses of the hypotheses, as shares.
     shares: Vec<f64>,
+    /// Those of whose sensings the expectation is taken ...
+    truths: &'m [Maximum],
+    /// ... and their shares.
+    truth_shares: Vec<f64>,
     /// `[measured][expected]` in units of the sensor model, forgiving small differences.
     costs: Vec<u8>,
 }
 
 impl<'m> EntropyForecast<'m> {
+    /// With maxima as hypotheses; poses are known no better than the tolerance.
     pub fn new(model: &'m LocalizationModel, maxima: &'m [Maximum], parameters: &'m ActiveParameters) -> Self {
-        let total: f64 = maxima.iter().map(|maximum| maximum.mass).sum();
         let tolerance = usize::from(model.sensor.bin(parameters.tolerance_m));
+        Self { costs: forgiving_costs(model, tolerance), ..Self::over(model, maxima, maxima, parameters) }
+    }
+
+    /// With any hypotheses, and sensings of some of them.
+    pub fn over(
+        model: &'m LocalizationModel,
+        hypotheses: &'m [Maximum],
+        truths: &'m [Maximum],
+        parameters: &'m ActiveParameters,
+    ) -> Self {
         Self {
             model,
             parameters,
-            maxima,
-            shares: maxima.iter().map(|maximum| maximum.mass / total).collect(),
-            costs: forgiving_costs(model, tolerance),
+            hypotheses,
+            shares: shares(hypotheses),
+            truths,
+            truth_shares: shares(truths),
+            costs: forgiving_costs(model, 0),
         }
     }
 
@@ -48,20 +65,19 @@ impl<'m> EntropyForecast<'m> {
     /// Entropy of the shares expected after moving to a point and sensing there. At most the
     /// logarithm of the number of maxima, at least 0.
     pub fn expected(&self, target_in_base: Point) -> f64 {
-        let views: Vec<View> =
-            self.maxima.iter().map(|maximum| self.view(maximum.pose_in_map, target_in_base)).collect();
+        let view = |hypothesis: &Maximum| self.view(hypothesis.pose_in_map, target_in_base);
+        let views: Vec<View> = self.hypotheses.iter().map(view).collect();
         let unreached =
             posterior_entropy(self.shares.iter().zip(&views).map(|(share, view)| share * (1.0 - view.reach)));
-        self.shares
-            .iter()
-            .zip(&views)
-            .map(|(share, truth)| {
-                let weights = self.shares.iter().zip(&views).map(|(share, view)| {
+        let after = |truth: &Maximum| {
+            let truth = view(truth);
+            let weights =
+                self.shares.iter().zip(&views).map(|(share, view)| {
                     share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref())
                 });
-                share * (truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached)
-            })
-            .sum()
+            truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached
+        };
+        self.truths.iter().zip(&self.truth_shares).map(|(truth, share)| share * after(truth)).sum()
     }
 
     /// The target as seen from a maximum.
@@ -83,6 +99,12 @@ impl<'m> EntropyForecast<'m> {
         let once = self.model.sensor.weight(sensed.iter().zip(expected).map(cost).sum());
         (1..self.parameters.scans).fold(once, |product, _| product * once)
     }
+}
+
+/// Masses, brought to the sum 1.
+fn shares(hypotheses: &[Maximum]) -> Vec<f64> {
+    let total: f64 = hypotheses.iter().map(|hypothesis| hypothesis.mass).sum();
+    hypotheses.iter().map(|hypothesis| hypothesis.mass / total).collect()
 }
 
 /// What a target would be, were the robot at one of the maxima.

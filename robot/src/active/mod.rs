@@ -7,13 +7,14 @@
 //! again until the robot knows where it is. It commands no wheels: it says what it wants.
 //!
 //! Read in this order: `parameters`, `action` (the grid of actions), `occupancy` (Eq. 7), `cost`
-//! (Eq. 8), `entropy` (Eq. 6), `choice` (Eq. 9), `controller`.
+//! (Eq. 8), `entropy` (Eq. 6), `choice` (Eq. 9), `exact` (the oracle), `controller`.
 
 mod action;
 mod choice;
 mod controller;
 mod cost;
 mod entropy;
+mod exact;
 mod occupancy;
 mod parameters;
 #[cfg(test)]
@@ -22,4 +23,5 @@ mod tests;
 pub use action::ActionGrid;
 pub use choice::{ActionField, Choice, choose};
 pub use controller::{ActiveLocalization, Intent};
-pub use parameters::ActiveParameters;
+pub use exact::{ExactChoice, choose_exactly};
+pub use parameters::{ActiveParameters, Exploration};

@@ -111,6 +111,21 @@ fn occupancy_is_the_overlay_weighted_by_mass() {
 }
 
 #[test]
+fn the_sum_over_the_belief_chooses_as_well_as_the_maxima_when_these_are_all_there_is() {
+    let model = model(true);
+    let [a, b] = two_maxima(START).map(|maximum| maximum.pose_in_map);
+    let exact = Spread { position_m: 0.02, heading_rad: 0.01 };
+    let localization =
+        Localization::start_at(&model, a, exact).merged(&model, &Localization::start_at(&model, b, exact));
+    let maxima = localization.maxima(&model, 10, 0.01);
+    let (choice, _) = choose(&model, &maxima, &[], &parameters()).expect("there is a way");
+    let sum = choose_exactly(&model, &localization, choice.target_in_base, &parameters()).expect("there is a way");
+    assert!((sum.choice.current_entropy - std::f64::consts::LN_2).abs() < 0.3, "{}", sum.choice.current_entropy);
+    let other = sum.payoff_of_other.expect("there is a way for both");
+    assert!(other <= sum.payoff + 1e-9 && sum.payoff - other < 0.2, "{other} {}", sum.payoff);
+}
+
+#[test]
 fn a_way_found_blocked_is_left() {
     let model = model(true);
     let maxima = two_maxima(START);
@@ -139,7 +154,7 @@ fn a_robot_that_knows_keeps_its_belief_and_is_done_when_that_is_confirmed() {
         localization.observe(&model, odometry, Some(&scan));
         intents.push(active.step(&model, &localization, odometry, false, 0));
     }
-    assert_eq!(intents[0], Intent::Wander);
+    assert_eq!(intents[0], Intent::Explore(Exploration::Wander));
     assert_eq!(intents.last(), Some(&Intent::Done));
 }
 
@@ -149,7 +164,7 @@ fn a_lost_robot_starts_over_and_fails_when_time_is_up() {
     let mut localization = Localization::start_uniform(&model);
     let mut active = start(&model, &mut localization);
     assert!(localization.estimate(&model).certainty < 0.1);
-    assert_eq!(active.step(&model, &localization, Pose::default(), false, 0), Intent::Wander);
+    assert_eq!(active.step(&model, &localization, Pose::default(), false, 0), Intent::Explore(Exploration::Wander));
     assert_eq!(active.step(&model, &localization, Pose::default(), false, 600_000_000), Intent::Failed);
 }
 
@@ -160,7 +175,10 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
     let mut active = start(&model, &mut localization);
     let scan = scan_at(&model, START);
     localization.observe(&model, Pose::default(), Some(&scan));
-    assert_eq!(active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0), Intent::Wander);
+    assert_eq!(
+        active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0),
+        Intent::Explore(Exploration::Wander)
+    );
     let bytes = postcard::to_allocvec(&active).expect("it can be written");
     let mut loaded: ActiveLocalization = postcard::from_bytes(&bytes).expect("and read");
     let next = active.step(&model, &localization, Pose::new(20.1, 0.0, 0.0), false, 0);

@@ -86,6 +86,31 @@ impl Belief {
         merged
     }
 
+    /// The belief of another grid over the same map: every state takes the density of the state of
+    /// the other grid it lies in.
+    pub(super) fn resampled(model: &LocalizationModel, other: &Self, other_model: &LocalizationModel) -> Self {
+        let mut belief = Self::uniform(model);
+        update_planes(&mut belief.planes, |heading, plane| {
+            let at = other.plane_at(other_model, model.grid.angle_step_rad() * heading as f64);
+            let values = (0..model.grid.plane_len()).map(|cell| {
+                if model.admissible[cell] == 0.0 {
+                    return 0.0;
+                }
+                let centre = model.grid.centre(cell % model.grid.columns, cell / model.grid.columns);
+                other.planes[at].density(other_model, centre) as f32
+            });
+            *plane = Plane::active(Arc::new(values.collect()));
+        });
+        belief.sense(model, &[]);
+        belief
+    }
+
+    /// The plane whose heading is nearest.
+    fn plane_at(&self, model: &LocalizationModel, heading_rad: f64) -> usize {
+        let steps = libm::round(heading_rad / model.grid.angle_step_rad() - self.heading_offset) as i64;
+        steps.rem_euclid(model.grid.headings as i64) as usize
+    }
+
     /// The planes, by heading.
     pub fn planes(&self) -> &[Plane] {
         &self.planes
@@ -216,6 +241,11 @@ impl Belief {
 
     /// Mixes a share of the uniform distribution into the belief.
     pub fn mix(&mut self, model: &LocalizationModel, share: f64) {
+        if share >= 1.0 {
+            // A factor of 0 could not be taken out again when a neighbour is blended in.
+            *self = Self::uniform(model);
+            return;
+        }
         let mass = self.mass(model);
         self.normalize(model, mass, 1.0, share);
     }

@@ -4,7 +4,7 @@ use super::belief::{Belief, Scan};
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
 use super::summary::Maximum;
-use crate::geometry::{Pose, wrap_angle_rad};
+use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
 /// Where the robot is, as far as it knows.
@@ -36,6 +36,9 @@ fn has_changed(before_m: &[f32], now_m: &[f32]) -> bool {
     before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
 }
 
+/// The coarse belief takes in every so many-th beam, beginning with the next one at each update.
+const WATCH_BEAM_STRIDE: u64 = 3;
+
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
@@ -50,10 +53,12 @@ pub struct Localization {
     /// The last scan that was used.
     last_scan_m: Option<Vec<f32>>,
     rest: Rest,
-    /// Sum of the evidence for having been turned, in nats.
-    turn_evidence: f64,
+    /// The coarse belief that watches over the fine one, if there is one.
+    watch: Option<Belief>,
     /// The mode at the last update.
     mode: Maximum,
+    /// What the coarse belief gave it; 1 if none watches.
+    agreed: f64,
     /// Updates so far.
     updates: u64,
 }
@@ -61,39 +66,73 @@ pub struct Localization {
 impl Localization {
     /// At a known pose.
     pub fn start_at(model: &LocalizationModel, pose_in_map: Pose, spread: Spread) -> Self {
-        Self::of(model, Belief::around(model, pose_in_map, spread))
+        Self::of(model, |model| Belief::around(model, pose_in_map, spread))
     }
 
     /// Anywhere.
     pub fn start_uniform(model: &LocalizationModel) -> Self {
-        Self::of(model, Belief::uniform(model))
+        Self::of(model, Belief::uniform)
     }
 
-    fn of(model: &LocalizationModel, belief: Belief) -> Self {
+    /// With fine and coarse belief made alike.
+    fn of(model: &LocalizationModel, make: impl Fn(&LocalizationModel) -> Belief) -> Self {
+        Self::from_beliefs(model, make(model), model.watch.as_ref().map(|coarse| make(coarse)))
+    }
+
+    fn from_beliefs(model: &LocalizationModel, belief: Belief, watch: Option<Belief>) -> Self {
         let mode = belief.mode(model);
-        Self {
+        let mut localization = Self {
             belief,
             updated_at_in_odom: None,
             observed_at_in_odom: None,
             last_scan_m: None,
             rest: Rest::default(),
-            turn_evidence: 0.0,
+            watch,
             mode,
+            agreed: 1.0,
             updates: 0,
+        };
+        localization.agreed = localization.agreement(model);
+        localization
+    }
+
+    /// What the coarse belief gives the mode.
+    fn agreement(&self, model: &LocalizationModel) -> f64 {
+        match (&self.watch, &model.watch) {
+            (Some(watch), Some(coarse)) => watch.mass_of_cells_near(coarse, self.mode.pose_in_map),
+            _ => 1.0,
         }
     }
 
     /// Gives up most of the belief: 90 % uniform, so that the true pose is found wherever it is,
     /// and 10 % of what was believed, so that a false alarm heals in place.
     pub fn reset_for_relocalization(&mut self, model: &LocalizationModel) {
-        self.belief.mix(model, 1.0 - KEPT_FOR_RELOCALIZATION);
+        self.mix(model, 1.0 - KEPT_FOR_RELOCALIZATION);
+    }
+
+    /// Gives up all of the belief: what it says has been refuted, and a share of it would only lead
+    /// back there.
+    pub fn refute(&mut self, model: &LocalizationModel) {
+        self.mix(model, 1.0);
+    }
+
+    fn mix(&mut self, model: &LocalizationModel, share: f64) {
+        if let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) {
+            watch.mix(coarse, share);
+        }
+        self.belief.mix(model, share);
         self.mode = self.belief.mode(model);
+        self.agreed = self.agreement(model);
         self.rest = Rest::default();
     }
 
     /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
-        Self::of(model, self.belief.merged(model, &other.belief))
+        let watch = match (&self.watch, &other.watch, &model.watch) {
+            (Some(one), Some(other), Some(coarse)) => Some(one.merged(coarse, other)),
+            _ => None,
+        };
+        Self::from_beliefs(model, self.belief.merged(model, &other.belief), watch)
     }
 
     /// Takes in odometry and, if there is one, a scan, a reading for each beam of the model;
@@ -116,7 +155,7 @@ impl Localization {
         let scan = self.scan(model, self.mode.pose_in_map.compose(since), ranges_m);
         self.belief.sense(model, &scan);
         self.mode = self.belief.mode(model);
-        self.watch_for_turns(model, &scan);
+        self.watch_over(model, since, &scan);
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.updates += 1;
         if moved {
@@ -141,26 +180,23 @@ impl Localization {
             || self.rest.waited >= parameters.standing_observations && self.rest.scans < parameters.standing_updates
     }
 
-    /// Sums up how much better another heading at the estimated place explains the scans, and mixes
-    /// with the uniform distribution when that is too much.
-    fn watch_for_turns(&mut self, model: &LocalizationModel, scan: &[Option<u8>]) {
-        let Some(watch) = &model.parameters.turn_watch else { return };
-        let pose = self.mode.pose_in_map;
-        let Some(state) = model.state_at(pose).filter(|state| model.is_admissible(state.column, state.row)) else {
+    /// Updates the coarse belief, and makes the fine one anew if they disagree.
+    fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scan: &[Option<u8>]) {
+        let (Some(watch), Some(coarse), Some(parameters)) = (&mut self.watch, &model.watch, &model.parameters.watch)
+        else {
             return;
         };
-        let (mut kept, mut turned) = (usize::MAX, usize::MAX);
-        for (heading, cost) in model.costs_by_heading(scan, state.column, state.row).into_iter().enumerate() {
-            let away_rad = libm::fabs(wrap_angle_rad(model.grid.heading_rad(heading) - pose.heading_rad));
-            let best = if away_rad < watch.away_rad { &mut kept } else { &mut turned };
-            *best = cost.min(*best);
-        }
-        let ratio = libm::log(model.sensor.weight(turned) / model.sensor.weight(kept));
-        self.turn_evidence = (self.turn_evidence + ratio - watch.drift).max(0.0);
-        if self.turn_evidence > watch.limit {
-            self.turn_evidence = 0.0;
-            self.belief.mix(model, watch.mixing);
+        // Beams far apart in turn: their evidence overlaps less, and they cost less.
+        let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
+        let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
+        let scan: Scan = scan.iter().enumerate().map(beam).collect();
+        watch.advance(coarse, motion);
+        watch.sense(coarse, &scan);
+        self.agreed = watch.mass_of_cells_near(coarse, self.mode.pose_in_map);
+        if self.agreed < parameters.agreement * self.mode.mass {
+            self.belief = Belief::resampled(model, watch, coarse);
             self.mode = self.belief.mode(model);
+            self.agreed = self.agreement(model);
         }
     }
 
@@ -190,7 +226,7 @@ impl Localization {
             (Some(updated), Some(observed)) => self.mode.pose_in_map.compose(observed.relative_to(updated)),
             _ => self.mode.pose_in_map,
         };
-        Estimate { pose_in_map, certainty: self.mode.mass }
+        Estimate { pose_in_map, certainty: self.mode.mass.min(self.agreed) }
     }
 
     /// How often the belief was updated.
@@ -209,6 +245,12 @@ impl Localization {
             maximum.pose_in_map = maximum.pose_in_map.compose(since);
         }
         maxima
+    }
+
+    /// The likeliest states that together hold a share of the belief, the likeliest first, as of the
+    /// last update.
+    pub fn likely_states(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
+        self.belief.likely_states(model, share)
     }
 
     /// Entropy of the belief, in nats. O(states that are not known to be uniform).

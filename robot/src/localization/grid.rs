@@ -45,21 +45,29 @@ pub struct BeliefGrid {
 
 impl BeliefGrid {
     /// The grid over a map; `angle_step_deg` must divide 360.
-    pub(super) fn over(map: &OccupancyGrid, cell_m: f64, angle_step_deg: u32, beams_deg: &[i32]) -> Self {
+    pub(super) fn over(
+        map: &OccupancyGrid,
+        cell_m: f64,
+        angle_step_deg: u32,
+        centred: bool,
+        beams_deg: &[i32],
+    ) -> Self {
         let cells_along = |map_cells: usize| {
             let exact = map_cells as f64 * map.resolution_m / cell_m;
             libm::ceil(exact - 1e-9).max(1.0) as usize
         };
         let (columns, rows) = (cells_along(map.columns), cells_along(map.rows));
         let middle = |origin: f64, map_cells: usize| origin + map_cells as f64 * map.resolution_m / 2.0;
-        let first = |middle: f64, count: usize| middle - (count as f64 - 1.0) / 2.0 * cell_m;
+        let first = |origin: f64, middle: f64, count: usize| {
+            if centred { middle - (count as f64 - 1.0) / 2.0 * cell_m } else { origin + cell_m / 2.0 }
+        };
         let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
         let step_deg = beams_deg.iter().copied().fold(angle_step_deg, greatest_common_divisor);
         Self {
             cell_m,
             origin_in_map: Point::new(
-                first(middle(map.origin_in_map.x, map.columns), columns),
-                first(middle(map.origin_in_map.y, map.rows), rows),
+                first(map.origin_in_map.x, middle(map.origin_in_map.x, map.columns), columns),
+                first(map.origin_in_map.y, middle(map.origin_in_map.y, map.rows), rows),
             ),
             columns,
             rows,
@@ -139,7 +147,7 @@ mod tests {
 
     fn grid(step_deg: u32, beams_deg: &[i32]) -> BeliefGrid {
         let map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.05, 540, 401, Cell::Free);
-        BeliefGrid::over(&map, 0.15, step_deg, beams_deg)
+        BeliefGrid::over(&map, 0.15, step_deg, true, beams_deg)
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub(super) struct Part<'a> {
     pub beams: &'a [[Beam<'a>; TOGETHER]],
     /// Binary logarithm of the weight a unit of cost amounts to.
     pub log2_per_cost: f32,
-    /// Weight of blocks that are wholly below the threshold, or empty.
+    /// Weight of cells below the threshold, and of empty blocks.
     pub average: f32,
     /// θ.
     pub threshold: f32,
@@ -205,10 +205,11 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
     }
 }
 
-/// Multiplies a part by the weights of a scan (Eq. (2) without the normalizer); blocks wholly below
-/// the threshold, and empty ones, are multiplied by the average weight (Eq. (3)). The cells are read by the part's
-/// terms, which bring in the last normalization; cells that are not admissible become 0. What is
-/// stored and returned is [`LIFT`] times as large.
+/// Multiplies a part by the weights of a scan (Eq. (2) without the normalizer); cells below the
+/// threshold, also those that share a block with others, and empty blocks are multiplied by the
+/// average weight (Eq. (3)): a mirror pose must not gain on its twin because it lies beside the
+/// track. The cells are read by the part's terms, which bring in the last normalization; cells that
+/// are not admissible become 0. What is stored and returned is [`LIFT`] times as large.
 ///
 /// # Deviation
 /// A weight is at least 2⁻¹⁰⁰ and an admissible cell is read as at least [`FLOOR`], so that no
@@ -217,6 +218,7 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
 pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
     let [factor, floor] = part.terms;
     let lifted = [factor * LIFT, floor * LIFT];
+    let threshold = part.threshold * LIFT;
     let cells = part.cells.as_chunks_mut::<BLOCK>().0;
     let admissible = part.admissible.as_chunks::<BLOCK>().0;
     let mut lanes = Lanes::new();
@@ -235,7 +237,10 @@ pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGET
     let mut sums = [[0; BLOCK]; TILE_BLOCKS];
     cost_sums(&mut sums, part.beams, loud);
     for (sums, &block) in sums.iter().zip(loud) {
-        let weigh = |lane: usize, value| value * exp2(f32::from(sums[lane]) * part.log2_per_cost);
+        let weigh = |lane: usize, value| {
+            let weight = exp2(f32::from(sums[lane]) * part.log2_per_cost);
+            value * if value < threshold { part.average } else { weight }
+        };
         weigh_block(&mut cells[block], &admissible[block], lifted, &mut lanes, weigh);
     }
     lanes.extent()

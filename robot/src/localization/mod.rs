@@ -29,7 +29,7 @@ pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
 pub use model::{LocalizationModel, ModelError};
 pub use parameters::{
-    Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, TurnWatch, sonar_ring_deg,
+    Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, Watch, sonar_ring_deg,
 };
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;

@@ -53,6 +53,8 @@ pub struct LocalizationModel {
     pub(super) instructions: Instructions,
     /// Expected scans of states spread evenly over all admissible ones.
     samples: Vec<Vec<u8>>,
+    /// The model of the coarse belief that watches, if there is one.
+    pub(super) watch: Option<Box<LocalizationModel>>,
 }
 
 impl LocalizationModel {
@@ -72,7 +74,7 @@ impl LocalizationModel {
         if beams == 0 || beams > MAX_BEAMS {
             return Err(ModelError::Beams(beams));
         }
-        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, &parameters.beams_deg);
+        let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred, &parameters.beams_deg);
         let distances = DistanceField::new(map);
         let admissible = admissible_cells(map, &distances, &grid, parameters.clearance_m);
         let count = admissible.iter().filter(|&&cell| cell > 0.0).count();
@@ -81,6 +83,10 @@ impl LocalizationModel {
         }
         let expected = expected_bins(&distances, &grid, &admissible, &parameters);
         let sensor = SensorModel::new(&parameters.sensor, parameters.tempering);
+        let watch = match parameters.of_watch() {
+            Some(coarse) => Some(Box::new(Self::new(map, coarse)?)),
+            None => None,
+        };
         let mut model = Self {
             parameters,
             grid,
@@ -91,6 +97,7 @@ impl LocalizationModel {
             expected,
             instructions: Instructions::fastest(),
             samples: Vec::new(),
+            watch,
         };
         model.samples = model.draw_samples();
         Ok(model)
@@ -128,7 +135,8 @@ impl LocalizationModel {
 
     /// The same model with its loops run by these instructions: slower or faster, with the same bits.
     pub fn with_instructions(self, instructions: Instructions) -> Self {
-        Self { instructions, ..self }
+        let watch = self.watch.map(|coarse| Box::new(coarse.with_instructions(instructions)));
+        Self { instructions, watch, ..self }
     }
 
     /// Expected bins of one tile, by direction.
@@ -145,18 +153,6 @@ impl LocalizationModel {
         let cell = state.row * self.grid.columns + state.column;
         let beams = 0..self.grid.beams();
         beams.map(|beam| self.expected_bin(self.grid.direction(state.heading, beam), cell)).collect()
-    }
-
-    /// The costs of a scan at one cell for every heading.
-    pub(super) fn costs_by_heading(&self, scan: &[Option<u8>], column: usize, row: usize) -> Vec<usize> {
-        let cell = row * self.grid.columns + column;
-        let around: Vec<u8> = self.expected_tile(cell / TILE).iter().map(|bins| bins[cell % TILE]).collect();
-        let cost = |heading: usize, (beam, bin): (usize, &Option<u8>)| {
-            let expected = usize::from(around[self.grid.direction(heading, beam)]);
-            bin.map_or(0, |bin| usize::from(self.sensor.costs(bin)[expected]))
-        };
-        let headings = 0..self.grid.headings;
-        headings.map(|heading| scan.iter().enumerate().map(|reading| cost(heading, reading)).sum()).collect()
     }
 
     /// The state around a pose, if it is on the grid.

@@ -13,8 +13,8 @@ pub const SONARS: usize = 24;
 /// evidence, so a scan is *tempered*; an update waits for some motion, so that a standing robot
 /// does not count the same evidence again; a little of the uniform distribution is *mixed* in, so
 /// that no hypothesis is beyond recall; and readings clearly shorter than expected are *gated*,
-/// because they are usually people and furniture outside the map; θ is lower; and a turn
-/// by hand is watched for.
+/// because they are usually people and furniture outside the map; θ is lower; and a coarse
+/// belief in which nothing sleeps watches over the fine one.
 /// [`LocalizationParameters::literal`] has none of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LocalizationParameters {
@@ -22,6 +22,9 @@ pub struct LocalizationParameters {
     pub cell_m: f64,
     /// Whole degrees between two headings; must divide 360.
     pub angle_step_deg: u32,
+    /// Whether the grid is centred on the world, so that mirror poses fall on mirror cells; else it
+    /// is laid from the corner of the map.
+    pub centred: bool,
     /// Positions nearer than this to anything occupied carry no mass: the robot is a disc.
     pub clearance_m: f64,
     /// Bearings of the beams of one scan, from straight ahead to the left, in whole degrees.
@@ -36,8 +39,8 @@ pub struct LocalizationParameters {
     pub mixing: f64,
     /// Readings to leave out; none leaves out none.
     pub gating: Option<Gating>,
-    /// The watch for a robot that was turned by hand; none does not watch.
-    pub turn_watch: Option<TurnWatch>,
+    /// The watch over the whole map; none does not watch.
+    pub watch: Option<Watch>,
     /// θ of Beetz et al. Eqs. (3)–(4) as a share of the prior probability of a cell; 0 updates
     /// every cell every time. With the papers' 1 %, one of two mirror poses can lose the edge of its
     /// peak before the other does and then falls behind; well above `mixing`, or nothing ever sleeps.
@@ -57,6 +60,7 @@ impl Default for LocalizationParameters {
         Self {
             cell_m: 0.15,
             angle_step_deg: 2,
+            centred: true,
             clearance_m: 0.15,
             beams_deg: sonar_ring_deg(),
             sensor: SensorParameters::default(),
@@ -64,7 +68,7 @@ impl Default for LocalizationParameters {
             tempering: 0.15,
             mixing: 5e-4,
             gating: Some(Gating::default()),
-            turn_watch: Some(TurnWatch::default()),
+            watch: Some(Watch::default()),
             activity_threshold: 0.003,
             update_distance_m: 0.15,
             update_angle_rad: 10f64.to_radians(),
@@ -81,7 +85,7 @@ impl LocalizationParameters {
             tempering: 1.0,
             mixing: 0.0,
             gating: None,
-            turn_watch: None,
+            watch: None,
             activity_threshold: 0.01,
             update_distance_m: 0.0,
             update_angle_rad: 0.0,
@@ -89,11 +93,26 @@ impl LocalizationParameters {
         }
     }
 
+    /// The parameters of the coarse belief that watches, if there is one.
+    pub(super) fn of_watch(&self) -> Option<Self> {
+        let watch = self.watch.as_ref()?;
+        Some(Self {
+            cell_m: watch.cell_m.max(self.cell_m),
+            angle_step_deg: watch.angle_step_deg,
+            sensor: SensorParameters { sigma_m: watch.sigma_m, ..self.sensor.clone() },
+            tempering: watch.tempering,
+            mixing: watch.mixing,
+            activity_threshold: 0.0,
+            watch: None,
+            ..self.clone()
+        })
+    }
+
     /// For a laser range finder: rays and no cones, a finer grid, and odometry as in recorded drives;
     /// sensor and odometry are what a fit to such drives gives, rounded.
     ///
     /// # Deviation
-    /// As for the sonars, but a turn by hand is not watched for: a recorded drive is not disturbed.
+    /// As for the sonars, but nothing watches: a recorded drive is not disturbed.
     pub fn laser() -> Self {
         Self {
             cell_m: 0.1,
@@ -108,7 +127,7 @@ impl LocalizationParameters {
             tempering: 0.2,
             mixing: 1e-4,
             gating: None,
-            turn_watch: None,
+            watch: None,
             ..Self::default()
         }
     }
@@ -237,29 +256,35 @@ impl Default for Gating {
     }
 }
 
-/// Watches whether scans fit another heading at the estimated place better than the estimated one.
+/// A second belief over the whole map on a coarse grid, in which nothing sleeps.
 ///
 /// # Deviation
-/// Selective computation notices a lost pose only once scans fit worse than they would on average
-/// anywhere, which at some places takes metres. Being turned by hand is the likeliest way to get
-/// lost on the spot, and its alternatives are few: the tempered log-likelihood ratio of the best
-/// other heading is summed up (a CUSUM test), and at a limit the belief is mixed with the uniform one,
-/// so that the full update decides. The test by itself moves no mass to any pose.
+/// Selective computation treats whatever it does not look at as average. A wrong pose that explains
+/// the scans better than the average one, as any pose in a long corridor does, is then never given
+/// up, and of two mirror poses the one whose heading is being updated gains on the other. On a grid
+/// of a twelfth of the states the equations are computed in full at every update. Its probability
+/// of the estimated pose bounds the certainty; when it falls short of what the fine belief says,
+/// the fine belief is made anew from the coarse one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TurnWatch {
-    /// Other headings are at least this far off.
-    pub away_rad: f64,
-    /// Taken off the sum at each scan, in nats: the best of many headings fits well by chance.
-    pub drift: f64,
-    /// The sum that counts as turned, in nats.
-    pub limit: f64,
-    /// Share of the uniform distribution mixed in then.
+pub struct Watch {
+    /// Edge of a cell.
+    pub cell_m: f64,
+    /// Whole degrees between two headings; must divide 360.
+    pub angle_step_deg: u32,
+    /// Standard deviation of the sensor's Gaussian, which must cover half a coarse cell.
+    pub sigma_m: f64,
+    /// Exponent of a scan's likelihood.
+    pub tempering: f64,
+    /// Share of the uniform distribution mixed in after an update.
     pub mixing: f64,
+    /// The fine belief is made anew when the coarse one gives its mode less than this share of what
+    /// the fine one does.
+    pub agreement: f64,
 }
 
-impl Default for TurnWatch {
+impl Default for Watch {
     fn default() -> Self {
-        Self { away_rad: 20f64.to_radians(), drift: 0.5, limit: 3.0, mixing: 0.02 }
+        Self { cell_m: 0.3, angle_step_deg: 6, sigma_m: 0.2, tempering: 0.3, mixing: 5e-4, agreement: 0.5 }
     }
 }
 

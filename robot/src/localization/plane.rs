@@ -3,6 +3,7 @@
 use super::grid::BeliefGrid;
 use super::kernel::{self, Extent};
 use super::model::LocalizationModel;
+use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -83,6 +84,25 @@ impl Plane {
     /// Probability of one admissible cell.
     pub(super) fn value(&self, cell: usize) -> f64 {
         self.factor * self.cells.get(cell).copied().map_or(0.0, f64::from) + self.floor
+    }
+
+    /// Probability of the cell around a point, or of the likeliest one beside it if it cannot be
+    /// stood in: at a wall a point may be free whose coarse cell is not.
+    pub(super) fn density(&self, model: &LocalizationModel, point: Point) -> f64 {
+        let grid = &model.grid;
+        let (x, y) = grid.fractional(point);
+        let (column, row) =
+            (libm::round(x - self.offset_cells[0]) as i64, libm::round(y - self.offset_cells[1]) as i64);
+        let at = |(across, up): (i64, i64)| -> f64 {
+            let (column, row) = (column + across, row + up);
+            let inside = (0..grid.columns as i64).contains(&column) && (0..grid.rows as i64).contains(&row);
+            if !inside || !model.is_admissible(column as usize, row as usize) {
+                return 0.0;
+            }
+            self.value(row as usize * grid.columns + column as usize)
+        };
+        let here = at((0, 0));
+        if here > 0.0 { here } else { [(1, 0), (-1, 0), (0, 1), (0, -1)].map(at).into_iter().fold(0.0, f64::max) }
     }
 
     /// Probability of the whole plane.

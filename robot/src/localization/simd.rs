@@ -258,3 +258,51 @@ mod x86_64 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::kernel::{Beam, LIFT, TILE, TOGETHER};
+    use super::*;
+
+    const THRESHOLD: f32 = 1e-6;
+    const AVERAGE: f32 = 0.01;
+    const TERMS: [f32; 2] = [0.5, 1e-8];
+
+    fn value(cell: f32) -> f32 {
+        cell * TERMS[0] + TERMS[1]
+    }
+
+    fn weighed(instructions: Instructions, cells: &[f32]) -> Vec<f32> {
+        let expected: [u8; TILE] = std::array::from_fn(|cell| (cell * 31 % 256) as u8);
+        let costs: [u8; 256] = std::array::from_fn(|bin| (bin % 7) as u8);
+        let beams = [[Beam { expected: &expected, costs: &costs }; TOGETHER]; 2];
+        let mut cells = cells.to_vec();
+        instructions.weigh(Part {
+            admissible: &vec![1.0; cells.len()],
+            cells: &mut cells,
+            terms: TERMS,
+            beams: &beams,
+            log2_per_cost: -0.1,
+            average: AVERAGE,
+            threshold: THRESHOLD,
+        });
+        cells
+    }
+
+    #[test]
+    fn a_cell_below_the_threshold_takes_the_average_weight_wherever_it_lies() {
+        for instructions in Instructions::available() {
+            // Blocks wholly below the threshold, wholly above it, and mixed in different ways.
+            for period in [1, 2, 3, 5, 64, 100, TILE + 1] {
+                let cells: Vec<f32> = (0..TILE).map(|cell| if cell % period == 0 { 1e-3 } else { 1e-7 }).collect();
+                for (cell, (&before, after)) in cells.iter().zip(weighed(instructions, &cells)).enumerate() {
+                    let weight = f64::from(after) / f64::from(LIFT) / f64::from(value(before));
+                    let own = libm::exp2(-0.1 * 8.0 * (cell * 31 % 256 % 7) as f64);
+                    let due = if value(before) < THRESHOLD { f64::from(AVERAGE) } else { own };
+                    let name = instructions.name();
+                    assert!((weight / due - 1.0).abs() < 1e-6, "{name}, every {period}th, {cell}: {weight} for {due}");
+                }
+            }
+        }
+    }
+}

@@ -87,8 +87,18 @@ impl Belief {
 
     /// Probability within 0.5 m and 15° of a pose.
     pub fn mass_near(&self, model: &LocalizationModel, pose_in_map: Pose) -> f64 {
+        self.mass_within(model, pose_in_map, NEAR_M, NEAR_RAD)
+    }
+
+    /// Probability of all cells that reach within 0.5 m and 15° of a pose.
+    pub(super) fn mass_of_cells_near(&self, model: &LocalizationModel, pose_in_map: Pose) -> f64 {
+        let (radius_m, angle_rad) = (NEAR_M + model.grid.cell_m, NEAR_RAD + model.grid.angle_step_rad());
+        self.mass_within(model, pose_in_map, radius_m, angle_rad)
+    }
+
+    fn mass_within(&self, model: &LocalizationModel, pose_in_map: Pose, radius_m: f64, angle_rad: f64) -> f64 {
         let mut mass = 0.0;
-        self.visit_near(model, pose_in_map, NEAR_M, NEAR_RAD, |_, _, value| mass += value);
+        self.visit_near(model, pose_in_map, radius_m, angle_rad, |_, _, value| mass += value);
         mass
     }
 
@@ -153,6 +163,27 @@ impl Belief {
         maxima.sort_by(|a, b| b.mass.total_cmp(&a.mass));
         maxima.truncate(max_count);
         maxima
+    }
+
+    /// The likeliest states that together hold a share of the belief, the likeliest first; a state
+    /// counts as a maximum of its own. O(active states · log).
+    pub fn likely_states(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
+        let mut states: Vec<Maximum> = Vec::new();
+        for (heading, plane) in self.planes.iter().enumerate().filter(|(_, plane)| plane.is_active()) {
+            for cell in (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
+                states.push(Maximum { pose_in_map: self.pose(model, heading, cell), mass: plane.value(cell) });
+            }
+        }
+        states.sort_by(|a, b| b.mass.total_cmp(&a.mass));
+        let mut held = 0.0;
+        let kept = states.iter().take_while(|state| {
+            let is_needed = held < share;
+            held += state.mass;
+            is_needed
+        });
+        let kept = kept.count();
+        states.truncate(kept);
+        states
     }
 
     /// Cells of an active plane above the cutoff that no neighbour exceeds, with their values.

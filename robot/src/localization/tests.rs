@@ -298,6 +298,55 @@ fn a_turn_by_hand_is_noticed_at_once_and_a_turn_by_wheel_is_not() {
     assert!(lowest[0] > 0.8 && lowest[1] < 0.8, "{lowest:?}");
 }
 
+/// A walled corridor of 12 × 3 m with two cupboards, each the other's image under half a turn.
+fn symmetric_corridor() -> OccupancyGrid {
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 120, 30, Cell::Free);
+    for column in 0..120 {
+        for row in 0..30 {
+            let wall = column == 0 || column == 119 || row == 0 || row == 29;
+            let cupboard = |column: usize, row: usize| (30..38).contains(&column) && row < 10;
+            if wall || cupboard(column, row) || cupboard(119 - column, 29 - row) {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+    }
+    map
+}
+
+#[test]
+fn a_robot_turned_half_round_in_a_symmetric_corridor_takes_both_poses_for_possible() {
+    let model = LocalizationModel::new(&symmetric_corridor(), fine()).expect("the corridor is a map");
+    let believed = Pose::new(8.0, 1.5, 0.0);
+    let mut localization = Localization::start_at(&model, believed, Spread::default());
+    let mut odometry = Pose::default();
+    for _ in 0..20 {
+        odometry = odometry.compose(Pose::new(0.15, 0.0, 0.0));
+        let truth = Pose::new(8.0, 1.5, PI).compose(odometry);
+        localization.observe(&model, odometry, Some(&scan_at(&model, truth)));
+    }
+    let truth = Pose::new(8.0, 1.5, PI).compose(odometry);
+    let twin = Pose::new(12.0 - truth.x_m, 3.0 - truth.y_m, truth.heading_rad + PI);
+    let masses = [truth, twin, believed.compose(odometry)].map(|pose| localization.belief().mass_near(&model, pose));
+    assert!(masses[0] > 0.2 && masses[1] > 0.2 && masses[2] < 0.1, "{masses:?}");
+    assert!(localization.estimate(&model).certainty < 0.8);
+}
+
+#[test]
+fn a_refuted_belief_is_uniform() {
+    let model = model(fine());
+    let mut localization = Localization::start_at(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
+    localization.refute(&model);
+    let uniform = Localization::start_uniform(&model).entropy(&model);
+    assert!((localization.entropy(&model) - uniform).abs() < 1e-3);
+    assert!(localization.estimate(&model).certainty < 0.2);
+    let mut odometry = Pose::default();
+    for _ in 0..40 {
+        odometry = odometry.compose(Pose::new(0.02, 0.0, 0.2));
+        localization.observe(&model, odometry, None);
+        assert!((localization.belief().mass(&model) - 1.0).abs() < 1e-3, "{}", localization.belief().mass(&model));
+    }
+}
+
 #[test]
 fn entropy_has_its_closed_forms() {
     let model = model(parameters());

@@ -1,5 +1,5 @@
-//! Driving without a map: along a path given in `odom`, or about at random. Both go through the
-//! dynamic window like any other motion.
+//! Driving without a map: along a path given in `odom`, about at random, along walls, or on the spot.
+//! All but the last go through the dynamic window like any other motion.
 
 use super::clearance::open_distance_m;
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput, WindowStatus};
@@ -25,6 +25,14 @@ pub enum DriveTask {
         heading_in_odom_rad: Option<f64>,
         /// For how much longer.
         left_s: f64,
+    },
+    /// Keep walls on the right-hand side.
+    WallFollow,
+    /// Spin by a quarter of a turn, back up a little, wait, and again: what a robot does that has a
+    /// fixed routine for being stuck.
+    SpinAndBackUp {
+        /// Time in the present round.
+        elapsed_s: f64,
     },
 }
 
@@ -67,6 +75,19 @@ const WANDER_ROOM_M: f64 = 0.6;
 const WANDER_HORIZON_M: f64 = 2.0;
 /// A wandering robot keeps its way for between so many seconds.
 const WANDER_S: (f64, f64) = (5.0, 15.0);
+/// A wall counts as one to follow within this distance.
+const WALL_NEAR_M: f64 = 1.2;
+/// A wall is followed in the rightmost direction with this much room.
+const WALL_ROOM_M: f64 = 0.9;
+/// The directions a robot at a wall tries, in steps of a sonar, from the right to the left.
+const WALL_DIRECTIONS: std::ops::RangeInclusive<i32> = -5..=11;
+/// A round of spinning and backing up: until when it spins, backs up, and waits.
+const SPIN_S: f64 = std::f64::consts::FRAC_PI_2;
+const BACK_UP_S: f64 = SPIN_S + 3.0;
+const ROUND_S: f64 = BACK_UP_S + 5.0;
+/// Speed of backing up, and the room it needs behind.
+const BACK_UP_MPS: f64 = 0.1;
+const BACK_UP_ROOM_M: f64 = 0.3;
 
 impl Drive {
     /// Will follow a path.
@@ -91,6 +112,11 @@ impl Drive {
         }
         let mut obstacles_in_base = Vec::new();
         self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        if let DriveTask::SpinAndBackUp { elapsed_s } = &mut self.task {
+            *elapsed_s = (*elapsed_s + limits.step_s) % ROUND_S;
+            let speeds = spin_or_back_up(*elapsed_s, limits, &obstacles_in_base);
+            return DriveOutput { speeds, status: DriveStatus::Driving };
+        }
         let Some((target_in_odom, remaining_m)) = self.target(limits, input, &obstacles_in_base) else {
             return DriveOutput { speeds: Speeds::default(), status: DriveStatus::Arrived };
         };
@@ -135,9 +161,44 @@ impl Drive {
                     open_heading_rad(stream, here, room_m)
                 });
                 *heading_in_odom_rad = Some(heading_rad);
-                Some((Pose::new(here.x_m, here.y_m, heading_rad).transform(Point::new(1.0, 0.0)), WANDER_HORIZON_M))
+                Some((ahead_of(here, heading_rad), WANDER_HORIZON_M))
             }
+            DriveTask::WallFollow => {
+                let here = input.odometry_in_odom;
+                let room_m =
+                    |direction_rad: f64| open_distance_m(limits, obstacles_in_base, direction_rad, WANDER_HORIZON_M);
+                Some((ahead_of(here, here.heading_rad + along_wall_rad(obstacles_in_base, room_m)), WANDER_HORIZON_M))
+            }
+            DriveTask::SpinAndBackUp { .. } => None,
         }
+    }
+}
+
+/// The point a metre ahead in a direction.
+fn ahead_of(here: Pose, heading_rad: f64) -> Point {
+    Pose::new(here.x_m, here.y_m, heading_rad).transform(Point::new(1.0, 0.0))
+}
+
+/// The rightmost direction with room, relative to the robot; straight ahead where no wall is near.
+fn along_wall_rad(obstacles_in_base: &[Point], room_m: impl Fn(f64) -> f64) -> f64 {
+    let near = obstacles_in_base.iter().any(|obstacle| obstacle.coords.norm_squared() < WALL_NEAR_M * WALL_NEAR_M);
+    if !near {
+        return 0.0;
+    }
+    WALL_DIRECTIONS
+        .map(|step| f64::from(step) * direction_rad(1))
+        .find(|&direction_rad| room_m(direction_rad) > WALL_ROOM_M)
+        .unwrap_or(std::f64::consts::PI)
+}
+
+fn spin_or_back_up(elapsed_s: f64, limits: &DriveLimits, obstacles_in_base: &[Point]) -> Speeds {
+    let behind_m = open_distance_m(limits, obstacles_in_base, std::f64::consts::PI, WANDER_HORIZON_M);
+    if elapsed_s < SPIN_S {
+        Speeds { translation_mps: 0.0, rotation_radps: 1.0 }
+    } else if elapsed_s < BACK_UP_S && behind_m > BACK_UP_ROOM_M {
+        Speeds { translation_mps: -BACK_UP_MPS, rotation_radps: 0.0 }
+    } else {
+        Speeds::default()
     }
 }
 

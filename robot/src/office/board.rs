@@ -6,7 +6,7 @@ use super::behaviours::{
     ACTIVE_LOCALIZATION, BUMPED, GRIPPER, HOLDING, NAVIGATION, NAVIGATION_ACTIVE, NR_OF_NAV_GOALS, O, POS_CERTAINTY,
     POSITION_TRACKING, REGION, SPEED, TRAVEL_MODE, X, Y,
 };
-use crate::active::{ActiveLocalization, Intent};
+use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
 use crate::navigation::{Drive, DriveStatus, DriveTask, Navigation, NavigationEvent, NavigationInput, Speeds, Target};
@@ -135,7 +135,7 @@ impl Board {
         let ranges_m = percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice());
         self.localization.observe(&model.localization, percept.odometry_in_odom, ranges_m);
         if std::mem::take(&mut self.position_doubted) {
-            self.localization.reset_for_relocalization(&model.localization);
+            self.localization.refute(&model.localization);
             outbox.events.push(("position doubted".into(), Vec::new()));
         }
     }
@@ -172,12 +172,7 @@ impl Board {
             ));
         }
         match intent {
-            Intent::Wander => {
-                if !matches!(self.drive.task, DriveTask::Wander { .. }) {
-                    let stream = self.wander.clone();
-                    self.drive.task = DriveTask::Wander { stream, heading_in_odom_rad: None, left_s: 0.0 };
-                }
-            }
+            Intent::Explore(how) => self.explore(how),
             Intent::FollowPath { path_in_odom } => {
                 if let DriveTask::Wander { stream, .. } = &self.drive.task {
                     self.wander = stream.clone();
@@ -199,6 +194,21 @@ impl Board {
         let output = self.drive.step(&model.navigation.limits, &Self::input(percept), LOST_SPEED_MPS);
         self.drive_status = output.status;
         self.drive_request = output.speeds;
+    }
+
+    /// Goes on moving about, or begins to.
+    fn explore(&mut self, how: Exploration) {
+        let begun = match (how, &self.drive.task) {
+            (Exploration::Active | Exploration::Wander, DriveTask::Wander { .. })
+            | (Exploration::WallFollow, DriveTask::WallFollow)
+            | (Exploration::SpinAndBackUp, DriveTask::SpinAndBackUp { .. }) => return,
+            (Exploration::Active | Exploration::Wander, _) => {
+                DriveTask::Wander { stream: self.wander.clone(), heading_in_odom_rad: None, left_s: 0.0 }
+            }
+            (Exploration::WallFollow, _) => DriveTask::WallFollow,
+            (Exploration::SpinAndBackUp, _) => DriveTask::SpinAndBackUp { elapsed_s: 0.0 },
+        };
+        self.drive.task = begun;
     }
 
     fn navigate(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
@@ -244,7 +254,8 @@ impl Board {
 
     fn publish(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
         let Estimate { pose_in_map, certainty } = self.estimate(model);
-        let certain = certainty > model.settings.active.certainty;
+        let active = &model.settings.active;
+        let certain = certainty > if self.was_certain { active.certainty } else { active.found_certainty };
         if certain != self.was_certain {
             self.was_certain = certain;
             let what = if certain { "position found" } else { "position lost" };

@@ -66,6 +66,7 @@ pub const ROBOT_NAMES: &[&str] = &[
     "belief-maxima",
     "go-to",
     "pick-up",
+    "fetch",
     "put-down",
     "deliver",
     "relocalize-when-necessary",
@@ -132,9 +133,11 @@ impl OfficeModel {
             sonar_max_range_m: settings.simulator.sonar_max_range_m,
             ..DriveLimits::default()
         };
+        let sensor_map =
+            if settings.localization.centred { World::map_centred } else { World::map }(&world, SENSOR_MAP_CELL_M);
         Ok(Self {
             simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
-            localization: LocalizationModel::new(&world.map_centred(SENSOR_MAP_CELL_M), settings.localization.clone())?,
+            localization: LocalizationModel::new(&sensor_map, settings.localization.clone())?,
             navigation: NavigationModel {
                 planner: PlannerModel::new(&world.map(PLANNER_CELL_M), PlannerParameters::default()),
                 limits,

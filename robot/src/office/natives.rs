@@ -54,7 +54,7 @@ pub fn natives() -> Vec<Native> {
         act(
             "doubt-position",
             "",
-            "Gives up most of the belief about the position, in the next step: the estimate leads to a contradiction.",
+            "Gives up all of the belief about the position, in the next step: the estimate leads to a contradiction.",
             doubt_position as _,
         ),
         act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),

@@ -2,17 +2,25 @@
 
 use super::{World, WorldError};
 
-const WORLDS: [(&str, &str); 3] = [
+const WORLDS: [(&str, &str); 4] = [
     ("dept", include_str!("../../worlds/dept.toml")),
+    (
+        "dept-furnished",
+        concat!(include_str!("../../worlds/dept.toml"), include_str!("../../worlds/dept-furnished.toml")),
+    ),
     ("corridor", include_str!("../../worlds/corridor.toml")),
     ("test-room", include_str!("../../worlds/test-room.toml")),
 ];
 
 impl World {
-    /// A world by its name: `dept`, the department of Beetz, Burgard, Fox and Cremers; `corridor`,
-    /// its corridor with all doors closed; `test-room`, two small rooms for quick trials.
+    /// A world by its name: `dept`, the department of Beetz, Burgard, Fox and Cremers;
+    /// `dept-furnished`, the same with people, and furniture that is in no map; `corridor`, its
+    /// corridor with all doors closed; `test-room`, two small rooms for quick trials.
     pub fn builtin(name: &str) -> Option<World> {
-        Self::parse_builtin(name)?.ok()
+        let mut world = Self::parse_builtin(name)?.ok()?;
+        // The text of `dept-furnished` begins with that of `dept`.
+        world.name = name.to_string();
+        Some(world)
     }
 
     /// The names `builtin` knows.

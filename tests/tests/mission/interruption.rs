@@ -56,7 +56,9 @@ fn a_turn_by_hand_interrupts_and_the_navigation_goes_on_from_the_new_pose() {
     let woken = find(pulse, "the wake-up of the wait-for", &|event| {
         event.kind == EventKind::Woken && event.path.ends_with("navigation-proc/try-all[0]")
     });
-    let found = find(activated.max(woken), "the position", &|event| is(event, Robot, &[("what", "position found")]));
+    let found = find(activated.max(woken), "the wake-up of the policy", &|event| {
+        event.kind == EventKind::Woken && by_policy(event)
+    });
     let deactivated = find(found, "its end", &localizing("deactivated"));
     let released =
         find(deactivated, "the release", &|event| by_policy(event) && is(event, Valve, &[("what", "released")]));

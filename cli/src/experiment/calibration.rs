@@ -1,0 +1,156 @@
+//! What the certainty is worth: of all moments at which the robot says 0.8, it should be right in
+//! 80 %.
+
+use super::statistics::wilson_95;
+use super::trial::{Sample, Trial};
+
+/// Bins of the reliability diagram, all with the same number of samples.
+const BINS: usize = 10;
+
+/// Certainties from here on are left out of the bins: there are so many that they would fill them.
+const SURE: f32 = 0.99;
+
+/// Some samples of about the same certainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bin {
+    /// How many.
+    pub samples: usize,
+    /// Smallest and largest certainty.
+    pub range: (f64, f64),
+    /// Mean certainty.
+    pub said: f64,
+    /// Share of samples in which the estimate was right.
+    pub was: f64,
+    /// 95 % interval of that share, over runs: samples of one run depend on each other.
+    pub interval: (f64, f64),
+}
+
+impl Bin {
+    /// How far the certainty is from the truth.
+    pub fn error(&self) -> f64 {
+        self.said - self.was
+    }
+}
+
+/// A sample, and the run it comes from.
+type Tagged = (usize, Sample);
+
+/// The bins, from the least certain on.
+pub fn bins(trials: &[&Trial]) -> Vec<Bin> {
+    let mut unsure: Vec<Tagged> = tagged(trials).filter(|(_, sample)| sample.certainty < SURE).collect();
+    unsure.sort_by(|(_, a), (_, b)| a.certainty.total_cmp(&b.certainty));
+    let size = unsure.len().div_ceil(BINS).max(1);
+    unsure.chunks(size).map(bin).collect()
+}
+
+fn tagged<'t>(trials: &'t [&Trial]) -> impl Iterator<Item = Tagged> + 't {
+    trials.iter().enumerate().flat_map(|(run, trial)| trial.samples.iter().map(move |&sample| (run, sample)))
+}
+
+fn bin(samples: &[Tagged]) -> Bin {
+    let count = samples.len() as f64;
+    let certainty = |(_, sample): &Tagged| f64::from(sample.certainty);
+    let said = samples.iter().map(certainty).sum::<f64>() / count;
+    let was = samples.iter().filter(|(_, sample)| sample.is_right).count() as f64 / count;
+    let half = 1.96 * deviation_of_share(samples, was);
+    let ends = |tagged: Option<&Tagged>| tagged.map_or(0.0, certainty);
+    Bin {
+        samples: samples.len(),
+        range: (ends(samples.first()), ends(samples.last())),
+        said,
+        was,
+        interval: ((was - half).max(0.0), (was + half).min(1.0)),
+    }
+}
+
+/// Standard deviation of a share, with runs as clusters: the root of the sum over runs of squared
+/// sums of residuals, by the number of samples.
+fn deviation_of_share(samples: &[Tagged], share: f64) -> f64 {
+    let mut by_run: Vec<(usize, f64)> =
+        samples.iter().map(|&(run, sample)| (run, f64::from(sample.is_right) - share)).collect();
+    by_run.sort_by_key(|&(run, _)| run);
+    let squares: f64 = by_run
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|run| run.iter().map(|&(_, residual)| residual).sum::<f64>().powi(2))
+        .sum();
+    squares.sqrt() / samples.len() as f64
+}
+
+/// The reliability table.
+pub fn table(trials: &[&Trial]) -> String {
+    let all: Vec<Sample> = tagged(trials).map(|(_, sample)| sample).collect();
+    let sure: Vec<&Sample> = all.iter().filter(|sample| sample.certainty >= SURE).collect();
+    let sure_right = sure.iter().filter(|sample| sample.is_right).count();
+    let right_m: Vec<f64> = all.iter().filter(|sample| sample.is_right).map(|sample| f64::from(sample.off_m)).collect();
+    let mean_m = right_m.iter().sum::<f64>() / right_m.len().max(1) as f64;
+    let mut lines = vec![
+        format!(
+            "certainty: {} runs, {} samples, {} of them below {SURE}",
+            trials.len(),
+            all.len(),
+            all.len() - sure.len()
+        ),
+        format!(
+            "{:>9} {:>17} {:>8} {:>8} {:>8} {:>17}",
+            "samples", "certainty", "mean", "right", "error", "95 % interval"
+        ),
+    ];
+    let bins = bins(trials);
+    for bin in &bins {
+        lines.push(format!(
+            "{:>9} {:>17} {:>8.3} {:>8.3} {:>+8.3} {:>17}",
+            bin.samples,
+            format!("{:.3}–{:.3}", bin.range.0, bin.range.1),
+            bin.said,
+            bin.was,
+            bin.error(),
+            format!("{:.3}–{:.3}", bin.interval.0, bin.interval.1),
+        ));
+    }
+    let worst = bins.iter().map(|bin| bin.error().abs()).fold(0.0, f64::max);
+    let recovered: Vec<f64> = trials.iter().filter_map(|trial| trial.measure("wrong recoveries")).collect();
+    let wrong = recovered.iter().filter(|&&count| count > 0.0).count();
+    let (low, high) = wilson_95(wrong, recovered.len());
+    lines.push(format!("largest error of a bin {worst:.3}"));
+    lines.push(format!(
+        "at {SURE} and above: {} samples, right in {:.2} %",
+        sure.len(),
+        100.0 * sure_right as f64 / sure.len().max(1) as f64
+    ));
+    lines.push(format!(
+        "runs with a wrong recovery: {wrong} of {} disturbed, 95 % interval {:.1} to {:.1} %",
+        recovered.len(),
+        100.0 * low,
+        100.0 * high
+    ));
+    lines.push(format!("a right estimate is off by {mean_m:.3} m on average"));
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trial(samples: impl Iterator<Item = (f32, bool)>) -> Trial {
+        let samples = samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, is_right }).collect();
+        Trial { seed: 1, succeeded: true, measures: vec![], samples }
+    }
+
+    #[test]
+    fn bins_have_equal_mass_and_a_robot_that_is_right_as_often_as_it_says_has_no_error() {
+        // Of the samples with certainty c every (1/c)-th is wrong: 0.5 and 0.75, 400 each.
+        let of = |certainty: f32, every: usize| (0..400).map(move |n| (certainty, n % every != 0));
+        let mixed = trial(of(0.5, 2).chain(of(0.75, 4)).chain((0..50).map(|_| (0.999, true))));
+        let bins = bins(&[&mixed]);
+        assert_eq!(bins.len(), BINS);
+        assert!(bins.iter().all(|bin| bin.samples == 80));
+        assert!(bins.iter().all(|bin| bin.error().abs() < 1e-6), "{bins:?}");
+    }
+
+    #[test]
+    fn a_robot_that_is_always_wrong_errs_by_what_it_says() {
+        let wrong = trial((0..100).map(|n| (n as f32 / 200.0, false)));
+        assert!(bins(&[&wrong]).iter().all(|bin| bin.error() == bin.said && bin.was == 0.0));
+        assert!(table(&[&wrong]).contains("largest error of a bin 0.473"));
+    }
+}

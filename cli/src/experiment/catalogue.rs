@@ -1,0 +1,152 @@
+//! The experiments with a name, row by row.
+
+use rpl_robot::active::Exploration;
+use rpl_robot::localization::LocalizationParameters;
+use rpl_robot::office::OfficeSettings;
+
+/// An experiment with a name: a mission, and what it is compared with.
+pub struct Experiment {
+    /// What a user types.
+    pub name: &'static str,
+    /// What is shown besides the table.
+    pub report: Report,
+    /// The first is the experiment itself.
+    pub rows: &'static [Row],
+}
+
+/// What an experiment is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Report {
+    /// How many runs succeed.
+    Success,
+    /// What the certainty is worth, over all rows together.
+    Calibration,
+    /// What single departures from the papers are worth: a line for each row, nothing else.
+    Comparison,
+    /// How the shortcut of active navigation does beside the exact sum.
+    Choices,
+}
+
+/// One row of a table.
+#[derive(Clone, Copy)]
+pub struct Row {
+    /// What it is called.
+    pub name: &'static str,
+    /// The mission.
+    pub plan: &'static str,
+    /// What happens on the way.
+    pub scenario: Option<&'static str>,
+    /// Where.
+    pub world: &'static str,
+    /// Where the robot must really be at the end, if anywhere.
+    pub goal: Option<&'static str>,
+    /// How the robot differs from the usual one.
+    pub change: fn(&mut OfficeSettings),
+}
+
+const ROTATED: Row = Row {
+    name: "rotated",
+    plan: "delivery.rpl",
+    scenario: Some("experiments/rotated.rpl"),
+    world: "dept",
+    goal: Some("wolframs-shelf"),
+    change: |_| (),
+};
+
+const UNDISTURBED: Row = Row { name: "undisturbed", scenario: None, ..ROTATED };
+
+const KIDNAPPED: Row = Row { name: "kidnapped", scenario: Some("experiments/kidnapped.rpl"), ..ROTATED };
+
+const ABOUT_FACE: Row = Row { name: "turned by 180°", scenario: Some("experiments/about-face.rpl"), ..ROTATED };
+
+const GLOBAL: Row = Row {
+    name: "global",
+    plan: "experiments/to-room-a.rpl",
+    scenario: Some("experiments/global.rpl"),
+    world: "dept",
+    goal: Some("a-desk"),
+    change: |settings| settings.start_known = false,
+};
+
+const PATROL: Row =
+    Row { name: "clean department", plan: "experiments/patrol.rpl", scenario: None, goal: None, ..ROTATED };
+
+const FURNISHED: Row = Row { name: "furniture, people", world: "dept-furnished", ..PATROL };
+
+/// A row of the table of deviations: `rotated` with one of them taken back.
+const fn without(name: &'static str, change: fn(&mut OfficeSettings)) -> Row {
+    Row { name, change, ..ROTATED }
+}
+
+/// The same over furniture and people that are in no map.
+const fn furnished_without(name: &'static str, change: fn(&mut OfficeSettings)) -> Row {
+    Row { name, change, ..FURNISHED }
+}
+
+/// All experiments.
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        name: "rotated",
+        report: Report::Success,
+        rows: &[
+            ROTATED,
+            UNDISTURBED,
+            Row { name: "no relocalization", plan: "experiments/no-relocalization.rpl", ..ROTATED },
+            Row { name: "literal equations", change: literal, ..ROTATED },
+        ],
+    },
+    Experiment {
+        name: "kidnapped",
+        report: Report::Success,
+        rows: &[
+            KIDNAPPED,
+            Row { name: "turned by 20–180°", scenario: Some("experiments/turned.rpl"), ..KIDNAPPED },
+            ABOUT_FACE,
+        ],
+    },
+    Experiment {
+        name: "global",
+        report: Report::Success,
+        rows: &[
+            GLOBAL,
+            Row { name: "random wandering", change: |settings| lost(settings, Exploration::Wander), ..GLOBAL },
+            Row { name: "wall following", change: |settings| lost(settings, Exploration::WallFollow), ..GLOBAL },
+            Row { name: "spin and back up", change: |settings| lost(settings, Exploration::SpinAndBackUp), ..GLOBAL },
+        ],
+    },
+    Experiment { name: "false-alarms", report: Report::Comparison, rows: &[PATROL, FURNISHED] },
+    Experiment { name: "calibration", report: Report::Calibration, rows: &[ROTATED, KIDNAPPED, UNDISTURBED] },
+    Experiment {
+        name: "deviations",
+        report: Report::Comparison,
+        rows: &[
+            ROTATED,
+            without("– tempering", |settings| settings.localization.tempering = 1.0),
+            without("– mixing", |settings| settings.localization.mixing = 0.0),
+            without("– gating", |settings| settings.localization.gating = None),
+            without("– update spacing", unspaced),
+            without("– coarse watch", |settings| settings.localization.watch = None),
+            without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
+            without("– centred grid", |settings| settings.localization.centred = false),
+            without("all literal", literal),
+            FURNISHED,
+            furnished_without("– gating", |settings| settings.localization.gating = None),
+            furnished_without("– tempering", |settings| settings.localization.tempering = 1.0),
+        ],
+    },
+    Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
+];
+
+fn literal(settings: &mut OfficeSettings) {
+    settings.localization = LocalizationParameters::literal();
+}
+
+fn unspaced(settings: &mut OfficeSettings) {
+    settings.localization.update_distance_m = 0.0;
+    settings.localization.update_angle_rad = 0.0;
+}
+
+fn lost(settings: &mut OfficeSettings, exploration: Exploration) {
+    settings.start_known = false;
+    settings.active.exploration = exploration;
+}

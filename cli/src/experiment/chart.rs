@@ -1,0 +1,165 @@
+//! Charts as SVG, readable in black and white.
+
+use super::calibration::Bin;
+use super::trial::Trial;
+use svg::Document;
+use svg::node::element::{Circle, Line, Polyline, Rectangle, Text};
+
+/// Where the axes are on the sheet, in pixels.
+const LEFT: f64 = 70.0;
+const TOP: f64 = 50.0;
+const WIDTH: f64 = 560.0;
+const HEIGHT: f64 = 400.0;
+
+/// A sheet with two axes from 0.
+struct Axes {
+    x_max: f64,
+    y_max: f64,
+}
+
+impl Axes {
+    fn x(&self, value: f64) -> f64 {
+        ((LEFT + WIDTH * (value / self.x_max).clamp(0.0, 1.0)) * 10.0).round() / 10.0
+    }
+
+    fn y(&self, value: f64) -> f64 {
+        ((TOP + HEIGHT * (1.0 - (value / self.y_max).clamp(0.0, 1.0))) * 10.0).round() / 10.0
+    }
+
+    fn line(&self, from: (f64, f64), to: (f64, f64)) -> Line {
+        Line::new()
+            .set("x1", self.x(from.0))
+            .set("y1", self.y(from.1))
+            .set("x2", self.x(to.0))
+            .set("y2", self.y(to.1))
+            .set("stroke", "black")
+    }
+
+    /// The frame, five ticks on each axis, and what they mean.
+    fn sheet(&self, title: &str, along: &str, up: &str) -> Document {
+        let mut document = Document::new()
+            .set("viewBox", (0, 0, 660, 510))
+            .set("width", 660)
+            .set("height", 510)
+            .set("font-family", "sans-serif")
+            .set("font-size", 14)
+            .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"))
+            .add(text(title, LEFT + WIDTH / 2.0, 28.0).set("font-size", 17))
+            .add(text(along, LEFT + WIDTH / 2.0, TOP + HEIGHT + 48.0))
+            .add(text(up, 20.0, TOP + HEIGHT / 2.0).set("transform", format!("rotate(-90 20 {})", TOP + HEIGHT / 2.0)))
+            .add(self.line((0.0, 0.0), (self.x_max, 0.0)))
+            .add(self.line((0.0, 0.0), (0.0, self.y_max)));
+        for tick in 0..=5 {
+            let share = f64::from(tick) / 5.0;
+            let (x, y) = (self.x(share * self.x_max), self.y(share * self.y_max));
+            document = document
+                .add(text(&label(share * self.x_max), x, TOP + HEIGHT + 22.0))
+                .add(text(&label(share * self.y_max), LEFT - 10.0, y + 5.0).set("text-anchor", "end"));
+        }
+        document
+    }
+}
+
+fn label(value: f64) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+fn text(content: &str, x: f64, y: f64) -> Text {
+    Text::new(content).set("x", x).set("y", y).set("text-anchor", "middle")
+}
+
+/// The reliability diagram: on the diagonal the robot is right as often as it says.
+pub fn reliability(bins: &[Bin]) -> String {
+    let axes = Axes { x_max: 1.0, y_max: 1.0 };
+    let mut document = axes
+        .sheet("how often the position is right", "certainty the robot says", "share of moments at which it is right")
+        .add(axes.line((0.0, 0.0), (1.0, 1.0)).set("stroke-dasharray", "4 4"));
+    for bin in bins {
+        let (low, high) = bin.interval;
+        document = document
+            .add(axes.line((bin.said, low), (bin.said, high)))
+            .add(Circle::new().set("cx", axes.x(bin.said)).set("cy", axes.y(bin.was)).set("r", 5));
+    }
+    document.to_string()
+}
+
+/// Lines of the error over time: solid, dashed, dotted, dash-dotted.
+const DASHES: [&str; 4] = ["none", "9 5", "2 4", "9 4 2 4"];
+
+/// Seconds between two points of the error over time.
+const EVERY_S: usize = 10;
+
+/// Samples of a trial in a second.
+const SAMPLES_PER_S: usize = 10;
+
+/// The mean distance from the estimate to the truth over time, with 95 % bars; runs that have ended
+/// keep their last error.
+pub fn error_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
+    let longest = rows.iter().flat_map(|(_, trials)| trials).map(|trial| trial.samples.len()).max().unwrap_or(0);
+    let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, 30);
+    let lines: Vec<Vec<(f64, f64, f64)>> =
+        rows.iter().map(|(_, trials)| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect()).collect();
+    let highest = lines.iter().flatten().map(|&(_, mean, half)| mean + half).fold(1.0, f64::max);
+    let axes = Axes { x_max: (points * EVERY_S) as f64, y_max: highest.ceil() };
+    let mut document = axes.sheet("error of the estimate, mean and 95 % interval", "time [s]", "error [m]");
+    for (number, ((name, _), line)) in rows.iter().zip(&lines).enumerate() {
+        let dash = DASHES[number % DASHES.len()];
+        let path: Vec<String> =
+            line.iter().map(|&(time_s, mean, _)| format!("{},{}", axes.x(time_s), axes.y(mean))).collect();
+        document = document.add(
+            Polyline::new()
+                .set("points", path.join(" "))
+                .set("fill", "none")
+                .set("stroke", "black")
+                .set("stroke-width", 1.6)
+                .set("stroke-dasharray", dash),
+        );
+        for &(time_s, mean, half) in line {
+            document = document.add(axes.line((time_s, mean - half), (time_s, mean + half)));
+        }
+        let y = TOP + 8.0 + 20.0 * number as f64;
+        let (from, to) = (LEFT + WIDTH - 190.0, LEFT + WIDTH - 150.0);
+        let sample = Line::new().set("x1", from).set("x2", to).set("y1", y).set("y2", y);
+        document = document
+            .add(sample.set("stroke", "black").set("stroke-width", 1.6).set("stroke-dasharray", dash))
+            .add(text(name, to + 8.0, y + 5.0).set("text-anchor", "start"));
+    }
+    document.to_string()
+}
+
+/// Time, mean error and half its 95 % interval.
+fn error_at(trials: &[Trial], time_s: usize) -> (f64, f64, f64) {
+    let errors: Vec<f64> = trials
+        .iter()
+        .filter_map(|trial| trial.samples.get(time_s * SAMPLES_PER_S).or(trial.samples.last()))
+        .map(|sample| f64::from(sample.off_m))
+        .collect();
+    let spread = super::statistics::Spread::of(&errors);
+    let half = spread.map_or(0.0, |spread| super::statistics::mean_95(spread.deviation, errors.len()));
+    (time_s as f64, spread.map_or(0.0, |spread| spread.mean), half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::trial::Sample;
+
+    #[test]
+    fn a_bin_is_drawn_where_it_says_and_was() {
+        let bin = Bin { samples: 10, range: (0.4, 0.6), said: 0.5, was: 0.25, interval: (0.1, 0.4) };
+        let drawn = reliability(&[bin]);
+        assert!(drawn.contains("cx=\"350\"") && drawn.contains("cy=\"350\""), "{drawn}");
+    }
+
+    #[test]
+    fn an_ended_run_keeps_its_last_error() {
+        let samples = |errors: &[f32]| {
+            errors.iter().map(|&off_m| Sample { certainty: 1.0, off_m, is_right: true }).collect::<Vec<_>>()
+        };
+        let trial = |errors: &[f32]| Trial { seed: 1, succeeded: true, measures: vec![], samples: samples(errors) };
+        let trials = [trial(&[4.0]), trial(&[2.0; 201])];
+        assert_eq!(error_at(&trials, 20).1, 3.0);
+        assert!(error_over_time(&[("a row", trials.to_vec())]).contains("a row"));
+    }
+}

@@ -1,0 +1,138 @@
+//! One run of an experiment: driven to its end, and measured.
+
+use crate::console::Console;
+use crate::drive::{Ending, Mark, Pace, Records, drive};
+use crate::mission::{Robot, Sight};
+use anyhow::{Context, Result};
+use rpl_robot::geometry::{Pose, wrap_angle_rad};
+use rpl_runtime::system::{Outcome, System};
+
+/// How near to the goal the robot must really be.
+const AT_GOAL_M: f64 = 0.5;
+
+/// An estimate further off than this is wrong.
+const WRONG_ESTIMATE_M: f64 = 1.0;
+
+/// What the certainty is about: the estimate is within this distance of the truth ...
+const RIGHT_M: f64 = 0.5;
+
+/// ... and within this angle.
+const RIGHT_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+
+/// A disturbance must be noticed within this way.
+const NOTICED_WITHIN_M: f64 = 2.0;
+
+/// One run of an experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Its seed.
+    pub seed: u64,
+    /// Whether the plan succeeded, at the right place.
+    pub succeeded: bool,
+    /// What was measured: name with unit, and value, if there was anything to measure in this run;
+    /// the same names in every run.
+    pub measures: Vec<(&'static str, Option<f64>)>,
+    /// The estimate and the truth, ten times a second.
+    pub samples: Vec<Sample>,
+}
+
+/// The estimate and the truth at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// What the robot says.
+    pub certainty: f32,
+    /// Distance from the estimate to the truth.
+    pub off_m: f32,
+    /// Whether the estimate was right.
+    pub is_right: bool,
+}
+
+impl Trial {
+    /// What was measured under a name, if anything.
+    pub fn measure(&self, name: &str) -> Option<f64> {
+        self.measures.iter().find(|(known, _)| *known == name).and_then(|&(_, value)| value)
+    }
+}
+
+fn is_right(sight: &Sight) -> bool {
+    let (estimate, truth) = (sight.estimate_in_map, sight.robot_in_map);
+    estimate.distance_m(truth) <= RIGHT_M && wrap_angle_rad(estimate.heading_rad - truth.heading_rad).abs() <= RIGHT_RAD
+}
+
+/// Drives a run to its end and measures it.
+///
+/// # Errors
+/// The run cannot be driven.
+pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_map: Option<Pose>) -> Result<Trial> {
+    let mut records = Records::default();
+    let mut silent = Console::silent();
+    let pace = Pace { until_us: Some(until_us), factor: None };
+    let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
+    let mut succeeded = matches!(ending, Ending::Outcome(Outcome::Succeeded(_)));
+    let mut measures = vec![("time [s]", Some(system.machine.now_s()))];
+    if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
+        measures.push(("distance [m]", Some(account.distance_m)));
+        measures.push(("contacts caused", Some(f64::from(account.contacts))));
+        measures.push(("relocalizations", Some(records.relocalizations as f64)));
+        measures.extend(disturbance(&records.marks, &records.track, account.distance_m));
+        if let Some(goal_in_map) = goal_in_map {
+            let off_m = sight.robot_in_map.distance_m(goal_in_map);
+            succeeded &= off_m <= AT_GOAL_M;
+            measures.push(("off the goal [m]", Some(off_m)));
+        }
+    }
+    let sample = |sight: &Sight| Sample {
+        certainty: sight.certainty as f32,
+        off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
+        is_right: is_right(sight),
+    };
+    Ok(Trial { seed, succeeded, measures, samples: records.track.iter().map(sample).collect() })
+}
+
+/// The way driven from a deed until the estimate was right again, if ever; the deed itself may
+/// have been a jump.
+fn righted_m(track: &[Sight]) -> Option<f64> {
+    let righted = track.iter().position(is_right)?;
+    let steps = track[..=righted].windows(2).map(|pair| pair[0].robot_in_map.distance_m(pair[1].robot_in_map));
+    Some(steps.sum())
+}
+
+/// How far the robot drove from the scenario's deed until it noticed: it counted itself as lost,
+/// or its estimate was right again. How often
+/// it then believed to have found its position where it was not, and how often it thought itself
+/// lost without reason.
+fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
+    let deed = marks.iter().position(|mark| mark.what.ends_with("by hand"));
+    let (before, after) = marks.split_at(deed.unwrap_or(marks.len()));
+    let lost = |mark: &&Mark| mark.what == "position lost";
+    let noticed = after.iter().find(lost);
+    let deed_m = deed.map(|deed| marks[deed].distance_m);
+    let lost_m = deed_m.zip(noticed).map(|(deed_m, noticed)| noticed.distance_m - deed_m);
+    // One look later the deed is seen in the track.
+    let seen = deed.and_then(|deed| track.get(marks[deed].track_length + 1..));
+    let noticed_m = match (lost_m, seen.and_then(righted_m)) {
+        (Some(lost_m), Some(righted_m)) => Some(lost_m.min(righted_m)),
+        (lost_m, righted_m) => lost_m.or(righted_m),
+    };
+    let within = match (deed_m, noticed_m) {
+        (None, _) => None,
+        (Some(_), Some(way_m)) => Some(way_m <= NOTICED_WITHIN_M),
+        // A run that ends so soon had no way to notice.
+        (Some(deed_m), None) => (driven_m - deed_m > NOTICED_WITHIN_M).then_some(false),
+    };
+    let is_wrong = |mark: &&Mark| {
+        let off_m = mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map);
+        mark.what == "position found" && off_m > WRONG_ESTIMATE_M
+    };
+    let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
+    let alarms = before
+        .iter()
+        .filter(lost)
+        .filter(|mark| mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map) <= WRONG_ESTIMATE_M);
+    [
+        ("noticed after [m]", noticed_m),
+        ("noticed within 2 m", within.map(f64::from)),
+        ("wrong recoveries", wrong),
+        ("false alarms", Some(alarms.count() as f64)),
+    ]
+}
