@@ -15,6 +15,9 @@ use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
+/// When a network is brought up to date: its height, its number; and its slot.
+type Turn = (u32, u64, u32);
+
 /// Where a fluent's value comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Origin {
@@ -40,6 +43,9 @@ pub enum Origin {
 /// A value that changes over time and can wake tasks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fluent {
+    /// Grows from fluent to fluent: networks of one height are brought up to date and served in
+    /// this order, whatever their slots.
+    pub number: u64,
     /// The name of its global, for traces and errors.
     pub name: Option<Symbol>,
     /// Its value.
@@ -68,6 +74,7 @@ impl Fluent {
     /// A fluent with a value.
     pub fn new(name: Option<Symbol>, value: Value, origin: Origin) -> Self {
         Self {
+            number: 0,
             name,
             value,
             origin,
@@ -128,8 +135,10 @@ const MAX_EVALUATIONS: usize = 1_000_000;
 
 impl Machine {
     /// Makes a fluent.
-    pub fn create_fluent(&mut self, fluent: Fluent) -> Value {
+    pub fn create_fluent(&mut self, mut fluent: Fluent) -> Value {
         self.heap.allocated += 4;
+        fluent.number = self.next_identity;
+        self.next_identity += 1;
         Value::Fluent(self.fluents.insert(fluent))
     }
 
@@ -242,23 +251,21 @@ impl Machine {
         self.scratch.event_readers.clear();
         let is_pulse = roots.iter().any(|&root| self.fluents[root].is_pulsed);
         let mut touched = roots;
-        let mut dirty: BTreeSet<(u32, u32)> = BTreeSet::new();
+        let mut dirty: BTreeSet<Turn> = BTreeSet::new();
         for &root in &touched {
             self.mark_dependents(root, &mut dirty);
         }
         let mut evaluations = 0;
-        while let Some((_, network)) = dirty.pop_first() {
+        while let Some((_, _, network)) = dirty.pop_first() {
             evaluations += 1;
             if evaluations > MAX_EVALUATIONS {
                 break;
             }
             let before = (self.fluents[network].value, self.fluents[network].failure);
             self.evaluate(around, network);
-            let height = self.fluents[network].height;
-            let inputs_wait =
-                self.fluents[network].inputs.iter().any(|&input| dirty.contains(&(self.fluents[input].height, input)));
+            let inputs_wait = self.fluents[network].inputs.iter().any(|&input| dirty.contains(&self.turn(input)));
             if inputs_wait {
-                dirty.insert((height, network));
+                dirty.insert(self.turn(network));
                 continue;
             }
             let after = (self.fluents[network].value, self.fluents[network].failure);
@@ -276,9 +283,14 @@ impl Machine {
         self.settle(around, touched);
     }
 
-    fn mark_dependents(&self, fluent: u32, dirty: &mut BTreeSet<(u32, u32)>) {
+    fn turn(&self, network: u32) -> Turn {
+        let fluent = &self.fluents[network];
+        (fluent.height, fluent.number, network)
+    }
+
+    fn mark_dependents(&self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
         for &dependent in &self.fluents[fluent].dependents {
-            dirty.insert((self.fluents[dependent].height, dependent));
+            dirty.insert(self.turn(dependent));
         }
     }
 
@@ -346,7 +358,7 @@ impl Machine {
 
     /// Ends pulses and changes: what read them is evaluated again, silently.
     fn settle(&mut self, around: &mut Surroundings<'_>, touched: Vec<u32>) {
-        let mut again: BTreeSet<(u32, u32)> = BTreeSet::new();
+        let mut again: BTreeSet<Turn> = BTreeSet::new();
         for &fluent in &touched {
             let Some(entry) = self.fluents.get_mut(fluent) else { continue };
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
@@ -356,11 +368,11 @@ impl Machine {
                 let reads_events = matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
                     || self.scratch.event_readers.contains(&dependent);
                 if pulsed || (changed && reads_events) {
-                    again.insert((self.fluents[dependent].height, dependent));
+                    again.insert(self.turn(dependent));
                 }
             }
         }
-        while let Some((_, network)) = again.pop_first() {
+        while let Some((_, _, network)) = again.pop_first() {
             let before = self.fluents[network].value;
             self.evaluate(around, network);
             self.fluents[network].is_changed = false;

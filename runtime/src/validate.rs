@@ -218,11 +218,12 @@ impl Machine {
             !task.raises || task.state.is_dead() || matches!(task.value, Value::Failure(_)),
             "what is raised is no failure",
         )?;
-        let links =
-            [task.first_child, task.last_child, task.next_sibling, task.previous_sibling, task.next, task.previous];
-        // The record of a dead task may outlive that of its parent.
-        let parent = if task.state.is_dead() { NONE } else { task.parent };
-        links.into_iter().chain([parent]).try_for_each(|link| self.validate_link(link))?;
+        // The record of a dead task may outlive those around it, and its links are followed no more.
+        // Places in a line are checked with the line: a task in none keeps old ones.
+        if !task.state.is_dead() {
+            let links = [task.parent, task.first_child, task.last_child, task.next_sibling, task.previous_sibling];
+            links.into_iter().try_for_each(|link| self.validate_link(link))?;
+        }
         ensure(self.priorities.knows(task.priority), "a priority is not in its table")?;
         ensure(task.wait_number <= MAX_COUNT && task.stop() <= MAX_COUNT, "a counter has run out")?;
         if has_code {
@@ -334,9 +335,9 @@ impl Machine {
         for (index, task) in self.tasks.iter() {
             let mut at = task.first_child;
             while at != NONE {
+                self.validate_link(at)?;
                 ensure(children.set(at) && self.tasks[at].parent == index, "a task is a child of two")?;
                 at = self.tasks[at].next_sibling;
-                self.validate_link(at)?;
             }
         }
         let mut main_reaches = 0;

@@ -54,6 +54,21 @@ fn a_tag_is_no_function() {
 }
 
 #[test]
+fn what_waits_on_networks_of_one_fluent_is_woken_in_the_order_of_waiting_whatever_was_collected() {
+    let text = "(def-fluent go nil)
+                (list (fluent go) (fluent (not go)) (fluent go))
+                (wait-time 1)
+                (par (whenever (and go t) (print 'first) (return nil)) (whenever (and go t) (print 'second) (return nil))
+                     (seq (wait-time 1) (pulse go)))";
+    let mut system = system(text);
+    while system.advance() == Progress::Running {
+        // The networks nobody names leave their slots to those of the waits, the last one first.
+        system.machine.heap.threshold = 0;
+    }
+    assert_eq!(transcript(&mut system), "first\nsecond\n=> nil");
+}
+
+#[test]
 fn a_suspension_that_a_clean_up_held_up_takes_effect_where_the_failure_is_handled() {
     let text = "(par (:tag a (with-failure-handling ((failure () (print 'handled)))
                        (unwind-protect (seq (wait-time 1) (fail)) (wait-time 1))))

@@ -266,7 +266,9 @@ impl Writer {
                 let number = self.dice.pick(&["-1", "1", "2", "n"]);
                 format!("(with-priority {number} {})", self.forms(&place.in_task(), 2))
             }
-            20 => format!("(spawn {})", self.forms(&place.in_task(), 2)),
+            // It lives as long as the plan call, clean-ups included: one that goes on for ever would
+            // let a clean-up wait for ever.
+            20 => format!("(spawn {})", self.forms(&Place { ends: true, ..Place::default() }, 2)),
             21 => self.tagged(place),
             22 => format!("(with-task-suspended ({}) {})", self.tag(), self.forms(place, 2)),
             23 | 24 => self.whenever(place),
