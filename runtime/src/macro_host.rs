@@ -16,9 +16,15 @@ use std::sync::Arc;
 /// Steps one expansion may take.
 const MAX_STEPS: u32 = 20_000_000;
 
+/// Steps all expansions of a text may take before each gets a hundredth of [`MAX_STEPS`]: a text
+/// full of endless macros is refused in seconds, and the others in it still expand.
+const MAX_STEPS_OF_A_TEXT: u64 = 400_000_000;
+
 /// The machine macros run in.
 pub struct MacroMachine {
     machine: Machine,
+    /// Steps of all expansions so far.
+    steps: u64,
     natives: Arc<[Native]>,
     signatures: Arc<[NativeSignature]>,
 }
@@ -28,7 +34,7 @@ impl MacroMachine {
     pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
         let mut machine = Machine::new(program, Symbols::default());
         machine.limits.steps = MAX_STEPS;
-        Self { machine, natives, signatures }
+        Self { machine, steps: 0, natives, signatures }
     }
 
     fn run(
@@ -46,7 +52,13 @@ impl MacroMachine {
             .collect();
         let mut around =
             Surroundings { program, natives: &self.natives, signatures: &self.signatures, outside: &mut NoRobot };
-        self.machine.evaluate_function(&mut around, code, &arguments)
+        self.machine.scratch.burned = 0;
+        let result = self.machine.evaluate_function(&mut around, code, &arguments);
+        self.steps += u64::from(self.machine.scratch.burned);
+        if self.steps > MAX_STEPS_OF_A_TEXT {
+            self.machine.limits.steps = MAX_STEPS / 100;
+        }
+        result
     }
 
     fn diagnostic(&self, program: &Program, failure: Value, tree: &Tree, form: NodeId) -> Diagnostic {

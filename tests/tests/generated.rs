@@ -46,6 +46,15 @@ fn a_task_that_ends_its_ancestor_ends_with_it() {
 }
 
 #[test]
+fn a_text_full_of_endless_macros_is_refused_in_seconds() {
+    let text = format!("(defmacro endless () (loop nil))\n{}", "(endless)\n".repeat(10_000));
+    let start = std::time::Instant::now();
+    let told = run(&text);
+    assert!(told.contains("this macro call cannot be expanded"), "{}", &told[..told.len().min(300)]);
+    assert!(start.elapsed().as_secs() < 20, "it took {:?}", start.elapsed());
+}
+
+#[test]
 fn a_tag_is_no_function() {
     assert_eq!(
         run("(par (:tag work (work)))"),
