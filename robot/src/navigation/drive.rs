@@ -4,8 +4,9 @@
 use super::clearance::open_distance_m;
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput, WindowStatus};
 use super::navigation::NavigationInput;
-use super::obstacle_memory::{ObstacleMemory, SONARS, Transform, direction_rad};
+use super::obstacle_memory::{ObstacleMemory, Transform, direction_rad};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::localization::SONARS;
 use crate::random::Stream;
 use serde::{Deserialize, Serialize};
 

@@ -153,6 +153,9 @@ const WINDOW_S: f64 = 0.25;
 const TRANSLATIONS: usize = 11;
 const ROTATIONS: usize = 21;
 
+/// How many speeds a decision looks at.
+pub const CANDIDATES: usize = TRANSLATIONS * (ROTATIONS + 2);
+
 /// Weights of the objective, summing to 1: heading, clearance, speed.
 const HEADING_WEIGHT: f64 = 0.7;
 const CLEARANCE_WEIGHT: f64 = 0.12;
@@ -263,8 +266,7 @@ fn way_out_rad(limits: &DriveLimits, input: &WindowInput<'_>) -> f64 {
     best.1
 }
 
-/// The best of the admissible speeds; a full stop of the translation if none is. At least 231
-/// speeds are looked at. Cost: speeds × obstacle
+/// The best of the admissible speeds; a full stop of the translation if none is. Cost: [`CANDIDATES`] × obstacle
 /// points nearer than the clearance, and fewer where a speed cannot be the best whatever its
 /// clearance.
 ///

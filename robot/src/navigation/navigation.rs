@@ -2,11 +2,12 @@
 
 use super::alignment::aligned;
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
-use super::obstacle_memory::{ObstacleMemory, SONARS, Transform};
+use super::obstacle_memory::{ObstacleMemory, Transform};
 use super::planner::PlannerModel;
 use super::topological::{Target, is_passed};
 use super::value_field::{ValueField, path_length_m};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::localization::SONARS;
 use crate::world::TravelMode;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -1,11 +1,9 @@
 //! What the sonars saw lately, kept in `odom`: twenty-four cones are sparse, and some are lost.
 
 use crate::geometry::{Point, Pose, wrap_angle_rad};
+use crate::localization::SONARS;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// Sonars on the robot, evenly around it; sonar i looks to i · 15°.
-pub const SONARS: usize = 24;
 
 /// Half the opening of a sonar cone.
 const HALF_CONE_RAD: f64 = TAU / SONARS as f64 / 2.0;
@@ -25,9 +23,6 @@ const GRAIN_M: f64 = 0.05;
 
 /// Half as many readings must pass through a point before it is forgotten.
 const DOUBTS: u8 = 6;
-
-/// At most so many points; the ones seen longest ago go first.
-const CAPACITY: usize = 400;
 
 /// A point where the nearest surface of a cone may be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +48,9 @@ pub struct ObstacleMemory {
 }
 
 impl ObstacleMemory {
+    /// At most so many points; the ones seen longest ago go first.
+    pub const CAPACITY: usize = 400;
+
     /// Takes in one scan, or only lets `step_s` pass. A reading is the distance from the robot's
     /// centre; one that is not in (0, `max_range_m`) saw nothing.
     pub fn update(&mut self, odometry_in_odom: Pose, sonar_m: Option<&[f32; SONARS]>, max_range_m: f64, step_s: f64) {
@@ -131,14 +129,14 @@ impl ObstacleMemory {
     }
 
     fn forget_oldest(&mut self) {
-        if self.points.len() <= CAPACITY {
+        if self.points.len() <= Self::CAPACITY {
             return;
         }
         let mut times: Vec<f64> = self.points.iter().map(|point| point.seen_at_s).collect();
         times.sort_by(f64::total_cmp);
-        let oldest_kept = times[times.len() - CAPACITY];
+        let oldest_kept = times[times.len() - Self::CAPACITY];
         self.points.retain(|point| point.seen_at_s >= oldest_kept);
-        self.points.truncate(CAPACITY);
+        self.points.truncate(Self::CAPACITY);
     }
 }
 

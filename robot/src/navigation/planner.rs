@@ -235,6 +235,12 @@ impl PlannerModel {
         self.grid.cell_at(point_in_map).map_or(0.0, |cell| f64::from(self.obstacle_distances_m[cell]))
     }
 
+    /// What a metre costs at a point, in metres of open floor; `None` where the robot does not fit.
+    pub fn price(&self, point_in_map: Point) -> Option<f64> {
+        let price = self.grid.prices[self.grid.cell_at(point_in_map)?];
+        (price > 0).then(|| f64::from(price) / f64::from(OPEN_FLOOR))
+    }
+
     /// Whether the robot fits at a point.
     pub fn is_traversable(&self, point_in_map: Point) -> bool {
         self.grid.cell_at(point_in_map).is_some_and(|cell| self.grid.prices[cell] > 0)

@@ -2,10 +2,8 @@
 
 use super::gripper::{GripperCommand, GripperStatus};
 use crate::geometry::Pose;
+pub use crate::localization::SONARS;
 use serde::{Deserialize, Serialize};
-
-/// Sonars of the ring.
-pub const SONARS: usize = 24;
 
 /// Readings of a laser scan: the front half turn, one per degree.
 pub const LASER_READINGS: usize = 181;
