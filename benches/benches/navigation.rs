@@ -157,8 +157,7 @@ impl Floor {
 
     /// The neighbours of a cell and what the way there costs; no cut corners.
     fn moves(&self, cell: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
-        const STEPS: [(isize, isize); 8] =
-            [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+        const STEPS: [(isize, isize); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
         let at = move |dx: isize, dy: isize| cell.wrapping_add_signed(dx + dy * self.stride as isize);
         let scale = self.map.resolution_m as f32 / 2.0;
         STEPS.into_iter().filter_map(move |(dx, dy)| {
@@ -292,10 +291,8 @@ fn decisions(report: &Report) {
     let scenes: Vec<_> = (0..SCENES as u64)
         .map(|seed| {
             let target = Point::new(stream.uniform_in(0.5, 2.0), stream.uniform_in(-1.0, 1.0));
-            let speeds = Speeds {
-                translation_mps: stream.uniform_in(0.0, 0.3),
-                rotation_radps: stream.uniform_in(-0.5, 0.5),
-            };
+            let speeds =
+                Speeds { translation_mps: stream.uniform_in(0.0, 0.3), rotation_radps: stream.uniform_in(-0.5, 0.5) };
             (clutter(&limits, seed), target, speeds)
         })
         .collect();
@@ -328,7 +325,12 @@ fn decisions(report: &Report) {
             }
         }
         assert!(drives > SCENES / 4, "{drives}");
-        let ms = least_ms(RUNS, true, || (), || scenes.iter().for_each(|scene| assert!(black_box(input(scene)).translation_mps >= 0.0)));
+        let ms = least_ms(
+            RUNS,
+            true,
+            || (),
+            || scenes.iter().for_each(|scene| assert!(black_box(input(scene)).translation_mps >= 0.0)),
+        );
         ms * 1e3 / SCENES as f64
     });
 }

@@ -24,8 +24,9 @@ impl Default for PlannerParameters {
     }
 }
 
-/// The price of a metre on open floor. The unit makes a straight move cost a power of two.
-pub(super) const OPEN_FLOOR: u16 = 256;
+/// The price of a metre on open floor. The unit makes lengths of straight and diagonal moves whole
+/// numbers, see [`super::value_field`].
+pub(super) const OPEN_FLOOR: u16 = 210;
 
 /// The eight moves in the order of the bits of [`CostGrid::moves`]: straight ones first.
 pub(super) const MOVES: [(i64, i64); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
@@ -44,7 +45,7 @@ pub(super) struct CostGrid {
     pub stride: usize,
     /// What each of the moves adds to a framed index.
     pub offsets: [isize; 8],
-    /// Price of a metre in 1/256, 0 where the robot does not fit. Framed.
+    /// Price of a metre in units of [`OPEN_FLOOR`], 0 where the robot does not fit. Framed.
     pub prices: Vec<u16>,
     /// Whether the map has an obstacle there, or nothing known. Framed.
     pub is_obstacle: Vec<bool>,
@@ -103,8 +104,8 @@ impl CostGrid {
         }
     }
 
-    /// Cells whose centres lie within `reach_m` of a point, in row order.
-    fn disc(&self, centre_in_map: Point, reach_m: f64) -> Vec<usize> {
+    /// Cells whose centres lie within `reach_m` of a point, with their distances, in row order.
+    fn disc(&self, centre_in_map: Point, reach_m: f64) -> Vec<(usize, f64)> {
         let reach = libm::ceil(reach_m / self.resolution_m) as i64 + 1;
         let Some(middle) = self.cell_at(centre_in_map) else { return Vec::new() };
         let (column, row) = ((middle % self.stride) as i64, (middle / self.stride) as i64);
@@ -112,8 +113,9 @@ impl CostGrid {
         for y in (row - reach).max(1)..=(row + reach).min(self.rows as i64) {
             for x in (column - reach).max(1)..=(column + reach).min(self.columns as i64) {
                 let cell = y as usize * self.stride + x as usize;
-                if distance_m(self.centre(cell), centre_in_map) <= reach_m {
-                    cells.push(cell);
+                let squared_m2 = (self.centre(cell) - centre_in_map).norm_squared();
+                if squared_m2 <= reach_m * reach_m {
+                    cells.push((cell, squared_m2.sqrt()));
                 }
             }
         }
@@ -259,8 +261,8 @@ impl PlannerModel {
         self.grid
             .disc(point_in_map, reach_m)
             .into_iter()
-            .filter(|&cell| self.grid.is_obstacle[cell] && is_edge(cell))
-            .map(|cell| self.grid.centre(cell))
+            .filter(|&(cell, _)| self.grid.is_obstacle[cell] && is_edge(cell))
+            .map(|(cell, _)| self.grid.centre(cell))
             .collect()
     }
 
@@ -285,8 +287,8 @@ impl PlannerModel {
         let reach_m = self.parameters.comfortable_distance_m.max(self.parameters.robot_radius_m);
         let mut changed = Vec::new();
         for &point in blocked_in_map {
-            for cell in grid.disc(point, reach_m) {
-                let new_price = price(distance_m(grid.centre(cell), point), self.parameters);
+            for (cell, away_m) in grid.disc(point, reach_m) {
+                let new_price = price(away_m, self.parameters);
                 let old_price = grid.prices[cell];
                 if old_price > 0 && (new_price == 0 || new_price > old_price) {
                     grid.prices[cell] = new_price;
@@ -313,19 +315,17 @@ impl PlannerModel {
             return Some(point_in_map);
         }
         let mut nearest: Option<(f64, Point)> = None;
-        for cell in grid.disc(point_in_map, reach_m) {
-            let centre = grid.centre(cell);
-            let away_m = distance_m(centre, point_in_map);
+        for (cell, away_m) in grid.disc(point_in_map, reach_m) {
             if grid.prices[cell] > 0 && nearest.is_none_or(|(best_m, _)| away_m < best_m) {
-                nearest = Some((away_m, centre));
+                nearest = Some((away_m, grid.centre(cell)));
             }
         }
         nearest.map(|(_, centre)| centre)
     }
 }
 
-/// Price of a metre at a distance from the nearest obstacle, in 1/256; 0 where the robot does not
-/// fit.
+/// Price of a metre at a distance from the nearest obstacle, in units of [`OPEN_FLOOR`]; 0 where the
+/// robot does not fit.
 fn price(obstacle_distance_m: f64, parameters: PlannerParameters) -> u16 {
     if obstacle_distance_m < parameters.robot_radius_m {
         return 0;

@@ -7,11 +7,13 @@ use std::sync::Arc;
 /// Value of a cell from which the target cannot be reached.
 const UNREACHABLE: u32 = u32::MAX;
 
-/// A straight move on open floor costs 2¹⁴, the least a move can cost.
-const STRAIGHT_BITS: u32 = 14;
+/// A straight move on open floor, the least a move can cost. A diagonal one costs 19,601, which is
+/// √2 times as much to 2 · 10⁻⁹.
+const STRAIGHT: u32 = 13_860;
 
-/// √2 · 2¹⁴.
-const DIAGONAL: u32 = 23_170;
+/// Farther than this is unreachable: some 300,000 cells of open floor. Going on from a value up to
+/// this does not overflow.
+const FARTHEST: u32 = u32::MAX - 32 * STRAIGHT;
 
 /// More than the dearest move, divided by the cheapest: 16 · √2, rounded up to a power of two.
 const BUCKETS: usize = 32;
@@ -24,12 +26,14 @@ const ESCAPE_REACH_M: f64 = 1.0;
 ///
 /// A pure function of map, target and blocked points. Cost: one pass of a bucket queue whose
 /// buckets are as wide as the cheapest move is dear, so that whatever is in the foremost bucket is
-/// final (Dinic 1978); exact, and linear in the cells.
+/// final (Dinic 1978); exact, and linear in the cells: some 10 ns each. That is less than the way
+/// back from a change takes in most of a building, so there is no repair (D* Lite and its kind): a
+/// change of the map is a new field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueField {
     grid: Arc<CostGrid>,
     target_in_map: Option<Point>,
-    /// Framed like the grid, in 2⁻¹⁴ cells of open floor.
+    /// Framed like the grid, in 1/[`STRAIGHT`] cells of open floor.
     values: Vec<u32>,
 }
 
@@ -51,7 +55,7 @@ impl ValueField {
     /// no way or the robot does not fit at the point.
     pub fn cost_m(&self, from_in_map: Point) -> Option<f64> {
         let value = self.values[self.grid.cell_at(from_in_map)?];
-        (value != UNREACHABLE).then(|| f64::from(value) / f64::from(1 << STRAIGHT_BITS) * self.grid.resolution_m)
+        (value != UNREACHABLE).then(|| f64::from(value) / f64::from(STRAIGHT) * self.grid.resolution_m)
     }
 
     /// The way from a point to the target: the point itself, corners, the target. Straightened
@@ -171,47 +175,83 @@ impl ValueField {
 
 /// What move `bit` costs between two cells whose prices sum to this.
 fn move_cost(prices: u32, bit: usize) -> u32 {
-    const DOUBLED_OPEN_FLOOR: u32 = 2 * OPEN_FLOOR as u32;
-    const STRAIGHT: u32 = (1 << STRAIGHT_BITS) / DOUBLED_OPEN_FLOOR;
-    if bit < 4 { prices * STRAIGHT } else { prices * DIAGONAL / DOUBLED_OPEN_FLOOR }
+    const PER_PRICE: u32 = STRAIGHT / (2 * OPEN_FLOOR as u32);
+    /// √2 · 1024 times that, rounded so that a diagonal move on open floor is exact.
+    const DIAGONAL_PER_PRICE: u32 = 47_790;
+    if bit < 4 { prices * PER_PRICE } else { (prices * DIAGONAL_PER_PRICE) >> 10 }
+}
+
+fn bucket(value: u32) -> u32 {
+    value / STRAIGHT
+}
+
+/// Cells by the bucket of their value, all of them within [`BUCKETS`] of the foremost.
+struct Buckets {
+    cells: [Vec<u32>; BUCKETS],
+    waiting: usize,
+}
+
+impl Buckets {
+    fn push(&mut self, cell: usize, value: u32) {
+        self.cells[bucket(value) as usize % BUCKETS].push(cell as u32);
+        self.waiting += 1;
+    }
+
+    /// Takes a bucket out, in exchange for an empty one.
+    fn take(&mut self, bucket: u32, batch: &mut Vec<u32>) {
+        std::mem::swap(batch, &mut self.cells[bucket as usize % BUCKETS]);
+        self.waiting -= batch.len();
+    }
 }
 
 fn spread(grid: &CostGrid, target: usize, values: &mut [u32]) {
-    let mut buckets: [Vec<u32>; BUCKETS] = std::array::from_fn(|_| Vec::new());
+    let mut buckets = Buckets { cells: std::array::from_fn(|_| Vec::new()), waiting: 0 };
     values[target] = 0;
-    buckets[0].push(target as u32);
-    let (mut foremost, mut waiting) = (0u32, 1usize);
-    let mut batch = Vec::new();
-    while waiting > 0 {
-        std::mem::swap(&mut batch, &mut buckets[foremost as usize % BUCKETS]);
-        waiting -= batch.len();
+    buckets.push(target, 0);
+    let (mut foremost, mut batch) = (0, Vec::new());
+    while buckets.waiting > 0 {
+        buckets.take(foremost, &mut batch);
         for cell in batch.drain(..) {
             // A cell that was improved since lies in an earlier bucket too.
-            if values[cell as usize] >> STRAIGHT_BITS == foremost {
-                waiting += spread_from(grid, cell as usize, values, &mut buckets);
+            let value = values[cell as usize];
+            if bucket(value) == foremost && value <= FARTHEST {
+                spread_from(grid, cell as usize, values, &mut buckets);
             }
         }
         foremost += 1;
     }
 }
 
-/// Offers the neighbours the way over this cell; how many took it.
-fn spread_from(grid: &CostGrid, cell: usize, values: &mut [u32], buckets: &mut [Vec<u32>; BUCKETS]) -> usize {
+/// Offers the neighbours the way over this cell. Nobody can predict which of the eight will take it,
+/// so they are compared without branches first.
+fn spread_from(grid: &CostGrid, cell: usize, values: &mut [u32], buckets: &mut Buckets) {
     let (here, price) = (values[cell], u32::from(grid.prices[cell]));
-    let mut moves = grid.moves[cell];
-    let mut improved = 0;
-    while moves != 0 {
-        let bit = moves.trailing_zeros() as usize;
-        moves &= moves - 1;
+    let prices = neighbours(&grid.prices, cell, grid.stride);
+    let before = neighbours(values, cell, grid.stride);
+    let (mut offers, mut takers) = ([0; 8], 0);
+    for (bit, offer) in offers.iter_mut().enumerate() {
+        *offer = here + move_cost(price + u32::from(prices[bit]), bit);
+        takers |= u8::from(*offer < before[bit]) << bit;
+    }
+    takers &= grid.moves[cell];
+    while takers != 0 {
+        let bit = takers.trailing_zeros() as usize;
+        takers &= takers - 1;
         let next = cell.wrapping_add_signed(grid.offsets[bit]);
-        let value = here + move_cost(price + u32::from(grid.prices[next]), bit);
-        if value < values[next] {
-            values[next] = value;
-            buckets[(value >> STRAIGHT_BITS) as usize % BUCKETS].push(next as u32);
-            improved += 1;
+        values[next] = offers[bit];
+        // One that waits in the same bucket already will be served with its new value.
+        if bucket(before[bit]) != bucket(offers[bit]) {
+            buckets.push(next, offers[bit]);
         }
     }
-    improved
+}
+
+/// What is beside a cell, in the order of [`MOVES`]; the cell must not be in the frame.
+fn neighbours<T: Copy>(of: &[T], cell: usize, stride: usize) -> [T; 8] {
+    let below = &of[cell - stride - 1..][..3];
+    let beside = &of[cell - 1..][..3];
+    let above = &of[cell + stride - 1..][..3];
+    [beside[2], above[1], beside[0], below[1], above[2], above[0], below[0], below[2]]
 }
 
 /// The corners that remain of a way when every stretch is straightened that can be.

@@ -1,6 +1,7 @@
 //! Plans and whole drives in the simulator.
 
 mod drives;
+mod octile;
 mod plans;
 
 use super::*;
