@@ -1,7 +1,7 @@
 //! How far the robot gets on an arc before an obstacle point is too near.
 
 use super::dynamic_window::{DriveLimits, Speeds};
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use std::f64::consts::PI;
 
 /// Clearance beyond this is of no further use.
@@ -49,6 +49,14 @@ impl Obstacle {
         }
     }
 
+    /// Whether the robot is within the hard radius at a place, or nearer than it is now if it is
+    /// within it already.
+    fn is_touched_from(&self, at_in_base: Point) -> bool {
+        const GLANCING_M: f64 = 0.002;
+        let least_m = self.hard_radius_m.min(self.away_m - GLANCING_M);
+        (self.in_base - at_in_base).norm_squared() < least_m * least_m
+    }
+
     fn along_line_m(&self, radius_m: f64) -> f64 {
         if self.in_base.x <= 0.0 || self.in_base.y.abs() >= radius_m {
             return f64::INFINITY;
@@ -74,6 +82,31 @@ impl Obstacle {
         let along_rad = libm::atan2(self.in_base.x, inward_m) - libm::acos(cosine.min(1.0));
         arc_radius_m * if along_rad < 0.0 { along_rad + 2.0 * PI } else { along_rad }
     }
+}
+
+/// Whether the robot, from its present speeds, can do as wanted for two steps, which a command needs to
+/// take effect, and then stop without coming too near to anything on the way: driven ahead step by
+/// step with the accelerations there are.
+pub(super) fn stops_in_time(limits: &DriveLimits, near: &[Obstacle], now: Speeds, wanted: Speeds) -> bool {
+    const COMMAND_STEPS: u32 = 2;
+    const MOST_STEPS: u32 = 200;
+    let (mut speeds, mut heading_rad, mut at, mut way_m) = (now, 0.0, Point::origin(), 0.0);
+    for step in 0..MOST_STEPS {
+        speeds = limits.towards(speeds, if step < COMMAND_STEPS { wanted } else { Speeds::default() });
+        if speeds.translation_mps == 0.0 && (step >= COMMAND_STEPS || wanted.translation_mps == 0.0) {
+            return true;
+        }
+        let (sin, cos) = libm::sincos(heading_rad + speeds.rotation_radps * limits.step_s / 2.0);
+        let step_m = speeds.translation_mps * limits.step_s;
+        at += Vector::new(cos, sin) * step_m;
+        way_m += step_m.abs();
+        heading_rad += speeds.rotation_radps * limits.step_s;
+        let mut within_reach = near.iter().take_while(|obstacle| obstacle.away_m <= obstacle.hard_radius_m + way_m);
+        if within_reach.any(|obstacle| obstacle.is_touched_from(at)) {
+            return false;
+        }
+    }
+    false
 }
 
 /// The obstacles that matter up to a speed, nearest first.

@@ -2,7 +2,7 @@
 //! reached within a moment, and from which the robot can still stop before the next obstacle on its
 //! arc, the one that best combines heading, clearance and speed.
 
-use super::clearance::{CLEARANCE_HORIZON_M, clearance_m, near_obstacles, open_distance_m};
+use super::clearance::{CLEARANCE_HORIZON_M, Obstacle, clearance_m, near_obstacles, open_distance_m, stops_in_time};
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::world::TravelMode;
 use serde::{Deserialize, Serialize};
@@ -74,6 +74,19 @@ impl DriveLimits {
     pub fn stopping_distance_m(&self, translation_mps: f64) -> f64 {
         translation_mps * 2.0 * self.step_s
             + translation_mps * translation_mps / (2.0 * self.translation_deceleration_mps2)
+    }
+
+    /// The speeds a step later when others are wanted.
+    pub fn towards(&self, now: Speeds, wanted: Speeds) -> Speeds {
+        let towards = |from: f64, to: f64, most: f64| from + (to - from).clamp(-most, most);
+        let speeds_up = wanted.translation_mps > now.translation_mps;
+        let change_mps2 =
+            if speeds_up { self.translation_acceleration_mps2 } else { self.translation_deceleration_mps2 };
+        let change_radps = self.rotation_acceleration_radps2 * self.step_s;
+        Speeds {
+            translation_mps: towards(now.translation_mps, wanted.translation_mps, change_mps2 * self.step_s),
+            rotation_radps: towards(now.rotation_radps, wanted.rotation_radps, change_radps),
+        }
     }
 
     /// The rotation from which a turn by an angle can still be braked in time, with a reserve.
@@ -273,7 +286,9 @@ fn way_out_rad(limits: &DriveLimits, input: &WindowInput<'_>) -> f64 {
 /// # Deviation
 /// The paper's clearance is the distance to the next obstacle on the arc; here speeds are admissible
 /// if the robot can stop within that distance after two more steps, which a command needs to take
-/// effect. Towards a target at the side or behind the robot turns in place, for paths of the planner
+/// effect. The paper takes the speeds to change at once; here the best ones are driven ahead with the
+/// true accelerations, until the robot stands, before they are chosen. So there is always a way to stop
+/// short of everything known. Towards a target at the side or behind the robot turns in place, for paths of the planner
 /// may start with a turn in a narrow place.
 pub fn best_speeds(limits: &DriveLimits, input: &WindowInput<'_>) -> Speeds {
     let bearing_rad = libm::atan2(input.target_in_base.y, input.target_in_base.x);
@@ -290,14 +305,20 @@ pub fn best_speeds(limits: &DriveLimits, input: &WindowInput<'_>) -> Speeds {
             }
             if let Some(clearance_m) = clearance_m(limits, &near, speeds) {
                 let value = without_clearance + CLEARANCE_WEIGHT * clearance_m / CLEARANCE_HORIZON_M;
-                if best.is_none_or(|(most, _)| value > most) {
+                if best.is_none_or(|(most, _)| value > most) && stops_in_time(limits, &near, input.speeds, speeds) {
                     best = Some((value, speeds));
                 }
             }
         }
     }
-    // Nothing admissible: brake as hard as possible, and turn, which never touches anything.
-    best.map_or(Speeds { translation_mps: 0.0, rotation_radps: window.straightest_turn_radps }, |(_, speeds)| speeds)
+    best.map_or_else(|| brake(limits, &near, input.speeds, window.straightest_turn_radps), |(_, speeds)| speeds)
+}
+
+/// As hard as possible; turning towards the target meanwhile only if that does not bend the way into
+/// something.
+fn brake(limits: &DriveLimits, near: &[Obstacle], now: Speeds, straightest_turn_radps: f64) -> Speeds {
+    let turning = Speeds { translation_mps: 0.0, rotation_radps: straightest_turn_radps };
+    if stops_in_time(limits, near, now, turning) { turning } else { Speeds::default() }
 }
 
 /// The target as the robot will see it once it has driven at a rotation for a moment and stopped
@@ -382,7 +403,6 @@ impl Window {
 
 #[cfg(test)]
 mod tests {
-    use super::super::clearance::Obstacle;
     use super::*;
     use proptest::prelude::*;
 
