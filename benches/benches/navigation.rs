@@ -392,11 +392,10 @@ struct Errand {
 impl Errand {
     fn new() -> Self {
         let Some(world) = World::builtin("dept").map(Arc::new) else { panic!("`dept` is built in") };
-        let planner = PlannerModel::new(&world.map(0.1), PlannerParameters::default());
         Self {
             simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
             topology: TopologicalModel::new(&world),
-            navigation: NavigationModel { planner, limits: DriveLimits::default() },
+            navigation: NavigationModel::new(&world, DriveLimits::default()),
             world,
         }
     }
@@ -406,7 +405,7 @@ impl Errand {
         let mut state = self.simulator.start(seed);
         for place in ["mail-slots", "wolframs-shelf"] {
             let Ok(place) = self.world.place(place) else { panic!("`dept` has {place}") };
-            let Ok(plan) = self.topology.plan(&self.navigation.planner, state.robot_in_map, place) else {
+            let Ok(plan) = self.topology.plan(&self.navigation.planner, state.robot_in_map, place, &[]) else {
                 panic!("there is a way to {}", place.name)
             };
             let mut navigation = Navigation::default();
@@ -426,6 +425,7 @@ impl Errand {
                 odometry_in_odom: percept.odometry_in_odom,
                 speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
                 sonar_m: percept.sonar_m.as_ref(),
+                laser_m: percept.laser_m.as_deref(),
                 bumped: percept.bumped,
             };
             let here = state.robot_in_map;

@@ -2,14 +2,15 @@
 //!
 //! Read in this order: `distance` (how far the obstacles are), `planner` (what each cell costs),
 //! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
-//! sensors saw lately), `alignment` (where that fits the map), `clearance` (how far an arc is free),
-//! `dynamic_window` (safe speeds), `topological` (target points through doors
-//! and corridors), `navigation` (the state machine that drives them), `drive` (following and
+//! sensors saw lately), `alignment` (where that fits the map), `doorways` (which doors were found
+//! closed), `clearance` (how far an arc is free), `dynamic_window` (safe speeds), `topological`
+//! (target points through doors and corridors), `navigation` (the state machine that drives them), `drive` (following and
 //! wandering without a map). Nothing here knows the plan language or the simulator.
 
 pub mod alignment;
 pub mod clearance;
 pub mod distance;
+pub mod doorways;
 pub mod drive;
 pub mod dynamic_window;
 #[allow(clippy::module_inception)]
@@ -22,6 +23,7 @@ pub mod value_field;
 #[cfg(test)]
 mod tests;
 
+pub use doorways::{DoorMemory, Doorway};
 pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
 pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};

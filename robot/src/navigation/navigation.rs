@@ -1,14 +1,15 @@
 //! The behaviour `navigation`: drives from target point to target point, whatever stands in the way.
 
 use super::alignment::aligned;
+use super::doorways::{DoorMemory, Doorway};
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
 use super::obstacle_memory::{ObstacleMemory, Transform};
-use super::planner::PlannerModel;
+use super::planner::{PlannerModel, PlannerParameters};
 use super::topological::{Target, is_passed};
 use super::value_field::{ValueField, path_length_m};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use crate::localization::SONARS;
-use crate::world::TravelMode;
+use crate::world::{TravelMode, World};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -17,8 +18,19 @@ use std::sync::Arc;
 pub struct NavigationModel {
     /// The map.
     pub planner: PlannerModel,
+    /// The doors that the map shows open.
+    pub doorways: Vec<Doorway>,
     /// The robot.
     pub limits: DriveLimits,
+}
+
+impl NavigationModel {
+    /// The map of a world at 10 cm, and its doors.
+    pub fn new(world: &World, limits: DriveLimits) -> Self {
+        const CELL_M: f64 = 0.1;
+        let planner = PlannerModel::new(&world.map(CELL_M), PlannerParameters::default());
+        Self { planner, doorways: Doorway::all(world), limits }
+    }
 }
 
 /// What one step gets to know.
@@ -30,6 +42,9 @@ pub struct NavigationInput<'a> {
     pub speeds: Speeds,
     /// Distances from the robot's centre, sonar i at i · 15°; `None` while the sonars are off.
     pub sonar_m: Option<&'a [f32; SONARS]>,
+    /// Distances from the robot's centre, a degree apart, from right to left about straight ahead;
+    /// `None` without a laser.
+    pub laser_m: Option<&'a [f32]>,
     /// Whether something touches the robot.
     pub bumped: bool,
 }
@@ -92,10 +107,11 @@ pub struct Navigation {
     targets: Vec<Target>,
     now_s: f64,
     memory: ObstacleMemory,
+    doors: DoorMemory,
     window: DynamicWindow,
     /// Sorted by cell.
     blockages: Vec<Blockage>,
-    /// Until then no blockages are planned around: with them there was no way.
+    /// Until then neither blockages nor closed doors are planned around: with them there was no way.
     trusting_map_until_s: f64,
     next_look_s: f64,
     /// Until then the robot must see where it is.
@@ -129,6 +145,7 @@ struct FieldCache(Option<CachedFields>);
 #[derive(Clone, Debug)]
 struct CachedFields {
     target_in_map: Point,
+    barriers_in_map: Vec<Point>,
     blocked_in_map: Vec<Point>,
     fields: Fields,
 }
@@ -136,9 +153,9 @@ struct CachedFields {
 /// The value of every cell for the current target.
 #[derive(Clone, Debug)]
 struct Fields {
-    /// As the map has it.
+    /// As the map has it, but for doors found closed.
     mapped: Arc<ValueField>,
-    /// With the blockages.
+    /// With the blockages besides.
     around: Arc<ValueField>,
 }
 
@@ -164,7 +181,7 @@ const LEFT_AGAIN_M: f64 = 0.4;
 /// The robot stops turning this near to the wanted heading; 10° would do.
 const HEADING_TOLERANCE_RAD: f64 = 0.1;
 /// How far along the way the point lies that the collision avoidance heads for.
-const LOOKAHEAD_M: f64 = 1.0;
+const LOOKAHEAD_M: f64 = 2.0;
 /// So long without getting nearer is blocked.
 const BLOCKED_S: f64 = 20.0;
 /// A detour is given time at this speed, and at most so much.
@@ -193,15 +210,16 @@ const JUMP_RAD: f64 = 0.5;
 const MAP_SUPPORT_M: f64 = 1.2;
 
 impl Navigation {
-    /// Begins to drive to these targets, in order, instead of any others. What the sensors saw is
-    /// kept.
+    /// Begins to drive to these targets, in order, instead of any others. What the sensors saw and
+    /// which doors were found closed is kept.
     pub fn start(&mut self, targets: Vec<Target>) {
-        let memory = std::mem::take(&mut self.memory);
+        let (memory, doors) = (std::mem::take(&mut self.memory), std::mem::take(&mut self.doors));
         let phase = if targets.is_empty() { Phase::Idle } else { Phase::Driving };
         *self = Self {
             phase,
             targets,
             memory,
+            doors,
             now_s: self.now_s,
             next_look_s: self.now_s,
             progress: Progress { least_cost_m: None, at_s: self.now_s, anew: false },
@@ -217,6 +235,11 @@ impl Navigation {
     /// Targets not yet reached.
     pub fn remaining_targets(&self) -> &[Target] {
         &self.targets
+    }
+
+    /// The doors found closed, as indices into the world's doors.
+    pub fn closed_doors(&self) -> Vec<usize> {
+        self.doors.closed(self.now_s)
     }
 
     /// Whether there is anything to do.
@@ -242,7 +265,8 @@ impl Navigation {
     ) -> NavigationOutput {
         let limits = &model.limits;
         self.now_s += limits.step_s;
-        self.memory.update(input.odometry_in_odom, input.sonar_m, limits.sonar_max_range_m, limits.step_s);
+        let (sonar_m, laser_m) = (input.sonar_m, input.laser_m);
+        self.memory.update(input.odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
         if input.bumped {
             self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
         }
@@ -280,13 +304,14 @@ impl Navigation {
         self.output(Speeds::default(), Some(event))
     }
 
-    /// An estimate that jumped makes old progress and old blockages meaningless.
+    /// An estimate that jumped makes old progress, blockages and doors meaningless.
     fn notice_jump(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
         if let Some((estimated_before, odometry_before)) = self.last {
             let expected = estimated_before.compose(odometry_in_odom.relative_to(odometry_before));
             let off_rad = wrap_angle_rad(estimated_in_map.heading_rad - expected.heading_rad).abs();
             if estimated_in_map.distance_m(expected) > JUMP_M || off_rad > JUMP_RAD {
                 self.blockages.clear();
+                self.doors = DoorMemory::default();
                 self.window = DynamicWindow::default();
                 self.progress.least_cost_m = None;
                 self.next_look_s = self.now_s;
@@ -383,10 +408,11 @@ impl Navigation {
     }
 
     /// The target and the point to head for. If something stands at an intermediate target, the next target is
-    /// headed for instead. Without any way the blockages are forgotten: some may have gone.
+    /// headed for instead. Without any way the blockages are forgotten and doors found closed are
+    /// tried: some may have gone, and somebody may open the door.
     fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<(Target, Point)> {
         let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
-        if towards.is_some() || self.blockages.is_empty() {
+        if towards.is_some() || (self.blockages.is_empty() && self.barriers(model).is_empty()) {
             return Some((target, towards?));
         }
         if let [_, next, ..] = self.targets[..]
@@ -403,22 +429,36 @@ impl Navigation {
 
     fn fields(&mut self, model: &NavigationModel, target: Target) -> Fields {
         let target_in_map = target.point_in_map;
+        let barriers_in_map = self.barriers(model);
         let blocked_in_map: Vec<Point> = self.blockages.iter().map(|blockage| blockage.point_in_map()).collect();
-        let cached = self.cache.0.take().filter(|cached| cached.target_in_map == target_in_map);
+        let is_same =
+            |cached: &CachedFields| cached.target_in_map == target_in_map && cached.barriers_in_map == barriers_in_map;
+        let cached = self.cache.0.take().filter(is_same);
         if let Some(cached) = cached.clone().filter(|cached| cached.blocked_in_map == blocked_in_map) {
             self.cache.0 = Some(cached.clone());
             return cached.fields;
         }
-        let mapped =
-            cached.map_or_else(|| Arc::new(model.planner.value_field(target_in_map)), |cached| cached.fields.mapped);
+        let mapped = cached.map_or_else(
+            || Arc::new(model.planner.value_field_around(target_in_map, &barriers_in_map)),
+            |cached| cached.fields.mapped,
+        );
         let around = if blocked_in_map.is_empty() {
             mapped.clone()
         } else {
-            Arc::new(model.planner.value_field_around(target_in_map, &blocked_in_map))
+            let all = [&barriers_in_map[..], &blocked_in_map].concat();
+            Arc::new(model.planner.value_field_around(target_in_map, &all))
         };
         let fields = Fields { mapped, around };
-        self.cache.0 = Some(CachedFields { target_in_map, blocked_in_map, fields: fields.clone() });
+        self.cache.0 = Some(CachedFields { target_in_map, barriers_in_map, blocked_in_map, fields: fields.clone() });
         fields
+    }
+
+    /// What stands in the way at doors found closed, unless there was no other way.
+    fn barriers(&self, model: &NavigationModel) -> Vec<Point> {
+        if self.now_s < self.trusting_map_until_s {
+            return Vec::new();
+        }
+        self.doors.barriers(&model.doorways, self.now_s)
     }
 
     fn remaining_m(&self, here: Point) -> f64 {
@@ -467,6 +507,7 @@ impl Navigation {
         }
         self.next_look_s = self.now_s + LOOK_S;
         self.blockages.retain(|blockage| blockage.until_s > self.now_s);
+        self.look_at_doors(model, estimated_in_map, odometry_in_odom);
         if self.now_s >= self.trusting_map_until_s {
             let unmapped = self.unmapped_points(model, estimated_in_map, odometry_in_odom);
             let way = self.fields(model, target).around.way_ahead(estimated_in_map.point(), LOOK_M).unwrap_or_default();
@@ -478,13 +519,28 @@ impl Navigation {
         }
     }
 
-    fn unmapped_points(&self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
+    /// A door that is newly found closed is a new task: there is time again for the way around.
+    fn look_at_doors(&mut self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) {
+        let before = self.closed_doors();
+        let points = self.sharp_points(estimated_in_map, odometry_in_odom);
+        let robot_width_m = 2.0 * model.limits.robot_radius_m;
+        let here = estimated_in_map.point();
+        self.doors.look(&model.doorways, here, &points, robot_width_m, self.now_s, LOOK_S);
+        if self.closed_doors().iter().any(|door| !before.contains(door)) {
+            self.progress = Progress { least_cost_m: None, at_s: self.now_s, anew: false };
+        }
+    }
+
+    fn sharp_points(&self, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
         let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
         let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M);
-        sharp
-            .map(|point| odom_in_map.apply(point.point_in_odom))
-            .filter(|&point_in_map| model.planner.obstacle_distance_m(point_in_map) > UNMAPPED_M)
-            .collect()
+        sharp.map(|point| odom_in_map.apply(point.point_in_odom)).collect()
+    }
+
+    fn unmapped_points(&self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
+        let mut points = self.sharp_points(estimated_in_map, odometry_in_odom);
+        points.retain(|&point_in_map| model.planner.obstacle_distance_m(point_in_map) > UNMAPPED_M);
+        points
     }
 
     fn block(&mut self, points_in_map: &[Point]) {

@@ -1,4 +1,5 @@
-//! What the sonars saw lately, kept in `odom`: twenty-four cones are sparse, and some are lost.
+//! What the sensors saw lately, kept in `odom`: twenty-four cones are sparse, some are lost, and the
+//! laser looks ahead only.
 
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::localization::SONARS;
@@ -14,7 +15,7 @@ const USEFUL_RANGE_M: f64 = 2.0;
 /// Remembered points farther from the robot than this are forgotten.
 const MEMORY_RANGE_M: f64 = 2.5;
 
-/// Points are forgotten this long after they were last seen, time without sonars not counted:
+/// Points are forgotten this long after they were last seen, time without their sensor not counted:
 /// nothing could have shown that they are gone.
 const MEMORY_S: f64 = 6.0;
 
@@ -24,11 +25,19 @@ const GRAIN_M: f64 = 0.05;
 /// Half as many readings must pass through a point before it is forgotten.
 const DOUBTS: u8 = 6;
 
-/// A point where the nearest surface of a cone may be.
+/// What saw a point. Only the same can see that it is gone: a box may be there for one of them alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+enum Sensor {
+    Sonar,
+    Laser,
+}
+
+/// A point where the nearest surface of a cone may be, or one where a laser beam ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RememberedPoint {
     /// Its cell on a grid of 5 cm, by which points are kept apart and in order.
     cell: (i32, i32),
+    sensor: Sensor,
     /// Where it was seen last, in `odom`.
     pub point_in_odom: Point,
     /// The reading it comes from.
@@ -41,9 +50,9 @@ pub struct RememberedPoint {
 /// forgotten, others after some seconds or metres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObstacleMemory {
-    /// Time with sonars.
-    now_s: f64,
-    /// Sorted by cell.
+    /// Time with sonars, and with the laser.
+    now_s: [f64; 2],
+    /// Sorted by cell and sensor.
     points: Vec<RememberedPoint>,
 }
 
@@ -51,22 +60,45 @@ impl ObstacleMemory {
     /// At most so many points; the ones seen longest ago go first.
     pub const CAPACITY: usize = 400;
 
-    /// Takes in one scan, or only lets `step_s` pass. A reading is the distance from the robot's
-    /// centre; one that is not in (0, `max_range_m`) saw nothing.
-    pub fn update(&mut self, odometry_in_odom: Pose, sonar_m: Option<&[f32; SONARS]>, max_range_m: f64, step_s: f64) {
+    /// Takes in what the sensors say at a place, or only lets `step_s` pass. A reading is the distance
+    /// from the robot's centre; a sonar's that is not in (0, `sonar_max_range_m`) heard nothing. The
+    /// laser's readings are a degree apart, in order from right to left about straight ahead.
+    pub fn update(
+        &mut self,
+        odometry_in_odom: Pose,
+        sonar_m: Option<&[f32; SONARS]>,
+        laser_m: Option<&[f32]>,
+        sonar_max_range_m: f64,
+        step_s: f64,
+    ) {
         if let Some(sonar_m) = sonar_m {
-            self.now_s += step_s;
-            self.doubt(odometry_in_odom, sonar_m, max_range_m);
+            self.now_s[Sensor::Sonar as usize] += step_s;
+            self.doubt(odometry_in_odom, Sensor::Sonar, |bearing_rad, away_m| {
+                doubts_of_sonar(sonar_m, sonar_max_range_m, bearing_rad, away_m)
+            });
             for (sonar, &range_m) in sonar_m.iter().enumerate() {
                 let range_m = f64::from(range_m);
-                if range_m > 0.0 && range_m < max_range_m.min(USEFUL_RANGE_M) {
-                    self.see(odometry_in_odom, direction_rad(sonar), range_m);
+                if range_m > 0.0 && range_m < sonar_max_range_m.min(USEFUL_RANGE_M) {
+                    self.hear(odometry_in_odom, direction_rad(sonar), range_m);
+                }
+            }
+        }
+        if let Some(laser_m) = laser_m {
+            self.now_s[Sensor::Laser as usize] += step_s;
+            self.doubt(odometry_in_odom, Sensor::Laser, |bearing_rad, away_m| {
+                doubts_of_laser(laser_m, bearing_rad, away_m)
+            });
+            for (beam, &range_m) in laser_m.iter().enumerate() {
+                let range_m = f64::from(range_m);
+                if range_m > 0.0 && range_m < USEFUL_RANGE_M {
+                    let bearing_rad = odometry_in_odom.heading_rad + laser_bearing_rad(laser_m, beam);
+                    self.remember(ahead_of(odometry_in_odom, bearing_rad, range_m), Sensor::Laser, range_m);
                 }
             }
         }
         let here = odometry_in_odom.point();
         self.points.retain(|point| {
-            self.now_s - point.seen_at_s <= MEMORY_S
+            self.now_s[point.sensor as usize] - point.seen_at_s <= MEMORY_S
                 && (point.point_in_odom - here).norm_squared() <= MEMORY_RANGE_M * MEMORY_RANGE_M
         });
         self.forget_oldest();
@@ -75,7 +107,7 @@ impl ObstacleMemory {
     /// Remembers an obstacle felt, not seen: the robot drives forward only, so it is at the front.
     pub fn feel(&mut self, odometry_in_odom: Pose, robot_radius_m: f64) {
         for direction_rad in [-0.7, 0.0, 0.7] {
-            self.see(odometry_in_odom, direction_rad, robot_radius_m + 0.01);
+            self.hear(odometry_in_odom, direction_rad, robot_radius_m + 0.01);
         }
     }
 
@@ -91,39 +123,32 @@ impl ObstacleMemory {
     }
 
     /// The surface is somewhere on the arc: all of it counts.
-    fn see(&mut self, odometry_in_odom: Pose, direction_rad: f64, range_m: f64) {
+    fn hear(&mut self, odometry_in_odom: Pose, direction_rad: f64, range_m: f64) {
         let steps = libm::ceil(HALF_CONE_RAD * range_m / (1.6 * GRAIN_M)).max(1.0) as i32;
         for step in -steps..=steps {
             let angle_rad =
                 odometry_in_odom.heading_rad + direction_rad + HALF_CONE_RAD * f64::from(step) / f64::from(steps);
-            let (sin, cos) = libm::sincos(angle_rad);
-            let point_in_odom = Point::new(odometry_in_odom.x_m + cos * range_m, odometry_in_odom.y_m + sin * range_m);
-            self.remember(point_in_odom, range_m);
+            self.remember(ahead_of(odometry_in_odom, angle_rad, range_m), Sensor::Sonar, range_m);
         }
     }
 
-    fn remember(&mut self, point_in_odom: Point, range_m: f64) {
+    fn remember(&mut self, point_in_odom: Point, sensor: Sensor, range_m: f64) {
         let cell = (libm::floor(point_in_odom.x / GRAIN_M) as i32, libm::floor(point_in_odom.y / GRAIN_M) as i32);
-        let seen = RememberedPoint { cell, point_in_odom, range_m, seen_at_s: self.now_s, doubts: 0 };
-        match self.points.binary_search_by(|point| point.cell.cmp(&cell)) {
+        let seen_at_s = self.now_s[sensor as usize];
+        let seen = RememberedPoint { cell, sensor, point_in_odom, range_m, seen_at_s, doubts: 0 };
+        match self.points.binary_search_by(|point| (point.cell, point.sensor).cmp(&(cell, sensor))) {
             Ok(index) => self.points[index] = seen,
             Err(index) => self.points.insert(index, seen),
         }
     }
 
-    /// A sonar that hears nothing tells half as much: smooth walls throw its sound away.
-    fn doubt(&mut self, odometry_in_odom: Pose, sonar_m: &[f32; SONARS], max_range_m: f64) {
+    /// Adds the doubts that a scan casts on a point in a direction at a distance.
+    fn doubt(&mut self, odometry_in_odom: Pose, sensor: Sensor, doubts: impl Fn(f64, f64) -> u8) {
         let odom_in_base = Transform::new(odometry_in_odom.inverse());
-        for point in &mut self.points {
+        for point in self.points.iter_mut().filter(|point| point.sensor == sensor) {
             let point_in_base = odom_in_base.apply(point.point_in_odom);
             let bearing_rad = libm::atan2(point_in_base.y, point_in_base.x);
-            let sonar = libm::round(bearing_rad / (2.0 * HALF_CONE_RAD)) as i64;
-            let off_axis_rad = wrap_angle_rad(bearing_rad - sonar as f64 * 2.0 * HALF_CONE_RAD).abs();
-            let reading_m = f64::from(sonar_m[sonar.rem_euclid(SONARS as i64) as usize]);
-            let passes = reading_m > point_in_base.coords.norm() + GRAIN_M;
-            if passes && off_axis_rad < 0.95 * HALF_CONE_RAD {
-                point.doubts += if reading_m < max_range_m { 2 } else { 1 };
-            }
+            point.doubts += doubts(bearing_rad, point_in_base.coords.norm());
         }
         self.points.retain(|point| point.doubts < DOUBTS);
     }
@@ -132,12 +157,47 @@ impl ObstacleMemory {
         if self.points.len() <= Self::CAPACITY {
             return;
         }
-        let mut times: Vec<f64> = self.points.iter().map(|point| point.seen_at_s).collect();
-        times.sort_by(f64::total_cmp);
-        let oldest_kept = times[times.len() - Self::CAPACITY];
-        self.points.retain(|point| point.seen_at_s >= oldest_kept);
+        let now_s = self.now_s;
+        let age_s = |point: &RememberedPoint| now_s[point.sensor as usize] - point.seen_at_s;
+        let mut ages_s: Vec<f64> = self.points.iter().map(age_s).collect();
+        ages_s.sort_by(f64::total_cmp);
+        let oldest_kept_s = ages_s[Self::CAPACITY - 1];
+        self.points.retain(|point| age_s(point) <= oldest_kept_s);
         self.points.truncate(Self::CAPACITY);
     }
+}
+
+/// A sonar that hears nothing tells half as much: smooth walls throw its sound away.
+fn doubts_of_sonar(sonar_m: &[f32; SONARS], max_range_m: f64, bearing_rad: f64, away_m: f64) -> u8 {
+    let sonar = libm::round(bearing_rad / (2.0 * HALF_CONE_RAD)) as i64;
+    let off_axis_rad = wrap_angle_rad(bearing_rad - sonar as f64 * 2.0 * HALF_CONE_RAD).abs();
+    let reading_m = f64::from(sonar_m[sonar.rem_euclid(SONARS as i64) as usize]);
+    let passes = reading_m > away_m + GRAIN_M && off_axis_rad < 0.95 * HALF_CONE_RAD;
+    match passes {
+        true if reading_m < max_range_m => 2,
+        true => 1,
+        false => 0,
+    }
+}
+
+/// The beam through a point must end behind it, and so must those beside it: they may have missed a
+/// thin thing.
+fn doubts_of_laser(laser_m: &[f32], bearing_rad: f64, away_m: f64) -> u8 {
+    let beam = libm::round(bearing_rad.to_degrees() + (laser_m.len() as f64 - 1.0) / 2.0);
+    if beam < 1.0 || beam + 1.0 >= laser_m.len() as f64 {
+        return 0;
+    }
+    let passes = laser_m[beam as usize - 1..][..3].iter().all(|&reading_m| f64::from(reading_m) > away_m + GRAIN_M);
+    2 * u8::from(passes)
+}
+
+fn laser_bearing_rad(laser_m: &[f32], beam: usize) -> f64 {
+    (beam as f64 - (laser_m.len() as f64 - 1.0) / 2.0).to_radians()
+}
+
+fn ahead_of(odometry_in_odom: Pose, bearing_in_odom_rad: f64, range_m: f64) -> Point {
+    let (sin, cos) = libm::sincos(bearing_in_odom_rad);
+    Point::new(odometry_in_odom.x_m + cos * range_m, odometry_in_odom.y_m + sin * range_m)
 }
 
 /// Where sonar number `sonar` looks, from straight ahead.

@@ -66,6 +66,8 @@ enum Area {
 /// An open door with the areas on its two sides and the line through it.
 #[derive(Clone, Copy, Debug)]
 struct Passage {
+    /// As an index into the world's doors.
+    door: usize,
     at: Point,
     /// Across the wall, of unit length, from the first area to the second.
     through: Vector,
@@ -90,9 +92,9 @@ impl TopologicalModel {
             closed_doors: Vec::new(),
             regions: world.regions.clone(),
         };
-        for door in &world.doors {
+        for (index, door) in world.doors.iter().enumerate() {
             if door.mapped_open {
-                let passage = model.passage(door);
+                let passage = model.passage(index, door);
                 model.passages.push(passage);
             } else {
                 model.closed_doors.push(door.room.clone());
@@ -101,23 +103,31 @@ impl TopologicalModel {
         model
     }
 
-    /// The plan from a pose to a place. `Unreachable` if no chain of open doors joins them, or if
-    /// the map leaves no way between two of its targets.
+    /// The plan from a pose to a place. Doors found closed, given as indices into the world's doors,
+    /// are gone through only if there is no other way. `Unreachable` if no chain of open doors joins
+    /// them, or if the map leaves no way between two of its targets. Cost: a value field for each
+    /// target.
     pub fn plan(
         &self,
         planner: &PlannerModel,
         start_in_map: Pose,
         destination: &Place,
+        closed_doors: &[usize],
     ) -> Result<NavigationPlan, Unreachable> {
         let goal = Target::at(destination.pose_in_map);
-        let from = self.area_at(start_in_map.point());
-        let to = self.area_at(goal.point_in_map);
-        let chain = self.chain(start_in_map.point(), from, goal.point_in_map, to).ok_or_else(|| self.no_chain(to))?;
-        let mut points = self.points(planner, start_in_map.point(), &chain, goal.point_in_map);
+        let start = start_in_map.point();
+        let (from, to) = (self.area_at(start), self.area_at(goal.point_in_map));
+        let chain = self
+            .chain(start, from, goal.point_in_map, to, closed_doors)
+            .or_else(|| self.chain(start, from, goal.point_in_map, to, &[]))
+            .ok_or_else(|| self.no_chain(to))?;
+        let beside_doors = |passage: &Passage| [-1.0, 1.0].map(|side| clear_point_on_axis(planner, passage, side));
+        let mut points: Vec<Point> = chain.iter().flat_map(beside_doors).collect();
+        points.push(goal.point_in_map);
         merge_near_points(&mut points);
-        drop_passed(&mut points, start_in_map.point());
-        check_connected(planner, start_in_map.point(), &points, destination)?;
-        let regions = self.regions_along(start_in_map.point(), &points);
+        drop_passed(&mut points, start);
+        let points = self.joined(planner, start, &points, destination)?;
+        let regions = self.regions_along(start, &points);
         let (_, through) = points.split_last().unwrap_or((&goal.point_in_map, &[]));
         let mut targets: Vec<Target> = through.iter().copied().map(Target::through).collect();
         targets.push(goal);
@@ -134,13 +144,13 @@ impl TopologicalModel {
         self.rooms.iter().position(|room| room.rect.contains(point_in_map)).map_or(Area::Corridor, Area::Room)
     }
 
-    fn passage(&self, door: &Door) -> Passage {
+    fn passage(&self, index: usize, door: &Door) -> Passage {
         let normal = match door.axis {
             Axis::X => Vector::new(0.0, 1.0),
             Axis::Y => Vector::new(1.0, 0.0),
         };
         let areas = [-1.0, 1.0].map(|side| self.area_at(door.at + normal * (side * DOOR_APPROACH_M * 0.5)));
-        Passage { at: door.at, through: normal, areas }
+        Passage { door: index, at: door.at, through: normal, areas }
     }
 
     fn no_chain(&self, to: Area) -> Unreachable {
@@ -160,13 +170,14 @@ impl TopologicalModel {
 
     /// The doors to go through, each with the direction: the shortest chain by the distances of the
     /// doors from each other.
-    fn chain(&self, start: Point, from: Area, goal: Point, to: Area) -> Option<Vec<Passage>> {
+    fn chain(&self, start: Point, from: Area, goal: Point, to: Area, closed_doors: &[usize]) -> Option<Vec<Passage>> {
         if from == to {
             return Some(Vec::new());
         }
         // A node is a door in one of its two directions; few doors, so the nearest open node is
         // searched for linearly.
-        let nodes: Vec<Passage> = self.passages.iter().flat_map(|&passage| [passage, passage.reversed()]).collect();
+        let open = self.passages.iter().filter(|passage| !closed_doors.contains(&passage.door));
+        let nodes: Vec<Passage> = open.flat_map(|&passage| [passage, passage.reversed()]).collect();
         let mut length_m: Vec<f64> = nodes
             .iter()
             .map(|node| if node.areas[0] == from { distance_m(start, node.at) } else { f64::INFINITY })
@@ -200,31 +211,39 @@ impl TopologicalModel {
         Some(chain)
     }
 
-    fn points(&self, planner: &PlannerModel, start: Point, chain: &[Passage], goal: Point) -> Vec<Point> {
-        let mut points = Vec::new();
-        let mut here = start;
-        for (index, passage) in chain.iter().enumerate() {
-            let before = clear_point_on_axis(planner, passage, -1.0);
-            let behind = clear_point_on_axis(planner, passage, 1.0);
-            if passage.areas[0] == Area::Corridor {
-                self.along_corridor(planner, (index > 0).then_some(here), before, &mut points);
+    /// The points, and between two of them points on the centre line of the corridor wherever the
+    /// shortest way leads through an office of others.
+    fn joined(
+        &self,
+        planner: &PlannerModel,
+        start: Point,
+        points: &[Point],
+        destination: &Place,
+    ) -> Result<Vec<Point>, Unreachable> {
+        let mut joined = Vec::new();
+        let mut from = start;
+        for &to in points {
+            let path = planner.value_field(to).path(from).ok_or_else(|| no_way(from, to, destination))?;
+            if self.leads_through_others(&path) {
+                let ends = [from, to].map(|end| self.hallway_at(end).map(|hallway| on_centre_line(&hallway, end)));
+                joined.extend(ends.into_iter().flatten().filter(|&point| has_clearance(planner, point)));
             }
-            points.extend([before, behind]);
-            here = behind;
+            joined.push(to);
+            from = to;
         }
-        if self.area_at(goal) == Area::Corridor {
-            self.along_corridor(planner, (!chain.is_empty()).then_some(here), goal, &mut points);
-        }
-        points.push(goal);
-        points
+        Ok(joined)
     }
 
-    /// The points on the centre line of the corridor beside its two ends; the one beside `from` only
-    /// if the robot comes out of a door there.
-    fn along_corridor(&self, planner: &PlannerModel, from: Option<Point>, to: Point, points: &mut Vec<Point>) {
-        let Some(hallway) = self.hallway_at(to) else { return };
-        let ends = from.into_iter().chain([to]).map(|end| on_centre_line(&hallway, end));
-        points.extend(ends.filter(|&point| has_clearance(planner, point)));
+    /// Whether a way crosses rooms other than those of its two ends.
+    fn leads_through_others(&self, path: &[Point]) -> bool {
+        const GRAIN_M: f64 = 0.2;
+        let [first, .., last] = path else { return false };
+        let ends = [Area::Corridor, self.area_at(*first), self.area_at(*last)];
+        path.windows(2).any(|leg| {
+            let steps = libm::ceil(distance_m(leg[0], leg[1]) / GRAIN_M).max(1.0) as usize;
+            let along = |step: usize| leg[0] + (leg[1] - leg[0]) * (step as f64 / steps as f64);
+            (0..=steps).any(|step| !ends.contains(&self.area_at(along(step))))
+        })
     }
 
     fn hallway_at(&self, point_in_map: Point) -> Option<Rect> {
@@ -254,7 +273,7 @@ impl TopologicalModel {
 
 impl Passage {
     fn reversed(self) -> Self {
-        Self { at: self.at, through: -self.through, areas: [self.areas[1], self.areas[0]] }
+        Self { through: -self.through, areas: [self.areas[1], self.areas[0]], ..self }
     }
 }
 
@@ -322,22 +341,10 @@ fn drop_passed(points: &mut Vec<Point>, here: Point) {
     }
 }
 
-fn check_connected(
-    planner: &PlannerModel,
-    start: Point,
-    points: &[Point],
-    destination: &Place,
-) -> Result<(), Unreachable> {
-    let mut from = start;
-    for &to in points {
-        if planner.value_field(to).path(from).is_none() {
-            let reason = format!(
-                "the map leaves no way from ({:.2}, {:.2}) to ({:.2}, {:.2}) on the way to {}",
-                from.x, from.y, to.x, to.y, destination.name
-            );
-            return Err(Unreachable { reason });
-        }
-        from = to;
-    }
-    Ok(())
+fn no_way(from: Point, to: Point, destination: &Place) -> Unreachable {
+    let reason = format!(
+        "the map leaves no way from ({:.2}, {:.2}) to ({:.2}, {:.2}) on the way to {}",
+        from.x, from.y, to.x, to.y, destination.name
+    );
+    Unreachable { reason }
 }

@@ -149,6 +149,7 @@ impl Board {
             odometry_in_odom: percept.odometry_in_odom,
             speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
             sonar_m: percept.sonar_m.as_ref(),
+            laser_m: percept.laser_m.as_deref(),
             bumped: percept.bumped,
         }
     }

@@ -22,7 +22,7 @@ pub use scenario::{Oracle, SCENARIO_NAMES, oracle_natives};
 use crate::active::{ActiveParameters, Choice};
 use crate::geometry::Pose;
 use crate::localization::{Estimate, LocalizationModel, LocalizationParameters, ModelError};
-use crate::navigation::{DriveLimits, NavigationModel, PlannerModel, PlannerParameters, TopologicalModel};
+use crate::navigation::{DriveLimits, NavigationModel, TopologicalModel};
 use crate::simulator::{Contacts, Percept, SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Stop};
@@ -71,9 +71,6 @@ pub const ROBOT_NAMES: &[&str] = &[
     "deliver",
     "relocalize-when-necessary",
 ];
-
-/// Edge of a cell of the planner's map.
-const PLANNER_CELL_M: f64 = 0.1;
 
 /// Edge of a cell of the map the expected distances are cast in.
 const SENSOR_MAP_CELL_M: f64 = 0.05;
@@ -138,10 +135,7 @@ impl OfficeModel {
         Ok(Self {
             simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
             localization: LocalizationModel::new(&sensor_map, settings.localization.clone())?,
-            navigation: NavigationModel {
-                planner: PlannerModel::new(&world.map(PLANNER_CELL_M), PlannerParameters::default()),
-                limits,
-            },
+            navigation: NavigationModel::new(&world, limits),
             topology: TopologicalModel::new(&world),
             settings,
             world,

@@ -36,7 +36,7 @@ pub fn natives() -> Vec<Native> {
         look(
             "generate-navigation-plan",
             "place",
-            "A plan, as data, that drives from the estimated position to a place.",
+            "A plan, as data, that drives from the estimated position to a place, not through doors found closed if there is another way.",
             generate as _,
         ),
         look(
@@ -132,8 +132,11 @@ fn region_of(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let (model, place) = named_place(call)?;
-    let start_in_map: Pose = robot(call)?.estimate().pose_in_map;
-    plan_text::navigation_plan(&model, call.machine, start_in_map, &place).map(Reply::Value).map_err(|unreachable| {
+    let robot = robot(call)?;
+    let start_in_map: Pose = robot.estimate().pose_in_map;
+    let closed_doors = robot.board.navigation.closed_doors();
+    let plan = plan_text::navigation_plan(&model, call.machine, start_in_map, &place, &closed_doors);
+    plan.map(Reply::Value).map_err(|unreachable| {
         let destination = Value::Symbol(call.machine.symbols.intern(&place.name));
         Raise::New {
             class: "unreachable",

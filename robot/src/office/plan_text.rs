@@ -18,8 +18,9 @@ pub(super) fn navigation_plan(
     machine: &mut Machine,
     start_in_map: Pose,
     destination: &Place,
+    closed_doors: &[usize],
 ) -> Result<Value, Unreachable> {
-    let plan = model.topology.plan(&model.navigation.planner, start_in_map, destination)?;
+    let plan = model.topology.plan(&model.navigation.planner, start_in_map, destination, closed_doors)?;
     let mut modes: Vec<TravelMode> = Vec::new();
     for region in &plan.regions {
         if !modes.contains(&region.mode) {

@@ -5,10 +5,8 @@ use super::*;
 #[test]
 fn a_goal_behind_walls_is_unreachable() {
     let scene = Scene::new(World::builtin("corridor").expect("a built-in world"));
-    let mut state = scene.simulator.start(1);
-    let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(1, "pose noise") };
     let outside = Target::through(Point::new(-3.0, -3.0));
-    let outcome = drive_on(&scene, &mut state, vec![outside], noise);
+    let outcome = Journey::new(&scene, scene.simulator.start(1), vec![outside]).until_event();
     assert_eq!(outcome.event, Some(NavigationEvent::Unreachable));
 }
 
@@ -18,10 +16,8 @@ fn a_door_found_closed_is_reported_as_blocked() {
     let mut state = scene.simulator.start(3);
     scene.simulator.close_door(&mut state, "B").expect("a door");
     let goal = scene.world.places.iter().find(|place| place.name.contains("wolfram")).expect("a place");
-    let start = state.true_pose();
-    let plan = scene.topology.plan(&scene.model.planner, start, goal).expect("a plan in the map");
-    let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(3, "pose noise") };
-    let outcome = drive_on(&scene, &mut state, plan.targets, noise);
+    let plan = scene.topology.plan(&scene.model.planner, state.true_pose(), goal, &[]).expect("a plan in the map");
+    let outcome = Journey::new(&scene, state, plan.targets).until_event();
     assert_eq!(outcome.event, Some(NavigationEvent::Blocked), "{outcome:?}");
     assert_eq!(outcome.contacts, 0, "{outcome:?}");
 }
@@ -42,13 +38,7 @@ fn speeds_of_a_drive(scene: &Scene, reloading: bool) -> Vec<Speeds> {
             navigation = reloaded;
         }
         let percept = scene.simulator.step(&mut state, &commands);
-        let input = NavigationInput {
-            odometry_in_odom: percept.odometry_in_odom,
-            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-            sonar_m: percept.sonar_m.as_ref(),
-            bumped: percept.bumped,
-        };
-        let output = navigation.step(&scene.model, state.true_pose(), &input, TravelMode::Hallway);
+        let output = navigation.step(&scene.model, state.true_pose(), &input(&percept), TravelMode::Hallway);
         commands.translation_mps = output.speeds.translation_mps;
         commands.rotation_radps = output.speeds.rotation_radps;
         speeds.push(output.speeds);
@@ -74,6 +64,7 @@ fn deleting_all_targets_stops_the_robot() {
         odometry_in_odom: Pose::default(),
         speeds: Speeds { translation_mps: 0.5, rotation_radps: 0.1 },
         sonar_m: None,
+        laser_m: None,
         bumped: false,
     };
     let output = navigation.step(&scene.model, scene.world.start_in_map, &input, TravelMode::Hallway);
@@ -88,13 +79,7 @@ fn drive_without_map(scene: &Scene, state: &mut SimulatorState, drive: &mut Driv
     let mut status = DriveStatus::Driving;
     for _ in 0..steps {
         let percept = scene.simulator.step(state, &commands);
-        let input = NavigationInput {
-            odometry_in_odom: percept.odometry_in_odom,
-            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-            sonar_m: percept.sonar_m.as_ref(),
-            bumped: percept.bumped,
-        };
-        let output = drive.step(&scene.model.limits, &input, 0.4);
+        let output = drive.step(&scene.model.limits, &input(&percept), 0.4);
         commands.translation_mps = output.speeds.translation_mps;
         commands.rotation_radps = output.speeds.rotation_radps;
         status = output.status;
@@ -181,7 +166,7 @@ fn a_shifted_estimate_before_a_door_is_brought_back() {
     for _ in 0..10 {
         let percept = scene.simulator.step(&mut state, &Commands { sonars_on: true, ..Commands::default() });
         odometry_in_odom = percept.odometry_in_odom;
-        memory.update(odometry_in_odom, percept.sonar_m.as_ref(), 5.0, 0.05);
+        memory.update(odometry_in_odom, percept.sonar_m.as_ref(), None, 5.0, 0.05);
     }
     let truth = state.true_pose();
     let wrong = Pose::new(truth.x_m, truth.y_m - 0.15, truth.heading_rad);

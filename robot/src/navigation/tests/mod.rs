@@ -1,5 +1,7 @@
 //! Plans and whole drives in the simulator.
 
+mod clutter;
+mod doors;
 mod drives;
 mod octile;
 mod plans;
@@ -7,7 +9,7 @@ mod plans;
 use super::*;
 use crate::geometry::{Point, Pose, distance_m};
 use crate::random::Stream;
-use crate::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState};
+use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings, SimulatorState};
 use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
 use std::sync::Arc;
 
@@ -25,11 +27,9 @@ struct Scene {
 impl Scene {
     fn new(world: World) -> Self {
         let world = Arc::new(world);
-        let map = world.map(0.1);
         let mut all_mapped = (*world).clone();
         all_mapped.objects.iter_mut().for_each(|object| object.mapped = true);
         let real_map = all_mapped.map(0.05);
-        let planner = PlannerModel::new(&map, PlannerParameters::default());
         let length_only =
             PlannerParameters { robot_radius_m: 0.3, closeness_weight: 0.0, ..PlannerParameters::default() };
         let shortest = PlannerModel::new(&real_map, length_only);
@@ -38,7 +38,7 @@ impl Scene {
             shortest,
             simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
             topology: TopologicalModel::new(&world),
-            model: NavigationModel { planner, limits: DriveLimits::default() },
+            model: NavigationModel::new(&world, DriveLimits::default()),
             world,
         }
     }
@@ -113,43 +113,66 @@ fn drive(scene: &Scene, start: Pose, targets: Vec<Target>, seed: u64, noise_scal
     let mut state = scene.simulator.start(seed);
     scene.simulator.teleport(&mut state, start).expect("a free start");
     let noise = PoseNoise { scale: noise_scale, error: [0.0; 3], stream: Stream::new(seed, "pose noise") };
-    drive_on(scene, &mut state, targets, noise)
+    let mut journey = Journey::new(scene, state, targets);
+    journey.noise = noise;
+    journey.until_event()
 }
 
-fn drive_on(scene: &Scene, state: &mut SimulatorState, targets: Vec<Target>, mut noise: PoseNoise) -> Outcome {
-    let mut navigation = Navigation::default();
-    navigation.start(targets);
-    let mut commands = Commands { sonars_on: true, ..Commands::default() };
-    let begin_us = state.time_us;
-    let mut event = None;
-    while state.time_us < begin_us + 400_000_000 {
-        let percept = scene.simulator.step(state, &commands);
-        let estimated_in_map = noise.step(state.true_pose());
-        let mode = scene.mode_at(estimated_in_map.point());
-        let input = NavigationInput {
-            odometry_in_odom: percept.odometry_in_odom,
-            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-            sonar_m: percept.sonar_m.as_ref(),
-            bumped: percept.bumped,
-        };
-        let output = navigation.step(&scene.model, estimated_in_map, &input, mode);
-        commands = Commands {
+/// A robot that navigates in the simulator, knowing its pose but for some noise.
+struct Journey<'s> {
+    scene: &'s Scene,
+    state: SimulatorState,
+    navigation: Navigation,
+    noise: PoseNoise,
+    commands: Commands,
+}
+
+impl<'s> Journey<'s> {
+    fn new(scene: &'s Scene, state: SimulatorState, targets: Vec<Target>) -> Self {
+        let mut navigation = Navigation::default();
+        navigation.start(targets);
+        let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(0, "pose noise") };
+        let commands = Commands { sonars_on: true, ..Commands::default() };
+        Self { scene, state, navigation, noise, commands }
+    }
+
+    fn step(&mut self) -> Option<NavigationEvent> {
+        let percept = self.scene.simulator.step(&mut self.state, &self.commands);
+        let estimated_in_map = self.noise.step(self.state.true_pose());
+        let mode = self.scene.mode_at(estimated_in_map.point());
+        let output = self.navigation.step(&self.scene.model, estimated_in_map, &input(&percept), mode);
+        self.commands = Commands {
             translation_mps: output.speeds.translation_mps,
             rotation_radps: output.speeds.rotation_radps,
             sonars_on: mode != TravelMode::Doorway || output.needs_sonars,
             ..Commands::default()
         };
-        if output.event.is_some_and(|event| event != NavigationEvent::TargetReached) {
-            event = output.event;
-            break;
+        output.event.filter(|&event| event != NavigationEvent::TargetReached)
+    }
+
+    fn until_event(&mut self) -> Outcome {
+        let begin_us = self.state.time_us;
+        let mut event = None;
+        while event.is_none() && self.state.time_us < begin_us + 400_000_000 {
+            event = self.step();
+        }
+        Outcome {
+            event,
+            time_s: (self.state.time_us - begin_us) as f64 * 1e-6,
+            way_m: self.state.distance_driven_m(),
+            contacts: self.state.contacts().caused + self.state.contacts().unseen,
+            end_in_map: self.state.true_pose(),
         }
     }
-    Outcome {
-        event,
-        time_s: (state.time_us - begin_us) as f64 * 1e-6,
-        way_m: state.distance_driven_m(),
-        contacts: state.contacts().caused + state.contacts().unseen,
-        end_in_map: state.true_pose(),
+}
+
+fn input(percept: &Percept) -> NavigationInput<'_> {
+    NavigationInput {
+        odometry_in_odom: percept.odometry_in_odom,
+        speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+        sonar_m: percept.sonar_m.as_ref(),
+        laser_m: percept.laser_m.as_deref(),
+        bumped: percept.bumped,
     }
 }
 
@@ -174,7 +197,7 @@ fn drive_pair(scene: &Scene, pair: u64, noise_scale: f64) -> Option<Run> {
         if to_place { places[stream.index(places.len())].pose_in_map } else { scene.unobstructed_pose(&mut stream) };
     let path = scene.shortest.value_field(goal.point()).path(start.point())?;
     let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None };
-    let plan = scene.topology.plan(&scene.model.planner, start, &place).expect("a plan");
+    let plan = scene.topology.plan(&scene.model.planner, start, &place, &[]).expect("a plan");
     let outcome = drive(scene, start, plan.targets, pair, noise_scale);
     Some(Run { start, goal, optimum_m: path_length_m(&path), outcome })
 }

@@ -11,7 +11,7 @@ fn place_pairs(world: &World) -> Vec<(&Place, &Place)> {
 fn every_pair_of_places_has_a_plan_of_free_connected_targets() {
     let scene = Scene::dept();
     for (from, to) in place_pairs(&scene.world) {
-        let plan = scene.topology.plan(&scene.model.planner, from.pose_in_map, to).expect("a plan");
+        let plan = scene.topology.plan(&scene.model.planner, from.pose_in_map, to, &[]).expect("a plan");
         let mut here = from.pose_in_map.point();
         for target in &plan.targets {
             let point = target.point_in_map;
@@ -30,7 +30,7 @@ fn ways_cross_doors_orthogonally_and_enter_no_other_office() {
     let scene = Scene::dept();
     let room_at = |point: Point| scene.world.room_at(point).map(|room| room.name.as_str());
     for (from, to) in place_pairs(&scene.world) {
-        let plan = scene.topology.plan(&scene.model.planner, from.pose_in_map, to).expect("a plan");
+        let plan = scene.topology.plan(&scene.model.planner, from.pose_in_map, to, &[]).expect("a plan");
         let mut points = vec![from.pose_in_map.point()];
         points.extend(plan.targets.iter().map(|target| target.point_in_map));
         let ends = [room_at(points[0]), room_at(points[points.len() - 1])];
@@ -48,7 +48,8 @@ fn ways_cross_doors_orthogonally_and_enter_no_other_office() {
 fn the_way_from_a_to_b_is_that_of_figure_12() {
     let scene = Scene::dept();
     let place = |name: &str| scene.world.places.iter().find(|place| place.name.contains(name)).expect("a place");
-    let plan = scene.topology.plan(&scene.model.planner, place("desk").pose_in_map, place("wolfram")).expect("a plan");
+    let plan =
+        scene.topology.plan(&scene.model.planner, place("desk").pose_in_map, place("wolfram"), &[]).expect("a plan");
     let rooms: Vec<Option<&str>> = plan
         .targets
         .iter()
@@ -65,7 +66,7 @@ fn a_robot_on_its_way_gets_no_target_behind_it() {
     let scene = Scene::dept();
     let goal = scene.world.places.iter().find(|place| place.name.contains("wolfram")).expect("a place");
     let start = Pose::new(18.1, 12.0, 1.57);
-    let plan = scene.topology.plan(&scene.model.planner, start, goal).expect("a plan");
+    let plan = scene.topology.plan(&scene.model.planner, start, goal, &[]).expect("a plan");
     assert!(plan.targets.iter().all(|target| target.point_in_map.y > start.y_m), "{plan:?}");
 }
 
@@ -77,6 +78,6 @@ fn closed_doors_are_not_used() {
         door.mapped_open = false;
     }
     let scene = Scene::new(world);
-    let planned = scene.topology.plan(&scene.model.planner, scene.world.start_in_map, &goal);
+    let planned = scene.topology.plan(&scene.model.planner, scene.world.start_in_map, &goal, &[]);
     assert!(planned.is_err_and(|unreachable| unreachable.reason.contains("room B")));
 }

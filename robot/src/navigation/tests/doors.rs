@@ -1,0 +1,62 @@
+//! Doors that are found closed.
+
+use super::*;
+
+/// Two rooms with two doors between them; the map shows both open.
+fn two_doors() -> Scene {
+    let door = "[[door]]\nroom = \"west\"\nat = [5.0, 1.0]\nwidth = 0.9\naxis = \"y\"\nopen = true\n\n";
+    let text = World::builtin_text("test-room").expect("a built-in world");
+    let world = World::parse(&format!("{text}\n{door}"), "two-doors.toml").expect("a world");
+    Scene::new(world)
+}
+
+fn plan_to(scene: &Scene, place: &str, from: Pose, closed_doors: &[usize]) -> NavigationPlan {
+    let place = scene.world.place(place).expect("a place");
+    scene.topology.plan(&scene.model.planner, from, place, closed_doors).expect("a plan")
+}
+
+fn goes_through(plan: &NavigationPlan, door_y: f64) -> bool {
+    plan.targets.iter().any(|target| (target.point_in_map.y - door_y).abs() < 0.01)
+}
+
+#[test]
+fn a_door_found_closed_is_planned_around_and_remembered() {
+    let scene = two_doors();
+    let mut state = scene.simulator.start(1);
+    let start = state.true_pose();
+    let plan = plan_to(&scene, "corner", start, &[]);
+    assert!(goes_through(&plan, 3.0), "the nearer door: {plan:?}");
+    scene.simulator.close_door(&mut state, "east").expect("a door");
+    let mut journey = Journey::new(&scene, state, plan.targets);
+    let outcome = journey.until_event();
+    assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "{outcome:?}");
+    let closed = journey.navigation.closed_doors();
+    assert_eq!(closed, [0]);
+    let back = plan_to(&scene, "table-side", journey.state.true_pose(), &closed);
+    assert!(goes_through(&back, 1.0) && !goes_through(&back, 3.0), "{back:?}");
+    journey.navigation.start(back.targets);
+    assert_eq!(journey.navigation.closed_doors(), [0], "a new task forgets no door");
+}
+
+#[test]
+fn a_closed_door_is_tried_if_there_is_no_other() {
+    let scene = two_doors();
+    let plan = plan_to(&scene, "corner", scene.world.start_in_map, &[0, 1]);
+    assert_eq!(plan, plan_to(&scene, "corner", scene.world.start_in_map, &[]));
+}
+
+#[test]
+fn a_door_opened_while_the_robot_waits_is_gone_through() {
+    let scene = Scene::new(World::builtin("test-room").expect("a built-in world"));
+    let mut state = scene.simulator.start(1);
+    let plan = plan_to(&scene, "corner", state.true_pose(), &[]);
+    scene.simulator.close_door(&mut state, "east").expect("a door");
+    let mut journey = Journey::new(&scene, state, plan.targets);
+    while journey.state.time_us < 22_000_000 {
+        assert_eq!(journey.step(), None);
+    }
+    assert_eq!(journey.navigation.closed_doors(), [0]);
+    scene.simulator.open_door(&mut journey.state, "east").expect("a door");
+    let outcome = journey.until_event();
+    assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "{outcome:?}");
+}
