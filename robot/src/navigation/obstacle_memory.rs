@@ -25,6 +25,15 @@ const GRAIN_M: f64 = 0.05;
 /// Half as many readings must pass through a point before it is forgotten.
 const DOUBTS: u8 = 6;
 
+/// A point seen only once may be another sonar's echo: a single reading through it is enough.
+const DOUBTS_AT_FIRST: u8 = 4;
+
+/// A wall hit at an angle, or an edge, throws the sound away as long as the robot hardly moves. So
+/// silence casts doubt on what was heard more than once only after so much motion or time.
+const VIEW_M: f64 = 0.1;
+const VIEW_RAD: f64 = 0.087;
+const VIEW_S: f64 = 0.5;
+
 /// What saw a point. Only the same can see that it is gone: a box may be there for one of them alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 enum Sensor {
@@ -43,7 +52,15 @@ pub struct RememberedPoint {
     /// The reading it comes from.
     pub range_m: f64,
     seen_at_s: f64,
+    is_seen_again: bool,
     doubts: u8,
+}
+
+/// From where and when silence last cast doubts on all points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct View {
+    from_in_odom: Pose,
+    at_s: f64,
 }
 
 /// Obstacle points seen lately. Points that a later reading passes through are doubted and then
@@ -52,6 +69,7 @@ pub struct RememberedPoint {
 pub struct ObstacleMemory {
     /// Time with sonars, and with the laser.
     now_s: [f64; 2],
+    view: View,
     /// Sorted by cell and sensor.
     points: Vec<RememberedPoint>,
 }
@@ -73,8 +91,10 @@ impl ObstacleMemory {
     ) {
         if let Some(sonar_m) = sonar_m {
             self.now_s[Sensor::Sonar as usize] += step_s;
-            self.doubt(odometry_in_odom, Sensor::Sonar, |bearing_rad, away_m| {
-                doubts_of_sonar(sonar_m, sonar_max_range_m, bearing_rad, away_m)
+            let is_new_view = self.is_new_view(odometry_in_odom);
+            self.doubt(odometry_in_odom, Sensor::Sonar, |point, bearing_rad, away_m| {
+                let silence_counts = is_new_view || !point.is_seen_again;
+                doubts_of_sonar(sonar_m, sonar_max_range_m, silence_counts, bearing_rad, away_m)
             });
             for (sonar, &range_m) in sonar_m.iter().enumerate() {
                 let range_m = f64::from(range_m);
@@ -85,7 +105,7 @@ impl ObstacleMemory {
         }
         if let Some(laser_m) = laser_m {
             self.now_s[Sensor::Laser as usize] += step_s;
-            self.doubt(odometry_in_odom, Sensor::Laser, |bearing_rad, away_m| {
+            self.doubt(odometry_in_odom, Sensor::Laser, |_, bearing_rad, away_m| {
                 doubts_of_laser(laser_m, bearing_rad, away_m)
             });
             for (beam, &range_m) in laser_m.iter().enumerate() {
@@ -135,20 +155,41 @@ impl ObstacleMemory {
     fn remember(&mut self, point_in_odom: Point, sensor: Sensor, range_m: f64) {
         let cell = (libm::floor(point_in_odom.x / GRAIN_M) as i32, libm::floor(point_in_odom.y / GRAIN_M) as i32);
         let seen_at_s = self.now_s[sensor as usize];
-        let seen = RememberedPoint { cell, sensor, point_in_odom, range_m, seen_at_s, doubts: 0 };
+        let seen = |is_seen_again, doubts| RememberedPoint {
+            cell,
+            sensor,
+            point_in_odom,
+            range_m,
+            seen_at_s,
+            is_seen_again,
+            doubts,
+        };
         match self.points.binary_search_by(|point| (point.cell, point.sensor).cmp(&(cell, sensor))) {
-            Ok(index) => self.points[index] = seen,
-            Err(index) => self.points.insert(index, seen),
+            Ok(index) => self.points[index] = seen(true, 0),
+            Err(index) => self.points.insert(index, seen(false, DOUBTS_AT_FIRST)),
         }
     }
 
+    /// Whether the sonars look from a new place; if so, the next new view is counted from here.
+    fn is_new_view(&mut self, odometry_in_odom: Pose) -> bool {
+        let View { from_in_odom, at_s } = self.view;
+        let now_s = self.now_s[Sensor::Sonar as usize];
+        let turned_rad = wrap_angle_rad(odometry_in_odom.heading_rad - from_in_odom.heading_rad).abs();
+        let is_new =
+            odometry_in_odom.distance_m(from_in_odom) >= VIEW_M || turned_rad >= VIEW_RAD || now_s - at_s >= VIEW_S;
+        if is_new {
+            self.view = View { from_in_odom: odometry_in_odom, at_s: now_s };
+        }
+        is_new
+    }
+
     /// Adds the doubts that a scan casts on a point in a direction at a distance.
-    fn doubt(&mut self, odometry_in_odom: Pose, sensor: Sensor, doubts: impl Fn(f64, f64) -> u8) {
+    fn doubt(&mut self, odometry_in_odom: Pose, sensor: Sensor, doubts: impl Fn(&RememberedPoint, f64, f64) -> u8) {
         let odom_in_base = Transform::new(odometry_in_odom.inverse());
         for point in self.points.iter_mut().filter(|point| point.sensor == sensor) {
             let point_in_base = odom_in_base.apply(point.point_in_odom);
             let bearing_rad = libm::atan2(point_in_base.y, point_in_base.x);
-            point.doubts += doubts(bearing_rad, point_in_base.coords.norm());
+            point.doubts += doubts(point, bearing_rad, point_in_base.coords.norm());
         }
         self.points.retain(|point| point.doubts < DOUBTS);
     }
@@ -168,14 +209,20 @@ impl ObstacleMemory {
 }
 
 /// A sonar that hears nothing tells half as much: smooth walls throw its sound away.
-fn doubts_of_sonar(sonar_m: &[f32; SONARS], max_range_m: f64, bearing_rad: f64, away_m: f64) -> u8 {
+fn doubts_of_sonar(
+    sonar_m: &[f32; SONARS],
+    max_range_m: f64,
+    silence_counts: bool,
+    bearing_rad: f64,
+    away_m: f64,
+) -> u8 {
     let sonar = libm::round(bearing_rad / (2.0 * HALF_CONE_RAD)) as i64;
     let off_axis_rad = wrap_angle_rad(bearing_rad - sonar as f64 * 2.0 * HALF_CONE_RAD).abs();
     let reading_m = f64::from(sonar_m[sonar.rem_euclid(SONARS as i64) as usize]);
     let passes = reading_m > away_m + GRAIN_M && off_axis_rad < 0.95 * HALF_CONE_RAD;
     match passes {
         true if reading_m < max_range_m => 2,
-        true => 1,
+        true => u8::from(silence_counts),
         false => 0,
     }
 }
@@ -224,5 +271,48 @@ impl Transform {
             self.x_m + self.cos * inner.x - self.sin * inner.y,
             self.y_m + self.sin * inner.x + self.cos * inner.y,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nothing is heard but by the sonar that looks ahead.
+    fn scan(ahead_m: f32) -> [f32; SONARS] {
+        let mut sonar_m = [5.0; SONARS];
+        sonar_m[0] = ahead_m;
+        sonar_m
+    }
+
+    fn look(memory: &mut ObstacleMemory, heading_rad: f64, ahead_m: f32, times: u32) {
+        for _ in 0..times {
+            memory.update(Pose::new(0.0, 0.0, heading_rad), Some(&scan(ahead_m)), None, 5.0, 0.05);
+        }
+    }
+
+    fn knows_ahead(memory: &ObstacleMemory) -> bool {
+        memory.points().iter().any(|point| (point.point_in_odom - Point::new(0.8, 0.0)).norm() < 0.05)
+    }
+
+    #[test]
+    fn a_wall_that_falls_silent_is_remembered_until_it_is_silent_from_elsewhere() {
+        let mut memory = ObstacleMemory::default();
+        look(&mut memory, 0.0, 0.8, 3);
+        look(&mut memory, 0.0, 5.0, 20);
+        assert!(knows_ahead(&memory), "it may throw the sound away");
+        for turn in 1..=6 {
+            look(&mut memory, 0.1 * f64::from(turn), 5.0, 1);
+        }
+        assert!(!knows_ahead(&memory));
+    }
+
+    #[test]
+    fn an_echo_heard_once_is_forgotten_at_once() {
+        let mut memory = ObstacleMemory::default();
+        look(&mut memory, 0.0, 0.8, 1);
+        assert!(knows_ahead(&memory));
+        look(&mut memory, 0.0, 2.0, 1);
+        assert!(!knows_ahead(&memory));
     }
 }
