@@ -16,6 +16,10 @@ const DEPTH_M: f64 = 0.25;
 const SHUT_S: f64 = 2.0;
 /// It stays closed for the robot so long; then somebody may have opened it.
 const CLOSED_S: f64 = 180.0;
+/// From up to so far before it the sound comes straight back from a closed leaf: nothing seen there
+/// for so long, the door is open.
+const BEFORE_M: f64 = 1.2;
+const OPEN_S: f64 = 1.0;
 /// Between the points of a barrier across a closed door.
 const BARRIER_GRAIN_M: f64 = 0.1;
 
@@ -61,6 +65,13 @@ impl Doorway {
         places_m.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
     }
 
+    /// Whether somebody there looks straight at the leaf, or stands in the opening.
+    fn is_before(&self, here: Point) -> bool {
+        let offset = here - self.at;
+        let across = Vector::new(-self.along.y, self.along.x);
+        offset.dot(&across).abs() <= BEFORE_M && offset.dot(&self.along).abs() < self.width_m / 2.0 - JAMB_M
+    }
+
     /// Points across the opening that leave no gap.
     fn barrier(&self) -> impl Iterator<Item = Point> + use<'_> {
         let steps = libm::ceil(self.width_m / BARRIER_GRAIN_M).max(1.0);
@@ -74,6 +85,8 @@ struct SeenDoor {
     door: usize,
     /// How long it has been seen shut, less the time it was seen open since.
     shut_s: f64,
+    /// How long it has been seen open from straight before it, without a break.
+    open_s: f64,
     closed_until_s: f64,
 }
 
@@ -86,7 +99,8 @@ pub struct DoorMemory {
 
 impl DoorMemory {
     /// Looks at the doorways at hand; `for_s` since the last look. A doorway is shut when no gap is
-    /// wide enough for the robot.
+    /// wide enough for the robot. A leaf seen from the side may throw all sound away, so only from
+    /// straight before it a door is seen open again.
     pub fn look(
         &mut self,
         doorways: &[Doorway],
@@ -100,9 +114,12 @@ impl DoorMemory {
             let is_shut = doorway.widest_gap_m(points_in_map) < robot_width_m;
             let seen = self.seen_mut(doorway.door);
             seen.shut_s = if is_shut { seen.shut_s + for_s } else { (seen.shut_s - 2.0 * for_s).max(0.0) };
+            seen.open_s = if is_shut || !doorway.is_before(here) { 0.0 } else { seen.open_s + for_s };
             if seen.shut_s >= SHUT_S {
                 seen.shut_s = SHUT_S;
                 seen.closed_until_s = now_s + CLOSED_S;
+            } else if seen.open_s >= OPEN_S {
+                seen.closed_until_s = now_s;
             }
         }
         self.seen.retain(|seen| seen.shut_s > 0.0 || seen.closed_until_s > now_s);
@@ -112,7 +129,7 @@ impl DoorMemory {
         let index = match self.seen.binary_search_by_key(&door, |seen| seen.door) {
             Ok(index) => index,
             Err(index) => {
-                self.seen.insert(index, SeenDoor { door, shut_s: 0.0, closed_until_s: 0.0 });
+                self.seen.insert(index, SeenDoor { door, shut_s: 0.0, open_s: 0.0, closed_until_s: 0.0 });
                 index
             }
         };
@@ -123,12 +140,11 @@ impl DoorMemory {
     pub fn closed(&self, now_s: f64) -> Vec<usize> {
         self.seen.iter().filter(|seen| seen.closed_until_s > now_s).map(|seen| seen.door).collect()
     }
+}
 
-    /// What stands in the way where doors are remembered as closed.
-    pub fn barriers(&self, doorways: &[Doorway], now_s: f64) -> Vec<Point> {
-        let closed = self.closed(now_s);
-        doorways.iter().filter(|doorway| closed.contains(&doorway.door)).flat_map(Doorway::barrier).collect()
-    }
+/// What stands in the way where these doors, as indices into the world's doors, are closed.
+pub fn barriers(doorways: &[Doorway], doors: &[usize]) -> Vec<Point> {
+    doorways.iter().filter(|doorway| doors.contains(&doorway.door)).flat_map(Doorway::barrier).collect()
 }
 
 #[cfg(test)]
@@ -154,9 +170,26 @@ mod tests {
         assert_eq!(memory.closed(1.5), []);
         look_for(&mut memory, &leaf, 1.5, 2.5);
         assert_eq!(memory.closed(4.0), [3]);
-        let barriers = memory.barriers(&[doorway()], 4.0);
+        let barriers = barriers(&[doorway()], &[3]);
         assert!(barriers.len() >= 10 && barriers.windows(2).all(|pair| distance_m(pair[0], pair[1]) < 0.11));
         assert_eq!(memory.closed(4.0 + CLOSED_S + 1.0), []);
+    }
+
+    #[test]
+    fn a_closed_door_is_seen_open_again_only_from_straight_before_it() {
+        let shut = SeenDoor { door: 3, shut_s: SHUT_S, open_s: 0.0, closed_until_s: 100.0 };
+        let closed_after = |here: Point, looks: u32| {
+            let mut memory = DoorMemory { seen: vec![shut] };
+            for look in 1..=looks {
+                memory.look(&[doorway()], here, &[], 0.53, 0.5 * f64::from(look), 0.5);
+            }
+            memory.closed(0.5 * f64::from(looks))
+        };
+        assert_eq!(closed_after(Point::new(1.0, 1.1), 1), [3]);
+        assert_eq!(closed_after(Point::new(1.0, 1.1), 2), []);
+        for unsure in [Point::new(1.0, 1.6), Point::new(0.5, 1.0)] {
+            assert_eq!(closed_after(unsure, 20), [3]);
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The behaviour `navigation`: drives from target point to target point, whatever stands in the way.
 
 use super::alignment::aligned;
-use super::doorways::{DoorMemory, Doorway};
+use super::doorways::{DoorMemory, Doorway, barriers};
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
 use super::obstacle_memory::{ObstacleMemory, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
@@ -111,8 +111,10 @@ pub struct Navigation {
     window: DynamicWindow,
     /// Sorted by cell.
     blockages: Vec<Blockage>,
-    /// Until then neither blockages nor closed doors are planned around: with them there was no way.
+    /// Until then blockages are not planned around: with them there was no way.
     trusting_map_until_s: f64,
+    /// Until then doors found closed are not planned around: there was no other way.
+    trying_doors_until_s: f64,
     next_look_s: f64,
     /// Until then the robot must see where it is.
     sonars_until_s: f64,
@@ -125,17 +127,19 @@ pub struct Navigation {
 }
 
 /// The nearest the robot has come, by the cost of the way left.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Progress {
     least_cost_m: Option<f64>,
+    /// The doors that way leads around: costs of other ways do not compare.
+    avoided_doors: Vec<usize>,
     at_s: f64,
     /// Whether the robot has forgotten what it saw and begun anew since.
     anew: bool,
 }
 
-impl Default for Progress {
-    fn default() -> Self {
-        Self { least_cost_m: None, at_s: 0.0, anew: false }
+impl Progress {
+    fn from(at_s: f64) -> Self {
+        Self { at_s, ..Self::default() }
     }
 }
 
@@ -203,6 +207,8 @@ const SHARP_RANGE_M: f64 = 1.5;
 const BLOCKAGE_S: f64 = 15.0;
 /// And edges of their cells are so long.
 const BLOCKAGE_GRAIN_M: f64 = 0.1;
+/// Where there is no way around them, blockages or closed doors are not planned around for so long.
+const TRUSTING_MAP_S: f64 = 5.0;
 /// An estimate that moves so much more than the odometry has jumped.
 const JUMP_M: f64 = 0.4;
 const JUMP_RAD: f64 = 0.5;
@@ -222,7 +228,7 @@ impl Navigation {
             doors,
             now_s: self.now_s,
             next_look_s: self.now_s,
-            progress: Progress { least_cost_m: None, at_s: self.now_s, anew: false },
+            progress: Progress::from(self.now_s),
             ..Self::default()
         };
     }
@@ -408,11 +414,11 @@ impl Navigation {
     }
 
     /// The target and the point to head for. If something stands at an intermediate target, the next target is
-    /// headed for instead. Without any way the blockages are forgotten and doors found closed are
-    /// tried: some may have gone, and somebody may open the door.
+    /// headed for instead. Without any way the blockages are forgotten, for some may have gone. If
+    /// there still is none, doors found closed are tried: somebody may open them.
     fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<(Target, Point)> {
         let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
-        if towards.is_some() || (self.blockages.is_empty() && self.barriers(model).is_empty()) {
+        if towards.is_some() || (self.blockages.is_empty() && self.avoided_doors().is_empty()) {
             return Some((target, towards?));
         }
         if let [_, next, ..] = self.targets[..]
@@ -422,14 +428,22 @@ impl Navigation {
             self.progress.least_cost_m = None;
             return Some((next, towards));
         }
-        self.blockages.clear();
-        self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
+        self.trust_map();
+        if let Some(towards) = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M) {
+            return Some((target, towards));
+        }
+        self.trying_doors_until_s = self.now_s + TRUSTING_MAP_S;
         Some((target, self.fields(model, target).around.lookahead(here, LOOKAHEAD_M)?))
+    }
+
+    fn trust_map(&mut self) {
+        self.blockages.clear();
+        self.trusting_map_until_s = self.now_s + TRUSTING_MAP_S;
     }
 
     fn fields(&mut self, model: &NavigationModel, target: Target) -> Fields {
         let target_in_map = target.point_in_map;
-        let barriers_in_map = self.barriers(model);
+        let barriers_in_map = barriers(&model.doorways, &self.avoided_doors());
         let blocked_in_map: Vec<Point> = self.blockages.iter().map(|blockage| blockage.point_in_map()).collect();
         let is_same =
             |cached: &CachedFields| cached.target_in_map == target_in_map && cached.barriers_in_map == barriers_in_map;
@@ -453,12 +467,9 @@ impl Navigation {
         fields
     }
 
-    /// What stands in the way at doors found closed, unless there was no other way.
-    fn barriers(&self, model: &NavigationModel) -> Vec<Point> {
-        if self.now_s < self.trusting_map_until_s {
-            return Vec::new();
-        }
-        self.doors.barriers(&model.doorways, self.now_s)
+    /// The doors found closed, unless there was no other way.
+    fn avoided_doors(&self) -> Vec<usize> {
+        if self.now_s < self.trying_doors_until_s { Vec::new() } else { self.closed_doors() }
     }
 
     fn remaining_m(&self, here: Point) -> f64 {
@@ -474,8 +485,11 @@ impl Navigation {
         let Some(cost_m) = fields.mapped.cost_m(here) else {
             return self.now_s - self.progress.at_s > BLOCKED_S;
         };
+        self.measure_same_way(cost_m);
         if self.progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
-            self.progress = Progress { least_cost_m: Some(cost_m), at_s: self.now_s, anew: false };
+            self.progress.least_cost_m = Some(cost_m);
+            self.progress.at_s = self.now_s;
+            self.progress.anew = false;
         }
         if self.now_s - self.progress.at_s > BLOCKED_S / 2.0 && !self.progress.anew {
             self.begin_anew();
@@ -484,13 +498,21 @@ impl Navigation {
         self.now_s - self.progress.at_s > BLOCKED_S + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
     }
 
+    /// Around other doors than before, what is nearest is counted from here; the time goes on.
+    fn measure_same_way(&mut self, cost_m: f64) {
+        let avoided_doors = self.avoided_doors();
+        if self.progress.avoided_doors != avoided_doors {
+            self.progress.avoided_doors = avoided_doors;
+            self.progress.least_cost_m = self.progress.least_cost_m.map(|_| cost_m);
+        }
+    }
+
     /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
     fn begin_anew(&mut self) {
         self.progress.anew = true;
         self.memory = ObstacleMemory::default();
         self.window = DynamicWindow::default();
-        self.blockages.clear();
-        self.trusting_map_until_s = self.now_s + BLOCKAGE_S / 3.0;
+        self.trust_map();
         self.sonars_until_s = self.now_s + LOOK_AROUND_S;
     }
 
@@ -519,15 +541,17 @@ impl Navigation {
         }
     }
 
-    /// A door that is newly found closed is a new task: there is time again for the way around.
+    /// A door found closed, or open again, is a new task: there is time for the way that is now the
+    /// best, and nothing to escape from.
     fn look_at_doors(&mut self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) {
         let before = self.closed_doors();
         let points = self.sharp_points(estimated_in_map, odometry_in_odom);
         let robot_width_m = 2.0 * model.limits.robot_radius_m;
         let here = estimated_in_map.point();
         self.doors.look(&model.doorways, here, &points, robot_width_m, self.now_s, LOOK_S);
-        if self.closed_doors().iter().any(|door| !before.contains(door)) {
-            self.progress = Progress { least_cost_m: None, at_s: self.now_s, anew: false };
+        if self.closed_doors() != before {
+            self.progress = Progress::from(self.now_s);
+            self.window = DynamicWindow::default();
         }
     }
 
