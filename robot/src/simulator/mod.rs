@@ -24,12 +24,14 @@
 //! ```
 
 mod candidates;
+mod crowd;
 mod gripper;
 mod laser;
 mod model;
 mod motion;
 mod odometry;
 mod oracle;
+mod orca;
 mod people;
 mod percept;
 mod settings;

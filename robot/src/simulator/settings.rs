@@ -73,10 +73,10 @@ pub struct SimulatorSettings {
     /// creeps because its wheels are never quite parallel).
     pub odometry_heading_bias_radpm: f64,
 
-    /// How near to a person's path the robot makes the person wait. At 0 people walk on until they
-    /// touch it, and run into it.
-    pub person_stop_distance_m: f64,
-    /// How long a person waits for the robot before turning back.
+    /// Air that people keep between themselves and the robot. At 0 they do not mind it, and run into
+    /// it.
+    pub person_clearance_m: f64,
+    /// How long a person who gets no further waits before turning back, or going elsewhere.
     pub person_patience_us: u64,
 
     /// How far from the robot's middle the gripper reaches.
@@ -122,7 +122,7 @@ impl Default for SimulatorSettings {
             odometry_translation_bias: 0.01,
             odometry_rotation_bias: 0.01,
             odometry_heading_bias_radpm: 0.2_f64.to_radians(),
-            person_stop_distance_m: 0.3,
+            person_clearance_m: 0.25,
             person_patience_us: 5_000_000,
             gripper_reach_m: 0.8,
             grasp_us: 3_000_000,
