@@ -18,8 +18,8 @@ const SPACING_M: f64 = 3.0;
 /// There are at most so many destinations, each of which takes 4 bytes a cell.
 const MOST_DESTINATIONS: usize = 40;
 
-/// Spots tried for each person at the start.
-const TRIES: usize = 400;
+/// Spots tried for each person at the start, and destinations for the next walk.
+const TRIES: usize = 200;
 
 /// Nobody of the crowd starts nearer to the robot.
 const OFF_THE_ROBOT_M: f64 = 1.5;
@@ -28,6 +28,7 @@ const OFF_THE_ROBOT_M: f64 = 1.5;
 #[derive(Debug)]
 pub(super) struct Crowd {
     destinations: Vec<Destination>,
+    rooms: Vec<Rect>,
     bounds: Rect,
     /// The floor that can be reached from the robot's start when the world begins.
     open_floor: ValueField,
@@ -35,7 +36,9 @@ pub(super) struct Crowd {
 
 #[derive(Debug)]
 struct Destination {
-    /// The doors of its room.
+    /// The room it is in, by its index.
+    room: Option<usize>,
+    /// The doors of that room.
     doors: Vec<usize>,
     /// The ways to it with all doors open.
     ways: ValueField,
@@ -64,11 +67,14 @@ impl Crowd {
         spots.push(start);
         // Of many, some all over the list.
         let stride = spots.len().div_ceil(MOST_DESTINATIONS);
-        let destination =
-            |spot: &Point| Destination { doors: doors_of_room_at(world, *spot), ways: floor.value_field(*spot) };
+        let destination = |spot: &Point| {
+            let room = world.rooms.iter().position(|room| room.rect.contains(*spot));
+            Destination { room, doors: doors_of(world, room), ways: floor.value_field(*spot) }
+        };
         let destinations = spots.iter().step_by(stride).map(destination).collect();
         let open = PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters);
-        Some(Self { destinations, bounds: world.bounds(), open_floor: open.value_field(start) })
+        let rooms = world.rooms.iter().map(|room| room.rect).collect();
+        Some(Self { destinations, rooms, bounds: world.bounds(), open_floor: open.value_field(start) })
     }
 
     /// How many destinations there are; at least one.
@@ -81,23 +87,28 @@ impl Crowd {
         self.destinations[destination].ways.cost_m(from_in_map).unwrap_or(f64::INFINITY)
     }
 
-    /// A spot on the way to a destination that can be walked to in a straight line.
+    /// The spot so far along the way to a destination, or its end.
     pub fn spot_ahead(&self, destination: usize, from_in_map: Point, reach_m: f64) -> Point {
-        self.destinations[destination].ways.lookahead(from_in_map, reach_m).unwrap_or(from_in_map)
+        let way = self.destinations[destination].ways.way_ahead(from_in_map, reach_m);
+        way.and_then(|way| way.last().copied()).unwrap_or(from_in_map)
     }
 
-    /// Another destination, none in a room that is shut.
-    pub fn draw(&self, stream: &mut Stream, last: Option<usize>, is_closed: impl Fn(usize) -> bool) -> usize {
+    /// Another destination than the last for somebody who stands at a point; none in another room
+    /// that is shut.
+    pub fn draw(&self, stream: &mut Stream, from: Point, last: usize, is_closed: impl Fn(usize) -> bool) -> usize {
+        let here = self.rooms.iter().position(|rect| rect.contains(from));
         let shut = |destination: &Destination| {
-            !destination.doors.is_empty() && destination.doors.iter().all(|door| is_closed(*door))
+            destination.room != here
+                && !destination.doors.is_empty()
+                && destination.doors.iter().all(|door| is_closed(*door))
         };
         for _ in 0..TRIES {
             let drawn = stream.index(self.destinations.len());
-            if Some(drawn) != last && !shut(&self.destinations[drawn]) {
+            if drawn != last && !shut(&self.destinations[drawn]) {
                 return drawn;
             }
         }
-        last.unwrap_or(0)
+        last
     }
 
     /// A free spot for somebody to begin, off the robot and, if there is room, off the others.
@@ -147,8 +158,8 @@ fn lattice(rect: Rect) -> impl Iterator<Item = Point> {
     })
 }
 
-fn doors_of_room_at(world: &World, spot: Point) -> Vec<usize> {
-    let Some(room) = world.room_at(spot) else { return Vec::new() };
+fn doors_of(world: &World, room: Option<usize>) -> Vec<usize> {
+    let Some(room) = room.map(|room| &world.rooms[room]) else { return Vec::new() };
     let doors = world.doors.iter().enumerate();
     doors.filter(|(_, door)| door.room == room.name).map(|(index, _)| index).collect()
 }

@@ -4,7 +4,7 @@ use super::model::SimulatorModel;
 use super::people::PERSON_RADIUS_M;
 use super::percept::Commands;
 use super::state::SimulatorState;
-use crate::geometry::{Point, Pose, distance_m};
+use crate::geometry::{Point, Pose};
 use crate::world::SeenBy;
 
 /// How far a body may reach into another: the rounding of the bisection below.
@@ -127,9 +127,9 @@ impl SimulatorModel {
         for object in &state.objects_added {
             consider(object.outline().distance_m(point), object.seen_by);
         }
-        for person in &state.people {
-            let distance_m = distance_m(person.at_in_map, point) - PERSON_RADIUS_M;
-            consider(distance_m, SeenBy { sonar: true, laser: true });
+        let person2 = state.people.iter().map(|person| (person.at_in_map - point).norm_squared()).reduce(f64::min);
+        if let Some(distance2) = person2 {
+            consider(distance2.sqrt() - PERSON_RADIUS_M, SeenBy { sonar: true, laser: true });
         }
         nearest
     }

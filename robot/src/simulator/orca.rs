@@ -173,11 +173,13 @@ fn least_violation(half_planes: &[HalfPlane], fixed: usize, at: usize, mut best:
     // If not even the fixed ones can all be kept, none is.
     let fixed = if at < fixed { 0 } else { fixed };
     let mut greatest_mps = 0.0;
+    let mut no_worse: Vec<HalfPlane> = Vec::with_capacity(half_planes.len());
     for (index, half_plane) in half_planes.iter().enumerate().skip(at) {
         if half_plane.violation_mps(best) <= greatest_mps {
             continue;
         }
-        let mut no_worse = half_planes[..fixed].to_vec();
+        no_worse.clear();
+        no_worse.extend_from_slice(&half_planes[..fixed]);
         no_worse.extend(half_planes[fixed..index].iter().filter_map(|other| no_more_violated(other, half_plane)));
         let inwards = Vector::new(-half_plane.along.y, half_plane.along.x);
         if let Ok(found) = in_plane(&no_worse, limit_mps, Aim::Farthest(inwards)) {
