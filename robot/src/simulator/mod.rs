@@ -23,6 +23,7 @@
 //! assert!(state.distance_driven_m() > 0.1);
 //! ```
 
+mod battery;
 mod candidates;
 mod crowd;
 mod gripper;

@@ -45,7 +45,9 @@ impl SimulatorModel {
     pub(super) fn accelerate(&self, state: &mut SimulatorState, commands: &Commands) {
         let settings = &self.settings;
         let step_s = settings.step_s();
-        let limited = |wanted: f64, limit: f64| if wanted.is_finite() { wanted.clamp(-limit, limit) } else { 0.0 };
+        let has_power = state.battery > 0.0;
+        let limited =
+            |wanted: f64, limit: f64| if wanted.is_finite() && has_power { wanted.clamp(-limit, limit) } else { 0.0 };
         let wanted_mps = limited(commands.translation_mps, settings.max_translation_mps);
         let wanted_radps = limited(commands.rotation_radps, settings.max_rotation_radps);
         let speeds_up = wanted_mps.abs() > state.translation_mps.abs() && wanted_mps * state.translation_mps >= 0.0;

@@ -79,6 +79,13 @@ pub struct SimulatorSettings {
     /// How long a person who gets no further waits before turning back, or going elsewhere.
     pub person_patience_us: u64,
 
+    /// How long a full battery lasts while the robot stands.
+    pub battery_standing_s: f64,
+    /// How long it lasts while the robot drives (B21: some hours).
+    pub battery_driving_s: f64,
+    /// How long an empty one takes to be full.
+    pub battery_charging_s: f64,
+
     /// How far from the robot's middle the gripper reaches.
     pub gripper_reach_m: f64,
     /// How long a grasp takes.
@@ -124,6 +131,9 @@ impl Default for SimulatorSettings {
             odometry_heading_bias_radpm: 0.2_f64.to_radians(),
             person_clearance_m: 0.25,
             person_patience_us: 5_000_000,
+            battery_standing_s: 8.0 * 3600.0,
+            battery_driving_s: 4.0 * 3600.0,
+            battery_charging_s: 900.0,
             gripper_reach_m: 0.8,
             grasp_us: 3_000_000,
             release_us: 2_000_000,

@@ -59,6 +59,12 @@ pub struct SimulatorState {
     pub people: Vec<Walker>,
     /// The gripper and the things it can take.
     pub gripper: Gripper,
+    /// Charge of the battery, from 0 to 1.
+    pub battery: f64,
+    /// What people have sent to the robot, word by word.
+    pub messages: Vec<Vec<String>>,
+    /// How many of them the robot has been given.
+    pub(super) messages_given: usize,
     /// The sonars have failed until this time.
     pub sonars_fail_until_us: u64,
     /// Whether the body rests against something.
@@ -91,6 +97,9 @@ impl SimulatorModel {
             objects_added: Vec::new(),
             people: self.people_at_start(&mut people),
             gripper: Gripper::open_among(&self.world.items),
+            battery: 1.0,
+            messages: Vec::new(),
+            messages_given: 0,
             sonars_fail_until_us: 0,
             touching: false,
             contacts: Contacts::default(),
@@ -118,6 +127,13 @@ impl SimulatorModel {
 }
 
 impl SimulatorState {
+    /// The messages the robot has not been given yet; it has them now.
+    pub(super) fn unread_messages(&mut self) -> Vec<Vec<String>> {
+        let unread = self.messages.get(self.messages_given..).unwrap_or_default().to_vec();
+        self.messages_given = self.messages.len();
+        unread
+    }
+
     /// Whether a body of the world file is where the file says.
     pub(super) fn is_there(&self, origin: Origin) -> bool {
         match origin {

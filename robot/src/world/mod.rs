@@ -144,6 +144,8 @@ pub struct Place {
     pub pose_in_map: Pose,
     /// The room it is in; none in a corridor.
     pub room: Option<String>,
+    /// Whether the robot's battery is charged while it stands there.
+    pub charges: bool,
 }
 
 /// How the robot drives in a region.

@@ -235,14 +235,15 @@ fn read_circle<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Sha
 }
 
 fn read_place<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Place> {
-    reader.only_keys(table, &["name", "pose", "room"]);
+    reader.only_keys(table, &["name", "pose", "room", "charges"]);
     let name = reader.text(table, "name", "\"mail-slots\"");
     let pose = reader.pose(table, "pose", "[2.0, 3.0, \"90deg\"]");
     let room = match table.values.contains_key("room") {
         true => Some(reader.text(table, "room", "\"B\"")?),
         false => None,
     };
-    Some(Place { name: name?, pose_in_map: pose?, room })
+    let charges = reader.flag(table, "charges", false);
+    Some(Place { name: name?, pose_in_map: pose?, room, charges })
 }
 
 fn read_region<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Region> {
