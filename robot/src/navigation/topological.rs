@@ -330,7 +330,8 @@ fn check_connected(
 ) -> Result<(), Unreachable> {
     let mut from = start;
     for &to in points {
-        if planner.value_field(to).path(from).is_none() {
+        let is_free = planner.is_straight_way_free(from, to);
+        if !is_free && planner.value_field(to).path(from).is_none() {
             let reason = format!(
                 "the map leaves no way from ({:.2}, {:.2}) to ({:.2}, {:.2}) on the way to {}",
                 from.x, from.y, to.x, to.y, destination.name

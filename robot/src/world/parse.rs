@@ -86,9 +86,12 @@ fn read_world<'i>(
     check::names(reader, &rooms, &places);
     check::item_names(reader, &items);
     check::doors(reader, &doors, &rooms, &walls);
+    check::floors(reader, &rooms, &doors);
+    check::regions(reader, &regions);
     if let Some(ground) = &ground {
         check::inside(reader, ground.bounds, start.as_ref(), &doors, &objects, &places);
         check::items_inside(reader, ground.bounds, &items);
+        check::people_inside(reader, ground.bounds, &people);
     }
     let ground = ground?;
     let world = World {
