@@ -46,6 +46,8 @@ pub struct Records {
     pub trace: Option<TraceFile>,
     /// What was seen of the robot, ten times a second.
     pub track: Vec<Sight>,
+    /// What the plan logged.
+    pub logs: Vec<String>,
     /// How often active localization was started.
     pub relocalizations: u64,
     /// What the robot and the scenario reported.
@@ -170,7 +172,10 @@ impl Driver<'_> {
             for output in std::mem::take(&mut self.system.machine.output) {
                 match output {
                     Output::Print(text) => self.console.print(&text)?,
-                    Output::Log(text) => self.console.note(&text),
+                    Output::Log(text) => {
+                        self.console.note(&text);
+                        self.records.logs.push(text);
+                    }
                 }
             }
         }

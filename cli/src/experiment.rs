@@ -4,9 +4,11 @@ mod calibration;
 mod catalogue;
 mod chart;
 mod choices;
+mod day;
 mod statistics;
 mod trial;
 mod trials;
+mod worlds;
 
 pub use statistics::{Spread, wilson_95};
 
@@ -32,8 +34,8 @@ use trials::{comparison, raw_rows, run_all, table};
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`, or a
-    /// plan of your own
+    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `people`,
+    /// `office`, `worlds`, `choices`, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -74,6 +76,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         write_results(arguments, &[(arguments.name.as_str(), trials.clone())], &[])?;
         return Ok(status(&trials));
     };
+    if experiment.report == Report::Worlds {
+        return worlds::run(arguments, console);
+    }
     let chosen = rows(experiment, arguments.row.as_deref())?;
     if experiment.report == Report::Choices {
         return choices::run(arguments, &chosen, console);
@@ -105,7 +110,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             write_results(arguments, &rows, &[("reliability.svg", diagram)])?;
             Ok(Status::Succeeded)
         }
-        Report::Choices => Ok(Status::Succeeded),
+        Report::Worlds | Report::Choices => Ok(Status::Succeeded),
     }
 }
 

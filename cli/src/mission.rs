@@ -44,11 +44,13 @@ const RESERVED_NAMES: &[&str] = &[
     "speed*",
     "bumped?*",
     "holding*",
+    "battery*",
+    "messages*",
 ];
 
 /// Fluents that change with every step of the robot: a trace that told each change would tell
 /// nothing else.
-pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*"];
+pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*", "battery*"];
 
 /// Everything that is the same in all runs of a mission: library, world and scenario.
 #[derive(Clone)]

@@ -5,8 +5,10 @@ use crate::figures::{self, Figure};
 use crate::mission;
 use crate::status::Status;
 use anyhow::{Context, Result};
+use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
-use rpl_robot::world::World;
+use rpl_robot::simulator::PERSON_RADIUS_M;
+use rpl_robot::world::{ROBOT_RADIUS_M, World};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -23,7 +25,8 @@ pub struct Arguments {
     /// Draws the robot's map of the world into this file
     #[arg(long, value_name = "FILE", requires = "name")]
     svg: Option<PathBuf>,
-    /// The same as an image, 5 cm a pixel: black is occupied, grey is unknown
+    /// The world as an image, 5 cm a pixel: black is occupied, grey unknown, orange there but not in
+    /// the map, green in the map but not there, blue people on their paths, red the robot
     #[arg(long, value_name = "FILE", requires = "name")]
     png: Option<PathBuf>,
 }
@@ -35,7 +38,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(name) = &arguments.name else {
         for name in World::builtin_names() {
-            console.print(&format!("{name:10}  {}", purpose(name)))?;
+            console.print(&format!("{name:16}  {}", purpose(name)))?;
         }
         return Ok(Status::Succeeded);
     };
@@ -47,7 +50,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         std::fs::write(path, drawing).with_context(|| cannot_draw(path))?;
     }
     if let Some(path) = &arguments.png {
-        write_png(path, &map).with_context(|| cannot_draw(path))?;
+        write_png(path, &world, &map).with_context(|| cannot_draw(path))?;
     }
     Ok(Status::Succeeded)
 }
@@ -56,27 +59,53 @@ fn cannot_draw(path: &Path) -> String {
     format!("cannot write the drawing `{}`", path.display())
 }
 
-fn write_png(path: &Path, map: &OccupancyGrid) -> Result<()> {
+fn write_png(path: &Path, world: &World, map: &OccupancyGrid) -> Result<()> {
     let file = BufWriter::new(File::create(path)?);
     let mut encoder = png::Encoder::new(file, u32::try_from(map.columns)?, u32::try_from(map.rows)?);
-    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels(map))?;
+    writer.write_image_data(&pixels(world, map))?;
     writer.finish()?;
     Ok(())
 }
 
-/// A byte for each cell, the top row of the image first, which is the last of the grid.
-fn pixels(map: &OccupancyGrid) -> Vec<u8> {
-    let rows = (0..map.rows).rev();
-    let cells = rows.flat_map(|row| (0..map.columns).map(move |column| map.get(column, row)));
-    let shade = |cell| match cell {
-        Cell::Free => 255,
-        Cell::Unknown => 205,
-        Cell::Occupied => 0,
+type Colour = [u8; 3];
+
+/// It is there, and not in the map: furniture, a door that is closed.
+const UNMAPPED: Colour = [230, 120, 0];
+/// It is in the map, and not there: a door that is open.
+const VANISHED: Colour = [0, 160, 80];
+/// A person at the beginning of a path.
+const PERSON: Colour = [30, 90, 220];
+/// Where the robot starts.
+const ROBOT: Colour = [200, 0, 60];
+
+/// Three bytes for each cell, the top row of the image first, which is the last of the grid.
+fn pixels(world: &World, map: &OccupancyGrid) -> Vec<u8> {
+    let floor = world.floor(map.resolution_m, |door| world.doors[door].open);
+    let is_on = |centre: Point, reach_m: f64, at: Point| distance_m(centre, at) <= reach_m;
+    let shade = |column: usize, row: usize| -> Colour {
+        let centre = map.centre(column, row);
+        let is_there = floor.get(column, row) == Cell::Occupied;
+        if is_on(centre, ROBOT_RADIUS_M, world.start_in_map.point()) {
+            return ROBOT;
+        }
+        if world.people.iter().any(|person| is_on(centre, PERSON_RADIUS_M, person.path[0])) {
+            return PERSON;
+        }
+        match (map.get(column, row), is_there) {
+            (Cell::Occupied, true) => [0; 3],
+            (Cell::Occupied, false) => VANISHED,
+            (Cell::Free | Cell::Unknown, true) => UNMAPPED,
+            (Cell::Free, false) => [255; 3],
+            (Cell::Unknown, false) => [205; 3],
+        }
     };
-    cells.map(shade).collect()
+    let rows = (0..map.rows).rev();
+    rows.flat_map(|row| (0..map.columns).map(move |column| (column, row)))
+        .flat_map(|(column, row)| shade(column, row))
+        .collect()
 }
 
 /// The first comment line of a world's text.
@@ -112,7 +141,7 @@ fn describe(world: &World) -> String {
     lines.push(format!(
         "{} objects, {unmapped} of them not in the map; {} people",
         world.objects.len(),
-        world.people.len()
+        world.people.len() + world.crowd
     ));
     lines.join("\n")
 }
@@ -120,13 +149,29 @@ fn describe(world: &World) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rpl_robot::geometry::Point;
 
     #[test]
-    fn the_top_of_the_image_is_the_top_of_the_map() {
-        let mut map = OccupancyGrid::filled(Point::origin(), 1.0, 2, 2, Cell::Free);
-        map.set(0, 1, Cell::Occupied);
-        map.set(1, 0, Cell::Unknown);
-        assert_eq!(pixels(&map), [0, 255, 255, 205]);
+    fn the_image_shows_the_map_and_what_is_otherwise() {
+        let text = "name = \"w\"\nsize = [4.0, 3.0]\nstart = [1.0, 1.0, 0]\n\
+                    [[wall]]\nline = [[0, 2], [4, 2]]\nthickness = 0.2\n\
+                    [[room]]\nname = \"r\"\nrect = [0, 2.1, 4, 3]\n\
+                    [[door]]\nroom = \"r\"\nat = [1, 2]\nwidth = 1\naxis = \"x\"\nopen = false\nmapped_open = true\n\
+                    [[door]]\nroom = \"r\"\nat = [3, 2]\nwidth = 1\naxis = \"x\"\nopen = true\nmapped_open = false\n\
+                    [[object]]\nname = \"box\"\nrect = [2, 0.5, 2.4, 0.9]\nmapped = false\n\
+                    [[person]]\npath = [[3, 0.5], [3, 1]]\nspeed = 1\n";
+        let world = World::parse(text, "w.toml").expect("no faults");
+        let map = world.map(0.05);
+        let image = pixels(&world, &map);
+        let at = |x: f64, y: f64| {
+            let (column, row) = map.cell_at(Point::new(x, y)).expect("inside");
+            let pixel = ((map.rows - 1 - row) * map.columns + column) * 3;
+            [image[pixel], image[pixel + 1], image[pixel + 2]]
+        };
+        assert_eq!(at(2.0, 1.95), [0; 3], "a wall");
+        assert_eq!(at(2.0, 2.5), [255; 3], "free floor");
+        assert_eq!(at(1.0, 2.0), UNMAPPED, "a closed door that is open in the map");
+        assert_eq!(at(3.0, 2.0), VANISHED, "an open door that is closed in the map");
+        assert_eq!(at(2.2, 0.7), UNMAPPED, "an object that is not in the map");
+        assert_eq!((at(3.0, 0.5), at(1.0, 1.0)), (PERSON, ROBOT));
     }
 }

@@ -14,7 +14,7 @@ use rpl_runtime::value::Value;
 use std::sync::{Arc, OnceLock};
 
 /// Fluents that change with every step; a trace that told each change would tell nothing else.
-pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*"];
+pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*", "battery*"];
 
 /// How fine the grid of the belief is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -23,6 +23,8 @@ pub enum Report {
     Calibration,
     /// What single departures from the papers are worth: a line for each row, nothing else.
     Comparison,
+    /// Drives from anywhere to any place, world by world.
+    Worlds,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
 }
@@ -73,6 +75,23 @@ const PATROL: Row =
 
 const FURNISHED: Row = Row { name: "furniture, people", world: "dept-furnished", ..PATROL };
 
+const PEOPLE: Row = Row {
+    name: "in the corridor",
+    plan: "experiments/to-and-fro.rpl",
+    scenario: None,
+    world: "corridor-crowded",
+    goal: None,
+    change: |_| (),
+};
+
+const OFFICE: Row = Row {
+    name: "office",
+    plan: "office.rpl",
+    scenario: Some("experiments/office-day.rpl"),
+    world: "dept-staffed",
+    ..PEOPLE
+};
+
 /// A row of the table of deviations: `rotated` with one of them taken back.
 const fn without(name: &'static str, change: fn(&mut OfficeSettings)) -> Row {
     Row { name, change, ..ROTATED }
@@ -82,6 +101,22 @@ const fn without(name: &'static str, change: fn(&mut OfficeSettings)) -> Row {
 const fn furnished_without(name: &'static str, change: fn(&mut OfficeSettings)) -> Row {
     Row { name, change, ..FURNISHED }
 }
+
+/// The worlds of the experiment `worlds`.
+pub const WORLDS: [&str; 12] = [
+    "long-corridor",
+    "two-wings",
+    "hall",
+    "flat",
+    "small-office",
+    "lab",
+    "warehouse",
+    "gallery",
+    "ring",
+    "school",
+    "dept",
+    "dept-furnished",
+];
 
 /// All experiments.
 pub const EXPERIMENTS: &[Experiment] = &[
@@ -134,6 +169,13 @@ pub const EXPERIMENTS: &[Experiment] = &[
             furnished_without("– tempering", |settings| settings.localization.tempering = 1.0),
         ],
     },
+    Experiment {
+        name: "people",
+        report: Report::Success,
+        rows: &[PEOPLE, Row { name: "in the department", world: "dept-crowded", ..PEOPLE }],
+    },
+    Experiment { name: "office", report: Report::Success, rows: &[OFFICE] },
+    Experiment { name: "worlds", report: Report::Worlds, rows: &[] },
     Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
 ];
 

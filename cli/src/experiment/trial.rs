@@ -1,5 +1,6 @@
 //! One run of an experiment: driven to its end, and measured.
 
+use super::day::Day;
 use crate::console::Console;
 use crate::drive::{Ending, Mark, Pace, Records, drive};
 use crate::mission::{Robot, Sight};
@@ -73,8 +74,15 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
     if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
         measures.push(("distance [m]", Some(account.distance_m)));
         measures.push(("contacts caused", Some(f64::from(account.contacts))));
+        measures.push(("mean speed [m/s]", Some(account.distance_m / system.machine.now_s().max(1e-9))));
         measures.push(("relocalizations", Some(records.relocalizations as f64)));
         measures.extend(disturbance(&records.marks, &records.track, account.distance_m));
+        if let Robot::Office(robot) = &system.outside
+            && let Some(day) = Day::of(robot, &records.logs)
+        {
+            succeeded &= day.is_perfect() && account.contacts == 0;
+            measures.extend(day.measures());
+        }
         if let Some(goal_in_map) = goal_in_map {
             let off_m = sight.robot_in_map.distance_m(goal_in_map);
             succeeded &= off_m <= AT_GOAL_M;

@@ -223,7 +223,11 @@ impl TopologicalModel {
         let mut joined = Vec::new();
         let mut from = start;
         for &to in points {
-            let path = planner.value_field(to).path(from).ok_or_else(|| no_way(from, to, destination))?;
+            let path = if planner.is_straight_way_free(from, to) {
+                vec![from, to]
+            } else {
+                planner.value_field(to).path(from).ok_or_else(|| no_way(from, to, destination))?
+            };
             if self.leads_through_others(&path) {
                 let ends = [from, to].map(|end| self.hallway_at(end).map(|hallway| on_centre_line(&hallway, end)));
                 joined.extend(ends.into_iter().flatten().filter(|&point| has_clearance(planner, point)));

@@ -51,6 +51,8 @@ pub(super) const REGION: usize = 7;
 pub(super) const SPEED: usize = 8;
 pub(super) const BUMPED: usize = 9;
 pub(super) const HOLDING: usize = 10;
+pub(super) const BATTERY: usize = 11;
+pub(super) const MESSAGES: usize = 12;
 
 /// The fluents.
 pub const FLUENTS: &[FluentSpec] = &[
@@ -68,4 +70,6 @@ pub const FLUENTS: &[FluentSpec] = &[
     FluentSpec { name: "speed*", doc: "Measured speed ahead, in metres a second." },
     FluentSpec { name: "bumped?*", doc: "Whether something touches the robot." },
     FluentSpec { name: "holding*", doc: "The thing in the gripper, or nil." },
+    FluentSpec { name: "battery*", doc: "Charge of the battery, from 0 to 1, in thousandths." },
+    FluentSpec { name: "messages*", doc: "How many messages have not been read." },
 ];

@@ -3,8 +3,8 @@
 
 use super::OfficeModel;
 use super::behaviours::{
-    ACTIVE_LOCALIZATION, BUMPED, GRIPPER, HOLDING, NAVIGATION, NAVIGATION_ACTIVE, NR_OF_NAV_GOALS, O, POS_CERTAINTY,
-    POSITION_TRACKING, REGION, SPEED, TRAVEL_MODE, X, Y,
+    ACTIVE_LOCALIZATION, BATTERY, BUMPED, GRIPPER, HOLDING, MESSAGES, NAVIGATION, NAVIGATION_ACTIVE, NR_OF_NAV_GOALS,
+    O, POS_CERTAINTY, POSITION_TRACKING, REGION, SPEED, TRAVEL_MODE, X, Y,
 };
 use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::geometry::{Point, Pose};
@@ -61,6 +61,8 @@ pub struct Board {
     gripper_task: Option<GripperTask>,
     gripper_command: GripperCommand,
     was_certain: bool,
+    /// What people have sent and no plan has read, the oldest first.
+    pub(super) inbox: Vec<Vec<String>>,
     /// A plan has reason to think the estimate is wrong; position tracking answers in the next step.
     pub(super) position_doubted: bool,
     steps: u32,
@@ -92,6 +94,7 @@ impl Board {
             gripper_task: None,
             gripper_command: GripperCommand::None,
             was_certain: model.settings.start_known,
+            inbox: Vec::new(),
             position_doubted: false,
             steps: 0,
         }
@@ -125,6 +128,7 @@ impl Board {
         self.localize_actively(model, &percept, outbox);
         self.navigate(model, &percept, outbox);
         self.grip(&percept, outbox);
+        self.inbox.extend(percept.messages.iter().cloned());
         self.publish(model, &percept, outbox);
         self.percept = Some(percept);
     }
@@ -275,6 +279,8 @@ impl Board {
             (SPEED, Reading::Float(percept.translation_mps)),
             (BUMPED, Reading::Truth(percept.bumped)),
             (HOLDING, holding),
+            (BATTERY, Reading::Float(libm::round(percept.battery * 1000.0) / 1000.0)),
+            (MESSAGES, Reading::Int(self.inbox.len() as i64)),
         ]);
         self.publish_navigation(outbox);
     }

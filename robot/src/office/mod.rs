@@ -21,9 +21,9 @@ pub use scenario::{Oracle, SCENARIO_NAMES, oracle_natives};
 
 use crate::active::{ActiveParameters, Choice};
 use crate::geometry::Pose;
-use crate::localization::{Estimate, LocalizationModel, LocalizationParameters, ModelError};
+use crate::localization::{Estimate, Localization, LocalizationModel, LocalizationParameters, ModelError, Spread};
 use crate::navigation::{DriveLimits, NavigationModel, TopologicalModel};
-use crate::simulator::{Contacts, Percept, SimulatorModel, SimulatorSettings};
+use crate::simulator::{Contacts, OracleError, Percept, SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Stop};
 use rpl_runtime::failure::Raise;
@@ -54,6 +54,8 @@ pub const ROBOT_NAMES: &[&str] = &[
     "speed*",
     "bumped?*",
     "holding*",
+    "battery*",
+    "messages*",
     "place",
     "place-pose",
     "at-destination?",
@@ -61,6 +63,7 @@ pub const ROBOT_NAMES: &[&str] = &[
     "plan-remove-all-goals",
     "set-travel-mode",
     "doubt-position",
+    "read-message",
     "region-of",
     "distance-to",
     "belief-maxima",
@@ -159,6 +162,16 @@ impl OfficeRobot {
     pub fn new(model: Arc<OfficeModel>, host: SimulatedHost, seed: u64) -> Self {
         let board = Board::new(&model, seed);
         Self { model, host, board }
+    }
+
+    /// The same robot at the beginning of a run, put down elsewhere and told so.
+    ///
+    /// # Errors
+    /// Something stands there.
+    pub fn starting_at(mut self, start_in_map: Pose) -> Result<Self, OracleError> {
+        self.host.model.clone().teleport(&mut self.host.state, start_in_map)?;
+        self.board.localization = Localization::start_at(&self.model.localization, start_in_map, Spread::default());
+        Ok(self)
     }
 
     /// Where the robot really is.

@@ -57,6 +57,7 @@ pub fn natives() -> Vec<Native> {
             "Gives up all of the belief about the position, in the next step: the estimate leads to a contradiction.",
             doubt_position as _,
         ),
+        act("read-message", "", "The oldest message nobody has read, a list of symbols, or nil.", read_message as _),
         act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),
     ]
 }
@@ -169,6 +170,16 @@ fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn doubt_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     robot(call)?.board.position_doubted = true;
     Ok(Reply::Value(Value::Nil))
+}
+
+fn read_message(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let inbox = &mut robot(call)?.board.inbox;
+    if inbox.is_empty() {
+        return Ok(Reply::Value(Value::Nil));
+    }
+    let words = inbox.remove(0);
+    let symbols: Vec<Value> = words.iter().map(|word| Value::Symbol(call.machine.symbols.intern(word))).collect();
+    Ok(Reply::Value(call.machine.heap.list(&symbols)))
 }
 
 fn set_travel_mode(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

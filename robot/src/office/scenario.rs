@@ -26,6 +26,8 @@ pub const SCENARIO_NAMES: &[&str] = &[
     "remove-object!",
     "drop-sonars!",
     "place-item!",
+    "set-battery!",
+    "send-message!",
 ];
 
 /// The truth about the simulated world, and the hands that change it.
@@ -123,6 +125,8 @@ pub fn oracle_natives() -> Vec<Native> {
         act("remove-object!", "name", "Takes an object out of the world.", remove_object),
         act("drop-sonars!", "seconds", "The sonars fail for a time.", drop_sonars),
         act("place-item!", "name x y", "Puts a thing that can be carried somewhere.", place_item),
+        act("set-battery!", "charge", "Sets the charge of the battery, from 0 to 1.", set_battery),
+        act("send-message!", "&rest words", "Sends the robot a message, a list of names.", send_message),
     ]
 }
 
@@ -208,4 +212,19 @@ fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let oracle = oracle(call)?;
     oracle.state.place_item(&name, point);
     Ok(done(oracle, "item placed", vec![("item", name)]))
+}
+
+fn set_battery(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let charge = call.number(0)?;
+    let oracle = oracle(call)?;
+    oracle.state.set_battery(charge);
+    Ok(done(oracle, "battery set", vec![("charge", format!("{charge:.2}"))]))
+}
+
+fn send_message(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let words = (0..call.arguments.len()).map(|index| call.name(index)).collect::<Result<Vec<_>, _>>()?;
+    let oracle = oracle(call)?;
+    let text = words.join(" ");
+    oracle.state.send_message(words);
+    Ok(done(oracle, "message sent", vec![("text", text)]))
 }

@@ -15,6 +15,7 @@ pub(super) struct Candidates {
     rows: usize,
     visible: Lists,
     touchable: Lists,
+    walkable: Lists,
 }
 
 #[derive(Debug)]
@@ -39,8 +40,9 @@ impl Lists {
 }
 
 impl Candidates {
-    /// Lists for sensors that reach `range_m` and a body that touches within `touch_m`.
-    pub fn new(surfaces: &[Surface], bounds: Rect, range_m: f64, touch_m: f64) -> Self {
+    /// Lists for sensors that reach `range_m`, a body that touches within `touch_m`, and people who
+    /// walk by within `walk_m`.
+    pub fn new(surfaces: &[Surface], bounds: Rect, range_m: f64, touch_m: f64, walk_m: f64) -> Self {
         let size_m = bounds.max - bounds.min;
         let columns = (libm::ceil(size_m.x / CELL_M) as usize).max(1);
         let rows = (libm::ceil(size_m.y / CELL_M) as usize).max(1);
@@ -64,13 +66,15 @@ impl Candidates {
                 .collect();
             near.retain(|index| {
                 let form = &surfaces[*index as usize].form;
-                faces(form, cell) && !walls.iter().any(|wall| hides(wall, form, cell))
+                corners(cell).iter().any(|corner| form.faces(*corner))
+                    && !walls.iter().any(|wall| hides(wall, form, cell))
             });
             near
         };
         let visible = Lists::new(cells.iter().map(seen_from));
         let touchable = Lists::new(cells.iter().map(|cell| within(cell, touch_m)));
-        Self { origin_in_map: bounds.min, columns, rows, visible, touchable }
+        let walkable = Lists::new(cells.iter().map(|cell| within(cell, walk_m)));
+        Self { origin_in_map: bounds.min, columns, rows, visible, touchable, walkable }
     }
 
     /// Surfaces that a sensor at the point may see.
@@ -81,6 +85,11 @@ impl Candidates {
     /// Surfaces that the body at the point may touch.
     pub fn touchable(&self, point: Point) -> &[u32] {
         self.touchable.of(self.cell(point))
+    }
+
+    /// Surfaces that a person at the point must mind.
+    pub fn walkable(&self, point: Point) -> &[u32] {
+        self.walkable.of(self.cell(point))
     }
 
     fn cell(&self, point: Point) -> usize {
@@ -99,14 +108,6 @@ fn corners(rect: &Rect) -> [Point; 4] {
 fn may_be_within(form: &Form, cell: &Rect, reach_m: f64) -> bool {
     let half_diagonal_m = (cell.max - cell.min).norm_squared().sqrt() / 2.0;
     form.distance_m(cell.centre()) <= reach_m + half_diagonal_m
-}
-
-/// Whether the front of the surface can be seen from some point of the cell.
-fn faces(form: &Form, cell: &Rect) -> bool {
-    match form {
-        Form::Edge { a, b } => corners(cell).iter().any(|corner| cross(b - a, corner - a) < 0.0),
-        Form::Disc { .. } => true,
-    }
 }
 
 /// Whether it is worth asking what a surface hides: only walls never go away, and one much shorter

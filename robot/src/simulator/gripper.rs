@@ -45,6 +45,8 @@ pub struct Item {
     pub name: String,
     /// Where it is.
     pub at: ItemPlace,
+    /// How often the robot has put it down.
+    pub put_down: u32,
 }
 
 /// Where a thing is.
@@ -80,7 +82,7 @@ impl Default for Gripper {
 
 impl Gripper {
     pub(super) fn open_among(items: &[world::Item]) -> Self {
-        let lying = |item: &world::Item| Item { name: item.name.clone(), at: ItemPlace::Point(item.at) };
+        let lying = |item: &world::Item| Item { name: item.name.clone(), at: ItemPlace::Point(item.at), put_down: 0 };
         Self { phase: Phase::Open, items: items.iter().map(lying).collect() }
     }
 
@@ -154,6 +156,7 @@ impl Gripper {
         let ahead = robot_in_map.transform(Point::new(settings.robot_radius_m + 0.15, 0.0));
         for item in self.items.iter_mut().filter(|item| item.at == ItemPlace::Held) {
             item.at = ItemPlace::Point(ahead);
+            item.put_down += 1;
         }
     }
 }

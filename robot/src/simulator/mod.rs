@@ -23,13 +23,16 @@
 //! assert!(state.distance_driven_m() > 0.1);
 //! ```
 
+mod battery;
 mod candidates;
+mod crowd;
 mod gripper;
 mod laser;
 mod model;
 mod motion;
 mod odometry;
 mod oracle;
+mod orca;
 mod people;
 mod percept;
 mod settings;

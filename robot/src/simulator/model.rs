@@ -1,6 +1,8 @@
 //! What never changes during a simulation.
 
 use super::candidates::Candidates;
+use super::crowd::Crowd;
+use super::people::FARTHEST_WALL_M;
 use super::percept::{LASER_READINGS, SONARS, laser_direction_rad};
 use super::settings::SimulatorSettings;
 use super::surface::{Form, Surface, surfaces_of};
@@ -19,6 +21,8 @@ pub struct SimulatorModel {
     pub(super) solids: Vec<Solid>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) candidates: Candidates,
+    /// None in a world without a crowd.
+    pub(super) crowd: Option<Crowd>,
     /// Unit vectors, in `base`, between the cones of sonar k and k + 1.
     pub(super) cone_edges: [Vector; SONARS],
     /// Unit vectors of the laser readings, in `base`.
@@ -33,7 +37,7 @@ impl SimulatorModel {
         let laser_m = if settings.laser { settings.laser_max_range_m } else { 0.0 };
         let range_m = settings.sonar_max_range_m.max(laser_m);
         let touch_m = settings.robot_radius_m + 2.0 * settings.max_translation_mps * settings.step_s();
-        let candidates = Candidates::new(&surfaces, world.bounds(), range_m, touch_m);
+        let candidates = Candidates::new(&surfaces, world.bounds(), range_m, touch_m, FARTHEST_WALL_M);
         let direction = |angle_rad: f64| {
             let (sin, cos) = libm::sincos(angle_rad);
             Vector::new(cos, sin)
@@ -43,6 +47,7 @@ impl SimulatorModel {
                 direction((cone as f64 + 0.5) * std::f64::consts::TAU / SONARS as f64)
             }),
             laser_directions: (0..LASER_READINGS).map(|reading| direction(laser_direction_rad(reading))).collect(),
+            crowd: Crowd::new(&world),
             world,
             settings,
             solids,

@@ -4,7 +4,7 @@ use super::model::SimulatorModel;
 use super::people::PERSON_RADIUS_M;
 use super::percept::Commands;
 use super::state::SimulatorState;
-use crate::geometry::{Point, Pose, distance_m};
+use crate::geometry::{Point, Pose};
 use crate::world::SeenBy;
 
 /// How far a body may reach into another: the rounding of the bisection below.
@@ -45,7 +45,9 @@ impl SimulatorModel {
     pub(super) fn accelerate(&self, state: &mut SimulatorState, commands: &Commands) {
         let settings = &self.settings;
         let step_s = settings.step_s();
-        let limited = |wanted: f64, limit: f64| if wanted.is_finite() { wanted.clamp(-limit, limit) } else { 0.0 };
+        let has_power = state.battery > 0.0;
+        let limited =
+            |wanted: f64, limit: f64| if wanted.is_finite() && has_power { wanted.clamp(-limit, limit) } else { 0.0 };
         let wanted_mps = limited(commands.translation_mps, settings.max_translation_mps);
         let wanted_radps = limited(commands.rotation_radps, settings.max_rotation_radps);
         let speeds_up = wanted_mps.abs() > state.translation_mps.abs() && wanted_mps * state.translation_mps >= 0.0;
@@ -127,9 +129,9 @@ impl SimulatorModel {
         for object in &state.objects_added {
             consider(object.outline().distance_m(point), object.seen_by);
         }
-        for person in &state.people {
-            let distance_m = distance_m(person.at_in_map, point) - PERSON_RADIUS_M;
-            consider(distance_m, SeenBy { sonar: true, laser: true });
+        let person2 = state.people.iter().map(|person| (person.at_in_map - point).norm_squared()).reduce(f64::min);
+        if let Some(distance2) = person2 {
+            consider(distance2.sqrt() - PERSON_RADIUS_M, SeenBy { sonar: true, laser: true });
         }
         nearest
     }

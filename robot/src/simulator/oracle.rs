@@ -57,6 +57,16 @@ impl SimulatorState {
         self.sonars_fail_until_us = self.sonars_fail_until_us.max(until_us);
     }
 
+    /// Fills the battery up to a share of its capacity, or empties it down to that.
+    pub fn set_battery(&mut self, charge: f64) {
+        self.battery = charge.clamp(0.0, 1.0);
+    }
+
+    /// Sends the robot a message, word by word.
+    pub fn send_message(&mut self, words: Vec<String>) {
+        self.messages.push(words);
+    }
+
     /// Touches so far.
     pub fn contacts(&self) -> Contacts {
         self.contacts
@@ -70,7 +80,7 @@ impl SimulatorState {
     /// Puts a thing somewhere, also one that is elsewhere or held so far.
     pub fn place_item(&mut self, name: &str, point_in_map: Point) {
         self.gripper.items.retain(|item| item.name != name);
-        self.gripper.items.push(Item { name: name.to_owned(), at: ItemPlace::Point(point_in_map) });
+        self.gripper.items.push(Item { name: name.to_owned(), at: ItemPlace::Point(point_in_map), put_down: 0 });
     }
 }
 

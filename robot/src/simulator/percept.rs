@@ -54,4 +54,8 @@ pub struct Percept {
     pub bumped: bool,
     /// State of the gripper.
     pub gripper: GripperStatus,
+    /// Charge of the battery, from 0 to 1.
+    pub battery: f64,
+    /// What people have sent since the last step, word by word.
+    pub messages: Vec<Vec<String>>,
 }

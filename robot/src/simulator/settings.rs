@@ -73,11 +73,18 @@ pub struct SimulatorSettings {
     /// creeps because its wheels are never quite parallel).
     pub odometry_heading_bias_radpm: f64,
 
-    /// How near to a person's path the robot makes the person wait. At 0 people walk on until they
-    /// touch it, and run into it.
-    pub person_stop_distance_m: f64,
-    /// How long a person waits for the robot before turning back.
+    /// Air that people keep between themselves and the robot. At 0 they do not mind it, and run into
+    /// it.
+    pub person_clearance_m: f64,
+    /// How long a person who gets no further waits before turning back, or going elsewhere.
     pub person_patience_us: u64,
+
+    /// How long a full battery lasts while the robot stands.
+    pub battery_standing_s: f64,
+    /// How long it lasts while the robot drives (B21: some hours).
+    pub battery_driving_s: f64,
+    /// How long an empty one takes to be full.
+    pub battery_charging_s: f64,
 
     /// How far from the robot's middle the gripper reaches.
     pub gripper_reach_m: f64,
@@ -122,8 +129,11 @@ impl Default for SimulatorSettings {
             odometry_translation_bias: 0.01,
             odometry_rotation_bias: 0.01,
             odometry_heading_bias_radpm: 0.2_f64.to_radians(),
-            person_stop_distance_m: 0.3,
+            person_clearance_m: 0.25,
             person_patience_us: 5_000_000,
+            battery_standing_s: 8.0 * 3600.0,
+            battery_driving_s: 4.0 * 3600.0,
+            battery_charging_s: 900.0,
             gripper_reach_m: 0.8,
             grasp_us: 3_000_000,
             release_us: 2_000_000,

@@ -20,6 +20,8 @@ pub struct Streams {
     pub odometry: Stream,
     /// Success of the gripper.
     pub gripper: Stream,
+    /// Where people of the crowd walk.
+    pub people: Stream,
 }
 
 /// Touches so far, each counted once from the first touch until body and thing part.
@@ -53,10 +55,16 @@ pub struct SimulatorState {
     pub objects_removed: Vec<bool>,
     /// Objects that were put into the world after the start.
     pub objects_added: Vec<Object>,
-    /// The people, in the order of the world.
+    /// The people with paths in the order of the world, then the crowd.
     pub people: Vec<Walker>,
     /// The gripper and the things it can take.
     pub gripper: Gripper,
+    /// Charge of the battery, from 0 to 1.
+    pub battery: f64,
+    /// What people have sent to the robot, word by word.
+    pub messages: Vec<Vec<String>>,
+    /// How many of them the robot has been given.
+    pub(super) messages_given: usize,
     /// The sonars have failed until this time.
     pub sonars_fail_until_us: u64,
     /// Whether the body rests against something.
@@ -76,6 +84,7 @@ impl SimulatorModel {
     pub fn start(&self, seed: u64) -> SimulatorState {
         let mut odometry = Stream::new(seed, "odometry");
         let odometry_bias = OdometryBias::draw(&self.settings, &mut odometry);
+        let mut people = Stream::new(seed, "people");
         SimulatorState {
             time_us: 0,
             robot_in_map: self.world.start_in_map,
@@ -86,8 +95,11 @@ impl SimulatorModel {
             doors_open: self.world.doors.iter().map(|door| door.open).collect(),
             objects_removed: vec![false; self.world.objects.len()],
             objects_added: Vec::new(),
-            people: self.world.people.iter().map(Walker::new).collect(),
+            people: self.people_at_start(&mut people),
             gripper: Gripper::open_among(&self.world.items),
+            battery: 1.0,
+            messages: Vec::new(),
+            messages_given: 0,
             sonars_fail_until_us: 0,
             touching: false,
             contacts: Contacts::default(),
@@ -97,6 +109,7 @@ impl SimulatorModel {
                 laser: Stream::new(seed, "laser"),
                 odometry,
                 gripper: Stream::new(seed, "gripper"),
+                people,
             },
             specular_seed: seed,
         }
@@ -107,15 +120,20 @@ impl SimulatorModel {
     /// Whether a state belongs to a world like this one. A state that does not must not be stepped;
     /// a saved one may be older than its world file.
     pub fn fits(&self, state: &SimulatorState) -> bool {
-        let mut targets = state.people.iter().zip(&self.world.people);
         state.doors_open.len() == self.world.doors.len()
             && state.objects_removed.len() == self.world.objects.len()
-            && state.people.len() == self.world.people.len()
-            && targets.all(|(walker, person)| walker.next < person.path.len())
+            && self.fits_people(&state.people)
     }
 }
 
 impl SimulatorState {
+    /// The messages the robot has not been given yet; it has them now.
+    pub(super) fn unread_messages(&mut self) -> Vec<Vec<String>> {
+        let unread = self.messages.get(self.messages_given..).unwrap_or_default().to_vec();
+        self.messages_given = self.messages.len();
+        unread
+    }
+
     /// Whether a body of the world file is where the file says.
     pub(super) fn is_there(&self, origin: Origin) -> bool {
         match origin {

@@ -20,6 +20,7 @@ impl SimulatorModel {
             driven.way_m,
             driven.turn_rad,
         );
+        self.use_battery(state);
         let (stream, robot_in_map) = (&mut state.streams.gripper, state.robot_in_map);
         state.gripper.step(&self.settings, stream, &commands.gripper, state.time_us, robot_in_map);
         Percept {
@@ -31,6 +32,8 @@ impl SimulatorModel {
             laser_m: self.scan_laser(state),
             bumped: state.touching || state.people.iter().any(|person| person.touching),
             gripper: state.gripper.status(),
+            battery: state.battery,
+            messages: state.unread_messages(),
         }
     }
 }

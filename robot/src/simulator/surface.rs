@@ -1,7 +1,7 @@
 //! Surfaces that sensors see and the robot cannot pass.
 
 use crate::geometry::{Point, distance_m};
-use crate::world::{Origin, Outline, SeenBy, Solid, distance_to_segment_m};
+use crate::world::{Origin, Outline, SeenBy, Solid, distance_to_segment_m, nearest_on_segment};
 
 /// Geometry of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,26 @@ pub(super) enum Form {
 }
 
 impl Form {
+    /// Whether the front of the surface is towards a point.
+    pub fn faces(&self, point: Point) -> bool {
+        match self {
+            Form::Edge { a, b } => (b - a).perp(&(point - a)) < 0.0,
+            Form::Disc { .. } => true,
+        }
+    }
+
+    /// The point of the surface nearest to one outside the body.
+    pub fn nearest_to(&self, point: Point) -> Point {
+        match self {
+            Form::Edge { a, b } => nearest_on_segment(point, *a, *b),
+            Form::Disc { centre, radius_m } => {
+                let out = point - centre;
+                let length_m = out.norm_squared().sqrt();
+                if length_m > 0.0 { centre + out * (radius_m / length_m) } else { *centre }
+            }
+        }
+    }
+
     /// Distance from a point outside the body.
     pub fn distance_m(&self, point: Point) -> f64 {
         match self {

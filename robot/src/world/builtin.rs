@@ -2,23 +2,38 @@
 
 use super::{World, WorldError};
 
-const WORLDS: [(&str, &str); 4] = [
+const WORLDS: [(&str, &str); 17] = [
     ("dept", include_str!("../../worlds/dept.toml")),
     (
         "dept-furnished",
         concat!(include_str!("../../worlds/dept.toml"), include_str!("../../worlds/dept-furnished.toml")),
     ),
+    ("dept-staffed", concat!("people = 6\n\n", include_str!("../../worlds/dept.toml"))),
+    ("dept-crowded", concat!("people = 20\n\n", include_str!("../../worlds/dept.toml"))),
     ("corridor", include_str!("../../worlds/corridor.toml")),
+    ("corridor-crowded", concat!("people = 20\n\n", include_str!("../../worlds/corridor.toml"))),
+    ("long-corridor", include_str!("../../worlds/long-corridor.toml")),
+    ("two-wings", include_str!("../../worlds/two-wings.toml")),
+    ("hall", include_str!("../../worlds/hall.toml")),
+    ("flat", include_str!("../../worlds/flat.toml")),
+    ("small-office", include_str!("../../worlds/small-office.toml")),
+    ("lab", include_str!("../../worlds/lab.toml")),
+    ("warehouse", include_str!("../../worlds/warehouse.toml")),
+    ("gallery", include_str!("../../worlds/gallery.toml")),
+    ("ring", include_str!("../../worlds/ring.toml")),
+    ("school", include_str!("../../worlds/school.toml")),
     ("test-room", include_str!("../../worlds/test-room.toml")),
 ];
 
 impl World {
     /// A world by its name: `dept`, the department of Beetz, Burgard, Fox and Cremers;
-    /// `dept-furnished`, the same with people, and furniture that is in no map; `corridor`, its
-    /// corridor with all doors closed; `test-room`, two small rooms for quick trials.
+    /// `dept-furnished`, the same with people, and furniture that is in no map; `dept-staffed` and
+    /// `dept-crowded`, the same with six and with twenty people; `corridor`, its corridor with all doors closed, and
+    /// `corridor-crowded` with twenty people in it; ten other buildings from
+    /// `flat` to `warehouse`; `test-room`, two small rooms for quick trials.
     pub fn builtin(name: &str) -> Option<World> {
         let mut world = Self::parse_builtin(name)?.ok()?;
-        // The text of `dept-furnished` begins with that of `dept`.
+        // Some are the text of another with more to it, its name included.
         world.name = name.to_string();
         Some(world)
     }

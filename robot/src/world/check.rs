@@ -4,8 +4,9 @@ use super::error::nearest;
 use super::parse::Placed;
 use super::read::{Reader, Table};
 use super::solid::Origin;
-use super::{Door, Item, Object, Place, Rect, Room, Wall, World};
+use super::{Door, Item, Object, Person, Place, Rect, Region, Room, Wall, World};
 use crate::geometry::{Point, Pose};
+use crate::occupancy::Cell;
 use std::ops::Range;
 
 /// Radius of the robot; nothing may stand that near to its start.
@@ -103,6 +104,71 @@ pub(super) fn inside(
     }
 }
 
+/// A door stands at most so far from the floor of its room.
+const DOOR_OFF_ROOM_M: f64 = 0.5;
+
+/// No two rooms share floor, and doors are at the edge of their room.
+pub(super) fn floors(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], doors: &[Placed<'_, '_, Door>]) {
+    for (index, room) in rooms.iter().enumerate() {
+        let shares = |other: &Placed<'_, '_, Room>| {
+            let (a, b) = (other.value.rect, room.value.rect);
+            let (min, max) = (a.min.sup(&b.min), a.max.inf(&b.max));
+            max.x - min.x > 1e-6 && max.y - min.y > 1e-6
+        };
+        if let Some(other) = rooms[..index].iter().find(|other| shares(other)) {
+            let message = format!("the rooms `{}` and `{}` overlap", other.value.name, room.value.name);
+            reader.note(
+                room.table.span_of("rect"),
+                "rect",
+                message,
+                "a point of the floor belongs to one room at most",
+            );
+        }
+    }
+    for door in doors {
+        let Some(room) = rooms.iter().find(|room| room.value.name == door.value.room) else { continue };
+        let Rect { min, max } = room.value.rect;
+        let at = door.value.at;
+        let off_m = (at - at.sup(&min).inf(&max)).norm_squared().sqrt();
+        if off_m > DOOR_OFF_ROOM_M {
+            let message =
+                format!("the door at ({}, {}) is {off_m:.1} m away from its room `{}`", at.x, at.y, door.value.room);
+            let help = "`room` is a room the door leads into: its floor begins beside the door";
+            reader.note(door.table.span_of("room"), "room", message, help);
+        }
+    }
+}
+
+/// Every region counts somewhere.
+pub(super) fn regions(reader: &mut Reader, regions: &[Placed<'_, '_, Region>]) {
+    for region in regions {
+        let Rect { min, max } = region.value.rect;
+        let covers = |other: &&Placed<'_, '_, Region>| {
+            other.value.mode > region.value.mode && other.value.rect.contains(min) && other.value.rect.contains(max)
+        };
+        if let Some(other) = regions.iter().find(covers) {
+            let Rect { min, max } = other.value.rect;
+            let message = format!(
+                "the region counts nowhere: a region of another mode from ({}, {}) to ({}, {}) covers it",
+                min.x, min.y, max.x, max.y
+            );
+            let help = "where regions overlap, a doorway counts before an office and an office before a hallway";
+            reader.note(region.table.span_of("rect"), "rect", message, help);
+        }
+    }
+}
+
+/// People walk within the world.
+pub(super) fn people_inside(reader: &mut Reader, bounds: Rect, people: &[Placed<'_, '_, Person>]) {
+    for person in people {
+        if let Some(at) = person.value.path.iter().find(|at| !bounds.contains(**at)) {
+            let message = format!("a person walks to ({}, {}), outside the world", at.x, at.y);
+            let help = reach(bounds);
+            reader.note(person.table.span_of("path"), "path", message, help);
+        }
+    }
+}
+
 /// No two things share a name, and a plan can write each: symbols fold to lower case.
 pub(super) fn item_names(reader: &mut Reader, items: &[Placed<'_, '_, Item>]) {
     for (index, item) in items.iter().enumerate() {
@@ -132,6 +198,11 @@ pub(super) fn items_inside(reader: &mut Reader, bounds: Rect, items: &[Placed<'_
 /// The robot has room to stand at the start.
 pub(super) fn start_is_free(reader: &mut Reader, world: &World, span: Range<usize>) {
     let start = world.start_in_map.point();
+    if world.recorded.as_ref().is_some_and(|map| map.at(start) == Cell::Unknown) {
+        let message = format!("the start ({}, {}) is where the map knows nothing", start.x, start.y);
+        reader.note(span, "start", message, "put it where the map is free");
+        return;
+    }
     let in_the_way = world.solids().into_iter().find(|solid| {
         let there = match solid.origin {
             Origin::Door(index) => !world.doors[index].open,

@@ -16,7 +16,21 @@ impl World {
     /// reached from the start, a room or a place are unknown. Cost: cells + outline length.
     pub fn map(&self, resolution_m: f64) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
-        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free))
+        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free), |origin| {
+            self.is_mapped(origin)
+        })
+    }
+
+    /// What really stands there, whatever the map says, on the grid of [`World::map`]: walls, all
+    /// objects, and the doors that are not open. Cost: as for the map.
+    pub fn floor(&self, resolution_m: f64, is_open: impl Fn(usize) -> bool) -> OccupancyGrid {
+        let (columns, rows) = self.cells(resolution_m);
+        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free), |origin| {
+            match origin {
+                Origin::Door(index) => !is_open(index),
+                Origin::Wall | Origin::Object(_) => true,
+            }
+        })
     }
 
     /// The same map on a grid centred on the middle of the world, so that the pose mirrored by 180°
@@ -25,7 +39,9 @@ impl World {
         let (columns, rows) = self.cells(resolution_m);
         let half = Vector::new(columns as f64, rows as f64) * (resolution_m / 2.0);
         let origin_in_map = self.bounds().centre() - half;
-        self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free))
+        self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free), |origin| {
+            self.is_mapped(origin)
+        })
     }
 
     fn cells(&self, resolution_m: f64) -> (usize, usize) {
@@ -34,16 +50,17 @@ impl World {
         (count(self.size_m.x), count(self.size_m.y))
     }
 
-    fn draw(&self, mut grid: OccupancyGrid) -> OccupancyGrid {
-        for solid in self.solids() {
-            let mapped = match solid.origin {
-                Origin::Wall => true,
-                Origin::Door(index) => !self.doors[index].mapped_open,
-                Origin::Object(index) => self.objects[index].mapped,
-            };
-            if mapped {
-                occupy(&mut grid, &solid.outline);
-            }
+    fn is_mapped(&self, origin: Origin) -> bool {
+        match origin {
+            Origin::Wall => true,
+            Origin::Door(index) => !self.doors[index].mapped_open,
+            Origin::Object(index) => self.objects[index].mapped,
+        }
+    }
+
+    fn draw(&self, mut grid: OccupancyGrid, is_there: impl Fn(Origin) -> bool) -> OccupancyGrid {
+        for solid in self.solids().iter().filter(|solid| is_there(solid.origin)) {
+            occupy(&mut grid, &solid.outline);
         }
         self.forget_unrecorded(&mut grid);
         self.forget_outside(&mut grid);

@@ -23,7 +23,7 @@ pub use image::{GreyImage, ImageError};
 pub use lookup::UnknownName;
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
-pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m};
+pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m, nearest_on_segment};
 
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::OccupancyGrid;
@@ -144,6 +144,8 @@ pub struct Place {
     pub pose_in_map: Pose,
     /// The room it is in; none in a corridor.
     pub room: Option<String>,
+    /// Whether the robot's battery is charged while it stands there.
+    pub charges: bool,
 }
 
 /// How the robot drives in a region.
@@ -210,8 +212,10 @@ pub struct World {
     pub places: Vec<Place>,
     /// Regions.
     pub regions: Vec<Region>,
-    /// People.
+    /// People on rounds of their own.
     pub people: Vec<Person>,
+    /// How many more walk about, drawn from the seed.
+    pub crowd: usize,
     /// Things that can be carried.
     pub items: Vec<Item>,
 }

@@ -15,8 +15,11 @@ const WALL_THICKNESS_M: f64 = 0.15;
 const LARGEST_M: f64 = 1000.0;
 
 /// The keys at the top of a world file.
-const WORLD_KEYS: [&str; 12] =
-    ["name", "size", "map", "start", "wall", "room", "door", "object", "place", "region", "person", "item"];
+const WORLD_KEYS: [&str; 13] =
+    ["name", "size", "map", "start", "people", "wall", "room", "door", "object", "place", "region", "person", "item"];
+
+/// More people would be a crush in any building.
+const MOST_PEOPLE: usize = 200;
 
 /// Something read, and the table it stands in.
 pub(super) struct Placed<'t, 'i, T> {
@@ -70,6 +73,7 @@ fn read_world<'i>(
     let ground = read_ground(reader, top, load_map);
     let start = reader.pose(top, "start", "[2.0, 3.0, \"90deg\"]");
     let start = start.map(|value| Placed { value, table: top.clone() });
+    let crowd = reader.count(top, "people", MOST_PEOPLE);
     let walls = read_all(reader, top, "wall", read_wall);
     let rooms = read_all(reader, top, "room", read_room);
     let doors = read_all(reader, top, "door", read_door);
@@ -82,9 +86,12 @@ fn read_world<'i>(
     check::names(reader, &rooms, &places);
     check::item_names(reader, &items);
     check::doors(reader, &doors, &rooms, &walls);
+    check::floors(reader, &rooms, &doors);
+    check::regions(reader, &regions);
     if let Some(ground) = &ground {
         check::inside(reader, ground.bounds, start.as_ref(), &doors, &objects, &places);
         check::items_inside(reader, ground.bounds, &items);
+        check::people_inside(reader, ground.bounds, &people);
     }
     let ground = ground?;
     let world = World {
@@ -100,6 +107,7 @@ fn read_world<'i>(
         places: values(places),
         regions: values(regions),
         people: values(people),
+        crowd,
         items: values(items),
     };
     check::start_is_free(reader, &world, top.span_of("start"));
@@ -230,14 +238,15 @@ fn read_circle<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Sha
 }
 
 fn read_place<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Place> {
-    reader.only_keys(table, &["name", "pose", "room"]);
+    reader.only_keys(table, &["name", "pose", "room", "charges"]);
     let name = reader.text(table, "name", "\"mail-slots\"");
     let pose = reader.pose(table, "pose", "[2.0, 3.0, \"90deg\"]");
     let room = match table.values.contains_key("room") {
         true => Some(reader.text(table, "room", "\"B\"")?),
         false => None,
     };
-    Some(Place { name: name?, pose_in_map: pose?, room })
+    let charges = reader.flag(table, "charges", false);
+    Some(Place { name: name?, pose_in_map: pose?, room, charges })
 }
 
 fn read_region<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Region> {

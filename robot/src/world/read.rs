@@ -107,6 +107,19 @@ impl<'i> Reader<'i> {
         flag.unwrap_or(default)
     }
 
+    /// A whole number from 0 to `most`; 0 where nothing is said.
+    pub fn count(&mut self, table: &Table<'_, 'i>, key: &str, most: usize) -> usize {
+        let Some(value) = table.values.get(key) else { return 0 };
+        let number = value.get_ref().as_integer().and_then(|digits| digits.to_string().parse::<usize>().ok());
+        match number {
+            Some(count) if count <= most => count,
+            _ => {
+                self.expected(value, key, &format!("a whole number from 0 to {most}"), "12");
+                0
+            }
+        }
+    }
+
     /// A length or speed above 0, or not below 0 if `zero_is_fine`.
     pub fn size(&mut self, table: &Table<'_, 'i>, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
         let value = self.required(table, key, example)?;

@@ -31,6 +31,7 @@ impl World {
             places: Vec::new(),
             regions: Vec::new(),
             people: Vec::new(),
+            crowd: 0,
             items: Vec::new(),
         })
     }

@@ -179,11 +179,15 @@ impl Outline {
 
 /// Distance from a point to the segment between two points.
 pub fn distance_to_segment_m(point: Point, a: Point, b: Point) -> f64 {
+    (point - nearest_on_segment(point, a, b)).norm_squared().sqrt()
+}
+
+/// The point of the segment between two points that is nearest to a third.
+pub fn nearest_on_segment(point: Point, a: Point, b: Point) -> Point {
     let along = b - a;
     let length2 = along.norm_squared();
     let share = if length2 > 0.0 { ((point - a).dot(&along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    let offset = point - (a + along * share);
-    offset.norm_squared().sqrt()
+    a + along * share
 }
 
 /// Area inside a polygon, negative if its corners run clockwise.

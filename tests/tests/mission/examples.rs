@@ -56,7 +56,8 @@ fn examples_with_a_robot_run_undisturbed() {
     let mut names = Vec::new();
     for path in plans(&folder()).into_iter().filter(|path| path.parent() == Some(&folder())) {
         let text = text(&path);
-        if needs_robot(&text) {
+        // The day at the office lasts an hour; `office` looks at a part of it.
+        if needs_robot(&text) && !path.ends_with("office.rpl") {
             let run = Mission::new(dept(), &text).run(5, 600.0);
             assert!(run.outcome().starts_with("=>"), "{}: {}", path.display(), run.outcome());
             names.push(path.file_stem().and_then(|name| name.to_str()).expect("a name").to_string());

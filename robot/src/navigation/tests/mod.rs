@@ -196,7 +196,7 @@ fn drive_pair(scene: &Scene, pair: u64, noise_scale: f64) -> Option<Run> {
     let goal =
         if to_place { places[stream.index(places.len())].pose_in_map } else { scene.unobstructed_pose(&mut stream) };
     let path = scene.shortest.value_field(goal.point()).path(start.point())?;
-    let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None };
+    let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None, charges: false };
     let plan = scene.topology.plan(&scene.model.planner, start, &place, &[]).expect("a plan");
     let outcome = drive(scene, start, plan.targets, pair, noise_scale);
     Some(Run { start, goal, optimum_m: path_length_m(&path), outcome })

@@ -1,5 +1,6 @@
 mod hands;
 mod motion;
+mod people;
 mod sensing;
 mod whole;
 

@@ -90,53 +90,6 @@ fn a_touch_of_something_no_sensor_sees_is_not_the_robots_fault() {
     assert_eq!(blind.contacts(), Contacts { unseen: 1, ..Contacts::default() });
 }
 
-const WALKER: &str = "[[person]]\npath = [[1.0, 3.0], [9.0, 3.0]]\nspeed = 0.8\n";
-
-#[test]
-fn people_wait_for_the_robot() {
-    let model = hall(SimulatorSettings::default(), WALKER);
-    let mut state = model.start(1);
-    steps(&model, &mut state, &drive(0.0, 0.0), 100);
-    let waiting = state.people[0].clone();
-    assert!((waiting.at_in_map.x - (5.0 - 0.265 - 0.25 - 0.3)).abs() < 0.05);
-    steps(&model, &mut state, &drive(0.0, 0.0), 120);
-    assert!(state.people[0].at_in_map.x < waiting.at_in_map.x - 1.0, "patience ends");
-    steps(&model, &mut state, &drive(0.0, 0.0), 1000);
-    assert_eq!(state.contacts(), Contacts::default());
-    model.teleport(&mut state, Pose::new(5.0, 5.0, 0.0)).expect("free");
-    let seen = (0..1000).map(|_| {
-        model.step(&mut state, &drive(0.0, 0.0));
-        state.people[0].at_in_map.x
-    });
-    let (least, most) = seen.fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(x), most.max(x)));
-    assert!(least < 1.05 && most > 8.95, "the way is free again: {least} to {most}");
-}
-
-#[test]
-fn a_person_beside_the_robot_may_walk_away() {
-    let model = hall(SimulatorSettings::default(), "[[person]]\npath = [[5.6, 3.0], [9.0, 3.0]]\nspeed = 0.8\n");
-    let mut state = model.start(1);
-    steps(&model, &mut state, &drive(0.0, 0.0), 20);
-    assert!(state.people[0].at_in_map.x > 6.3);
-}
-
-#[test]
-fn people_who_do_not_wait_run_into_the_robot_once() {
-    let model = hall(SimulatorSettings { person_stop_distance_m: 0.0, ..SimulatorSettings::default() }, WALKER);
-    let mut state = model.start(1);
-    assert!(steps(&model, &mut state, &drive(0.0, 0.0), 150).bumped);
-    assert_eq!(state.contacts(), Contacts { run_into: 1, ..Contacts::default() });
-}
-
-#[test]
-fn a_robot_that_drives_into_a_waiting_person_caused_it() {
-    let model = hall(SimulatorSettings::default(), WALKER);
-    let mut state = model.start(1);
-    steps(&model, &mut state, &drive(0.0, 0.0), 100);
-    steps(&model, &mut state, &drive(-0.3, 0.0), 60);
-    assert_eq!(state.contacts(), Contacts { caused: 1, ..Contacts::default() });
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]

@@ -1,0 +1,166 @@
+//! Drives from anywhere to any place, world by world: whether they arrive, and how long the way is
+//! beside the shortest.
+
+use super::catalogue::WORLDS;
+use super::statistics::{Spread, wilson_95};
+use super::trial::{Trial, one_trial};
+use super::trials::run_all;
+use super::{Arguments, progress, write_results};
+use crate::console::Console;
+use crate::mission::{self, Robot, Site};
+use crate::status::Status;
+use anyhow::{Context, Result, bail};
+use rpl_lang::compile::NoFiles;
+use rpl_lang::suggest::suggest;
+use rpl_robot::geometry::{Point, Pose, distance_m};
+use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
+use rpl_robot::office::OfficeSettings;
+use rpl_robot::random::Stream;
+use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
+use rpl_runtime::system::System;
+use std::num::NonZero;
+
+/// Edge of a cell of the floor that the shortest ways are found on.
+const CELL_M: f64 = 0.05;
+
+/// Nobody starts nearer to a wall, so that every start can be left.
+const START_CLEARANCE_M: f64 = ROBOT_RADIUS_M + 0.1;
+
+/// Start and goal are at least this far apart in a straight line.
+const APART_M: f64 = 3.0;
+
+/// One drive of a seed.
+struct Errand<'w> {
+    start_in_map: Pose,
+    destination: &'w Place,
+    optimum_m: f64,
+}
+
+/// Runs the drives of all worlds, or of the one that is asked for.
+///
+/// # Errors
+/// No row has the name, a run cannot be driven, or the results cannot be written.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let wanted = arguments.row.as_deref().or(arguments.world.as_deref());
+    let worlds: Vec<&str> = match wanted {
+        None => WORLDS.to_vec(),
+        Some(name) => match WORLDS.iter().find(|world| **world == name) {
+            Some(world) => vec![world],
+            None => bail!("{}", unknown(name)),
+        },
+    };
+    let mut rows = Vec::new();
+    for name in worlds {
+        rows.push((name, drives(arguments, console, name)?));
+    }
+    console.print(&table(&rows))?;
+    let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded);
+    write_results(arguments, &rows, &[])?;
+    Ok(if all_arrived { Status::Succeeded } else { Status::Failed })
+}
+
+fn unknown(name: &str) -> String {
+    let meant =
+        suggest(name, WORLDS.iter().copied()).map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
+    format!("the experiment `worlds` has no row `{name}`{meant}; it has {}", WORLDS.join(", "))
+}
+
+fn drives(arguments: &Arguments, console: &Console, name: &str) -> Result<Vec<Trial>> {
+    let world = mission::world(name)?;
+    let site = Site::new(Some(world.clone()), None, OfficeSettings::default())?;
+    let parameters = PlannerParameters {
+        comfortable_distance_m: ROBOT_RADIUS_M,
+        closeness_weight: 0.0,
+        ..PlannerParameters::default()
+    };
+    let floor = PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters);
+    let seeds: Vec<u64> = (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect();
+    let jobs = arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+    let bar = progress(seeds.len() as u64, console);
+    bar.set_message(name.to_string());
+    let one = |seed: u64| -> Result<Trial> {
+        let errand =
+            draw(&world, &floor, seed).with_context(|| format!("no start and goal in `{name}` for seed {seed}"))?;
+        let text = format!("(go-to '{})", errand.destination.name);
+        let loaded = match site.library.load("go-to.rpl", &text, &mut NoFiles) {
+            Ok(loaded) => loaded,
+            Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
+        };
+        let Robot::Office(robot) = site.robot(seed) else { bail!("there is no robot in `{name}`") };
+        let robot = Robot::Office(Box::new((*robot).starting_at(errand.start_in_map)?));
+        let mut system = System::traced(site.library.clone(), loaded, robot);
+        system.machine.seed_random(seed);
+        let mut trial = one_trial(system, seed, arguments.until, Some(errand.destination.pose_in_map))?;
+        let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded);
+        trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / errand.optimum_m)));
+        Ok(trial)
+    };
+    let trials = run_all(&seeds, jobs, one, || bar.inc(1));
+    bar.finish_and_clear();
+    trials.into_iter().collect()
+}
+
+/// A start with some room around it and a place that is not near, drawn from the seed; none if two
+/// thousand draws find nothing.
+fn draw<'w>(world: &'w World, floor: &PlannerModel, seed: u64) -> Option<Errand<'w>> {
+    let mut stream = Stream::new(seed, "errand");
+    let bounds = world.bounds();
+    for _ in 0..2000 {
+        let destination = &world.places[stream.index(world.places.len().max(1))];
+        let goal = destination.pose_in_map.point();
+        let start =
+            Point::new(stream.uniform_in(bounds.min.x, bounds.max.x), stream.uniform_in(bounds.min.y, bounds.max.y));
+        let heading_rad = stream.uniform_in(-std::f64::consts::PI, std::f64::consts::PI);
+        if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < START_CLEARANCE_M {
+            continue;
+        }
+        if let Some(path) = floor.value_field(goal).path(start) {
+            let start_in_map = Pose::new(start.x, start.y, heading_rad);
+            return Some(Errand { start_in_map, destination, optimum_m: path_length_m(&path) });
+        }
+    }
+    None
+}
+
+fn table(rows: &[(&str, Vec<Trial>)]) -> String {
+    let mut lines = vec![format!(
+        "{:18} {:>9} {:>15} {:>8} {:>8} {:>10} {:>8} {:>9} {:>6}",
+        "", "arrived", "95 % interval", "contacts", "way [m]", "way / opt.", "90 %", "time [s]", "lost"
+    )];
+    for (name, trials) in rows {
+        let numbers =
+            |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
+        let median = |measure: &str| {
+            Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
+        };
+        let mut ratios = numbers("way / optimum");
+        ratios.sort_by(f64::total_cmp);
+        let nine_in_ten = ratios.get(ratios.len() * 9 / 10).map_or("–".to_string(), |ratio| format!("{ratio:.2}"));
+        let arrived = trials.iter().filter(|trial| trial.succeeded).count();
+        let (low, high) = wilson_95(arrived, trials.len());
+        lines.push(format!(
+            "{name:18} {:>9} {:>15} {:>8} {:>8} {:>10} {nine_in_ten:>8} {:>9} {:>6}",
+            format!("{arrived}/{}", trials.len()),
+            format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high),
+            numbers("contacts caused").iter().sum::<f64>(),
+            median("distance [m]"),
+            median("way / optimum"),
+            median("time [s]"),
+            numbers("relocalizations").iter().sum::<f64>(),
+        ));
+        let failed: Vec<String> =
+            trials.iter().filter(|trial| !trial.succeeded).take(20).map(|trial| trial.seed.to_string()).collect();
+        if !failed.is_empty() {
+            lines.push(format!("{:18} not with seed {}", "", failed.join(", ")));
+        }
+    }
+    lines.push(
+        "contacts: caused by the robot, total; way, way / optimum and time: medians; lost: relocalizations, total."
+            .into(),
+    );
+    lines.push(
+        "The optimum is the straightened way of the value field for the robot's radius on the real floor, at 5 cm."
+            .into(),
+    );
+    lines.join("\n")
+}
