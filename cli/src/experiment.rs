@@ -20,6 +20,7 @@ use catalogue::{EXPERIMENTS, Experiment, Report, Row};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rpl_lang::suggest::suggest;
 use rpl_robot::geometry::Pose;
+use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::System;
 use std::fs;
@@ -27,7 +28,7 @@ use std::io::IsTerminal;
 use std::num::NonZero;
 use std::path::PathBuf;
 use trial::{Trial, one_trial};
-use trials::{comparison, raw_rows, run_all, table};
+use trials::{comparison, raw_rows, run_all, sample_rows, table};
 
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
@@ -98,11 +99,12 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         Report::Calibration => {
             let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
-            console.print(&calibration::table(&all))?;
+            let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
+            console.print(&calibration::table(&all, &used))?;
             console.print("")?;
             console.print(&comparison(&rows))?;
             let diagram = chart::reliability(&calibration::bins(&all));
-            write_results(arguments, &rows, &[("reliability.svg", diagram)])?;
+            write_results(arguments, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;
             Ok(Status::Succeeded)
         }
         Report::Choices => Ok(Status::Succeeded),

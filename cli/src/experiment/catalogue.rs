@@ -115,7 +115,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         ],
     },
     Experiment { name: "false-alarms", report: Report::Comparison, rows: &[PATROL, FURNISHED] },
-    Experiment { name: "calibration", report: Report::Calibration, rows: &[ROTATED, KIDNAPPED, UNDISTURBED] },
+    Experiment { name: "calibration", report: Report::Calibration, rows: &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED] },
     Experiment {
         name: "deviations",
         report: Report::Comparison,
@@ -126,6 +126,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             without("– gating", |settings| settings.localization.gating = None),
             without("– update spacing", unspaced),
             without("– coarse watch", |settings| settings.localization.watch = None),
+            without("– calibration", |settings| settings.localization.calibration = None),
             without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
             without("– centred grid", |settings| settings.localization.centred = false),
             without("all literal", literal),

@@ -7,9 +7,10 @@
 //! moves the robot.
 //!
 //! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
-//! `plane`, `belief`, `weigh`, `summary` (the belief), and `filter` (the state others use).
+//! `plane`, `belief`, `weigh`, `summary` (the belief), `calibration`, and `filter` (the state others use).
 
 mod belief;
+mod calibration;
 mod filter;
 mod grid;
 mod kernel;
@@ -25,6 +26,7 @@ mod tests;
 mod weigh;
 
 pub use belief::Belief;
+pub use calibration::Calibration;
 pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
 pub use model::{LocalizationModel, ModelError};
