@@ -53,10 +53,15 @@ impl Console {
         Self { sink: Sink::Kept(Vec::new()), ..Self::new(true) }
     }
 
-    /// The lines kept so far.
-    pub fn kept(self) -> Vec<String> {
-        match self.sink {
-            Sink::Kept(lines) => lines,
+    /// Keeps what is written from now on, or writes it again.
+    pub fn keep(&mut self, keeps: bool) {
+        self.sink = if keeps { Sink::Kept(Vec::new()) } else { Sink::Streams };
+    }
+
+    /// Takes the lines kept so far.
+    pub fn take_kept(&mut self) -> Vec<String> {
+        match &mut self.sink {
+            Sink::Kept(lines) => std::mem::take(lines),
             Sink::Streams | Sink::Nowhere => Vec::new(),
         }
     }

@@ -13,6 +13,8 @@ pub enum Verb {
     Out,
     Continue,
     Until,
+    Go,
+    Stop,
     Break,
     Delete,
     Watch,
@@ -32,6 +34,14 @@ pub enum Verb {
     Doc,
     Help,
     Quit,
+}
+
+impl Verb {
+    /// Whether the run is taken into the hand, so that the clock stops.
+    pub fn steers(self) -> bool {
+        use Verb::{Abort, At, Back, Continue, Into, Next, Out, Run, Step, Switch, Until};
+        matches!(self, Run | Step | Next | Into | Out | Continue | Until | Abort | Back | At | Switch)
+    }
 }
 
 /// A command as the help shows it.
@@ -65,6 +75,8 @@ pub const COMMANDS: &[Entry] = &[
         "goes on to a time such as 12.5s, a place, or a condition",
         Verb::Until,
     ),
+    entry(":go", "[FACTOR]", "goes on by the clock, FACTOR times as fast, while you type", Verb::Go),
+    entry(":stop", "", "stops the clock; so does Ctrl-C on an empty line", Verb::Stop),
     entry(":break", "[NAME|LINE|FILE:LINE|(CONDITION)]", "stops there from now on; lists where it stops", Verb::Break),
     entry(":delete", "[N]", "takes back breakpoint N, or all", Verb::Delete),
     entry(":watch", "[EXPR]", "shows the expression at every stop; without one shows no more", Verb::Watch),

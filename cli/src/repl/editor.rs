@@ -2,6 +2,7 @@
 
 use super::command::COMMANDS;
 use super::session::Session;
+use super::terminal::LivePrompt;
 use crate::reference::Reference;
 use anyhow::Result;
 use rpl_lang::lexer::{Token, lex};
@@ -13,8 +14,9 @@ use rustyline::highlight::{CmdKind, Highlighter};
 use rustyline::hint::Hinter;
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
-use rustyline::{Config, Context, Helper};
+use rustyline::{Config, Context, ExternalPrinter, Helper};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -26,7 +28,10 @@ pub enum Line {
     /// A command, or complete forms.
     Text(String),
     /// Ctrl-C: the line is given up.
-    Cancelled,
+    Cancelled {
+        /// There was nothing to give up.
+        was_empty: bool,
+    },
     /// Ctrl-D on an empty line.
     End,
 }
@@ -42,12 +47,12 @@ impl Editor {
     ///
     /// # Errors
     /// The terminal cannot be used.
-    pub fn new(colour: bool) -> Result<Self> {
+    pub fn new(colour: bool, live: LivePrompt) -> Result<Self> {
         let config = Config::builder().max_history_size(HISTORY)?.auto_add_history(true).build();
         let mut inner = rustyline::Editor::with_config(config)?;
         let library: BTreeMap<String, String> =
             Reference::new()?.signatures().map(|(name, signature)| (name.to_string(), signature.to_string())).collect();
-        inner.set_helper(Some(Assistant { names: library.clone(), library, colour }));
+        inner.set_helper(Some(Assistant { names: library.clone(), library, colour, live, is_empty: Cell::new(true) }));
         let history = history_file();
         if let Some(file) = &history {
             // The first session has none.
@@ -56,11 +61,19 @@ impl Editor {
         Ok(Self { inner, history })
     }
 
-    /// Takes over the names that can be typed now.
-    pub fn learn(&mut self, session: &Session) {
+    /// What writes above the line that is being typed.
+    ///
+    /// # Errors
+    /// The terminal cannot be used.
+    pub fn printer(&mut self) -> Result<Box<dyn ExternalPrinter + Send>> {
+        Ok(Box::new(self.inner.create_external_printer()?))
+    }
+
+    /// Takes over the names that can be typed now beside those of the library.
+    pub fn learn(&mut self, names: BTreeMap<String, String>) {
         if let Some(assistant) = self.inner.helper_mut() {
             assistant.names = assistant.library.clone();
-            assistant.names.extend(defined_names(session));
+            assistant.names.extend(names);
         }
     }
 
@@ -77,7 +90,9 @@ impl Editor {
                 }
                 Ok(Line::Text(text))
             }
-            Err(ReadlineError::Interrupted) => Ok(Line::Cancelled),
+            Err(ReadlineError::Interrupted) => {
+                Ok(Line::Cancelled { was_empty: self.inner.helper().is_none_or(|helper| helper.is_empty.get()) })
+            }
             Err(ReadlineError::Eof) => Ok(Line::End),
             Err(error) => Err(error.into()),
         }
@@ -98,7 +113,7 @@ pub fn terminal_size() -> (usize, usize) {
 }
 
 /// Names that the session's own texts define, with how functions are called.
-fn defined_names(session: &Session) -> BTreeMap<String, String> {
+pub fn defined_names(session: &Session) -> BTreeMap<String, String> {
     let system = &session.branch.system;
     let own = system.program.globals.iter().skip(system.program.library_globals as usize);
     let names = own.map(|global| (system.machine.symbols.name(global.name).to_string(), String::new()));
@@ -109,6 +124,9 @@ struct Assistant {
     library: BTreeMap<String, String>,
     names: BTreeMap<String, String>,
     colour: bool,
+    live: LivePrompt,
+    /// Nothing is typed: the editor does not tell what it gives up.
+    is_empty: Cell<bool>,
 }
 
 /// Where the word that ends at a place begins.
@@ -133,6 +151,7 @@ impl Hinter for Assistant {
     type Hint = String;
 
     fn hint(&self, line: &str, end: usize, _: &Context<'_>) -> Option<String> {
+        self.is_empty.set(line.is_empty());
         if end < line.len() {
             return None;
         }
@@ -165,6 +184,10 @@ impl Highlighter for Assistant {
         }
         shown.push_str(line.get(end..).unwrap_or(""));
         Cow::Owned(shown)
+    }
+
+    fn highlight_prompt<'b, 's: 'b, 'p: 'b>(&'s self, prompt: &'p str, _: bool) -> Cow<'b, str> {
+        Cow::Owned(self.live.text(prompt))
     }
 
     fn highlight_hint<'h>(&self, hint: &'h str) -> Cow<'h, str> {
