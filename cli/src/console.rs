@@ -72,7 +72,7 @@ impl Console {
             return;
         }
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_msg}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
             bar.set_style(style);
         }
         self.status = Some(bar);
@@ -86,7 +86,9 @@ impl Console {
     /// Draws the status line.
     pub fn status(&mut self, text: String) {
         if let Some(bar) = &self.status {
-            bar.set_message(text);
+            // What the terminal echoes, such as ^C, must not begin a new line, which would stay.
+            let (_, columns) = console::Term::stderr().size();
+            bar.set_message(text.chars().take(usize::from(columns).saturating_sub(8)).collect::<String>());
             bar.tick();
             self.drawn = Some(Instant::now());
         }
@@ -132,8 +134,14 @@ impl Console {
         match (&mut self.sink, &self.status) {
             (Sink::Nowhere, _) => {}
             (Sink::Kept(lines), _) => lines.push(text.to_string()),
-            (Sink::Streams, Some(bar)) => bar.suspend(|| note(text)),
-            (Sink::Streams, None) => note(text),
+            (Sink::Streams, status) => {
+                // What was printed before stands before it; whether it can be written is told there.
+                self.out.flush().ok();
+                match status {
+                    Some(bar) => bar.suspend(|| note(text)),
+                    None => note(text),
+                }
+            }
         }
     }
 }

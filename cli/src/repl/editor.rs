@@ -1,9 +1,7 @@
 //! The line editor: several lines by our own lexer, history, completion, hints, colours.
 
-use super::command::COMMANDS;
-use super::session::Session;
 use super::terminal::LivePrompt;
-use crate::reference::Reference;
+use super::vocabulary::{Library, Vocabulary, called};
 use anyhow::Result;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
@@ -14,14 +12,22 @@ use rustyline::highlight::{CmdKind, Highlighter};
 use rustyline::hint::Hinter;
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
-use rustyline::{Config, Context, ExternalPrinter, Helper};
+use rustyline::{CompletionType, Config, Context, ExternalPrinter, Helper};
 use std::borrow::Cow;
 use std::cell::Cell;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Lines of history that are kept.
 const HISTORY: usize = 2000;
+
+/// Columns that the prompt may take.
+const PROMPT_WIDTH: usize = 24;
+
+/// What stands between a line and its hint.
+const MARGIN: &str = "   ";
+
+/// A hint shorter than this says nothing.
+const LEAST_HINT: usize = 12;
 
 /// What was typed.
 pub enum Line {
@@ -48,11 +54,19 @@ impl Editor {
     /// # Errors
     /// The terminal cannot be used.
     pub fn new(colour: bool, live: LivePrompt) -> Result<Self> {
-        let config = Config::builder().max_history_size(HISTORY)?.auto_add_history(true).build();
+        let config = Config::builder()
+            .max_history_size(HISTORY)?
+            .auto_add_history(true)
+            .completion_type(CompletionType::List)
+            .build();
         let mut inner = rustyline::Editor::with_config(config)?;
-        let library: BTreeMap<String, String> =
-            Reference::new()?.signatures().map(|(name, signature)| (name.to_string(), signature.to_string())).collect();
-        inner.set_helper(Some(Assistant { names: library.clone(), library, colour, live, is_empty: Cell::new(true) }));
+        inner.set_helper(Some(Assistant {
+            library: Library::new()?,
+            vocabulary: Vocabulary::default(),
+            colour,
+            live,
+            is_empty: Cell::new(true),
+        }));
         let history = history_file();
         if let Some(file) = &history {
             // The first session has none.
@@ -69,11 +83,10 @@ impl Editor {
         Ok(Box::new(self.inner.create_external_printer()?))
     }
 
-    /// Takes over the names that can be typed now beside those of the library.
-    pub fn learn(&mut self, names: BTreeMap<String, String>) {
+    /// Takes over what can be typed now.
+    pub fn learn(&mut self, vocabulary: Vocabulary) {
         if let Some(assistant) = self.inner.helper_mut() {
-            assistant.names = assistant.library.clone();
-            assistant.names.extend(names);
+            assistant.vocabulary = vocabulary;
         }
     }
 
@@ -112,38 +125,20 @@ pub fn terminal_size() -> (usize, usize) {
     (usize::from(columns), usize::from(rows))
 }
 
-/// Names that the session's own texts define, with how functions are called.
-pub fn defined_names(session: &Session) -> BTreeMap<String, String> {
-    let system = &session.branch.system;
-    let own = system.program.globals.iter().skip(system.program.library_globals as usize);
-    let names = own.map(|global| (system.machine.symbols.name(global.name).to_string(), String::new()));
-    names.filter(|(name, _)| !name.starts_with(['%', '#'])).collect()
-}
-
 struct Assistant {
-    library: BTreeMap<String, String>,
-    names: BTreeMap<String, String>,
+    library: Library,
+    vocabulary: Vocabulary,
     colour: bool,
     live: LivePrompt,
     /// Nothing is typed: the editor does not tell what it gives up.
     is_empty: Cell<bool>,
 }
 
-/// Where the word that ends at a place begins.
-fn word_start(line: &str, end: usize) -> usize {
-    let is_border = |c: char| c.is_whitespace() || matches!(c, '(' | ')' | '\'' | '`' | ',' | '"');
-    line[..end].rfind(is_border).map_or(0, |at| at + line[at..].chars().next().map_or(1, char::len_utf8))
-}
-
 impl Completer for Assistant {
     type Candidate = String;
 
     fn complete(&self, line: &str, end: usize, _: &Context<'_>) -> rustyline::Result<(usize, Vec<String>)> {
-        let start = word_start(line, end);
-        let word = line[start..end].to_lowercase();
-        let commands = COMMANDS.iter().map(|entry| entry.name).filter(|_| line[..start].trim().is_empty());
-        let known = commands.map(str::to_string).chain(self.names.keys().cloned());
-        Ok((start, known.filter(|name| name.starts_with(&word)).collect()))
+        Ok(self.vocabulary.complete(&self.library, &line[..end]))
     }
 }
 
@@ -155,12 +150,11 @@ impl Hinter for Assistant {
         if end < line.len() {
             return None;
         }
-        // How the function is called whose name has just been typed.
-        let called = line.strip_suffix(' ')?;
-        let start = word_start(called, called.len());
-        let is_call = called[..start].ends_with('(');
-        let signature = self.names.get(&called[start..].to_lowercase()).filter(|text| is_call && !text.is_empty())?;
-        Some(format!("   {signature}"))
+        let hint = self.vocabulary.hint(&self.library, called(line)?)?;
+        // What does not fit beside the line would move it.
+        let column = PROMPT_WIDTH + line.lines().last().unwrap_or_default().chars().count() + MARGIN.len();
+        let room = terminal_size().0.saturating_sub(column + 1);
+        Some(format!("{MARGIN}{}", hint.chars().take(room).collect::<String>())).filter(|_| room >= LEAST_HINT)
     }
 }
 
@@ -206,7 +200,7 @@ fn colour_of(token: Token, text: &str, assistant: &Assistant) -> Option<&'static
         Token::Keyword => Some("35"),
         Token::LineComment | Token::BlockComment | Token::DatumComment => Some("2"),
         Token::Error | Token::Unterminated => Some("31"),
-        Token::Symbol if assistant.names.contains_key(&text.to_lowercase()) => Some("36"),
+        Token::Symbol if assistant.vocabulary.knows(&assistant.library, text) => Some("36"),
         Token::Symbol | Token::Open | Token::Close | Token::Dot | Token::Prefix(_) => None,
     }
 }

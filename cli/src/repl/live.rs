@@ -1,9 +1,10 @@
 //! A person at the prompt: lines are typed, and with `:go` the run goes on by the clock meanwhile.
 
 use super::clock::{Clock, parse_factor};
-use super::editor::{self, Line};
+use super::editor::Line;
 use super::session::{Halt, Until};
 use super::terminal::Terminal;
+use super::vocabulary::Vocabulary;
 use super::{Next, Prompt};
 use crate::status::Status;
 use anyhow::Result;
@@ -26,7 +27,7 @@ impl Prompt<'_> {
         loop {
             self.console.flush()?;
             terminal.print_above(&self.console.take_kept())?;
-            terminal.ask(self.prompt_text(), editor::defined_names(&self.session))?;
+            terminal.ask(self.prompt_text(), Vocabulary::of(&self.session, &self.places))?;
             let text = match self.typed(&mut terminal)? {
                 Line::Text(text) => text,
                 Line::Cancelled { was_empty } => {

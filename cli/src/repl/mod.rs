@@ -11,6 +11,7 @@ mod session;
 mod terminal;
 mod timeline;
 mod view;
+mod vocabulary;
 mod why;
 
 use crate::console::Console;
@@ -66,12 +67,17 @@ pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -
     interrupt::catch_for_prompt();
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
     let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
+    let places = world.as_ref().map_or_else(Vec::new, |world| {
+        let rooms = world.rooms.iter().map(|room| room.name.to_string());
+        rooms.chain(world.places.iter().map(|place| place.name.to_string())).collect()
+    });
     let map = world.as_ref().map(|world| world.map(MAP_CELL_M));
     let site = Site::new(world, scenario, OfficeSettings::default())?;
     let plan = arguments.file.as_deref().map(files::plan).transpose()?;
     let mut prompt = Prompt {
         session: Session::new(&site, arguments.seed)?,
         map,
+        places,
         console,
         clock: None,
         is_interactive: io::stdin().is_terminal(),
@@ -100,6 +106,8 @@ enum Next {
 struct Prompt<'a> {
     session: Session,
     map: Option<OccupancyGrid>,
+    /// Names of rooms and places in the world.
+    places: Vec<String>,
     console: &'a mut Console,
     /// The clock by which the run goes on while something is typed.
     clock: Option<Clock>,
@@ -399,7 +407,10 @@ impl Prompt<'_> {
     /// Where the run stands, and what is watched.
     fn show_stop(&mut self) -> Result<()> {
         let lines = match self.session.branch.stop.clone() {
-            Some(stop) => view::stop(&self.session, &stop, self.console.colour),
+            Some(stop) => {
+                let width = if self.is_interactive { editor::terminal_size().0 } else { usize::MAX };
+                view::stop(&self.session, &stop, self.console.colour, width)
+            }
             None => vec![format!("{:.3} s", self.session.branch.system.machine.now_s())],
         };
         self.print(&lines)?;

@@ -2,9 +2,9 @@
 //! write above the line that is being typed.
 
 use super::editor::{Editor, Line};
+use super::vocabulary::Vocabulary;
 use anyhow::{Context, Result, anyhow};
 use rustyline::ExternalPrinter;
-use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -16,7 +16,7 @@ const NOTHING_ABOVE: &str = "\x1b[A\n";
 /// A line is wanted.
 struct Request {
     prompt: String,
-    names: BTreeMap<String, String>,
+    vocabulary: Vocabulary,
 }
 
 /// A prompt that changes while it is shown: the text it stands for was as wide.
@@ -66,8 +66,8 @@ impl Terminal {
                 }
                 Err(error) => return drop(opened.send(Err(error))),
             };
-            for Request { prompt, names } in wanted {
-                editor.learn(names);
+            for Request { prompt, vocabulary } in wanted {
+                editor.learn(vocabulary);
                 if sender.send(editor.line(&prompt)).is_err() {
                     return;
                 }
@@ -77,13 +77,13 @@ impl Terminal {
         Ok(Self { requests, lines, printer, live })
     }
 
-    /// Lets a line be typed after a prompt, with names that can be completed.
+    /// Lets a line be typed after a prompt, with words that can be completed.
     ///
     /// # Errors
     /// The terminal is gone.
-    pub fn ask(&self, prompt: String, names: BTreeMap<String, String>) -> Result<()> {
+    pub fn ask(&self, prompt: String, vocabulary: Vocabulary) -> Result<()> {
         self.live.set(&prompt);
-        self.requests.send(Request { prompt, names }).map_err(|_| gone())
+        self.requests.send(Request { prompt, vocabulary }).map_err(|_| gone())
     }
 
     /// The line that was asked for.
