@@ -23,6 +23,7 @@ mod reference;
 mod repl;
 mod run;
 mod status;
+mod status_line;
 mod test;
 mod time;
 mod trace_file;

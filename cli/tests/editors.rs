@@ -114,7 +114,7 @@ impl Engine {
     /// The scopes of each line's stretches.
     fn highlight(&self, text: &str) -> Vec<Vec<Stretch>> {
         let mut open: Vec<Region> = Vec::new();
-        text.split_inclusive('\n').map(|line| self.line(line, &mut open)).collect()
+        text.lines().map(|line| self.line(line, &mut open)).collect()
     }
 
     fn line(&self, line: &str, open: &mut Vec<Region>) -> Vec<Stretch> {
@@ -277,7 +277,7 @@ fn findings_of_the_check_are_understood_by_the_extension() {
     let found = lines.windows(2).find_map(|pair| {
         let heading = regexes[0].captures(pair[0]).ok()??;
         let place = regexes[1].captures(pair[1]).ok()??;
-        let group = |captures: &fancy_regex::Captures<'_>, pattern: &Value, name: &str| {
+        let group = |captures: &fancy_regex::Captures<'_, str>, pattern: &Value, name: &str| {
             let index = pattern[name].as_u64().expect("it names a group") as usize;
             captures.get(index).map_or(String::new(), |found| found.as_str().to_string())
         };

@@ -79,6 +79,39 @@ ann
 }
 
 #[test]
+fn what_the_stopped_call_sees_can_be_assigned() {
+    let lines = "(defvar seen nil)\n(def-plan add (x y) (wait-time 1) (setf seen x) (+ x y))\n:step (add 1 2)\n:step\n\
+                 (setf x 40)\n(setf seen 'nothing)\n:continue\nseen\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.ends_with("40\nnothing\n42\n40\n"), "{}", shown.out);
+    assert!(shown.errors.contains("`x` counts from the next form on"), "{}", shown.errors);
+    assert!(!shown.errors.contains("`seen` counts"), "{}", shown.errors);
+}
+
+#[test]
+fn what_is_typed_beside_and_has_to_wait_goes_on_with_the_run() {
+    let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n:next\n\
+                 (seq (wait-time 2) (setf (value done?) t) 'done)\n(car 5)\n:continue\n(now)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.errors.contains("main/typed waits for time; it goes on with the run"), "{}", shown.errors);
+    assert!(shown.errors.contains("failed: type-error"), "{}", shown.errors);
+    assert!(shown.out.ends_with("main/typed => done\nseen\n2.0\n"), "{}", shown.out);
+}
+
+#[test]
+fn a_file_is_loaded_beside_the_form_that_runs() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("beat.rpl");
+    std::fs::write(&file, "(def-plan beat () (wait-time 0.25) 'fast)\n").expect("it can be written");
+    let lines = format!(
+        "(def-plan beat () (wait-time 1) 'slow)\n:step (list (beat) (beat))\n:until 0.5s\n:load {}\n:continue\n",
+        file.display()
+    );
+    let shown = session(&["repl"], &lines);
+    assert!(shown.out.ends_with("beat\n(slow fast)\n"), "{}", shown.out);
+    assert!(shown.errors.contains("the old text still runs in main/beat"), "{}", shown.errors);
+}
+
+#[test]
 fn a_run_goes_back_a_step_and_on_again_to_the_same_end() {
     let shown = session(
         &["repl"],
@@ -177,10 +210,12 @@ fn a_mission_is_stopped_looked_at_and_finished() {
 fn mistakes_are_told_with_what_to_type() {
     let shown = session(
         &["repl"],
-        ":contineu\n:break gret\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
+        ":contineu\n:go\n:stop\n:break gret\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
     );
     for advice in [
         "did you mean `:continue`?",
+        "`:go` needs somebody at a terminal",
+        "the clock does not run",
         "no plan, function or tag is called `gret`",
         "no plan, function or tag is called `soon`",
         "neither a number of steps nor a time",
@@ -302,4 +337,12 @@ fn the_tour_runs_as_printed() {
     let plan = tour.split("```lisp robot\n").last().and_then(|rest| rest.split("```").next());
     std::fs::write(folder.join("rounds.rpl"), plan.expect("the tour has a plan")).expect("it can be saved");
     run_sessions(tour, &folder);
+    for arguments in tour.lines().filter_map(|line| line.strip_prefix("rpl ")).filter(|line| line.contains("rounds")) {
+        let output = Command::new(env!("CARGO_BIN_EXE_rpl"))
+            .args(arguments.split_whitespace())
+            .current_dir(&folder)
+            .output()
+            .expect("it runs");
+        assert!(output.status.success(), "rpl {arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    }
 }

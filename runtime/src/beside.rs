@@ -72,12 +72,12 @@ impl<O: Outside> System<O> {
         let function = format!("(lambda ({names}) (list (progn\n{text}\n) {names}))");
         let mut values: Vec<Value> = variables.iter().map(|&(_, value)| value).collect();
         let (form, arguments, submitted) = match self.extend(name, &function, loader) {
-            Ok((code, submitted)) if submitted.redefined.is_empty() => {
+            Ok((code, submitted)) => {
                 let function = self.with_machine(|machine, around| machine.evaluate_code(around, code, &[]));
                 let arguments = self.machine.heap.list(&values);
                 (function.unwrap_or(Value::Nil), arguments, submitted)
             }
-            _ => {
+            Err(_) => {
                 let (code, submitted) = self.extend(name, text, loader)?;
                 values.clear();
                 (Value::Function(code), Value::True, submitted)

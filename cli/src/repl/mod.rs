@@ -17,7 +17,7 @@ mod why;
 use crate::console::Console;
 use crate::doc;
 use crate::failure_report::Reporter;
-use crate::files::{self, PlanText};
+use crate::files::{self, Folder, PlanText};
 use crate::interrupt;
 use crate::mission::{self, Site};
 use crate::status::Status;
@@ -263,11 +263,11 @@ impl Prompt<'_> {
 
     /// A file: its forms are run in order.
     fn load(&mut self, plan: PlanText, until: Until) -> Result<()> {
-        if self.session.branch.is_running {
-            return self.wrong("a form is under way; `:continue` or `:abort` it first");
-        }
         let PlanText { name, text, folder } = plan;
         self.session.file = Some(name.clone());
+        if self.session.branch.is_running {
+            return self.beside(&name, &text, Some(folder));
+        }
         match self.session.submit(&name, &text, Some(folder)) {
             Ok(submitted) => {
                 self.tell(&submitted);
@@ -284,7 +284,7 @@ impl Prompt<'_> {
     fn forms(&mut self, text: &str, until: &Until) -> Result<()> {
         let name = self.session.next_text_name();
         if self.session.branch.is_running {
-            return self.beside(&name, text);
+            return self.beside(&name, text, None);
         }
         match self.session.submit(&name, text, None) {
             Ok(submitted) => {
@@ -304,8 +304,8 @@ impl Prompt<'_> {
     }
 
     /// Forms typed while another one is under way: a task of their own.
-    fn beside(&mut self, name: &str, text: &str) -> Result<()> {
-        let (submitted, aside) = match self.session.beside(name, text) {
+    fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<()> {
+        let (submitted, aside) = match self.session.beside(name, text, folder) {
             Ok(beside) => beside,
             Err(rejected) => {
                 self.reject(&rejected);

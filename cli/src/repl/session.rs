@@ -152,10 +152,11 @@ impl Session {
     ///
     /// # Errors
     /// The findings in the text.
-    pub fn beside(&mut self, name: &str, text: &str) -> Result<(Submitted, Aside), Rejected> {
+    pub fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<(Submitted, Aside), Rejected> {
+        let mut folder = folder.unwrap_or_else(|| self.folder.clone());
         let branch = &mut self.branch;
         let stop = branch.stop.as_ref();
-        let (submitted, beside) = branch.system.submit_beside(name, text, stop, &mut self.folder.clone())?;
+        let (submitted, beside) = branch.system.submit_beside(name, text, stop, &mut folder)?;
         while branch.system.step_beside(&beside) {}
         let answers = branch.system.take_beside_answers();
         let answer = answers.into_iter().find(|answer| answer.number == beside.number);
@@ -374,7 +375,7 @@ impl Runner<'_> {
         if self.console.wants_status() {
             let sight = branch.system.outside.sight();
             let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);
-            self.console.status(line);
+            self.console.status(&line);
         }
         None
     }

@@ -187,7 +187,7 @@ mod tests {
             (":switch be", "before"),
             (":load deliv", "delivery.rpl"),
             ("(go-to 'mail", "mail-slots"),
-            ("(wait-for x :timeo", ":timeout"),
+            ("(run-behaviour gripper :gra", ":grasp"),
             (":step (gre", "greet"),
             ("(def-pla", "def-plan"),
         ] {
