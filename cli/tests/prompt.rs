@@ -90,7 +90,7 @@ fn what_the_stopped_call_sees_can_be_assigned() {
 
 #[test]
 fn what_is_typed_beside_and_has_to_wait_goes_on_with_the_run() {
-    let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n:next\n\
+    let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n\
                  (seq (wait-time 2) (setf (value done?) t) 'done)\n(car 5)\n:continue\n(now)\n";
     let shown = session(&["repl"], lines);
     assert!(shown.errors.contains("main/typed waits for time; it goes on with the run"), "{}", shown.errors);

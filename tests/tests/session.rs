@@ -156,6 +156,7 @@ fn a_failure_beside_fails_nothing_else() {
     assert_eq!(run(&mut system, "(later)"), Answer::Succeeded(Value::Int(5)));
 }
 
+/// r[def.value]
 #[test]
 fn a_definition_has_its_name_as_its_value() {
     let mut system = session();
@@ -174,4 +175,5 @@ fn a_definition_has_its_name_as_its_value() {
         assert_eq!(system.machine.symbols.name(value), name, "{text}");
     }
     assert_eq!(run(&mut system, "(def-plan first () 1) 7"), Answer::Succeeded(Value::Int(7)));
+    assert_eq!(run(&mut system, "(defvar seven 7)"), Answer::Succeeded(Value::Int(7)));
 }

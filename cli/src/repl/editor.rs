@@ -75,12 +75,10 @@ impl Editor {
         Ok(Self { inner, history })
     }
 
-    /// What writes above the line that is being typed.
-    ///
-    /// # Errors
-    /// The terminal cannot be used.
-    pub fn printer(&mut self) -> Result<Box<dyn ExternalPrinter + Send>> {
-        Ok(Box::new(self.inner.create_external_printer()?))
+    /// What writes above the line that is being typed; none where output goes elsewhere.
+    pub fn printer(&mut self) -> Option<Box<dyn ExternalPrinter + Send>> {
+        let printer = self.inner.create_external_printer().ok()?;
+        Some(Box::new(printer))
     }
 
     /// Takes over what can be typed now.

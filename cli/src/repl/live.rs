@@ -8,6 +8,7 @@ use super::vocabulary::Vocabulary;
 use super::{Next, Prompt};
 use crate::status::Status;
 use anyhow::Result;
+use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 /// How long the run may keep the prompt waiting for what is typed.
@@ -98,7 +99,7 @@ impl Prompt<'_> {
         let Some(factor) = parse_factor(rest) else {
             return self.wrong(&format!("`{rest}` is no number above 0; `:go 10` goes ten times as fast as the clock"));
         };
-        if !self.is_interactive {
+        if !self.is_interactive || !io::stdout().is_terminal() {
             return self.wrong("`:go` needs somebody at a terminal; `:continue` and `:until` go on without");
         }
         self.clock = Some(Clock::new(factor, self.session.branch.system.machine.now_us));

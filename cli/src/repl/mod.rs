@@ -396,8 +396,7 @@ impl Prompt<'_> {
                 self.show_stop()?;
             }
             Halt::Interrupted => {
-                self.console
-                    .note("interrupted; `:continue` goes on, `:abort` gives the form up, `:why` tells what it does");
+                self.console.note("interrupted; `:continue` goes on, `:abort` gives up, `:why` tells what it does");
                 self.show_stop()?;
             }
         }

@@ -43,7 +43,8 @@ impl LivePrompt {
 pub struct Terminal {
     requests: Sender<Request>,
     lines: Receiver<Result<Line>>,
-    printer: Box<dyn ExternalPrinter + Send>,
+    /// What writes above the line that is being typed; none where output goes elsewhere.
+    printer: Option<Box<dyn ExternalPrinter + Send>>,
     live: LivePrompt,
 }
 
@@ -59,13 +60,12 @@ impl Terminal {
         let live = LivePrompt::default();
         let shown = live.clone();
         std::thread::spawn(move || {
-            let mut editor = match Editor::new(colour, shown).and_then(|mut editor| Ok((editor.printer()?, editor))) {
-                Ok((printer, editor)) => {
-                    opened.send(Ok(printer)).ok();
-                    editor
-                }
+            let mut editor = match Editor::new(colour, shown) {
+                Ok(editor) => editor,
                 Err(error) => return drop(opened.send(Err(error))),
             };
+            // Whoever opens the terminal waits for it.
+            opened.send(Ok(editor.printer())).ok();
             for Request { prompt, vocabulary } in wanted {
                 editor.learn(vocabulary);
                 if sender.send(editor.line(&prompt)).is_err() {
@@ -111,10 +111,10 @@ impl Terminal {
     /// # Errors
     /// The terminal is gone.
     pub fn print_above(&mut self, lines: &[String]) -> Result<()> {
-        if lines.is_empty() {
-            return Ok(());
+        match &mut self.printer {
+            Some(printer) if !lines.is_empty() => Ok(printer.print(lines.join("\n") + "\n")?),
+            _ => Ok(()),
         }
-        Ok(self.printer.print(lines.join("\n") + "\n")?)
     }
 
     /// Shows another prompt, as wide as the one that was asked with.
@@ -122,10 +122,10 @@ impl Terminal {
     /// # Errors
     /// The terminal is gone.
     pub fn show_prompt(&mut self, prompt: &str) -> Result<()> {
-        if self.live.set(prompt) {
-            self.printer.print(NOTHING_ABOVE.to_string())?;
+        match &mut self.printer {
+            Some(printer) if self.live.set(prompt) => Ok(printer.print(NOTHING_ABOVE.to_string())?),
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
 
