@@ -23,6 +23,7 @@ mod reference;
 mod repl;
 mod run;
 mod status;
+mod status_line;
 mod test;
 mod time;
 mod trace_file;
@@ -56,6 +57,9 @@ struct PromptArguments {
     /// Without a command: the seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Without a command: what happens on the way
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<String>,
 }
 
 #[derive(Subcommand, Debug)]
@@ -118,8 +122,8 @@ enum Command {
 fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command: Some(command), .. }) => command,
-        Ok(CommandLine { prompt: PromptArguments { world, seed }, .. }) => {
-            Command::Repl(repl::Arguments { world, seed, ..repl::Arguments::default() })
+        Ok(CommandLine { prompt: PromptArguments { world, seed, scenario }, .. }) => {
+            Command::Repl(repl::Arguments { world, seed, scenario, ..repl::Arguments::default() })
         }
         Err(error) => {
             // What cannot be written has nobody to read it.
