@@ -127,6 +127,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
             without("– update spacing", unspaced),
             without("– coarse watch", |settings| settings.localization.watch = None),
             without("– calibration", |settings| settings.localization.calibration = None),
+            without("– confirmation", found_at_once),
             without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
             without("– centred grid", |settings| settings.localization.centred = false),
             without("all literal", literal),
@@ -140,6 +141,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
 
 fn literal(settings: &mut OfficeSettings) {
     settings.localization = LocalizationParameters::literal();
+}
+
+/// Found at the same certainty at which the position is lost, at the first update.
+fn found_at_once(settings: &mut OfficeSettings) {
+    settings.active.found_certainty = settings.active.certainty;
+    settings.active.confirmations = 1;
 }
 
 fn unspaced(settings: &mut OfficeSettings) {
