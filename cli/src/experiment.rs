@@ -4,6 +4,7 @@ mod calibration;
 mod catalogue;
 mod chart;
 mod choices;
+mod sensing;
 mod statistics;
 mod trial;
 mod trials;
@@ -33,8 +34,8 @@ use trials::{comparison, raw_rows, run_all, sample_rows, table};
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`, or a
-    /// plan of your own
+    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
+    /// `sensing`, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -75,6 +76,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         write_results(arguments, &[(arguments.name.as_str(), trials.clone())], &[])?;
         return Ok(status(&trials));
     };
+    if experiment.report == Report::Sensing {
+        return sensing::run(arguments, console);
+    }
     let chosen = rows(experiment, arguments.row.as_deref())?;
     if experiment.report == Report::Choices {
         return choices::run(arguments, &chosen, console);
@@ -107,7 +111,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             write_results(arguments, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;
             Ok(Status::Succeeded)
         }
-        Report::Choices => Ok(Status::Succeeded),
+        Report::Choices | Report::Sensing => Ok(Status::Succeeded),
     }
 }
 
@@ -140,10 +144,17 @@ fn site_of(arguments: &Arguments, row: &Row) -> Result<(Site, Option<Pose>)> {
 
 /// Writes every run and the charts into the folder for results, if there is to be one.
 fn write_results(arguments: &Arguments, rows: &[(&str, Vec<Trial>)], charts: &[(&str, String)]) -> Result<()> {
+    let mut files: Vec<(String, String)> =
+        charts.iter().map(|(name, text)| ((*name).to_string(), text.clone())).collect();
+    files.push(("runs.csv".to_string(), raw_rows(rows)));
+    write_files(arguments, &files)
+}
+
+/// Writes texts into the folder for results, if there is to be one.
+fn write_files(arguments: &Arguments, files: &[(String, String)]) -> Result<()> {
     let Some(folder) = &arguments.results else { return Ok(()) };
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    let raw = raw_rows(rows);
-    for (name, text) in charts.iter().map(|(name, text)| (*name, text)).chain([("runs.csv", &raw)]) {
+    for (name, text) in files {
         let path = folder.join(name);
         fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
@@ -183,8 +194,7 @@ fn all_trials(
         Ok(loaded) => loaded,
         Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
     };
-    let seeds: Vec<u64> = (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect();
-    let jobs = arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+    let seeds = seeds(arguments);
     let bar = progress(seeds.len() as u64, console);
     bar.set_message(name.to_string());
     let one = |seed: u64| -> Result<Trial> {
@@ -192,9 +202,17 @@ fn all_trials(
         system.machine.seed_random(seed);
         one_trial(system, seed, arguments.until, goal)
     };
-    let trials = run_all(&seeds, jobs, one, || bar.inc(1));
+    let trials = run_all(&seeds, jobs(arguments), one, || bar.inc(1));
     bar.finish_and_clear();
     trials.into_iter().collect()
+}
+
+fn seeds(arguments: &Arguments) -> Vec<u64> {
+    (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect()
+}
+
+fn jobs(arguments: &Arguments) -> usize {
+    arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get)
 }
 
 fn progress(runs: u64, console: &Console) -> ProgressBar {

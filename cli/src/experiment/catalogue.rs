@@ -25,6 +25,8 @@ pub enum Report {
     Comparison,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
+    /// Where to look: no missions, and rows of its own.
+    Sensing,
 }
 
 /// One row of a table.
@@ -137,6 +139,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         ],
     },
     Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
+    Experiment { name: "sensing", report: Report::Sensing, rows: &[] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {

@@ -7,7 +7,8 @@
 //! moves the robot.
 //!
 //! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
-//! `plane`, `belief`, `weigh`, `summary` (the belief), `calibration`, and `filter` (the state others use).
+//! `plane`, `belief`, `weigh`, `summary` (the belief), `calibration`, `filter` (the state others use),
+//! and `reading` (one belief read by several sensors, beam by beam).
 
 mod belief;
 mod calibration;
@@ -18,6 +19,7 @@ mod model;
 mod parameters;
 mod plane;
 mod ray;
+mod reading;
 mod sensor;
 mod simd;
 mod summary;
@@ -35,6 +37,7 @@ pub use parameters::{
 };
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
+pub use reading::{Offness, ReadingModel, StateShare};
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{MAX_BEAMS, NO_ECHO, SensorModel};
 pub use simd::Instructions;

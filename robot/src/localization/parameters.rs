@@ -199,6 +199,9 @@ pub struct SensorParameters {
     pub short_mean_m: f64,
     /// Weight of "no echo": the surface turned the sound away.
     pub missed: f64,
+    /// Whether what the Gaussian puts beyond the range counts as "no echo"; else a surface within the
+    /// range is taken for one that is never beyond it.
+    pub fades: bool,
 }
 
 impl Default for SensorParameters {
@@ -215,6 +218,7 @@ impl Default for SensorParameters {
             short: 0.12,
             short_mean_m: 2.0,
             missed: 0.25,
+            fades: false,
         }
     }
 }
@@ -234,6 +238,7 @@ impl SensorParameters {
             short: 0.002,
             short_mean_m: 1.4,
             missed: 0.03,
+            fades: false,
         }
     }
 

@@ -2,23 +2,25 @@
 
 use super::{World, WorldError};
 
-const WORLDS: [(&str, &str); 4] = [
+const WORLDS: [(&str, &str); 5] = [
     ("dept", include_str!("../../worlds/dept.toml")),
     (
         "dept-furnished",
         concat!(include_str!("../../worlds/dept.toml"), include_str!("../../worlds/dept-furnished.toml")),
     ),
     ("corridor", include_str!("../../worlds/corridor.toml")),
+    ("sensing", concat!(include_str!("../../worlds/corridor.toml"), include_str!("../../worlds/sensing.toml"))),
     ("test-room", include_str!("../../worlds/test-room.toml")),
 ];
 
 impl World {
     /// A world by its name: `dept`, the department of Beetz, Burgard, Fox and Cremers;
     /// `dept-furnished`, the same with people, and furniture that is in no map; `corridor`, its
-    /// corridor with all doors closed; `test-room`, two small rooms for quick trials.
+    /// corridor with all doors closed; `sensing`, that corridor with a box only the sonars see;
+    /// `test-room`, two small rooms for quick trials.
     pub fn builtin(name: &str) -> Option<World> {
         let mut world = Self::parse_builtin(name)?.ok()?;
-        // The text of `dept-furnished` begins with that of `dept`.
+        // The text of `dept-furnished` begins with that of `dept`, that of `sensing` with `corridor`.
         world.name = name.to_string();
         Some(world)
     }

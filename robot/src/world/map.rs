@@ -2,7 +2,7 @@
 
 use super::check::ROBOT_RADIUS_M;
 use super::solid::{Origin, Outline};
-use super::{Rect, World};
+use super::{Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 
@@ -16,16 +16,22 @@ impl World {
     /// reached from the start, a room or a place are unknown. Cost: cells + outline length.
     pub fn map(&self, resolution_m: f64) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
-        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free))
+        let grid = OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free);
+        self.draw(grid, |_| true)
     }
 
     /// The same map on a grid centred on the middle of the world, so that the pose mirrored by 180°
     /// falls on the mirrored cell: (column, row) on (columns − 1 − column, rows − 1 − row).
     pub fn map_centred(&self, resolution_m: f64) -> OccupancyGrid {
+        self.map_centred_seen(resolution_m, |_| true)
+    }
+
+    /// The centred map of what some sensor sees: mapped objects that are not `seen` are left out.
+    pub fn map_centred_seen(&self, resolution_m: f64, seen: impl Fn(SeenBy) -> bool) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
         let half = Vector::new(columns as f64, rows as f64) * (resolution_m / 2.0);
         let origin_in_map = self.bounds().centre() - half;
-        self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free))
+        self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free), seen)
     }
 
     fn cells(&self, resolution_m: f64) -> (usize, usize) {
@@ -34,14 +40,14 @@ impl World {
         (count(self.size_m.x), count(self.size_m.y))
     }
 
-    fn draw(&self, mut grid: OccupancyGrid) -> OccupancyGrid {
+    fn draw(&self, mut grid: OccupancyGrid, seen: impl Fn(SeenBy) -> bool) -> OccupancyGrid {
         for solid in self.solids() {
             let mapped = match solid.origin {
                 Origin::Wall => true,
                 Origin::Door(index) => !self.doors[index].mapped_open,
                 Origin::Object(index) => self.objects[index].mapped,
             };
-            if mapped {
+            if mapped && seen(solid.seen_by) {
                 occupy(&mut grid, &solid.outline);
             }
         }
