@@ -34,7 +34,7 @@ impl Console {
     /// The console of this process.
     pub fn new(quiet: bool) -> Self {
         Self {
-            colour: takes_colour(),
+            colour: takes_colour(&io::stderr()),
             quiet,
             status: None,
             drawn: None,
@@ -94,6 +94,11 @@ impl Console {
         }
     }
 
+    /// Whether standard output takes colours.
+    pub fn out_colour(&self) -> bool {
+        takes_colour(&io::stdout())
+    }
+
     /// A line on standard output.
     ///
     /// # Errors
@@ -138,8 +143,8 @@ pub fn note(text: &str) {
     writeln!(io::stderr(), "{text}").ok();
 }
 
-/// Whether standard error is a terminal and nobody asked for no colours.
-pub fn takes_colour() -> bool {
+/// Whether a stream is a terminal and nobody asked for no colours.
+pub fn takes_colour(stream: &impl IsTerminal) -> bool {
     let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    !asked_for_none && io::stderr().is_terminal()
+    !asked_for_none && stream.is_terminal()
 }

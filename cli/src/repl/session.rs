@@ -1,7 +1,7 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use super::timeline::{Past, Position, Timeline, is_shown};
+use super::view::is_shown;
 use crate::console::Console;
 use crate::events;
 use crate::files::Folder;
@@ -14,10 +14,12 @@ use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::session::{Answer, Submitted};
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::system::System;
+use rpl_runtime::timeline::{Past, Position, Timeline};
 use rpl_runtime::trace::Event;
 use rpl_runtime::value::Value;
 use std::collections::BTreeMap;
 use std::io;
+use std::time::Instant;
 
 /// One line of history, from the start to a present.
 #[derive(Clone)]
@@ -25,7 +27,7 @@ pub struct Branch {
     /// The present.
     pub system: System<Robot>,
     /// The past.
-    pub timeline: Timeline,
+    pub timeline: Timeline<Robot>,
     /// What happened.
     pub log: Vec<Event>,
     /// The form a task stands before, if a stepper stopped there.
@@ -147,7 +149,7 @@ impl Session {
     /// Standard output is closed.
     pub fn go_on(&mut self, until: &Until, console: &mut Console) -> io::Result<Halt> {
         console.begin_status();
-        let halt = Runner { session: self, until, console }.run();
+        let halt = Runner { session: self, until, console, computed: Instant::now() }.run();
         console.end_status();
         let halt = halt?;
         if matches!(halt, Halt::Answered(_)) {
@@ -173,7 +175,7 @@ impl Session {
     }
 
     /// Takes an earlier state for the present one. What came after it is forgotten.
-    pub fn go_back_to(&mut self, past: Past) {
+    pub fn go_back_to(&mut self, past: Past<Robot>) {
         let Past { system, position, stop } = past;
         let branch = &mut self.branch;
         branch.system = system;
@@ -211,6 +213,8 @@ struct Runner<'a> {
     session: &'a mut Session,
     until: &'a Until,
     console: &'a mut Console,
+    /// Since when the present instant is computed.
+    computed: Instant,
 }
 
 impl Runner<'_> {
@@ -298,7 +302,8 @@ impl Runner<'_> {
             return Some(Halt::Arrived);
         }
         branch.system.next_instant();
-        branch.timeline.next_instant(&branch.system);
+        branch.timeline.next_instant(&branch.system, self.computed.elapsed());
+        self.computed = Instant::now();
         if self.console.wants_status() {
             let sight = branch.system.outside.sight();
             let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);

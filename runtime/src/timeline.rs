@@ -1,11 +1,10 @@
 //! Earlier instants of a run: copies of its whole state now and then, and replay from the last one
 //! before the instant that is asked for.
 
-use crate::mission::Robot;
-use rpl_lang::source::Span;
-use rpl_runtime::stepping::{Stepped, Stop};
-use rpl_runtime::system::System;
-use std::time::{Duration, Instant};
+use crate::behaviour::Outside;
+use crate::stepping::{Stepped, Stop};
+use crate::system::System;
+use std::time::Duration;
 
 /// A copy is kept when computing has gone on for so long since the last one, so that no replay
 /// takes much longer.
@@ -26,71 +25,79 @@ impl Position {
 }
 
 #[derive(Clone)]
-struct Copy {
+struct Copy<O> {
     segment: u64,
-    system: System<Robot>,
+    system: System<O>,
 }
 
 /// The history of a run.
 #[derive(Clone)]
-pub struct Timeline {
+pub struct Timeline<O> {
     /// Where the run is.
     pub position: Position,
-    copies: Vec<Copy>,
-    copied: Instant,
+    copies: Vec<Copy<O>>,
+    /// Computing since the last copy.
+    since: Duration,
 }
 
 /// An earlier state, and where the stepper stood then.
-pub struct Past {
+pub struct Past<O> {
     /// The state.
-    pub system: System<Robot>,
+    pub system: System<O>,
     /// Its place.
     pub position: Position,
     /// The form a task stood before.
     pub stop: Option<Stop>,
 }
 
-impl Timeline {
+impl<O: Outside + Clone> Timeline<O> {
     /// The history of a run that is at its start.
-    pub fn new(system: &System<Robot>) -> Self {
+    pub fn new(system: &System<O>) -> Self {
         let start = Copy { segment: 0, system: system.clone() };
         let position = Position { segment: 0, step: Position::END };
-        Self { position, copies: vec![start], copied: Instant::now() }
+        Self { position, copies: vec![start], since: Duration::ZERO }
     }
 
     /// Something from outside has changed the run: replay cannot go over it, so it is kept.
-    pub fn handed_in(&mut self, system: &System<Robot>) {
+    pub fn handed_in(&mut self, system: &System<O>) {
         self.position = Position { segment: self.position.segment + 1, step: 0 };
         self.copy(system);
     }
 
-    /// A new instant has begun.
-    pub fn next_instant(&mut self, system: &System<Robot>) {
+    /// A new instant has begun, after so much computing since the last one began.
+    pub fn next_instant(&mut self, system: &System<O>, computing: Duration) {
         self.position = Position { segment: self.position.segment + 1, step: 0 };
-        if self.copied.elapsed() >= COPY_EVERY {
+        self.since += computing;
+        if self.since >= COPY_EVERY {
             self.copy(system);
         }
     }
 
-    fn copy(&mut self, system: &System<Robot>) {
+    fn copy(&mut self, system: &System<O>) {
         self.copies.push(Copy { segment: self.position.segment, system: system.clone() });
-        self.copied = Instant::now();
+        self.since = Duration::ZERO;
     }
 
     /// Forgets what came after a position, and goes on from there.
     pub fn go_back_to(&mut self, position: Position) {
         self.copies.retain(|copy| copy.segment <= position.segment);
         self.position = position;
-        self.copied = Instant::now();
+        self.since = Duration::ZERO;
     }
 
-    /// The state so many steps before a position, at most the start's.
-    pub fn steps_before(&self, mut position: Position, mut steps: usize) -> Past {
+    /// The state so many steps before a position, at most the start's; `is_shown` tells which stops
+    /// count as steps.
+    pub fn steps_before(
+        &self,
+        mut position: Position,
+        mut steps: usize,
+        is_shown: impl Fn(&System<O>, &Stop) -> bool,
+    ) -> Past<O> {
         for (index, copy) in self.copies.iter().enumerate().rev() {
             if copy.segment > position.segment {
                 continue;
             }
-            let stops = stops_between(copy, position);
+            let stops = stops_between(copy, position, &is_shown);
             match stops.len().checked_sub(steps) {
                 Some(kept) if kept < stops.len() => return self.at(stops[kept]),
                 _ if index == 0 => return self.at(Position { segment: 0, step: 0 }),
@@ -104,7 +111,7 @@ impl Timeline {
     }
 
     /// The state at a position.
-    pub fn at(&self, position: Position) -> Past {
+    pub fn at(&self, position: Position) -> Past<O> {
         let copy = self.last_copy(|copy| copy.segment <= position.segment);
         let mut system = copy.system.clone();
         for _ in copy.segment..position.segment {
@@ -131,7 +138,7 @@ impl Timeline {
     }
 
     /// The state when the last instant up to a time was over.
-    pub fn at_time(&self, time_us: u64) -> Past {
+    pub fn at_time(&self, time_us: u64) -> Past<O> {
         let copy = self.last_copy(|copy| copy.system.machine.now_us <= time_us);
         let end = self.copies.iter().map(|copy| copy.segment).find(|&segment| segment > copy.segment);
         let last = end.unwrap_or(self.position.segment + 1) - 1;
@@ -147,26 +154,22 @@ impl Timeline {
         Past { system, position: Position { segment, step: Position::END }, stop: None }
     }
 
-    fn last_copy(&self, fits: impl Fn(&Copy) -> bool) -> &Copy {
+    /// How many copies are kept.
+    pub fn copies(&self) -> usize {
+        self.copies.len()
+    }
+
+    fn last_copy(&self, fits: impl Fn(&Copy<O>) -> bool) -> &Copy<O> {
         self.copies.iter().rev().find(|copy| fits(copy)).unwrap_or(&self.copies[0])
     }
 }
 
-/// Texts a user does not step through: the prompt's own loop, and the macros of the library.
-const HIDDEN: &[&str] = &["session", "prelude"];
-
-/// Whether a user wants to see a stop.
-pub fn is_shown(system: &System<Robot>, stop: &Stop) -> bool {
-    !is_hidden(system, stop.span)
-}
-
-/// Whether a place lies in a text that users do not step through.
-pub fn is_hidden(system: &System<Robot>, span: Span) -> bool {
-    HIDDEN.contains(&&*system.program.sources.get(span.source).name)
-}
-
 /// Every position between a copy and a later position at which a stepper would stop.
-fn stops_between(copy: &Copy, end: Position) -> Vec<Position> {
+fn stops_between<O: Outside + Clone>(
+    copy: &Copy<O>,
+    end: Position,
+    is_shown: &impl Fn(&System<O>, &Stop) -> bool,
+) -> Vec<Position> {
     let mut system = copy.system.clone();
     let mut position = Position { segment: copy.segment, step: 0 };
     let mut stops = Vec::new();
@@ -190,7 +193,7 @@ fn stops_between(copy: &Copy, end: Position) -> Vec<Position> {
 }
 
 /// What is replayed has been printed and traced before.
-fn discard(system: &mut System<Robot>) {
+fn discard<O: Outside>(system: &mut System<O>) {
     system.machine.output.clear();
     system.machine.trace.take();
 }
