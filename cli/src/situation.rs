@@ -129,7 +129,10 @@ impl Situation {
             EventKind::End => self.end(event),
             EventKind::Call | EventKind::Blocked => self.stand(event),
             EventKind::Return => self.leave(event),
-            EventKind::Woken => self.change_task(event, |task| task.on = None),
+            EventKind::Woken => self.change_task(event, |task| {
+                (task.on, task.at) = (None, None);
+                task.readings.clear();
+            }),
             EventKind::Suspended => self.change_task(event, |task| task.is_suspended = true),
             EventKind::Resumed => self.change_task(event, |task| task.is_suspended = false),
             EventKind::Fluent | EventKind::Pulse => self.change_fluent(event),
@@ -228,7 +231,10 @@ impl Situation {
                 }
             }
             "pre-empted" => valve.pre_empted = Some(task),
-            "returned" => valve.taken.retain(|(root, _)| *root != task),
+            "returned" => {
+                valve.pre_empted = None;
+                valve.taken.retain(|(root, _)| *root != task);
+            }
             _ => {}
         }
     }

@@ -328,7 +328,7 @@ impl Machine {
     }
 
     /// Bytes in use, roughly: heap, tasks and the registers of the running one.
-    pub(crate) fn used_bytes(&self) -> usize {
+    pub fn used_bytes(&self) -> usize {
         self.heap.used_bytes() + self.tasks.bytes()
     }
 

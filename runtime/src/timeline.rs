@@ -1,14 +1,24 @@
 //! Earlier instants of a run: copies of its whole state now and then, and replay from the last one
 //! before the instant that is asked for.
+//!
+//! Copies share what has not changed between them. When they hold too much, those are given up
+//! without which replay grows least.
 
 use crate::behaviour::Outside;
 use crate::stepping::{Stepped, Stop};
 use crate::system::System;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A copy is kept when computing has gone on for so long since the last one, so that no replay
-/// takes much longer.
+/// takes much longer while there is room.
 const COPY_EVERY: Duration = Duration::from_millis(40);
+
+/// What the copies may hold together, each shared part counted once.
+const MOST_BYTES: usize = 448 << 20;
+
+/// Names, globals and other tables of a run, which every copy has for itself.
+const TABLE_BYTES: usize = 256 << 10;
 
 /// A place in the history of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,7 +37,14 @@ impl Position {
 #[derive(Clone)]
 struct Copy<O> {
     segment: u64,
-    system: System<O>,
+    // Forks of the run share their past.
+    system: Arc<System<O>>,
+    /// Computing between the copy before and this one.
+    computing: Duration,
+    /// What it holds and the copy before does not.
+    bytes: usize,
+    /// Something was handed in here, which no replay could do.
+    is_handed_in: bool,
 }
 
 /// The history of a run.
@@ -38,6 +55,8 @@ pub struct Timeline<O> {
     copies: Vec<Copy<O>>,
     /// Computing since the last copy.
     since: Duration,
+    /// Bytes of the outside of a state that an earlier state does not share.
+    bytes_apart: fn(&O, &O) -> usize,
 }
 
 /// An earlier state, and where the stepper stood then.
@@ -51,17 +70,19 @@ pub struct Past<O> {
 }
 
 impl<O: Outside + Clone> Timeline<O> {
-    /// The history of a run that is at its start.
-    pub fn new(system: &System<O>) -> Self {
-        let start = Copy { segment: 0, system: system.clone() };
+    /// The history of a run that is at its start. `bytes_apart` tells how much the outside of a
+    /// later state holds that an earlier one, given second, does not share.
+    pub fn new(system: &System<O>, bytes_apart: fn(&O, &O) -> usize) -> Self {
         let position = Position { segment: 0, step: Position::END };
-        Self { position, copies: vec![start], since: Duration::ZERO }
+        let mut timeline = Self { position, copies: Vec::new(), since: Duration::ZERO, bytes_apart };
+        timeline.copy(system, true);
+        timeline
     }
 
     /// Something from outside has changed the run: replay cannot go over it, so it is kept.
     pub fn handed_in(&mut self, system: &System<O>) {
         self.position = Position { segment: self.position.segment + 1, step: 0 };
-        self.copy(system);
+        self.copy(system, true);
     }
 
     /// A new instant has begun, after so much computing since the last one began.
@@ -69,13 +90,46 @@ impl<O: Outside + Clone> Timeline<O> {
         self.position = Position { segment: self.position.segment + 1, step: 0 };
         self.since += computing;
         if self.since >= COPY_EVERY {
-            self.copy(system);
+            self.copy(system, false);
         }
     }
 
-    fn copy(&mut self, system: &System<O>) {
-        self.copies.push(Copy { segment: self.position.segment, system: system.clone() });
-        self.since = Duration::ZERO;
+    fn copy(&mut self, system: &System<O>, is_handed_in: bool) {
+        let system = Arc::new(system.clone());
+        let bytes = match self.copies.last() {
+            Some(before) => self.bytes_between(&before.system, &system),
+            None => 0,
+        };
+        let computing = std::mem::take(&mut self.since);
+        self.copies.push(Copy { segment: self.position.segment, system, computing, bytes, is_handed_in });
+        self.thin_out();
+    }
+
+    fn bytes_between(&self, earlier: &System<O>, later: &System<O>) -> usize {
+        TABLE_BYTES + later.machine.used_bytes() + (self.bytes_apart)(&later.outside, &earlier.outside)
+    }
+
+    /// Gives copies up until the others hold no more than they may, as far as replay can do without
+    /// them. Cost: a look at all copies for each that is given up.
+    fn thin_out(&mut self) {
+        while self.held_bytes() > MOST_BYTES {
+            let Some(at) = self.least_useful() else { return };
+            let gone = self.copies.remove(at);
+            self.copies[at].bytes = self.bytes_between(&self.copies[at - 1].system, &self.copies[at].system);
+            self.copies[at].computing += gone.computing;
+        }
+    }
+
+    /// The copy without which the longest replay is shortest. The newest stays.
+    fn least_useful(&self) -> Option<usize> {
+        let inner = 1..self.copies.len().saturating_sub(1);
+        let replay = |&at: &usize| self.copies[at].computing + self.copies[at + 1].computing;
+        inner.filter(|&at| !self.copies[at].is_handed_in).min_by_key(replay)
+    }
+
+    /// What all copies hold, each shared part counted once.
+    pub fn held_bytes(&self) -> usize {
+        self.copies.iter().map(|copy| copy.bytes).sum()
     }
 
     /// Forgets what came after a position, and goes on from there.
@@ -113,7 +167,7 @@ impl<O: Outside + Clone> Timeline<O> {
     /// The state at a position.
     pub fn at(&self, position: Position) -> Past<O> {
         let copy = self.last_copy(|copy| copy.segment <= position.segment);
-        let mut system = copy.system.clone();
+        let mut system = System::clone(&copy.system);
         for _ in copy.segment..position.segment {
             system.settle();
             system.next_instant();
@@ -142,7 +196,7 @@ impl<O: Outside + Clone> Timeline<O> {
         let copy = self.last_copy(|copy| copy.system.machine.now_us <= time_us);
         let end = self.copies.iter().map(|copy| copy.segment).find(|&segment| segment > copy.segment);
         let last = end.unwrap_or(self.position.segment + 1) - 1;
-        let mut system = copy.system.clone();
+        let mut system = System::clone(&copy.system);
         let mut segment = copy.segment;
         system.settle();
         while segment < last && system.next_instant_us().is_some_and(|next_us| next_us <= time_us) {
@@ -170,7 +224,7 @@ fn stops_between<O: Outside + Clone>(
     end: Position,
     is_shown: &impl Fn(&System<O>, &Stop) -> bool,
 ) -> Vec<Position> {
-    let mut system = copy.system.clone();
+    let mut system = System::clone(&copy.system);
     let mut position = Position { segment: copy.segment, step: 0 };
     let mut stops = Vec::new();
     while position < end {

@@ -7,6 +7,7 @@ use crate::situation::{Situation, Standing, ValveStanding};
 use rpl_runtime::system::System;
 use rpl_runtime::task::State;
 use rpl_runtime::value::TaskRef;
+use rpl_runtime::valve::Handover;
 
 /// The events of the run, and how the living stand now.
 pub fn situation(session: &Session) -> Situation {
@@ -26,7 +27,11 @@ pub fn situation(session: &Session) -> Situation {
         .map(|valve| {
             let taken = valve.holds.iter().filter_map(|hold| Some((path(hold.interrupted?)?, path(hold.task)?)));
             let holders = valve.holds.iter().filter_map(|hold| path(hold.task)).collect();
-            let standing = ValveStanding { holders, taken: taken.collect(), pre_empted: None };
+            let pre_empted = match valve.handover {
+                Some(Handover::Lend { interrupted, .. }) => path(interrupted),
+                Some(Handover::GiveBack { .. }) | None => None,
+            };
+            let standing = ValveStanding { holders, taken: taken.collect(), pre_empted };
             (machine.symbols.name(valve.name).to_string(), standing)
         })
         .collect();

@@ -96,7 +96,7 @@ impl Session {
         let quiet: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| fluent_named(&system, name)).collect();
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
-        let timeline = Timeline::new(&system);
+        let timeline = Timeline::new(&system, Robot::bytes_apart);
         let branch = Branch { system, timeline, log: Vec::new(), stop: None, is_running: false };
         Ok(Self {
             branch,
