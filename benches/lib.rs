@@ -149,10 +149,16 @@ impl Stopwatch {
     }
 }
 
-/// Nanoseconds that this thread has had a processor; none where that is unknown.
+/// Nanoseconds that this thread has had a processor, up to date; none where that is unknown.
 pub fn processor_ns() -> Option<u64> {
-    // Brings the kernel's account up to date.
+    // The kernel settles its account when a thread gives way.
     std::thread::yield_now();
+    processor_ns_lately()
+}
+
+/// The same as of the last tick of the kernel: for sums over many short stretches, in which giving
+/// way each time would leave the processor to others.
+pub fn processor_ns_lately() -> Option<u64> {
     std::fs::read_to_string("/proc/thread-self/schedstat").ok()?.split_whitespace().next()?.parse().ok()
 }
 

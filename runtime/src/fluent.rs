@@ -272,6 +272,9 @@ impl Machine {
             let after = (self.fluents[network].value, self.fluents[network].failure);
             let changed = before.1 != after.1 || !self.heap.equal(before.0, after.0);
             self.fluents[network].is_changed = changed;
+            if changed {
+                self.trace_fluent(around.program, network);
+            }
             // What a pulse reaches is served even if its value is the same: true again is true.
             if changed || is_pulse {
                 touched.push(network);

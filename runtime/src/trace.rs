@@ -28,7 +28,7 @@ pub enum EventKind {
     Suspended,
     /// A suspended task may go on.
     Resumed,
-    /// A fluent changed: `fluent`, `value`.
+    /// A fluent changed: `fluent`, `value`. Also one that is computed from others.
     Fluent,
     /// A fluent was pulsed: `fluent`.
     Pulse,
@@ -277,7 +277,7 @@ impl Machine {
 
     fn write_fluent(&mut self, program: &Program, fluent: u32) {
         if let Some(name) = self.fluents[fluent].name
-            && !self.trace.quiet.contains(&fluent)
+            && !self.is_quiet(fluent, 0)
         {
             let details = vec![
                 ("fluent", self.symbols.name(name).to_string()),
@@ -286,6 +286,16 @@ impl Machine {
             let path = self.current_path();
             self.event(path, EventKind::Fluent, details);
         }
+    }
+
+    /// Whether a fluent changes with each step of the robot: one of the quiet ones, or a number that
+    /// is computed from them.
+    fn is_quiet(&self, fluent: u32, depth: usize) -> bool {
+        const MAX_DEPTH: usize = 8;
+        let record = &self.fluents[fluent];
+        let is_number = matches!(record.value, Value::Int(_) | Value::Float(_));
+        self.trace.quiet.contains(&fluent)
+            || is_number && (depth == MAX_DEPTH || record.inputs.iter().any(|&input| self.is_quiet(input, depth + 1)))
     }
 
     pub(crate) fn trace_pulse(&mut self, fluent: u32) {
