@@ -236,7 +236,7 @@ impl Driver<'_> {
         }
         if wants_status {
             let text = events::status_line(&self.system.machine, &self.system.outside, sight);
-            self.console.status(text);
+            self.console.status(&text);
         }
     }
 

@@ -25,6 +25,7 @@ mod repl;
 mod run;
 mod situation;
 mod status;
+mod status_line;
 mod test;
 mod time;
 mod trace;
@@ -59,6 +60,9 @@ struct PromptArguments {
     /// Without a command: the seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Without a command: what happens on the way
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<String>,
 }
 
 #[derive(Subcommand, Debug)]
@@ -125,8 +129,8 @@ enum Command {
 fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command: Some(command), .. }) => command,
-        Ok(CommandLine { prompt: PromptArguments { world, seed }, .. }) => {
-            Command::Repl(repl::Arguments { world, seed, ..repl::Arguments::default() })
+        Ok(CommandLine { prompt: PromptArguments { world, seed, scenario }, .. }) => {
+            Command::Repl(repl::Arguments { world, seed, scenario, ..repl::Arguments::default() })
         }
         Err(error) => {
             // What cannot be written has nobody to read it.

@@ -89,15 +89,23 @@ impl Machine {
     pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
         match self.priorities.pop(&mut self.tasks) {
             None => Ran::Nothing,
-            Some(task) => {
-                if around.outside.period_us().is_some() {
-                    self.note_progress(task);
-                }
-                match self.run_task(around, task) {
-                    None => Ran::Task,
-                    Some(datum) => Ran::Asked(task, datum),
-                }
-            }
+            Some(task) => self.run_ready(around, task),
+        }
+    }
+
+    /// Runs a task of the run queue, whatever stands before it.
+    pub(crate) fn run_ahead(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        self.unqueue(task);
+        self.run_ready(around, task)
+    }
+
+    fn run_ready(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        if around.outside.period_us().is_some() {
+            self.note_progress(task);
+        }
+        match self.run_task(around, task) {
+            None => Ran::Task,
+            Some(datum) => Ran::Asked(task, datum),
         }
     }
 

@@ -8,6 +8,7 @@
 //! [`fluent`], [`valve`], [`behaviour`], [`system`].
 
 pub mod behaviour;
+pub mod beside;
 mod construct;
 mod datum;
 pub mod difference;

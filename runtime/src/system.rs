@@ -127,7 +127,13 @@ impl<O: Outside> System<O> {
 
     /// Runs one ready task until it blocks; tells whether there was one.
     pub fn step_task(&mut self) -> bool {
-        match self.with_machine(|machine, around| machine.run_next(around)) {
+        let ran = self.with_machine(|machine, around| machine.run_next(around));
+        self.answer_asked(ran)
+    }
+
+    /// Compiles what a task asked for; tells whether a task ran.
+    pub(crate) fn answer_asked(&mut self, ran: Ran) -> bool {
+        match ran {
             Ran::Nothing => return false,
             Ran::Task => {}
             Ran::Asked(task, datum) => self.execute_datum(task, datum),

@@ -214,7 +214,7 @@ impl Machine {
     }
 
     /// Whether the task stands in the run queue: ready, and not held by a suspension.
-    fn is_queued(&self, task: u32) -> bool {
+    pub(crate) fn is_queued(&self, task: u32) -> bool {
         let record = &self.tasks[task];
         record.state == State::Ready && !record.is_held()
     }

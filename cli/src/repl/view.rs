@@ -2,6 +2,7 @@
 
 use super::living::standing;
 use super::session::Session;
+use crate::events;
 use crate::mission::Robot;
 use crate::why::{is_meant, shortened};
 use rpl_lang::code::GlobalKind;
@@ -133,14 +134,17 @@ pub fn is_hidden(system: &System<Robot>, span: Span) -> bool {
     HIDDEN.contains(&&*system.program.sources.get(span.source).name)
 }
 
-/// Where the stepper stands: time, task, the form in its text, and the variables around it.
-pub fn stop(session: &Session, stop: &Stop, colour: bool) -> Vec<String> {
+/// Where the stepper stands: time, task, the form in its text, and the variables around it. Lines
+/// of the text are cut at a width.
+pub fn stop(session: &Session, stop: &Stop, colour: bool, width: usize) -> Vec<String> {
     let system = &session.branch.system;
     let machine = &system.machine;
     let Some(task) = machine.tasks.find_alive(stop.task) else { return Vec::new() };
     let place = system.program.sources.place(stop.span);
-    let mut lines = vec![format!("{:.3} s  {}  {place}", machine.now_s(), machine.path(task))];
-    lines.extend(marked(&system.program.sources, stop.span, colour));
+    let (time, place) = (format!("{:.3} s", machine.now_s()), place.to_string());
+    let room = width.saturating_sub(time.chars().count() + place.chars().count() + 4);
+    let mut lines = vec![format!("{time}  {}  {place}", events::shortened(&machine.path(task), room))];
+    lines.extend(marked(&system.program.sources, stop.span, colour, width));
     if let Some((_, variables)) = machine.variables(&system.program, task).first()
         && !variables.is_empty()
     {
@@ -152,8 +156,16 @@ pub fn stop(session: &Session, stop: &Stop, colour: bool) -> Vec<String> {
     lines
 }
 
+/// Columns before the text of a line.
+const MARGIN: usize = 8;
+
+/// As much of a line as fits.
+fn cut(line: &str, width: usize) -> &str {
+    line.char_indices().nth(width).map_or(line, |(end, _)| &line[..end])
+}
+
 /// The lines around a form, with the form marked: in reverse with colours, else underlined.
-fn marked(sources: &Sources, span: Span, colour: bool) -> Vec<String> {
+fn marked(sources: &Sources, span: Span, colour: bool, width: usize) -> Vec<String> {
     let text = &sources.get(span.source).text;
     let (first, _) = sources.line_column(Span { end: span.start, ..span });
     let (start, end) = (span.start as usize, span.end as usize);
@@ -166,7 +178,7 @@ fn marked(sources: &Sources, span: Span, colour: bool) -> Vec<String> {
         if number + LINES_AROUND < first || number > last + LINES_AROUND {
             continue;
         }
-        let line = line.trim_end_matches(['\n', '\r']);
+        let line = cut(line.trim_end_matches(['\n', '\r']), width.saturating_sub(MARGIN));
         let clamp = |at: usize| at.clamp(line_start, line_start + line.len()) - line_start;
         let (from, to) = (line.floor_char_boundary(clamp(start)), line.floor_char_boundary(clamp(end)));
         let has_mark = from < to;
