@@ -28,7 +28,13 @@ pub struct Console {
 impl Console {
     /// The console of this process.
     pub fn new(quiet: bool) -> Self {
-        Self { colour: takes_colour(&io::stderr()), quiet, status: None, sink: Sink::Streams, out: io::BufWriter::new(io::stdout()) }
+        Self {
+            colour: takes_colour(&io::stderr()),
+            quiet,
+            status: None,
+            sink: Sink::Streams,
+            out: io::BufWriter::new(io::stdout()),
+        }
     }
 
     /// A console that shows nothing, for one run among many.
