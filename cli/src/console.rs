@@ -28,7 +28,13 @@ pub struct Console {
 impl Console {
     /// The console of this process.
     pub fn new(quiet: bool) -> Self {
-        Self { colour: takes_colour(), quiet, status: None, sink: Sink::Streams, out: io::BufWriter::new(io::stdout()) }
+        Self {
+            colour: takes_colour(&io::stderr()),
+            quiet,
+            status: None,
+            sink: Sink::Streams,
+            out: io::BufWriter::new(io::stdout()),
+        }
     }
 
     /// A console that shows nothing, for one run among many.
@@ -79,6 +85,11 @@ impl Console {
         if let Some(status) = self.status.take() {
             status.hide();
         }
+    }
+
+    /// Whether standard output takes colours.
+    pub fn out_colour(&self) -> bool {
+        takes_colour(&io::stdout())
     }
 
     /// A line on standard output.
@@ -135,8 +146,8 @@ pub fn note(text: &str) {
     writeln!(io::stderr(), "{text}").ok();
 }
 
-/// Whether standard error is a terminal and nobody asked for no colours.
-pub fn takes_colour() -> bool {
+/// Whether a stream is a terminal and nobody asked for no colours.
+pub fn takes_colour(stream: &impl IsTerminal) -> bool {
     let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    !asked_for_none && io::stderr().is_terminal()
+    !asked_for_none && stream.is_terminal()
 }

@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::events;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
-use crate::trace_file::TraceFile;
+use crate::trace::TraceFile;
 use rpl_robot::localization::Localization;
 use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::system::{Outcome, Progress, System};

@@ -43,7 +43,7 @@ pub fn lines(events: &[Event], is_lost: bool) -> Vec<String> {
 }
 
 /// What the robot or the scenario reports: "certainty 0.31 – position lost".
-fn report(event: &Event) -> String {
+pub fn report(event: &Event) -> String {
     let what = detail(event, "what");
     let details: Vec<String> = event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
     match details.as_slice() {

@@ -346,3 +346,62 @@ fn the_tour_runs_as_printed() {
         assert!(output.status.success(), "rpl {arguments}: {}", String::from_utf8_lossy(&output.stderr));
     }
 }
+
+/// What is typed in this file and in the pages about the prompt.
+#[test]
+fn every_command_has_a_test() {
+    let shown = session(&["repl"], ":help\n");
+    let typed = [include_str!("prompt.rs"), include_str!("../../docs/prompt.md")].concat();
+    let commands: Vec<&str> = shown
+        .out
+        .lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|word| word.starts_with(':'))
+        .collect();
+    assert!(commands.len() > 20, "{}", shown.out);
+    for command in commands {
+        let is_typed = typed.match_indices(command).any(|(at, _)| {
+            let before = typed[..at].chars().next_back();
+            let after = typed[at + command.len()..].chars().next();
+            matches!(before, Some('"' | 'n' | ' ')) && matches!(after, Some(' ' | '\\' | '\n' | '"'))
+        });
+        assert!(is_typed, "{command} has no test");
+    }
+}
+
+#[test]
+fn a_run_goes_past_breakpoints_into_calls_and_up_to_a_time() {
+    let lines = format!(
+        "{GREET}(def-plan twice () (greet 'ann) (greet 'bob))\n:break greet\n:run (twice)\n\
+         :step (twice)\n:delete\n:into\n:until 5.5s\n:tasks\n:task\n"
+    );
+    let shown = session(&["repl"], &lines);
+    assert!(shown.out.contains("ann\nbob\n(hello bob)\n"), "{}", shown.out);
+    assert!(!shown.errors.contains("stopped at greet"), "{}", shown.errors);
+    assert!(shown.out.contains("main/twice/greet.2") || shown.out.contains("main/twice.2/greet"), "{}", shown.out);
+    assert!(shown.out.contains("who = ann"), "{}", shown.out);
+}
+
+#[test]
+fn events_and_documentation_are_looked_up() {
+    let lines = "(def-fluent level 0)\n(setf (value level) 7)\n(setf (value level) 8)\n:trace level 7\n:trace nothing-such\n:doc wait-for\n:doc\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.contains("fluent     main  level = 7\nno such event\n"), "{}", shown.out);
+    assert!(shown.out.contains("(wait-for "), "{}", shown.out);
+}
+
+#[test]
+fn what_is_watched_is_shown_at_each_stop_and_says_when_it_cannot_be() {
+    let lines = "(def-fluent level 0)\n:watch (+ 1 (value level))\n:watch (no-such level)\n:watch (car (value level))\n\
+                 :step (progn (setf (value level) 1) (wait-time 1))\n:next\n:watch\n:next\n";
+    let shown = session(&["repl"], lines);
+    for line in [
+        "    (+ 1 (value level)) = 1\n",
+        "    (+ 1 (value level)) = 2\n",
+        "    (no-such level) = not a form that can be evaluated here\n",
+        "    (car (value level)) = type-error: ",
+    ] {
+        assert!(shown.out.contains(line), "{line}{}", shown.out);
+    }
+    assert_eq!(shown.out.matches("(no-such level)").count(), 2, "{}", shown.out);
+}

@@ -171,7 +171,7 @@ impl Machine {
 
     pub(crate) fn start_task(&mut self, around: &mut Surroundings<'_>, task: u32) {
         self.make_ready(task);
-        self.trace_task_begin(around.program, task);
+        self.trace_task_begin(task);
         self.update_task_fluents(around, task);
     }
 

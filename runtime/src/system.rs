@@ -89,8 +89,7 @@ impl<O: Outside> System<O> {
         let base = Arc::new(Base::new(program.clone()));
         let mut system = Self { program, units: Arc::default(), machine, outside, library, base, next_step_us: 0 };
         system.step_robot();
-        let program = system.program.clone();
-        system.machine.start_main(&program, main);
+        system.machine.start_main(main);
         system
     }
 
@@ -273,7 +272,7 @@ impl<O: Outside> System<O> {
     /// leaving already, the clean-up it waits for does.
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
-            let waits = machine.what_tasks_wait_for();
+            let waits = machine.what_tasks_wait_for(around.program);
             let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
             let failing = machine.deadlocked_task();
             let failure = machine.failure_from(Raise::new("deadlock", message));

@@ -232,7 +232,7 @@ fn faults_of_worlds_are_shown() {
 
 #[test]
 fn every_block_is_of_a_kind_that_is_checked() {
-    // The sessions at the prompt are typed by the tests of the command.
+    // The sessions at the prompt and in the terminal are typed by the tests of the command.
     let known = [
         "lisp",
         "lisp error",
@@ -240,6 +240,7 @@ fn every_block_is_of_a_kind_that_is_checked() {
         "lisp robot",
         "lisp scenario",
         "session",
+        "terminal",
         "toml",
         "toml error",
         "json",

@@ -6,22 +6,23 @@ mod clock;
 mod command;
 mod editor;
 mod live;
+mod living;
 mod map;
 mod session;
 mod terminal;
-mod timeline;
 mod view;
 mod vocabulary;
-mod why;
 
 use crate::console::Console;
 use crate::doc;
+use crate::event_line::event_line;
 use crate::failure_report::Reporter;
 use crate::files::{self, Folder, PlanText};
 use crate::interrupt;
-use crate::mission::{self, Site};
+use crate::mission::{self, Robot, Site};
 use crate::status::Status;
 use crate::time::parse_duration_us;
+use crate::why::{self, shortened};
 use anyhow::Result;
 use breakpoint::Breakpoint;
 use clock::Clock;
@@ -33,6 +34,7 @@ use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::library::Rejected;
 use rpl_runtime::session::{Answer, Submitted};
+use rpl_runtime::timeline::Past;
 use session::{Halt, Session, Until};
 use std::io::{self, IsTerminal, Read};
 
@@ -236,8 +238,11 @@ impl Prompt<'_> {
         let system = &self.session.branch.system;
         let or = |lines: Vec<String>, nothing: &str| if lines.is_empty() { vec![nothing.to_string()] } else { lines };
         match verb {
-            Verb::Why => why::why(&self.session, rest),
-            Verb::Task => why::task(&self.session, rest),
+            Verb::Why => why::why(&living::situation(&self.session), rest).unwrap_or_else(|reason| vec![reason]),
+            Verb::Task => match view::living(system, rest) {
+                Some(task) => view::task(system, task),
+                None => vec![why::missing(&living::situation(&self.session), rest)],
+            },
             Verb::Tasks => view::tasks(system),
             Verb::Fluents => or(view::fluents(system, rest), "no fluent has such a name"),
             Verb::Valves => or(view::valves(system), "there are no valves"),
@@ -254,7 +259,7 @@ impl Prompt<'_> {
 
     fn last_events(&self, words: &str) -> Vec<String> {
         let words: Vec<&str> = words.split_whitespace().collect();
-        let texts = self.session.branch.log.iter().rev().map(ToString::to_string);
+        let texts = self.session.branch.log.iter().rev().map(|event| event_line(event, self.console.out_colour()));
         let mut last: Vec<String> =
             texts.filter(|text| words.iter().all(|word| text.contains(word))).take(LAST_EVENTS).collect();
         last.reverse();
@@ -321,7 +326,7 @@ impl Prompt<'_> {
             Some(Answer::GivenUp) => {}
             None => {
                 if let Some(task) = system.machine.tasks.find_alive(aside.task) {
-                    let (path, waits) = (system.machine.path(task), view::condition_of(system, task));
+                    let (path, waits) = (system.machine.path(task), living::standing(system, task).condition());
                     self.console.note(&format!("{path} {waits}; it goes on with the run"));
                 }
             }
@@ -381,7 +386,7 @@ impl Prompt<'_> {
     fn halted(&mut self, halt: Halt) -> Result<()> {
         let value = self.session.branch.system.wanted_value();
         if let (Some(value), true) = (value, self.session.branch.stop.is_some()) {
-            self.console.print(&format!("=> {}", view::shortened(&value)))?;
+            self.console.print(&format!("=> {}", shortened(&value)))?;
         }
         match halt {
             Halt::Answered(Answer::Succeeded(value)) => {
@@ -482,8 +487,8 @@ impl Prompt<'_> {
         let timeline = &self.session.branch.timeline;
         let now_us = self.session.branch.system.machine.now_us;
         let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
-            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1),
-            (Ok(steps), _) => timeline.steps_before(timeline.position, steps),
+            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown),
+            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown),
             (_, Ok(time_us)) => timeline.at_time(now_us.saturating_sub(time_us)),
             _ => return self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s")),
         };
@@ -503,7 +508,7 @@ impl Prompt<'_> {
         }
     }
 
-    fn go_back(&mut self, past: timeline::Past) -> Result<()> {
+    fn go_back(&mut self, past: Past<Robot>) -> Result<()> {
         let is_start = past.position.segment == 0;
         self.session.go_back_to(past);
         if is_start {

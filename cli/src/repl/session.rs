@@ -1,7 +1,7 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use super::timeline::{Past, Position, Timeline, is_shown};
+use super::view::is_shown;
 use crate::console::Console;
 use crate::events;
 use crate::failure_report::Reporter;
@@ -15,6 +15,7 @@ use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::session::{Answer, Submitted};
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::system::System;
+use rpl_runtime::timeline::{Past, Position, Timeline};
 use rpl_runtime::trace::Event;
 use rpl_runtime::value::{TaskRef, Value};
 use std::collections::BTreeMap;
@@ -27,7 +28,7 @@ pub struct Branch {
     /// The present.
     pub system: System<Robot>,
     /// The past.
-    pub timeline: Timeline,
+    pub timeline: Timeline<Robot>,
     /// What happened.
     pub log: Vec<Event>,
     /// The form a task stands before, if a stepper stopped there.
@@ -113,7 +114,7 @@ impl Session {
         let quiet: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| fluent_named(&system, name)).collect();
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
-        let timeline = Timeline::new(&system);
+        let timeline = Timeline::new(&system, Robot::bytes_apart);
         let branch = Branch { system, timeline, log: Vec::new(), stop: None, is_running: false };
         Ok(Self {
             branch,
@@ -178,7 +179,7 @@ impl Session {
         if !matches!(until, Until::Clock { .. }) {
             console.begin_status();
         }
-        let halt = Runner { session: self, until, console }.run();
+        let halt = Runner { session: self, until, console, computed: Instant::now() }.run();
         console.end_status();
         let halt = halt?;
         if matches!(halt, Halt::Answered(_)) {
@@ -244,7 +245,7 @@ impl Session {
     }
 
     /// Takes an earlier state for the present one. What came after it is forgotten.
-    pub fn go_back_to(&mut self, past: Past) {
+    pub fn go_back_to(&mut self, past: Past<Robot>) {
         let Past { system, position, stop } = past;
         let branch = &mut self.branch;
         branch.system = system;
@@ -277,6 +278,8 @@ struct Runner<'a> {
     session: &'a mut Session,
     until: &'a Until,
     console: &'a mut Console,
+    /// Since when the present instant is computed.
+    computed: Instant,
 }
 
 impl Runner<'_> {
@@ -371,7 +374,8 @@ impl Runner<'_> {
             return Some(Halt::Arrived);
         }
         branch.system.next_instant();
-        branch.timeline.next_instant(&branch.system);
+        branch.timeline.next_instant(&branch.system, self.computed.elapsed());
+        self.computed = Instant::now();
         if self.console.wants_status() {
             let sight = branch.system.outside.sight();
             let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);

@@ -272,6 +272,15 @@ impl Localization {
         self.belief.mass(model)
     }
 
+    /// Bytes of planes that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        let watch = match (&self.watch, &earlier.watch) {
+            (Some(watch), Some(earlier)) => watch.bytes_apart(earlier),
+            (Some(_) | None, _) => 0,
+        };
+        self.belief.bytes_apart(&earlier.belief) + watch
+    }
+
     /// The belief itself.
     pub fn belief(&self) -> &Belief {
         &self.belief
