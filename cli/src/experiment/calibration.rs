@@ -215,13 +215,13 @@ mod tests {
     fn a_robot_that_is_always_wrong_errs_by_what_it_says() {
         let wrong = trial((0..100).map(|n| (f64::from(n) / 200.0, false)));
         assert!(bins(&[&wrong]).iter().all(|bin| bin.error() == bin.said && bin.was == 0.0));
-        assert!(table(&[&wrong], &Calibration::new(&[])).contains("largest error of a bin 0.473"));
+        assert!(table(&[&wrong], &Calibration::new(&[])).contains("largest error of a bin 0.47"));
     }
 
     #[test]
     fn the_fit_finds_how_often_a_share_is_right_whatever_was_in_use() {
         // Shares of 0.2, 0.5 and 0.9 are right every fourth, every second and nine times in ten.
-        let used = Calibration::new(&[[0.2, 0.3], [0.5, 0.7]]);
+        let used = Calibration::new(&[[0.2, 0.3], [0.5, 0.7], [0.95, 0.96]]);
         let of = |share: f64, right_of_20: usize| {
             let certainty = used.certainty(share);
             (0..2000).map(move |n| (certainty, n % 20 < right_of_20))
