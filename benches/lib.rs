@@ -132,7 +132,7 @@ struct Stopwatch {
 
 impl Stopwatch {
     fn start() -> Self {
-        let start_ns = Self::processor_ns();
+        let start_ns = processor_ns();
         Self { start: Instant::now(), start_ns }
     }
 
@@ -142,17 +142,24 @@ impl Stopwatch {
 
     fn elapsed_ms(&self) -> f64 {
         let wall = self.start.elapsed().as_secs_f64() * 1e3;
-        match (self.start_ns, Self::processor_ns()) {
+        match (self.start_ns, processor_ns()) {
             (Some(start), Some(end)) => (end - start) as f64 / 1e6,
             _ => wall,
         }
     }
+}
 
-    fn processor_ns() -> Option<u64> {
-        // Brings the kernel's account up to date.
-        std::thread::yield_now();
-        std::fs::read_to_string("/proc/thread-self/schedstat").ok()?.split_whitespace().next()?.parse().ok()
-    }
+/// Nanoseconds that this thread has had a processor, up to date; none where that is unknown.
+pub fn processor_ns() -> Option<u64> {
+    // The kernel settles its account when a thread gives way.
+    std::thread::yield_now();
+    processor_ns_lately()
+}
+
+/// The same as of the last tick of the kernel: for sums over many short stretches, in which giving
+/// way each time would leave the processor to others.
+pub fn processor_ns_lately() -> Option<u64> {
+    std::fs::read_to_string("/proc/thread-self/schedstat").ok()?.split_whitespace().next()?.parse().ok()
 }
 
 /// Median milliseconds of `act` over `runs` fresh values of `prepare`, which is not timed, nor is

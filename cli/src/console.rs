@@ -1,11 +1,7 @@
 //! Standard output and standard error: colour and a status line on a terminal only.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::status_line::StatusLine;
 use std::io::{self, IsTerminal, Write};
-use std::time::{Duration, Instant};
-
-/// How often the status line is drawn.
-const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 /// Where lines go.
 enum Sink {
@@ -23,8 +19,7 @@ pub struct Console {
     pub colour: bool,
     /// Whether only results and errors are written.
     pub quiet: bool,
-    status: Option<ProgressBar>,
-    drawn: Option<Instant>,
+    status: Option<StatusLine>,
     sink: Sink,
     // Locking and buffering once, because a plan may print a million lines.
     out: io::BufWriter<io::Stdout>,
@@ -34,10 +29,9 @@ impl Console {
     /// The console of this process.
     pub fn new(quiet: bool) -> Self {
         Self {
-            colour: takes_colour(),
+            colour: takes_colour(&io::stderr()),
             quiet,
             status: None,
-            drawn: None,
             sink: Sink::Streams,
             out: io::BufWriter::new(io::stdout()),
         }
@@ -53,10 +47,15 @@ impl Console {
         Self { sink: Sink::Kept(Vec::new()), ..Self::new(true) }
     }
 
-    /// The lines kept so far.
-    pub fn kept(self) -> Vec<String> {
-        match self.sink {
-            Sink::Kept(lines) => lines,
+    /// Keeps what is written from now on, or writes it again.
+    pub fn keep(&mut self, keeps: bool) {
+        self.sink = if keeps { Sink::Kept(Vec::new()) } else { Sink::Streams };
+    }
+
+    /// Takes the lines kept so far.
+    pub fn take_kept(&mut self) -> Vec<String> {
+        match &mut self.sink {
+            Sink::Kept(lines) => std::mem::take(lines),
             Sink::Streams | Sink::Nowhere => Vec::new(),
         }
     }
@@ -66,32 +65,31 @@ impl Console {
         if self.quiet || !io::stderr().is_terminal() {
             return;
         }
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_msg}") {
-            bar.set_style(style);
-        }
-        self.status = Some(bar);
+        self.status = Some(StatusLine::default());
     }
 
-    /// Whether the status line wants a new text; drawing it more often costs more than the run.
-    pub fn wants_status(&mut self) -> bool {
-        self.status.is_some() && self.drawn.is_none_or(|drawn| drawn.elapsed() >= STATUS_EVERY)
+    /// Whether the status line wants a new text.
+    pub fn wants_status(&self) -> bool {
+        self.status.as_ref().is_some_and(StatusLine::is_due)
     }
 
     /// Draws the status line.
-    pub fn status(&mut self, text: String) {
-        if let Some(bar) = &self.status {
-            bar.set_message(text);
-            bar.tick();
-            self.drawn = Some(Instant::now());
+    pub fn status(&mut self, text: &str) {
+        if let Some(status) = &mut self.status {
+            status.set(text);
         }
     }
 
     /// Takes the status line away.
     pub fn end_status(&mut self) {
-        if let Some(bar) = self.status.take() {
-            bar.finish_and_clear();
+        if let Some(status) = self.status.take() {
+            status.hide();
         }
+    }
+
+    /// Whether standard output takes colours.
+    pub fn out_colour(&self) -> bool {
+        takes_colour(&io::stdout())
     }
 
     /// A line on standard output.
@@ -109,7 +107,12 @@ impl Console {
         }
         let out = &mut self.out;
         match &self.status {
-            Some(bar) => bar.suspend(|| writeln!(out, "{text}").and_then(|()| out.flush())),
+            Some(status) => {
+                status.hide();
+                writeln!(out, "{text}").and_then(|()| out.flush())?;
+                status.show();
+                Ok(())
+            }
             None => writeln!(out, "{text}"),
         }
     }
@@ -127,8 +130,13 @@ impl Console {
         match (&mut self.sink, &self.status) {
             (Sink::Nowhere, _) => {}
             (Sink::Kept(lines), _) => lines.push(text.to_string()),
-            (Sink::Streams, Some(bar)) => bar.suspend(|| note(text)),
-            (Sink::Streams, None) => note(text),
+            (Sink::Streams, status) => {
+                // What was printed before stands before it; whether it can be written is told there.
+                self.out.flush().ok();
+                status.iter().for_each(StatusLine::hide);
+                note(text);
+                status.iter().for_each(StatusLine::show);
+            }
         }
     }
 }
@@ -138,8 +146,8 @@ pub fn note(text: &str) {
     writeln!(io::stderr(), "{text}").ok();
 }
 
-/// Whether standard error is a terminal and nobody asked for no colours.
-pub fn takes_colour() -> bool {
+/// Whether a stream is a terminal and nobody asked for no colours.
+pub fn takes_colour(stream: &impl IsTerminal) -> bool {
     let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    !asked_for_none && io::stderr().is_terminal()
+    !asked_for_none && stream.is_terminal()
 }

@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::events;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
-use crate::trace_file::TraceFile;
+use crate::trace::TraceFile;
 use rpl_robot::localization::Localization;
 use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::system::{Outcome, Progress, System};
@@ -241,7 +241,7 @@ impl Driver<'_> {
         }
         if wants_status {
             let text = events::status_line(&self.system.machine, &self.system.outside, sight);
-            self.console.status(text);
+            self.console.status(&text);
         }
     }
 

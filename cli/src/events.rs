@@ -43,7 +43,7 @@ pub fn lines(events: &[Event], is_lost: bool) -> Vec<String> {
 }
 
 /// What the robot or the scenario reports: "certainty 0.31 – position lost".
-fn report(event: &Event) -> String {
+pub fn report(event: &Event) -> String {
     let what = detail(event, "what");
     let details: Vec<String> = event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
     match details.as_slice() {
@@ -85,20 +85,23 @@ pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>) -> St
     let mut parts = vec![format!("{:.1} s", machine.now_s())];
     parts.extend(doing.map(str::to_string));
     parts.extend(sight.map(|sight| format!("certainty {:.2}", sight.certainty)));
-    parts.extend(task.or_else(|| waiting_leaf(machine)).map(|task| shortened(&machine.path(task))));
+    parts.extend(task.or_else(|| waiting_leaf(machine)).map(|task| shortened(&machine.path(task), LONGEST_PATH)));
     parts.join("  ")
 }
 
-/// The end of a path, which says most about where the plan is.
-fn shortened(path: &str) -> String {
-    const LONGEST: usize = 44;
-    let fits = |tail: &&str| tail.chars().count() <= LONGEST;
-    let tails = path.match_indices('/').map(|(slash, _)| &path[slash + 1..]);
-    match std::iter::once(path).chain(tails).find(fits) {
-        Some(whole) if whole.len() == path.len() => whole.to_string(),
-        Some(tail) => format!("…/{tail}"),
-        None => path.to_string(),
+/// Longest path in the status line.
+const LONGEST_PATH: usize = 46;
+
+/// The end of a path, which says most about where the plan is, in so many characters if possible.
+pub fn shortened(path: &str, longest: usize) -> String {
+    const LEFT_OUT: &str = "…/";
+    if path.chars().count() <= longest {
+        return path.to_string();
     }
+    let tails = path.match_indices('/').map(|(slash, _)| &path[slash + 1..]);
+    let fits = |tail: &&str| tail.chars().count() + LEFT_OUT.chars().count() <= longest;
+    let last = path.rsplit('/').next().unwrap_or(path);
+    format!("{LEFT_OUT}{}", tails.into_iter().find(fits).unwrap_or(last))
 }
 
 fn waiting_leaf(machine: &Machine) -> Option<u32> {
@@ -129,9 +132,9 @@ mod tests {
 
     #[test]
     fn a_long_path_keeps_its_end() {
-        assert_eq!(shortened("main/tidy"), "main/tidy");
+        assert_eq!(shortened("main/tidy", LONGEST_PATH), "main/tidy");
         let path = "main/with-policy[1]/bring/go-to/with-policy[1]/navigation";
-        assert_eq!(shortened(path), "…/bring/go-to/with-policy[1]/navigation");
+        assert_eq!(shortened(path, LONGEST_PATH), "…/bring/go-to/with-policy[1]/navigation");
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod catalogue;
 mod chart;
 mod choices;
 mod day;
+mod sensing;
 mod statistics;
 mod trial;
 mod trials;
@@ -22,6 +23,7 @@ use catalogue::{EXPERIMENTS, Experiment, Report, Row};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rpl_lang::suggest::suggest;
 use rpl_robot::geometry::Pose;
+use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::System;
 use std::fs;
@@ -29,13 +31,13 @@ use std::io::IsTerminal;
 use std::num::NonZero;
 use std::path::PathBuf;
 use trial::{Trial, one_trial};
-use trials::{comparison, raw_rows, run_all, table};
+use trials::{comparison, raw_rows, run_all, sample_rows, table};
 
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `people`,
-    /// `office`, `worlds`, `choices`, or a plan of your own
+    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
+    /// `sensing`, `people`, `office`, `worlds`, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -76,20 +78,14 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         write_results(arguments, &[(arguments.name.as_str(), trials.clone())], &[])?;
         return Ok(status(&trials));
     };
-    if experiment.report == Report::Worlds {
-        return worlds::run(arguments, console);
-    }
-    let chosen = rows(experiment, arguments.row.as_deref())?;
-    if experiment.report == Report::Choices {
-        return choices::run(arguments, &chosen, console);
-    }
-    let mut rows = Vec::new();
-    for row in chosen {
-        rows.push((row.name, trials_of(arguments, console, row)?));
-    }
-    let (name, first) = &rows[0];
+    let chosen = rows(experiment, arguments.row.as_deref());
     match experiment.report {
+        Report::Worlds => worlds::run(arguments, console),
+        Report::Sensing => sensing::run(arguments, console),
+        Report::Choices => choices::run(arguments, &chosen?, console),
         Report::Success => {
+            let rows = missions(arguments, &chosen?, console)?;
+            let (name, first) = &rows[0];
             console.print(&table(name, first))?;
             console.print("")?;
             console.print(&comparison(&rows))?;
@@ -97,21 +93,32 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             Ok(status(first))
         }
         Report::Comparison => {
+            let rows = missions(arguments, &chosen?, console)?;
             console.print(&comparison(&rows))?;
             write_results(arguments, &rows, &[])?;
             Ok(Status::Succeeded)
         }
         Report::Calibration => {
+            let rows = missions(arguments, &chosen?, console)?;
             let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
-            console.print(&calibration::table(&all))?;
+            let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
+            console.print(&calibration::table(&all, &used))?;
             console.print("")?;
             console.print(&comparison(&rows))?;
             let diagram = chart::reliability(&calibration::bins(&all));
-            write_results(arguments, &rows, &[("reliability.svg", diagram)])?;
+            write_results(arguments, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;
             Ok(Status::Succeeded)
         }
-        Report::Worlds | Report::Choices => Ok(Status::Succeeded),
     }
+}
+
+/// The runs of each row.
+fn missions(
+    arguments: &Arguments,
+    rows: &[&'static Row],
+    console: &mut Console,
+) -> Result<Vec<(&'static str, Vec<Trial>)>> {
+    rows.iter().map(|row| Ok((row.name, trials_of(arguments, console, row)?))).collect()
 }
 
 /// All rows of an experiment, or the one that is asked for.
@@ -143,10 +150,17 @@ fn site_of(arguments: &Arguments, row: &Row) -> Result<(Site, Option<Pose>)> {
 
 /// Writes every run and the charts into the folder for results, if there is to be one.
 fn write_results(arguments: &Arguments, rows: &[(&str, Vec<Trial>)], charts: &[(&str, String)]) -> Result<()> {
+    let mut files: Vec<(String, String)> =
+        charts.iter().map(|(name, text)| ((*name).to_string(), text.clone())).collect();
+    files.push(("runs.csv".to_string(), raw_rows(rows)));
+    write_files(arguments, &files)
+}
+
+/// Writes texts into the folder for results, if there is to be one.
+fn write_files(arguments: &Arguments, files: &[(String, String)]) -> Result<()> {
     let Some(folder) = &arguments.results else { return Ok(()) };
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    let raw = raw_rows(rows);
-    for (name, text) in charts.iter().map(|(name, text)| (*name, text)).chain([("runs.csv", &raw)]) {
+    for (name, text) in files {
         let path = folder.join(name);
         fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
@@ -186,8 +200,7 @@ fn all_trials(
         Ok(loaded) => loaded,
         Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
     };
-    let seeds: Vec<u64> = (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect();
-    let jobs = arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+    let seeds = seeds(arguments);
     let bar = progress(seeds.len() as u64, console);
     bar.set_message(name.to_string());
     let one = |seed: u64| -> Result<Trial> {
@@ -195,9 +208,17 @@ fn all_trials(
         system.machine.seed_random(seed);
         one_trial(system, seed, arguments.until, goal)
     };
-    let trials = run_all(&seeds, jobs, one, || bar.inc(1));
+    let trials = run_all(&seeds, jobs(arguments), one, || bar.inc(1));
     bar.finish_and_clear();
     trials.into_iter().collect()
+}
+
+fn seeds(arguments: &Arguments) -> Vec<u64> {
+    (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect()
+}
+
+fn jobs(arguments: &Arguments) -> usize {
+    arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get)
 }
 
 fn progress(runs: u64, console: &Console) -> ProgressBar {

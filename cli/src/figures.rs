@@ -45,6 +45,8 @@ pub struct Figure<'a> {
     pub true_paths_in_map: Vec<Vec<Point>>,
     /// Where it believed it was: dashed lines.
     pub estimated_paths_in_map: Vec<Vec<Point>>,
+    /// Single points.
+    pub dots_in_map: Vec<Point>,
     /// Where it may be: the darker the likelier.
     pub belief: Option<&'a PositionBelief>,
     /// Robots.
@@ -60,6 +62,7 @@ impl<'a> Figure<'a> {
             rooms,
             true_paths_in_map: Vec::new(),
             estimated_paths_in_map: Vec::new(),
+            dots_in_map: Vec::new(),
             belief: None,
             markers: Vec::new(),
         }
@@ -165,6 +168,10 @@ pub fn draw(figure: &Figure<'_>) -> String {
     }
     for points_in_map in &figure.estimated_paths_in_map {
         document = document.add(path(points_in_map, sheet, "estimated-path").set("stroke-dasharray", "0.25 0.15"));
+    }
+    for dot in &figure.dots_in_map {
+        let dot = Circle::new().set("cx", sheet.x(dot.x)).set("cy", sheet.y(dot.y)).set("r", 0.07).set("class", "dot");
+        document = document.add(dot.set("fill-opacity", 0.5));
     }
     for marker in &figure.markers {
         document = document.add(robot(marker, sheet));

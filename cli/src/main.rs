@@ -8,6 +8,7 @@ mod console;
 mod doc;
 mod drive;
 mod eval;
+mod event_line;
 mod events;
 mod examples;
 mod experiment;
@@ -22,10 +23,13 @@ mod overrides;
 mod reference;
 mod repl;
 mod run;
+mod situation;
 mod status;
+mod status_line;
 mod test;
 mod time;
-mod trace_file;
+mod trace;
+mod why;
 mod worlds;
 
 use anyhow::Result;
@@ -56,6 +60,9 @@ struct PromptArguments {
     /// Without a command: the seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Without a command: what happens on the way
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<String>,
 }
 
 #[derive(Subcommand, Debug)]
@@ -66,6 +73,10 @@ enum Command {
     Repl(repl::Arguments),
     /// The same, stopped before the first form of a file
     Step(repl::Arguments),
+    /// Shows a recorded run: its events, why a task waited or failed, what differs from another.
+    ///
+    /// `rpl run FILE --trace T` records one.
+    Trace(trace::Arguments),
     /// Checks plans without running them: all faults at once, and what is probably wrong.
     ///
     /// An error is what keeps a plan from running, and makes the exit status 2; a warning is not, and
@@ -118,8 +129,8 @@ enum Command {
 fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command: Some(command), .. }) => command,
-        Ok(CommandLine { prompt: PromptArguments { world, seed }, .. }) => {
-            Command::Repl(repl::Arguments { world, seed, ..repl::Arguments::default() })
+        Ok(CommandLine { prompt: PromptArguments { world, seed, scenario }, .. }) => {
+            Command::Repl(repl::Arguments { world, seed, scenario, ..repl::Arguments::default() })
         }
         Err(error) => {
             // What cannot be written has nobody to read it.
@@ -147,6 +158,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
         Command::Run(arguments) => run::run(arguments, console),
         Command::Repl(arguments) => repl::run(arguments, false, console),
         Command::Step(arguments) => repl::run(arguments, true, console),
+        Command::Trace(arguments) => trace::run(arguments, console),
         Command::Check { files, scenario } => check::run(files, *scenario, console),
         Command::Test(arguments) => test::run(arguments, console),
         Command::Fmt(arguments) => fmt::run(arguments, console),

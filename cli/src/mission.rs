@@ -272,6 +272,14 @@ impl Robot {
         }
     }
 
+    /// Bytes of its state that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        match (self, earlier) {
+            (Robot::Office(robot), Robot::Office(earlier)) => robot.bytes_apart(earlier),
+            (Robot::Absent(_), _) | (Robot::Office(_), Robot::Absent(_)) => 0,
+        }
+    }
+
     /// Where it may be.
     pub fn belief(&self) -> Option<PositionBelief> {
         match self {

@@ -1,6 +1,8 @@
 //! Everything that has a name, in one table: for `rpl doc`, and for whatever completes or explains
 //! names. It is put together from the tables the compiler, the library and the robot work with.
 
+#[cfg(test)]
+mod grammar;
 mod topics;
 
 use crate::CommandLine;
@@ -142,10 +144,9 @@ impl Reference {
         self.entries.get(name.as_ref()).or_else(|| self.entries.get(&format!("rpl {name}")))
     }
 
-    /// All names that can stand in a plan, and how they are written.
-    pub fn signatures(&self) -> impl Iterator<Item = (&str, &str)> {
-        let in_plans = self.entries.values().filter(|entry| entry.kind != Kind::Command);
-        in_plans.map(|entry| (entry.name.as_str(), entry.signature.as_str()))
+    /// All names that can stand in a plan.
+    pub fn names(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.values().filter(|entry| entry.kind != Kind::Command)
     }
 
     /// The entries of a topic, in the order of reading.
@@ -197,7 +198,7 @@ impl Reference {
             let doc = code.doc.as_deref().unwrap_or_default();
             let (signature, doc) = match written_signature(doc) {
                 Some((signature, doc)) => (signature.to_string(), capitalized(doc)),
-                None => (call(name, &parameters(code, program)), doc.to_string()),
+                None => (signature(name, code, program), doc.to_string()),
             };
             self.add(name, Kind::Macro, signature, doc, "");
         }
@@ -208,7 +209,7 @@ impl Reference {
                 GlobalKind::Function(code) => {
                     let Some(code) = program.codes.get(code as usize) else { continue };
                     let kind = if code.kind == CodeKind::Plan { Kind::Plan } else { Kind::Function };
-                    (kind, call(name, &parameters(code, program)))
+                    (kind, signature(name, code, program))
                 }
                 GlobalKind::Variable | GlobalKind::Constant => (Kind::Variable, name.to_string()),
                 GlobalKind::Fluent => (Kind::Fluent, name.to_string()),
@@ -229,6 +230,11 @@ fn written_signature(doc: &str) -> Option<(&str, &str)> {
 fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// How a function or plan of a program is called.
+pub fn signature(name: &str, code: &Code, program: &Program) -> String {
+    call(name, &parameters(code, program))
 }
 
 fn call(name: &str, parameters: &str) -> String {

@@ -10,13 +10,13 @@ use crate::mission::{self, Account, Robot, Site};
 use crate::overrides::{Overrides, OverridingLoader};
 use crate::status::Status;
 use crate::time::parse_duration_us;
-use crate::trace_file::TraceFile;
+use crate::trace::{self, Header, TraceFile};
 use anyhow::{Context, Result};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::library::Loaded;
 use rpl_runtime::system::{Outcome, System};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Arguments of `rpl run`.
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     overrides.check_all_used()?;
 
     let scenes = arguments.figures.is_some().then(Vec::new);
-    let mut records = Records { trace: create_trace(arguments.trace.as_deref())?, scenes, ..Records::default() };
+    let mut records = Records { trace: create_trace(arguments)?, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
     let (library, robot) = (site.library.clone(), site.robot(arguments.seed));
     let mut system = match wants_events {
@@ -150,9 +150,17 @@ fn load(
     }
 }
 
-fn create_trace(path: Option<&Path>) -> Result<Option<TraceFile>> {
-    let Some(path) = path else { return Ok(None) };
-    let trace = TraceFile::create(path).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
+    let Some(path) = &arguments.trace else { return Ok(None) };
+    let header = Header {
+        version: trace::VERSION,
+        plan: arguments.file.clone(),
+        world: arguments.world.clone(),
+        scenario: arguments.scenario.clone(),
+        seed: arguments.seed,
+    };
+    let trace =
+        TraceFile::create(path, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
     Ok(Some(trace))
 }
 

@@ -232,7 +232,7 @@ impl Session<'_> {
             seed,
             world,
             failure,
-            output: output.kept(),
+            output: output.take_kept(),
             reason,
         })
     }

@@ -1,6 +1,7 @@
 //! The prompt, with its lines from a pipe: what is shown, and the exit status.
 
-use std::io::Write;
+use std::io::{Read, Write};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 struct Shown {
@@ -28,7 +29,7 @@ const GREET: &str = "(def-plan greet (who)\n  (print who)\n  (wait-time 2)\n  (l
 #[test]
 fn forms_over_several_lines_are_run_and_their_values_printed() {
     let shown = session(&["repl"], &format!("{GREET}(greet 'ann)\n_\n(length _)\n"));
-    assert_eq!(shown.out, "nil\nann\n(hello ann)\n(hello ann)\n2\n");
+    assert_eq!(shown.out, "greet\nann\n(hello ann)\n(hello ann)\n2\n");
     assert_eq!((shown.errors.as_str(), shown.status), ("", Some(0)));
 }
 
@@ -51,7 +52,7 @@ fn a_plan_is_stepped_through_with_its_variables() {
     let shown = session(&["repl"], &format!("{GREET}:step (greet 'ann)\n:step\n:next\nwho\n:out\n:continue\n"));
     assert_eq!(
         shown.out,
-        "nil
+        "greet
 0.000 s  main  <2>:1:1
     1 ▶ (greet 'ann)
         ^^^^^^^^^^^^
@@ -75,6 +76,39 @@ ann
 (hello ann)
 "
     );
+}
+
+#[test]
+fn what_the_stopped_call_sees_can_be_assigned() {
+    let lines = "(defvar seen nil)\n(def-plan add (x y) (wait-time 1) (setf seen x) (+ x y))\n:step (add 1 2)\n:step\n\
+                 (setf x 40)\n(setf seen 'nothing)\n:continue\nseen\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.ends_with("40\nnothing\n42\n40\n"), "{}", shown.out);
+    assert!(shown.errors.contains("`x` counts from the next form on"), "{}", shown.errors);
+    assert!(!shown.errors.contains("`seen` counts"), "{}", shown.errors);
+}
+
+#[test]
+fn what_is_typed_beside_and_has_to_wait_goes_on_with_the_run() {
+    let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n\
+                 (seq (wait-time 2) (setf (value done?) t) 'done)\n(car 5)\n:continue\n(now)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.errors.contains("main/typed waits for time; it goes on with the run"), "{}", shown.errors);
+    assert!(shown.errors.contains("failed: type-error"), "{}", shown.errors);
+    assert!(shown.out.ends_with("main/typed => done\nseen\n2.0\n"), "{}", shown.out);
+}
+
+#[test]
+fn a_file_is_loaded_beside_the_form_that_runs() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("beat.rpl");
+    std::fs::write(&file, "(def-plan beat () (wait-time 0.25) 'fast)\n").expect("it can be written");
+    let lines = format!(
+        "(def-plan beat () (wait-time 1) 'slow)\n:step (list (beat) (beat))\n:until 0.5s\n:load {}\n:continue\n",
+        file.display()
+    );
+    let shown = session(&["repl"], &lines);
+    assert!(shown.out.ends_with("beat\n(slow fast)\n"), "{}", shown.out);
+    assert!(shown.errors.contains("the old text still runs in main/beat"), "{}", shown.errors);
 }
 
 #[test]
@@ -176,10 +210,12 @@ fn a_mission_is_stopped_looked_at_and_finished() {
 fn mistakes_are_told_with_what_to_type() {
     let shown = session(
         &["repl"],
-        ":contineu\n:break gret\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
+        ":contineu\n:go\n:stop\n:break gret\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
     );
     for advice in [
         "did you mean `:continue`?",
+        "`:go` needs somebody at a terminal",
+        "the clock does not run",
         "no plan, function or tag is called `gret`",
         "no plan, function or tag is called `soon`",
         "neither a number of steps nor a time",
@@ -199,24 +235,173 @@ fn a_file_is_stepped_from_its_first_form() {
     assert!(shown.out.contains("first-steps.rpl:"), "{}", shown.out);
 }
 
-/// What is typed in the sessions of a page, and what they show.
-fn sessions(page: &str) -> (String, String) {
-    let (mut typed, mut shown, mut is_inside) = (String::new(), String::new(), false);
+/// What is typed in a session of a page, and what is shown.
+struct Told {
+    /// What stands behind `rpl`.
+    arguments: String,
+    typed: String,
+    shown: Vec<String>,
+}
+
+/// The sessions of a page: blocks that follow each other with the same arguments are one.
+fn sessions(page: &str) -> Vec<Told> {
+    let mut sessions: Vec<Told> = Vec::new();
+    let mut is_inside = false;
     for line in page.lines() {
-        match line.strip_prefix("> ") {
-            _ if line.starts_with("```") => is_inside = line == "```session",
-            Some(line) if is_inside => typed += &format!("{line}\n"),
-            None if is_inside => shown += &format!("{line}\n"),
-            _ => {}
+        if let Some(info) = line.strip_prefix("```") {
+            is_inside = info.starts_with("session");
+            let arguments = info.trim_start_matches("session").trim();
+            if is_inside && sessions.last().is_none_or(|last| last.arguments != arguments) {
+                let arguments = arguments.to_string();
+                sessions.push(Told { arguments, typed: String::new(), shown: Vec::new() });
+            }
+        } else if let (true, Some(session)) = (is_inside, sessions.last_mut()) {
+            match line.strip_prefix("> ") {
+                Some(typed) => session.typed += &format!("{typed}\n"),
+                None => session.shown.push(line.to_string()),
+            }
         }
     }
-    (typed, shown)
+    sessions
+}
+
+/// What a session writes, as a terminal would show it: results and notes in their order.
+fn transcript(told: &Told, folder: &Path) -> Vec<String> {
+    let (mut reader, writer) = std::io::pipe().expect("there are pipes");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rpl"))
+        .args(told.arguments.split_whitespace())
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(writer.try_clone().expect("a pipe has copies"))
+        .stderr(writer)
+        .spawn()
+        .expect("it starts");
+    child.stdin.take().expect("it reads").write_all(told.typed.as_bytes()).expect("it takes the lines");
+    let mut shown = String::new();
+    reader.read_to_string(&mut shown).expect("it writes text");
+    child.wait().expect("it ends");
+    shown.lines().map(str::to_string).collect()
+}
+
+/// The line with every number that has a point as `#`: how long a robot takes is not the point of a
+/// session.
+fn without_decimals(line: &str) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for word in line.split_inclusive([' ', ',', '`', '(', ')']) {
+        let (text, end) = word.split_at(word.trim_end_matches([' ', ',', '`', '(', ')']).len());
+        let is_decimal = text.contains('.') && text.parse::<f64>().is_ok();
+        words.push(if is_decimal { format!("#{end}") } else { word.to_string() });
+    }
+    words.concat()
+}
+
+/// Whether a transcript is as told; a line `...` stands for any lines.
+fn is_as_told(shown: &[String], told: &[String], equal: &dyn Fn(&str, &str) -> bool) -> bool {
+    match told.split_first() {
+        None => shown.is_empty(),
+        Some((line, rest)) if line == "..." => {
+            (0..=shown.len()).any(|skipped| is_as_told(&shown[skipped..], rest, equal))
+        }
+        Some((line, rest)) => match shown.split_first() {
+            Some((first, others)) => equal(first, line) && is_as_told(others, rest, equal),
+            None => false,
+        },
+    }
+}
+
+/// Runs the sessions of a page in a folder.
+fn run_sessions(page: &str, folder: &Path) {
+    for told in sessions(page) {
+        let shown = transcript(&told, folder);
+        let has_robot = told.arguments.contains("--world");
+        let equal = |shown: &str, told: &str| match has_robot {
+            true => without_decimals(shown) == without_decimals(told),
+            false => shown == told,
+        };
+        let (is, expected) = (shown.join("\n"), told.shown.join("\n"));
+        assert!(is_as_told(&shown, &told.shown, &equal), "`rpl {}` shows\n{is}\n\nand not\n{expected}", told.arguments);
+    }
 }
 
 #[test]
 fn the_sessions_of_the_page_about_the_prompt_run_as_printed() {
-    let (typed, expected) = sessions(include_str!("../../docs/prompt.md"));
-    let shown = session(&["repl"], &typed);
-    assert_eq!(shown.out, expected, "{}", shown.errors);
-    assert_eq!(shown.status, Some(0), "{}", shown.errors);
+    run_sessions(include_str!("../../docs/prompt.md"), Path::new("."));
+}
+
+#[test]
+fn the_tour_runs_as_printed() {
+    let tour = include_str!("../../docs/tour.md");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tour");
+    std::fs::create_dir_all(&folder).expect("there is room for a file");
+    // The plan that the tour lets a reader save, whole, is its last one.
+    let plan = tour.split("```lisp robot\n").last().and_then(|rest| rest.split("```").next());
+    std::fs::write(folder.join("rounds.rpl"), plan.expect("the tour has a plan")).expect("it can be saved");
+    run_sessions(tour, &folder);
+    for arguments in tour.lines().filter_map(|line| line.strip_prefix("rpl ")).filter(|line| line.contains("rounds")) {
+        let output = Command::new(env!("CARGO_BIN_EXE_rpl"))
+            .args(arguments.split_whitespace())
+            .current_dir(&folder)
+            .output()
+            .expect("it runs");
+        assert!(output.status.success(), "rpl {arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// What is typed in this file and in the pages about the prompt.
+#[test]
+fn every_command_has_a_test() {
+    let shown = session(&["repl"], ":help\n");
+    let typed = [include_str!("prompt.rs"), include_str!("../../docs/prompt.md")].concat();
+    let commands: Vec<&str> = shown
+        .out
+        .lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|word| word.starts_with(':'))
+        .collect();
+    assert!(commands.len() > 20, "{}", shown.out);
+    for command in commands {
+        let is_typed = typed.match_indices(command).any(|(at, _)| {
+            let before = typed[..at].chars().next_back();
+            let after = typed[at + command.len()..].chars().next();
+            matches!(before, Some('"' | 'n' | ' ')) && matches!(after, Some(' ' | '\\' | '\n' | '"'))
+        });
+        assert!(is_typed, "{command} has no test");
+    }
+}
+
+#[test]
+fn a_run_goes_past_breakpoints_into_calls_and_up_to_a_time() {
+    let lines = format!(
+        "{GREET}(def-plan twice () (greet 'ann) (greet 'bob))\n:break greet\n:run (twice)\n\
+         :step (twice)\n:delete\n:into\n:until 5.5s\n:tasks\n:task\n"
+    );
+    let shown = session(&["repl"], &lines);
+    assert!(shown.out.contains("ann\nbob\n(hello bob)\n"), "{}", shown.out);
+    assert!(!shown.errors.contains("stopped at greet"), "{}", shown.errors);
+    assert!(shown.out.contains("main/twice/greet.2") || shown.out.contains("main/twice.2/greet"), "{}", shown.out);
+    assert!(shown.out.contains("who = ann"), "{}", shown.out);
+}
+
+#[test]
+fn events_and_documentation_are_looked_up() {
+    let lines = "(def-fluent level 0)\n(setf (value level) 7)\n(setf (value level) 8)\n:trace level 7\n:trace nothing-such\n:doc wait-for\n:doc\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.contains("fluent     main  level = 7\nno such event\n"), "{}", shown.out);
+    assert!(shown.out.contains("(wait-for "), "{}", shown.out);
+}
+
+#[test]
+fn what_is_watched_is_shown_at_each_stop_and_says_when_it_cannot_be() {
+    let lines = "(def-fluent level 0)\n:watch (+ 1 (value level))\n:watch (no-such level)\n:watch (car (value level))\n\
+                 :step (progn (setf (value level) 1) (wait-time 1))\n:next\n:watch\n:next\n";
+    let shown = session(&["repl"], lines);
+    for line in [
+        "    (+ 1 (value level)) = 1\n",
+        "    (+ 1 (value level)) = 2\n",
+        "    (no-such level) = not a form that can be evaluated here\n",
+        "    (car (value level)) = type-error: ",
+    ] {
+        assert!(shown.out.contains(line), "{line}{}", shown.out);
+    }
+    assert_eq!(shown.out.matches("(no-such level)").count(), 2, "{}", shown.out);
 }

@@ -169,9 +169,9 @@ impl Machine {
         Ok(value)
     }
 
-    fn start_task(&mut self, around: &mut Surroundings<'_>, task: u32) {
+    pub(crate) fn start_task(&mut self, around: &mut Surroundings<'_>, task: u32) {
         self.make_ready(task);
-        self.trace_task_begin(around.program, task);
+        self.trace_task_begin(task);
         self.update_task_fluents(around, task);
     }
 

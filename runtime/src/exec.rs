@@ -8,9 +8,9 @@ use crate::registers::Registers;
 use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
+use crate::waiting::form_in_plan;
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
 use rpl_lang::compile::NativeSignature;
-use rpl_lang::source::Span;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -89,15 +89,23 @@ impl Machine {
     pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
         match self.priorities.pop(&mut self.tasks) {
             None => Ran::Nothing,
-            Some(task) => {
-                if around.outside.period_us().is_some() {
-                    self.note_progress(task);
-                }
-                match self.run_task(around, task) {
-                    None => Ran::Task,
-                    Some(datum) => Ran::Asked(task, datum),
-                }
-            }
+            Some(task) => self.run_ready(around, task),
+        }
+    }
+
+    /// Runs a task of the run queue, whatever stands before it.
+    pub(crate) fn run_ahead(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        self.unqueue(task);
+        self.run_ready(around, task)
+    }
+
+    fn run_ready(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        if around.outside.period_us().is_some() {
+            self.note_progress(task);
+        }
+        match self.run_task(around, task) {
+            None => Ran::Task,
+            Some(datum) => Ran::Asked(task, datum),
         }
     }
 
@@ -180,6 +188,7 @@ impl Machine {
         record.steps = self.limits.steps.saturating_sub(place.fuel);
         let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
         self.store(task, place.frame, registers);
+        self.trace_blocked(around.program, task);
         self.current = NONE;
         self.flush_status(around);
         true
@@ -222,10 +231,14 @@ impl Machine {
                         datum = Some(value);
                     }
                     _ => {
+                        let gives_way = std::mem::take(&mut self.scratch.gives_way);
                         if self.tasks[task].state == State::Running {
                             self.set_state(task, State::Blocked);
+                            if !gives_way {
+                                self.trace_blocked(around.program, task);
+                            }
                         }
-                        if std::mem::take(&mut self.scratch.gives_way) {
+                        if gives_way {
                             self.tasks[task].set_wake(Wake::Value(Value::Nil));
                             self.make_ready(task);
                         }
@@ -356,7 +369,7 @@ impl Machine {
         if let Value::Failure(index) = failure
             && self.heap.failures[index].span.is_none()
         {
-            self.heap.failures[index].span = self.span_in_plan(around.program, place.frame);
+            self.heap.failures[index].span = form_in_plan(around.program, place.frame, &self.scratch.frames);
         }
         let task = self.current;
         if task != SCRATCH_TASK {
@@ -369,19 +382,6 @@ impl Machine {
             return None;
         }
         Some(if self.is_alive() { Exit::Blocked } else { Exit::Dead })
-    }
-
-    /// Where the current task stands: inside a function of the library, where the plan calls it.
-    fn span_in_plan(&self, program: &Program, frame: Frame) -> Option<Span> {
-        let span_of = |frame: &Frame| {
-            program.codes[frame.code as usize].spans.get((frame.pc as usize).saturating_sub(1)).copied()
-        };
-        let here = span_of(&frame);
-        if here.is_none_or(|span| span.source.0 >= program.library_sources) {
-            return here;
-        }
-        let callers = self.scratch.frames.iter().rev().filter_map(span_of);
-        callers.into_iter().find(|span| span.source.0 >= program.library_sources).or(here)
     }
 
     /// Goes on with the current task's departure; tells whether code is to run now.
@@ -594,7 +594,6 @@ impl Machine {
                 save!();
                 let task = self.current;
                 self.tasks[task].wake_register = $register;
-                self.trace_blocked(task);
                 return Ok(Exit::Blocked);
             }};
         }
@@ -1541,7 +1540,6 @@ impl Machine {
             Reply::Wait => {
                 let task = self.current;
                 self.tasks[task].wake_register = result;
-                self.trace_blocked(task);
                 Ok(Some(Exit::Blocked))
             }
             Reply::Leave => Ok(None),

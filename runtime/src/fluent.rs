@@ -224,7 +224,7 @@ impl Machine {
             return Err(Raise::type_error("a network cannot be pulsed; pulse one of the fluents it reads"));
         }
         self.fluents[fluent].is_pulsed = true;
-        self.trace_pulse(around.program, fluent);
+        self.trace_pulse(fluent);
         if self.fluents[fluent].dependents.is_empty() {
             self.serve(fluent, true);
             self.fluents[fluent].is_pulsed = false;
@@ -249,6 +249,7 @@ impl Machine {
 
     fn propagate(&mut self, around: &mut Surroundings<'_>, roots: Vec<u32>) {
         self.scratch.event_readers.clear();
+        self.scratch.rereading.clear();
         let is_pulse = roots.iter().any(|&root| self.fluents[root].is_pulsed);
         let mut touched = roots;
         let mut dirty: BTreeSet<Turn> = BTreeSet::new();
@@ -271,15 +272,20 @@ impl Machine {
             let after = (self.fluents[network].value, self.fluents[network].failure);
             let changed = before.1 != after.1 || !self.heap.equal(before.0, after.0);
             self.fluents[network].is_changed = changed;
+            if changed {
+                self.trace_fluent(around.program, network);
+            }
             // What a pulse reaches is served even if its value is the same: true again is true.
             if changed || is_pulse {
                 touched.push(network);
                 self.mark_dependents(network, &mut dirty);
             }
         }
+        let rereading = std::mem::take(&mut self.scratch.rereading);
         for &fluent in &touched {
             self.serve(fluent, is_pulse);
         }
+        self.trace_rereading(around.program, &rereading);
         self.settle(around, touched);
     }
 
@@ -411,6 +417,9 @@ impl Machine {
                 }
                 reads.sort_unstable();
                 reads.dedup();
+                if self.trace.enabled && self.fluents[network].inputs != reads {
+                    self.scratch.rereading.push(network);
+                }
                 self.set_inputs(network, reads);
                 match result {
                     Ok(value) => {

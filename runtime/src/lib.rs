@@ -8,6 +8,7 @@
 //! [`fluent`], [`valve`], [`behaviour`], [`system`].
 
 pub mod behaviour;
+pub mod beside;
 mod construct;
 mod datum;
 pub mod difference;
@@ -33,9 +34,11 @@ pub mod stall;
 pub mod stepping;
 pub mod system;
 pub mod task;
+pub mod timeline;
 pub mod trace;
 mod tree;
 mod unwind;
 mod validate;
 pub mod value;
 pub mod valve;
+pub mod waiting;

@@ -78,6 +78,8 @@ pub struct Scratch {
     pub(crate) reads_event: bool,
     /// Networks that asked for a pulse or a change in this propagation.
     pub(crate) event_readers: BTreeSet<u32>,
+    /// Networks that have come to read other fluents, while the trace is written.
+    pub(crate) rereading: Vec<u32>,
     /// A more important task has become ready.
     pub(crate) switch: bool,
     /// Tasks whose status fluents are behind.
@@ -246,7 +248,7 @@ impl Machine {
     }
 
     /// Starts the main task on code without parameters.
-    pub fn start_main(&mut self, program: &Program, code: u32) {
+    pub fn start_main(&mut self, code: u32) {
         let name = self.symbols.intern("main");
         let mut task = Task::new(code, Registers::default(), name, 0);
         let call =
@@ -255,7 +257,7 @@ impl Machine {
         task.exposed = true;
         self.main = self.tasks.insert(task);
         self.make_ready(self.main);
-        self.trace_task_begin(program, self.main);
+        self.trace_task_begin(self.main);
     }
 
     /// Seconds of virtual time.
@@ -326,7 +328,7 @@ impl Machine {
     }
 
     /// Bytes in use, roughly: heap, tasks and the registers of the running one.
-    pub(crate) fn used_bytes(&self) -> usize {
+    pub fn used_bytes(&self) -> usize {
         self.heap.used_bytes() + self.tasks.bytes()
     }
 

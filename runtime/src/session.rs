@@ -15,12 +15,20 @@ use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 use std::sync::Arc;
 
-/// What the main task of a session runs. `_` is the value of the last form that succeeded.
+/// What the main task of a session runs, and a task beside it. `_` is the value of the last form
+/// that succeeded.
 const SESSION: &str = "
 (def-fluent %form? nil)
 (defvar %form nil)
 (defvar %outcome nil)
 (defvar _ nil \"the value of the last form\")
+(defvar %typed 0)
+(defvar %answers nil)
+(defun %beside (%number %form %arguments)
+  (let ((%outcome (with-failure-handling ((failure (f) f))
+                    (if (eq %arguments t) (list (%form)) (apply %form %arguments)))))
+    (unless (failurep %outcome) (setq _ (first %outcome)))
+    (push (list %number %outcome) %answers)))
 (loop
   (wait-for %form?)
   (setf (value %form?) nil)
@@ -151,7 +159,12 @@ impl<O: Outside> System<O> {
     }
 
     /// Adds a text to the program: the code of its forms, and what it redefined.
-    fn extend(&mut self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<(u32, Submitted), Rejected> {
+    pub(crate) fn extend(
+        &mut self,
+        name: &str,
+        text: &str,
+        loader: &mut dyn Loader,
+    ) -> Result<(u32, Submitted), Rejected> {
         let mut program = (*self.program).clone();
         let mut symbols = self.machine.symbols.clone();
         let compiled = self.library.extend(&mut program, &mut symbols, name, text, loader);
@@ -205,16 +218,16 @@ impl<O: Outside> System<O> {
         self.with_machine(|machine, around| machine.depart(around, main, Leaving::Block { identity, value }));
     }
 
-    fn session_global(&self, name: &str) -> Option<usize> {
+    pub(crate) fn session_global(&self, name: &str) -> Option<usize> {
         let symbol = self.machine.symbols.find(name)?;
         self.program.names.get(&symbol).map(|&global| global as usize)
     }
 
-    fn session_variable(&self, name: &str) -> Option<Value> {
+    pub(crate) fn session_variable(&self, name: &str) -> Option<Value> {
         self.machine.globals.get(self.session_global(name)?).copied()
     }
 
-    fn set_session_variable(&mut self, name: &str, value: Value) {
+    pub(crate) fn set_session_variable(&mut self, name: &str, value: Value) {
         if let Some(global) = self.session_global(name) {
             self.machine.globals[global] = value;
         }

@@ -4,7 +4,7 @@
 use crate::behaviour::Phase;
 use crate::machine::{Machine, Output, Surroundings};
 use crate::task::{NONE, ScopeKind, State, Waiting};
-use rpl_lang::code::Rule;
+use rpl_lang::code::{Program, Rule};
 use serde::{Deserialize, Serialize};
 
 /// How long nothing may happen.
@@ -39,14 +39,14 @@ impl Machine {
         let text = format!(
             "stalled: for {} s nothing drives and no task but policies goes on: {}",
             PATIENCE_US / 1_000_000,
-            self.what_tasks_wait_for().join("; ")
+            self.what_tasks_wait_for(around.program).join("; ")
         );
         self.output.push(Output::Log(format!("warning: {text}")));
         self.trace_warning(&text);
     }
 
     /// What each task that can go no further by itself waits for.
-    pub(crate) fn what_tasks_wait_for(&self) -> Vec<String> {
+    pub(crate) fn what_tasks_wait_for(&self, program: &Program) -> Vec<String> {
         self.living_tasks()
             .into_iter()
             .map(|index| (index, &self.tasks[index]))
@@ -54,7 +54,7 @@ impl Machine {
             .filter(|(_, task)| task.state != State::Created)
             .map(|(index, task)| match task.is_held() {
                 true => format!("{} is suspended", self.path(index)),
-                false => format!("{} waits for {}", self.path(index), self.describe(task.waiting)),
+                false => format!("{} waits for {}", self.path(index), self.describe(program, task.waiting)),
             })
             .collect()
     }

@@ -7,7 +7,7 @@ use crate::machine::{Machine, SCRATCH_TASK};
 use crate::system::System;
 use crate::task::Frame;
 use crate::value::{TaskRef, Value};
-use rpl_lang::code::{Code, NO_REG, Op, Program, Reg};
+use rpl_lang::code::{Code, Local, NO_REG, Op, Program, Reg};
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 
@@ -52,7 +52,7 @@ pub struct Stop {
     pub is_entry: bool,
     /// Calls below it in the same task.
     pub depth: u32,
-    frame: Frame,
+    pub(crate) frame: Frame,
 }
 
 impl Machine {
@@ -91,6 +91,24 @@ impl Machine {
                 Some((code.name, self.frame_variables(code, self.tasks.registers_of(task), frame)))
             })
             .collect()
+    }
+
+    /// Assigns a variable that the innermost call of a waiting task sees. What has been read before
+    /// keeps its value, as the arguments of the form the task stands before.
+    pub(crate) fn assign_variable(&mut self, program: &Program, task: u32, name: Symbol, value: Value) {
+        let frame = self.tasks[task].frame;
+        let Some(code) = program.codes.get(frame.code as usize) else { return };
+        let is_seen = |local: &&Local| local.name == name && local.from <= frame.pc && frame.pc < local.to;
+        let Some(local) = code.locals.iter().rfind(is_seen) else { return };
+        let register = frame.base as usize + usize::from(local.register);
+        let mut registers = self.tasks.registers_of(task).to_vec();
+        if let Some(&Value::Cell(cell)) = registers.get(register) {
+            self.heap.cells[cell] = value;
+            return;
+        }
+        registers.resize(registers.len().max(register + 1), Value::Nil);
+        registers[register] = value;
+        self.tasks.set_registers(task, &registers);
     }
 
     fn frame_variables(&self, code: &Code, registers: &[Value], frame: &Frame) -> Vec<(Symbol, Value)> {

@@ -89,8 +89,7 @@ impl<O: Outside> System<O> {
         let base = Arc::new(Base::new(program.clone()));
         let mut system = Self { program, units: Arc::default(), machine, outside, library, base, next_step_us: 0 };
         system.step_robot();
-        let program = system.program.clone();
-        system.machine.start_main(&program, main);
+        system.machine.start_main(main);
         system
     }
 
@@ -128,7 +127,13 @@ impl<O: Outside> System<O> {
 
     /// Runs one ready task until it blocks; tells whether there was one.
     pub fn step_task(&mut self) -> bool {
-        match self.with_machine(|machine, around| machine.run_next(around)) {
+        let ran = self.with_machine(|machine, around| machine.run_next(around));
+        self.answer_asked(ran)
+    }
+
+    /// Compiles what a task asked for; tells whether a task ran.
+    pub(crate) fn answer_asked(&mut self, ran: Ran) -> bool {
+        match ran {
             Ran::Nothing => return false,
             Ran::Task => {}
             Ran::Asked(task, datum) => self.execute_datum(task, datum),
@@ -267,7 +272,7 @@ impl<O: Outside> System<O> {
     /// leaving already, the clean-up it waits for does.
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
-            let waits = machine.what_tasks_wait_for();
+            let waits = machine.what_tasks_wait_for(around.program);
             let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
             let failing = machine.deadlocked_task();
             let failure = machine.failure_from(Raise::new("deadlock", message));

@@ -3,6 +3,7 @@
 use crate::machine::{Machine, Surroundings};
 use crate::task::{Leaving, NONE, State, Waiting};
 use crate::value::Value;
+use crate::waiting::Reading;
 use rpl_lang::code::Program;
 use serde::{Deserialize, Serialize};
 
@@ -18,17 +19,22 @@ pub enum EventKind {
     Call,
     /// A plan call ended.
     Return,
-    /// A task blocked: `on`.
+    /// A task blocked: `on`, `at`; if it waits for a condition, `reads`, and the value of each fluent
+    /// named there. Written again when the condition comes to read other fluents.
     Blocked,
     /// A task was woken.
     Woken,
-    /// A fluent changed: `fluent`, `value`.
+    /// A task was suspended.
+    Suspended,
+    /// A suspended task may go on.
+    Resumed,
+    /// A fluent changed: `fluent`, `value`. Also one that is computed from others.
     Fluent,
     /// A fluent was pulsed: `fluent`.
     Pulse,
     /// A valve was requested, granted, pre-empted, released, returned: `valve`, `what`.
     Valve,
-    /// A failure was raised: `class`, `message`.
+    /// A failure was raised: `failure`, `at`.
     Failed,
     /// A failure was handled.
     Handled,
@@ -54,6 +60,8 @@ impl EventKind {
             EventKind::Return => "return",
             EventKind::Blocked => "blocked",
             EventKind::Woken => "woken",
+            EventKind::Suspended => "suspended",
+            EventKind::Resumed => "resumed",
             EventKind::Fluent => "fluent",
             EventKind::Pulse => "pulse",
             EventKind::Valve => "valve",
@@ -113,6 +121,23 @@ impl Trace {
     }
 }
 
+/// A fluent's name, in parentheses with those it is computed from.
+fn nested(reading: &Reading) -> String {
+    if reading.from.is_empty() {
+        return reading.fluent.clone();
+    }
+    let from: Vec<String> = reading.from.iter().map(nested).collect();
+    format!("({} {})", reading.fluent, from.join(" "))
+}
+
+/// The value of each fluent, once.
+fn collect_values<'r>(reading: &'r Reading, values: &mut Vec<(&'r str, String)>) {
+    if values.iter().all(|&(name, _)| name != reading.fluent) {
+        values.push((&reading.fluent, reading.value.clone()));
+    }
+    reading.from.iter().for_each(|reading| collect_values(reading, values));
+}
+
 impl Machine {
     fn event(&mut self, path: String, kind: EventKind, details: Vec<(&str, String)>) {
         let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
@@ -125,10 +150,14 @@ impl Machine {
         if self.current == NONE { String::new() } else { self.path(self.current) }
     }
 
-    pub(crate) fn trace_task_begin(&mut self, _program: &Program, task: u32) {
-        if self.trace.enabled {
-            let path = self.path(task);
-            self.event(path, EventKind::Begin, Vec::new());
+    pub(crate) fn trace_task_begin(&mut self, task: u32) {
+        if !self.trace.enabled {
+            return;
+        }
+        let path = self.path(task);
+        self.event(path, EventKind::Begin, Vec::new());
+        if self.tasks[task].stop() > 0 {
+            self.trace_suspension(task, EventKind::Suspended);
         }
     }
 
@@ -174,33 +203,53 @@ impl Machine {
         }
     }
 
-    pub(crate) fn trace_blocked(&mut self, task: u32) {
-        if !self.trace.enabled {
-            return;
+    #[inline]
+    pub(crate) fn trace_blocked(&mut self, program: &Program, task: u32) {
+        if self.trace.enabled {
+            self.write_blocked(program, task);
         }
-        let on = self.describe(self.tasks[task].waiting);
-        let path = self.path(task);
-        self.event(path, EventKind::Blocked, vec![("on", on)]);
     }
 
-    /// What a task waits for, in words.
-    pub fn describe(&self, waiting: Waiting) -> String {
-        match waiting {
-            Waiting::Nothing => "nothing".into(),
-            Waiting::Fluent { fluent, .. } => match self.fluents[fluent].name {
-                Some(name) => format!("fluent {}", self.symbols.name(name)),
-                None => "condition".into(),
-            },
-            Waiting::Watch(watch) => match self.fluents[self.watches[watch].fluent].name {
-                Some(name) => format!("fluent {}", self.symbols.name(name)),
-                None => "condition".into(),
-            },
-            Waiting::Time => "time".into(),
-            Waiting::Children | Waiting::Spawned => "children".into(),
-            Waiting::Valve(valve) => format!("valve {}", self.valve_name(valve)),
-            Waiting::Death(other) => format!("the end of {}", self.path(other)),
-            Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
-            Waiting::Signal(_) => "signal".into(),
+    fn write_blocked(&mut self, program: &Program, task: u32) {
+        let waiting = self.tasks[task].waiting;
+        let mut details = vec![("on", self.describe(program, waiting))];
+        if let Some(span) = self.form_of(program, task).filter(|span| span.source.0 >= program.library_sources) {
+            details.push(("at", program.sources.place(span)));
+        }
+        let readings = self.readings(program, waiting);
+        if !readings.is_empty() {
+            details.push(("reads", readings.iter().map(nested).collect::<Vec<_>>().join(" ")));
+        }
+        let mut values = Vec::new();
+        readings.iter().for_each(|reading| collect_values(reading, &mut values));
+        details.extend(values);
+        let path = self.path(task);
+        self.event(path, EventKind::Blocked, details);
+    }
+
+    /// Conditions that tasks wait for have come to read other fluents.
+    pub(crate) fn trace_rereading(&mut self, program: &Program, networks: &[u32]) {
+        if !self.trace.enabled || networks.is_empty() {
+            return;
+        }
+        let mut concerned: Vec<u32> = Vec::new();
+        let mut left = networks.to_vec();
+        while let Some(fluent) = left.pop() {
+            let Some(record) = self.fluents.get(fluent) else { continue };
+            if !concerned.contains(&fluent) {
+                concerned.push(fluent);
+                left.extend(&record.dependents);
+            }
+        }
+        for task in self.living_tasks() {
+            let fluent = match self.tasks[task].waiting {
+                Waiting::Fluent { fluent, .. } => Some(fluent),
+                Waiting::Watch(watch) => Some(self.watches[watch].fluent),
+                _ => None,
+            };
+            if fluent.is_some_and(|fluent| concerned.contains(&fluent)) {
+                self.write_blocked(program, task);
+            }
         }
     }
 
@@ -209,6 +258,13 @@ impl Machine {
         if self.trace.enabled {
             let path = self.path(task);
             self.event(path, EventKind::Woken, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_suspension(&mut self, task: u32, kind: EventKind) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, kind, Vec::new());
         }
     }
 
@@ -221,7 +277,7 @@ impl Machine {
 
     fn write_fluent(&mut self, program: &Program, fluent: u32) {
         if let Some(name) = self.fluents[fluent].name
-            && !self.trace.quiet.contains(&fluent)
+            && !self.is_quiet(fluent, 0)
         {
             let details = vec![
                 ("fluent", self.symbols.name(name).to_string()),
@@ -232,7 +288,17 @@ impl Machine {
         }
     }
 
-    pub(crate) fn trace_pulse(&mut self, _program: &Program, fluent: u32) {
+    /// Whether a fluent changes with each step of the robot: one of the quiet ones, or a number that
+    /// is computed from them.
+    fn is_quiet(&self, fluent: u32, depth: usize) -> bool {
+        const MAX_DEPTH: usize = 8;
+        let record = &self.fluents[fluent];
+        let is_number = matches!(record.value, Value::Int(_) | Value::Float(_));
+        self.trace.quiet.contains(&fluent)
+            || is_number && (depth == MAX_DEPTH || record.inputs.iter().any(|&input| self.is_quiet(input, depth + 1)))
+    }
+
+    pub(crate) fn trace_pulse(&mut self, fluent: u32) {
         if self.trace.enabled {
             let name = self.fluent_name(fluent);
             let path = self.current_path();
@@ -250,9 +316,14 @@ impl Machine {
 
     pub(crate) fn trace_failed(&mut self, program: &Program, task: u32, failure: Value) {
         if self.trace.enabled {
-            let text = self.show(program, failure);
+            let mut details = vec![("failure", self.show(program, failure))];
+            if let Value::Failure(index) = failure
+                && let Some(span) = self.heap.failures[index].span
+            {
+                details.push(("at", program.sources.place(span)));
+            }
             let path = self.path(task);
-            self.event(path, EventKind::Failed, vec![("failure", text)]);
+            self.event(path, EventKind::Failed, details);
         }
     }
 

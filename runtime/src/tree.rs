@@ -2,6 +2,7 @@
 
 use crate::machine::{Machine, Surroundings};
 use crate::task::{Frame, NONE, Rare, ScopeKind, State, Task, Waiting, Wake};
+use crate::trace::EventKind;
 use crate::value::Value;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
@@ -74,7 +75,7 @@ impl Machine {
 
     /// Main and all tasks below it, each before its children. Which slots they have depends on what
     /// was collected before, so what a plan can see goes by this order.
-    pub(crate) fn living_tasks(&self) -> Vec<u32> {
+    pub fn living_tasks(&self) -> Vec<u32> {
         let mut tasks = Vec::new();
         let mut waiting = vec![self.main];
         while let Some(task) = waiting.pop() {
@@ -99,6 +100,11 @@ impl Machine {
     /// The path of a task, such as `main/deliver.2/try-all[1]`.
     pub fn path(&self, task: u32) -> String {
         self.path_within(task, usize::MAX)
+    }
+
+    /// The path a task began with: that of the place it was made in, and its name.
+    pub fn own_path(&self, task: u32) -> String {
+        self.path_within(task, 0)
     }
 
     /// The path of a task and of its plan calls among the first scopes. Only the last
@@ -208,7 +214,7 @@ impl Machine {
     }
 
     /// Whether the task stands in the run queue: ready, and not held by a suspension.
-    fn is_queued(&self, task: u32) -> bool {
+    pub(crate) fn is_queued(&self, task: u32) -> bool {
         let record = &self.tasks[task];
         record.state == State::Ready && !record.is_held()
     }
@@ -375,6 +381,9 @@ impl Machine {
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
             self.tasks[task].rare().stop += 1;
+            if self.tasks[task].stop() == 1 {
+                self.trace_suspension(task, EventKind::Suspended);
+            }
             if was_queued && !self.is_queued(task) {
                 let priority = self.effective_priority(task);
                 self.priorities.withdraw(&mut self.tasks, task, priority);
@@ -397,6 +406,7 @@ impl Machine {
                 self.queue(task, false);
             }
             if self.tasks[task].stop() == 0 {
+                self.trace_suspension(task, EventKind::Resumed);
                 resumed.push(self.tasks.reference(task));
             }
             self.note_status(task);

@@ -9,6 +9,7 @@ use crate::machine::{Machine, Surroundings};
 use crate::registers::Registers;
 use crate::task::{NONE, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::{TaskRef, Value};
+use rpl_lang::code::Program;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 
@@ -93,7 +94,7 @@ impl Machine {
         }
         if let Some(holder) = self.valves[valve as usize].holds.last().and_then(|hold| self.tasks.find_alive(hold.task))
         {
-            self.check_circle(task, holder, Waiting::Valve(valve))?;
+            self.check_circle(around.program, task, holder, Waiting::Valve(valve))?;
         }
         self.trace_valve(task, valve, "requested");
         self.tasks[task].waiting = Waiting::Valve(valve);
@@ -153,9 +154,11 @@ impl Machine {
         let holds = &mut self.valves[valve as usize].holds;
         match holds.last_mut() {
             Some(top) if top.task == me && top.purpose == purpose && interrupted.is_none() => top.count += 1,
-            _ => holds.push(Hold { task: me, count: 1, purpose, interrupted }),
+            _ => {
+                holds.push(Hold { task: me, count: 1, purpose, interrupted });
+                self.trace_valve(task, valve, "granted");
+            }
         }
-        self.trace_valve(task, valve, "granted");
     }
 
     /// Whether a task, or one above it, holds the valve now.
@@ -250,7 +253,7 @@ impl Machine {
         let index = self.tasks.insert(task);
         self.adopt(root, self.tasks[root].scopes.len() as u32, index);
         self.make_ready(index);
-        self.trace_task_begin(around.program, index);
+        self.trace_task_begin(index);
     }
 
     /// If the task ran hooks, the valve changes hands now.
@@ -308,8 +311,13 @@ impl Machine {
         let Some(at) = holds.iter().rposition(|hold| hold.task == me && hold.purpose == Purpose::Plan) else { return };
         holds[at].count -= 1;
         if holds[at].count == 0 {
-            self.trace_valve(task, valve, "released");
             self.remove_hold(around, valve, at);
+        }
+    }
+
+    fn trace_release(&mut self, hold: &Hold, valve: u32) {
+        if let Some(task) = self.tasks.find(hold.task) {
+            self.trace_valve(task, valve, "released");
         }
     }
 
@@ -318,6 +326,8 @@ impl Machine {
         let entry = &mut self.valves[valve as usize];
         let was_current = at + 1 == entry.holds.len();
         let hold = entry.holds.remove(at);
+        self.trace_release(&hold, valve);
+        let entry = &mut self.valves[valve as usize];
         if !was_current {
             // What it had interrupted stays interrupted by the hold above it.
             if let (Some(interrupted), Some(next)) = (hold.interrupted, entry.holds.get_mut(at))
@@ -452,7 +462,10 @@ impl Machine {
                 Purpose::Plan => None,
             })
             .collect();
-        self.valves[valve as usize].holds.retain(|hold| hold.purpose == Purpose::Plan);
+        let holds = std::mem::take(&mut self.valves[valve as usize].holds);
+        let (kept, ended): (Vec<Hold>, Vec<Hold>) = holds.into_iter().partition(|hold| hold.purpose == Purpose::Plan);
+        self.valves[valve as usize].holds = kept;
+        ended.iter().for_each(|hold| self.trace_release(hold, valve));
         for behaviour in driving {
             self.interrupt_behaviour(around, behaviour);
         }
@@ -491,12 +504,12 @@ impl Machine {
     }
 
     /// A wait of `task` for `first` that would close a circle of waiting is a `deadlock`.
-    pub(crate) fn check_circle(&self, task: u32, first: u32, what: Waiting) -> Result<(), Raise> {
+    pub(crate) fn check_circle(&self, program: &Program, task: u32, first: u32, what: Waiting) -> Result<(), Raise> {
         let mut came_from = std::collections::BTreeMap::from([(first, NONE)]);
         let mut waiting = vec![first];
         while let Some(at) = waiting.pop() {
             if at == task {
-                return Err(Raise::new("deadlock", self.describe_circle(task, what, &came_from)));
+                return Err(Raise::new("deadlock", self.describe_circle(program, task, what, &came_from)));
             }
             for next in self.must_happen_first(at).into_iter().rev() {
                 came_from.entry(next).or_insert_with(|| {
@@ -508,14 +521,20 @@ impl Machine {
         Ok(())
     }
 
-    fn describe_circle(&self, task: u32, what: Waiting, came_from: &std::collections::BTreeMap<u32, u32>) -> String {
+    fn describe_circle(
+        &self,
+        program: &Program,
+        task: u32,
+        what: Waiting,
+        came_from: &std::collections::BTreeMap<u32, u32>,
+    ) -> String {
         let mut parts = Vec::new();
         let mut at = came_from[&task];
         while at != NONE {
-            parts.push(format!("{} waits for {}", self.path(at), self.describe(self.tasks[at].waiting)));
+            parts.push(format!("{} waits for {}", self.path(at), self.describe(program, self.tasks[at].waiting)));
             at = came_from[&at];
         }
-        parts.push(format!("{} waits for {}", self.path(task), self.describe(what)));
+        parts.push(format!("{} waits for {}", self.path(task), self.describe(program, what)));
         parts.reverse();
         format!("this would close a circle of waiting: {}", parts.join("; "))
     }

@@ -216,6 +216,13 @@ fn worlds_are_read() {
 }
 
 #[test]
+fn settings_are_json() {
+    each_block(&["json"], |_, block, _| {
+        serde_json::from_str::<serde_json::Value>(&block.text).err().map(|error| error.to_string())
+    });
+}
+
+#[test]
 fn faults_of_worlds_are_shown() {
     each_block(&["toml error"], |_, block, shown| {
         let found = World::parse(&block.text, "lab.toml").map_or_else(|error| error.to_string(), |_| "no fault".into());
@@ -225,7 +232,7 @@ fn faults_of_worlds_are_shown() {
 
 #[test]
 fn every_block_is_of_a_kind_that_is_checked() {
-    // The sessions at the prompt are typed by the tests of the command.
+    // The sessions at the prompt and in the terminal are typed by the tests of the command.
     let known = [
         "lisp",
         "lisp error",
@@ -233,15 +240,18 @@ fn every_block_is_of_a_kind_that_is_checked() {
         "lisp robot",
         "lisp scenario",
         "session",
+        "terminal",
         "toml",
         "toml error",
+        "json",
         "text",
         "sh",
         "rust",
     ];
     for document in documents() {
         for block in blocks(&document) {
-            assert!(known.contains(&block.info.as_str()), "{}:{}: `{}`", document.name, block.line, block.info);
+            let kind = if block.info.starts_with("session ") { "session" } else { block.info.as_str() };
+            assert!(known.contains(&kind), "{}:{}: `{}`", document.name, block.line, block.info);
         }
     }
 }

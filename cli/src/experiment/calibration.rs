@@ -3,12 +3,13 @@
 
 use super::statistics::wilson_95;
 use super::trial::{Sample, Trial};
+use rpl_robot::localization::Calibration;
 
 /// Bins of the reliability diagram, all with the same number of samples.
 const BINS: usize = 10;
 
 /// Certainties from here on are left out of the bins: there are so many that they would fill them.
-const SURE: f32 = 0.99;
+const SURE: f64 = 0.99;
 
 /// Some samples of about the same certainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +50,7 @@ fn tagged<'t>(trials: &'t [&Trial]) -> impl Iterator<Item = Tagged> + 't {
 
 fn bin(samples: &[Tagged]) -> Bin {
     let count = samples.len() as f64;
-    let certainty = |(_, sample): &Tagged| f64::from(sample.certainty);
+    let certainty = |(_, sample): &Tagged| sample.certainty;
     let said = samples.iter().map(certainty).sum::<f64>() / count;
     let was = samples.iter().filter(|(_, sample)| sample.is_right).count() as f64 / count;
     let half = 1.96 * deviation_of_share(samples, was);
@@ -76,8 +77,68 @@ fn deviation_of_share(samples: &[Tagged], share: f64) -> f64 {
     squares.sqrt() / samples.len() as f64
 }
 
+/// Samples that are counted together when a calibration is fitted.
+const GROUP: usize = 100;
+
+/// Two knots of a fitted calibration are at least so far apart, in nats of log odds.
+const KNOTS_APART: f64 = 0.25;
+
+/// Samples around one share of the belief.
+#[derive(Clone, Copy)]
+struct Pool {
+    /// Sum of the shares.
+    shares: f64,
+    /// How many estimates were right.
+    right: f64,
+    /// How many there are.
+    samples: f64,
+}
+
+impl Pool {
+    fn and(self, other: Self) -> Self {
+        Self {
+            shares: self.shares + other.shares,
+            right: self.right + other.right,
+            samples: self.samples + other.samples,
+        }
+    }
+
+    fn rate(self) -> f64 {
+        (self.right + 0.5) / (self.samples + 1.0)
+    }
+}
+
+/// The knots of the monotone calibration that fits these samples best, which were taken with `used`:
+/// pools of adjacent samples that would violate the order are merged (pool adjacent violators).
+pub fn fitted(trials: &[&Trial], used: &Calibration) -> Vec<[f64; 2]> {
+    let mut samples: Vec<(f64, bool)> =
+        tagged(trials).map(|(_, sample)| (used.share(sample.certainty), sample.is_right)).collect();
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let pools = samples.chunks(GROUP).map(|group| Pool {
+        shares: group.iter().map(|&(share, _)| share).sum(),
+        right: group.iter().filter(|&&(_, is_right)| is_right).count() as f64,
+        samples: group.len() as f64,
+    });
+    let in_order = pooled(pools, |last, next| last.rate() < next.rate());
+    let log_odds = |pool: Pool| (pool.rate() / (1.0 - pool.rate())).ln();
+    let apart = pooled(in_order.into_iter(), |last, next| log_odds(next) - log_odds(last) >= KNOTS_APART);
+    apart.into_iter().map(|pool| [pool.shares / pool.samples, pool.rate()]).collect()
+}
+
+/// Merges neighbours until all of them pass.
+fn pooled(pools: impl Iterator<Item = Pool>, passes: impl Fn(Pool, Pool) -> bool) -> Vec<Pool> {
+    let mut kept: Vec<Pool> = Vec::new();
+    for mut next in pools {
+        while let Some(last) = kept.pop_if(|last| !passes(*last, next)) {
+            next = last.and(next);
+        }
+        kept.push(next);
+    }
+    kept
+}
+
 /// The reliability table.
-pub fn table(trials: &[&Trial]) -> String {
+pub fn table(trials: &[&Trial], used: &Calibration) -> String {
     let all: Vec<Sample> = tagged(trials).map(|(_, sample)| sample).collect();
     let sure: Vec<&Sample> = all.iter().filter(|sample| sample.certainty >= SURE).collect();
     let sure_right = sure.iter().filter(|sample| sample.is_right).count();
@@ -124,6 +185,9 @@ pub fn table(trials: &[&Trial]) -> String {
         100.0 * high
     ));
     lines.push(format!("a right estimate is off by {mean_m:.3} m on average"));
+    let knots = fitted(trials, used).iter().map(|[share, rate]| format!("[{share:.5}, {rate:.4}]")).collect::<Vec<_>>();
+    lines.push("share of the belief and how often it is right, fitted to these samples:".into());
+    lines.extend(knots.chunks(6).map(|knots| format!("    {},", knots.join(", "))));
     lines.join("\n")
 }
 
@@ -131,7 +195,7 @@ pub fn table(trials: &[&Trial]) -> String {
 mod tests {
     use super::*;
 
-    fn trial(samples: impl Iterator<Item = (f32, bool)>) -> Trial {
+    fn trial(samples: impl Iterator<Item = (f64, bool)>) -> Trial {
         let samples = samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, is_right }).collect();
         Trial { seed: 1, succeeded: true, measures: vec![], samples }
     }
@@ -139,7 +203,7 @@ mod tests {
     #[test]
     fn bins_have_equal_mass_and_a_robot_that_is_right_as_often_as_it_says_has_no_error() {
         // Of the samples with certainty c every (1/c)-th is wrong: 0.5 and 0.75, 400 each.
-        let of = |certainty: f32, every: usize| (0..400).map(move |n| (certainty, n % every != 0));
+        let of = |certainty: f64, every: usize| (0..400).map(move |n| (certainty, n % every != 0));
         let mixed = trial(of(0.5, 2).chain(of(0.75, 4)).chain((0..50).map(|_| (0.999, true))));
         let bins = bins(&[&mixed]);
         assert_eq!(bins.len(), BINS);
@@ -149,8 +213,24 @@ mod tests {
 
     #[test]
     fn a_robot_that_is_always_wrong_errs_by_what_it_says() {
-        let wrong = trial((0..100).map(|n| (n as f32 / 200.0, false)));
+        let wrong = trial((0..100).map(|n| (f64::from(n) / 200.0, false)));
         assert!(bins(&[&wrong]).iter().all(|bin| bin.error() == bin.said && bin.was == 0.0));
-        assert!(table(&[&wrong]).contains("largest error of a bin 0.473"));
+        assert!(table(&[&wrong], &Calibration::new(&[])).contains("largest error of a bin 0.47"));
+    }
+
+    #[test]
+    fn the_fit_finds_how_often_a_share_is_right_whatever_was_in_use() {
+        // Shares of 0.2, 0.5 and 0.9 are right every fourth, every second and nine times in ten.
+        let used = Calibration::new(&[[0.2, 0.3], [0.5, 0.7], [0.95, 0.96]]);
+        let of = |share: f64, right_of_20: usize| {
+            let certainty = used.certainty(share);
+            (0..2000).map(move |n| (certainty, n % 20 < right_of_20))
+        };
+        let mixed = trial(of(0.2, 5).chain(of(0.5, 10)).chain(of(0.9, 18)));
+        let knots = fitted(&[&mixed], &used);
+        assert_eq!(knots.len(), 3, "{knots:?}");
+        for (knot, expected) in knots.iter().zip([[0.2, 0.25], [0.5, 0.5], [0.9, 0.9]]) {
+            assert!((knot[0] - expected[0]).abs() < 1e-9 && (knot[1] - expected[1]).abs() < 1e-3, "{knots:?}");
+        }
     }
 }

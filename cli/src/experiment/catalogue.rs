@@ -27,6 +27,8 @@ pub enum Report {
     Worlds,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
+    /// Where to look: no missions, and rows of its own.
+    Sensing,
 }
 
 /// One row of a table.
@@ -150,7 +152,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         ],
     },
     Experiment { name: "false-alarms", report: Report::Comparison, rows: &[PATROL, FURNISHED] },
-    Experiment { name: "calibration", report: Report::Calibration, rows: &[ROTATED, KIDNAPPED, UNDISTURBED] },
+    Experiment { name: "calibration", report: Report::Calibration, rows: &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED] },
     Experiment {
         name: "deviations",
         report: Report::Comparison,
@@ -161,6 +163,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
             without("– gating", |settings| settings.localization.gating = None),
             without("– update spacing", unspaced),
             without("– coarse watch", |settings| settings.localization.watch = None),
+            without("– calibration", |settings| settings.localization.calibration = None),
+            without("– confirmation", found_at_once),
             without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
             without("– centred grid", |settings| settings.localization.centred = false),
             without("all literal", literal),
@@ -177,10 +181,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "office", report: Report::Success, rows: &[OFFICE] },
     Experiment { name: "worlds", report: Report::Worlds, rows: &[] },
     Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
+    Experiment { name: "sensing", report: Report::Sensing, rows: &[] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {
     settings.localization = LocalizationParameters::literal();
+}
+
+/// Found at the same certainty at which the position is lost, at the first update.
+fn found_at_once(settings: &mut OfficeSettings) {
+    settings.active.found_certainty = settings.active.certainty;
+    settings.active.confirmations = 1;
 }
 
 fn unspaced(settings: &mut OfficeSettings) {

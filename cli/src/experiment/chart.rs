@@ -3,7 +3,7 @@
 use super::calibration::Bin;
 use super::trial::Trial;
 use svg::Document;
-use svg::node::element::{Circle, Line, Polyline, Rectangle, Text};
+use svg::node::element::{Circle, Line as Stroke, Polyline, Rectangle, Text};
 
 /// Where the axes are on the sheet, in pixels.
 const LEFT: f64 = 70.0;
@@ -26,8 +26,8 @@ impl Axes {
         ((TOP + HEIGHT * (1.0 - (value / self.y_max).clamp(0.0, 1.0))) * 10.0).round() / 10.0
     }
 
-    fn line(&self, from: (f64, f64), to: (f64, f64)) -> Line {
-        Line::new()
+    fn line(&self, from: (f64, f64), to: (f64, f64)) -> Stroke {
+        Stroke::new()
             .set("x1", self.x(from.0))
             .set("y1", self.y(from.1))
             .set("x2", self.x(to.0))
@@ -93,20 +93,36 @@ const EVERY_S: usize = 10;
 /// Samples of a trial in a second.
 const SAMPLES_PER_S: usize = 10;
 
+/// The mean of something over time.
+pub struct Line<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// Time, mean and half its 95 % interval.
+    pub points: Vec<(f64, f64, f64)>,
+}
+
 /// The mean distance from the estimate to the truth over time, with 95 % bars; runs that have ended
 /// keep their last error.
 pub fn error_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
     let longest = rows.iter().flat_map(|(_, trials)| trials).map(|trial| trial.samples.len()).max().unwrap_or(0);
     let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, 30);
-    let lines: Vec<Vec<(f64, f64, f64)>> =
-        rows.iter().map(|(_, trials)| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect()).collect();
-    let highest = lines.iter().flatten().map(|&(_, mean, half)| mean + half).fold(1.0, f64::max);
-    let axes = Axes { x_max: (points * EVERY_S) as f64, y_max: highest.ceil() };
-    let mut document = axes.sheet("error of the estimate, mean and 95 % interval", "time [s]", "error [m]");
-    for (number, ((name, _), line)) in rows.iter().zip(&lines).enumerate() {
+    let over = |trials: &[Trial]| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect();
+    let lines: Vec<Line<'_>> = rows.iter().map(|(name, trials)| Line { name, points: over(trials) }).collect();
+    over_time("error of the estimate, mean and 95 % interval", "error [m]", 1.0, &lines)
+}
+
+/// Lines over time with their bars, and their names; up to a whole number, at least `least`.
+pub fn over_time(title: &str, up: &str, least: f64, lines: &[Line<'_>]) -> String {
+    let points = || lines.iter().flat_map(|line| &line.points);
+    let highest = points().map(|&(_, mean, half)| mean + half).fold(least, f64::max);
+    let latest = points().map(|&(time_s, _, _)| time_s).fold(1.0, f64::max);
+    let y_max = if least < highest { highest.ceil() } else { least };
+    let axes = Axes { x_max: (latest / 50.0).ceil() * 50.0, y_max };
+    let mut document = axes.sheet(title, "time [s]", up);
+    for (number, Line { name, points }) in lines.iter().enumerate() {
         let dash = DASHES[number % DASHES.len()];
         let path: Vec<String> =
-            line.iter().map(|&(time_s, mean, _)| format!("{},{}", axes.x(time_s), axes.y(mean))).collect();
+            points.iter().map(|&(time_s, mean, _)| format!("{},{}", axes.x(time_s), axes.y(mean))).collect();
         document = document.add(
             Polyline::new()
                 .set("points", path.join(" "))
@@ -115,17 +131,25 @@ pub fn error_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
                 .set("stroke-width", 1.6)
                 .set("stroke-dasharray", dash),
         );
-        for &(time_s, mean, half) in line {
-            document = document.add(axes.line((time_s, mean - half), (time_s, mean + half)));
+        for &(time_s, mean, half) in points {
+            let bar = axes.line((time_s, mean - half), (time_s, mean + half)).set("stroke-width", 0.8);
+            document = document.add(bar).add(mark(number, axes.x(time_s), axes.y(mean)));
         }
         let y = TOP + 8.0 + 20.0 * number as f64;
         let (from, to) = (LEFT + WIDTH - 190.0, LEFT + WIDTH - 150.0);
-        let sample = Line::new().set("x1", from).set("x2", to).set("y1", y).set("y2", y);
+        let sample = Stroke::new().set("x1", from).set("x2", to).set("y1", y).set("y2", y);
         document = document
             .add(sample.set("stroke", "black").set("stroke-width", 1.6).set("stroke-dasharray", dash))
+            .add(mark(number, (from + to) / 2.0, y))
             .add(text(name, to + 8.0, y + 5.0).set("text-anchor", "start"));
     }
     document.to_string()
+}
+
+/// The mark of a line: full for the first, hollow for the others.
+fn mark(number: usize, x: f64, y: f64) -> Circle {
+    let fill = if number == 0 { "black" } else { "white" };
+    Circle::new().set("cx", x).set("cy", y).set("r", 3).set("fill", fill).set("stroke", "black")
 }
 
 /// Time, mean error and half its 95 % interval.
@@ -135,9 +159,14 @@ fn error_at(trials: &[Trial], time_s: usize) -> (f64, f64, f64) {
         .filter_map(|trial| trial.samples.get(time_s * SAMPLES_PER_S).or(trial.samples.last()))
         .map(|sample| f64::from(sample.off_m))
         .collect();
-    let spread = super::statistics::Spread::of(&errors);
-    let half = spread.map_or(0.0, |spread| super::statistics::mean_95(spread.deviation, errors.len()));
-    (time_s as f64, spread.map_or(0.0, |spread| spread.mean), half)
+    point(time_s as f64, &errors)
+}
+
+/// A point of a line: time, mean and half its 95 % interval.
+pub fn point(time_s: f64, numbers: &[f64]) -> (f64, f64, f64) {
+    let spread = super::statistics::Spread::of(numbers);
+    let half = spread.map_or(0.0, |spread| super::statistics::mean_95(spread.deviation, numbers.len()));
+    (time_s, spread.map_or(0.0, |spread| spread.mean), half)
 }
 
 #[cfg(test)]

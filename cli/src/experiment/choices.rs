@@ -3,7 +3,7 @@
 
 use super::catalogue::Row;
 use super::statistics::{Spread, wilson_95};
-use super::{Arguments, site_of};
+use super::{Arguments, seeds, site_of};
 use crate::choice_figures;
 use crate::console::Console;
 use crate::drive::{Pace, Records, drive};
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) 
             Ok(loaded) => loaded,
             Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
         };
-        for seed in (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)) {
+        for seed in seeds(arguments) {
             let mut system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
             system.machine.seed_random(seed);
             let mut records = Records { choices: Some(Vec::new()), ..Records::default() };

@@ -41,7 +41,7 @@ pub struct Trial {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// What the robot says.
-    pub certainty: f32,
+    pub certainty: f64,
     /// Distance from the estimate to the truth.
     pub off_m: f32,
     /// Whether the estimate was right.
@@ -90,7 +90,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
         }
     }
     let sample = |sight: &Sight| Sample {
-        certainty: sight.certainty as f32,
+        certainty: sight.certainty,
         off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
         is_right: is_right(sight),
     };

@@ -1,7 +1,7 @@
 //! Runs over seeds on several threads, and their table.
 
 use super::statistics::{Spread, mean_95, poisson_95, wilson_95};
-use super::trial::Trial;
+use super::trial::{Sample, Trial};
 use crossbeam::channel;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -129,6 +129,19 @@ fn compared(name: &str, trials: &[Trial]) -> String {
         median("time [s]"),
         format!("{:.2} ({:.2}–{:.2})", alarms / driven_km, low / driven_km, high / driven_km),
     )
+}
+
+/// Every sample of every run, ten a second, as lines of comma-separated values.
+pub fn sample_rows(rows: &[(&str, Vec<Trial>)]) -> String {
+    let mut text = String::from("row,seed,sample,certainty,off_m,right\n");
+    for (row, trials) in rows {
+        for trial in trials {
+            for (at, Sample { certainty, off_m, is_right }) in trial.samples.iter().enumerate() {
+                text += &format!("\"{row}\",{},{at},{certainty:.4},{off_m:.3},{}\n", trial.seed, u8::from(*is_right));
+            }
+        }
+    }
+    text
 }
 
 /// Every run as a line of comma-separated values, with the names above.

@@ -102,7 +102,7 @@ fn first(span: Span) -> Span {
 }
 
 /// Names of functions, plans and tags.
-fn known_names(system: &System<Robot>) -> Vec<String> {
+pub fn known_names(system: &System<Robot>) -> Vec<String> {
     let program = &system.program;
     let codes = program.codes.iter().flat_map(|code| {
         let children = code.constructs.iter().flat_map(|construct| &construct.children);

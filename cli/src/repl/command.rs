@@ -13,6 +13,8 @@ pub enum Verb {
     Out,
     Continue,
     Until,
+    Go,
+    Stop,
     Break,
     Delete,
     Watch,
@@ -34,6 +36,14 @@ pub enum Verb {
     Quit,
 }
 
+impl Verb {
+    /// Whether the run is taken into the hand, so that the clock stops.
+    pub fn steers(self) -> bool {
+        use Verb::{Abort, At, Back, Continue, Into, Next, Out, Run, Step, Switch, Until};
+        matches!(self, Run | Step | Next | Into | Out | Continue | Until | Abort | Back | At | Switch)
+    }
+}
+
 /// A command as the help shows it.
 pub struct Entry {
     /// What is typed, with the colon.
@@ -52,9 +62,9 @@ const fn entry(name: &'static str, arguments: &'static str, doc: &'static str, v
 
 /// All commands, in the order of the help.
 pub const COMMANDS: &[Entry] = &[
-    entry(":load", "FILE", "runs the forms of a file; what it defines again counts from the next call on", Verb::Load),
+    entry(":load", "FILE", "runs a file; what it defines counts from the next call on", Verb::Load),
     entry(":run", "FORM", "runs a form to its end, past all breakpoints", Verb::Run),
-    entry(":step", "[FORM]", "goes to the next form, in whatever task; begins with FORM if none runs", Verb::Step),
+    entry(":step", "[FORM]", "goes to the next form, of any task; or begins with FORM", Verb::Step),
     entry(":next", "", "goes to the next form of this call, over what it calls", Verb::Next),
     entry(":into", "", "goes into what the marked form calls", Verb::Into),
     entry(":out", "", "goes to where this call was made from", Verb::Out),
@@ -65,16 +75,13 @@ pub const COMMANDS: &[Entry] = &[
         "goes on to a time such as 12.5s, a place, or a condition",
         Verb::Until,
     ),
+    entry(":go", "[FACTOR]", "goes on by the clock, FACTOR times as fast, while you type", Verb::Go),
+    entry(":stop", "", "stops the clock; so does Ctrl-C on an empty line", Verb::Stop),
     entry(":break", "[NAME|LINE|FILE:LINE|(CONDITION)]", "stops there from now on; lists where it stops", Verb::Break),
     entry(":delete", "[N]", "takes back breakpoint N, or all", Verb::Delete),
-    entry(":watch", "[EXPR]", "shows the expression at every stop; without one shows no more", Verb::Watch),
+    entry(":watch", "[EXPR]", "shows it at every stop; without one, shows no more", Verb::Watch),
     entry(":abort", "", "gives up the form that runs; its clean-ups run", Verb::Abort),
-    entry(
-        ":back",
-        "[N|TIME]",
-        "goes back one step, N steps, or a time such as 10s; what came after is forgotten",
-        Verb::Back,
-    ),
+    entry(":back", "[N|TIME]", "goes back a step, N steps, or a time such as 10s", Verb::Back),
     entry(":at", "TIME", "goes back to an instant of the run", Verb::At),
     entry(":fork", "NAME", "keeps the run as it is now under a name", Verb::Fork),
     entry(":forks", "", "lists the runs that are kept", Verb::Forks),
@@ -140,7 +147,7 @@ mod tests {
     #[test]
     fn the_help_fits_a_narrow_terminal() {
         for line in help() {
-            assert!(line.chars().count() <= 100, "{line}");
+            assert!(line.chars().count() < 80, "{line}");
         }
     }
 }

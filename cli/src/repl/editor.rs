@@ -1,8 +1,7 @@
 //! The line editor: several lines by our own lexer, history, completion, hints, colours.
 
-use super::command::COMMANDS;
-use super::session::Session;
-use crate::reference::Reference;
+use super::terminal::LivePrompt;
+use super::vocabulary::{Library, Vocabulary, called};
 use anyhow::Result;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
@@ -13,20 +12,32 @@ use rustyline::highlight::{CmdKind, Highlighter};
 use rustyline::hint::Hinter;
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
-use rustyline::{Config, Context, Helper};
+use rustyline::{CompletionType, Config, Context, ExternalPrinter, Helper};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::cell::Cell;
 use std::path::PathBuf;
 
 /// Lines of history that are kept.
 const HISTORY: usize = 2000;
+
+/// Columns that the prompt may take.
+const PROMPT_WIDTH: usize = 24;
+
+/// What stands between a line and its hint.
+const MARGIN: &str = "   ";
+
+/// A hint shorter than this says nothing.
+const LEAST_HINT: usize = 12;
 
 /// What was typed.
 pub enum Line {
     /// A command, or complete forms.
     Text(String),
     /// Ctrl-C: the line is given up.
-    Cancelled,
+    Cancelled {
+        /// There was nothing to give up.
+        was_empty: bool,
+    },
     /// Ctrl-D on an empty line.
     End,
 }
@@ -42,12 +53,20 @@ impl Editor {
     ///
     /// # Errors
     /// The terminal cannot be used.
-    pub fn new(colour: bool) -> Result<Self> {
-        let config = Config::builder().max_history_size(HISTORY)?.auto_add_history(true).build();
+    pub fn new(colour: bool, live: LivePrompt) -> Result<Self> {
+        let config = Config::builder()
+            .max_history_size(HISTORY)?
+            .auto_add_history(true)
+            .completion_type(CompletionType::List)
+            .build();
         let mut inner = rustyline::Editor::with_config(config)?;
-        let library: BTreeMap<String, String> =
-            Reference::new()?.signatures().map(|(name, signature)| (name.to_string(), signature.to_string())).collect();
-        inner.set_helper(Some(Assistant { names: library.clone(), library, colour }));
+        inner.set_helper(Some(Assistant {
+            library: Library::new()?,
+            vocabulary: Vocabulary::default(),
+            colour,
+            live,
+            is_empty: Cell::new(true),
+        }));
         let history = history_file();
         if let Some(file) = &history {
             // The first session has none.
@@ -56,11 +75,16 @@ impl Editor {
         Ok(Self { inner, history })
     }
 
-    /// Takes over the names that can be typed now.
-    pub fn learn(&mut self, session: &Session) {
+    /// What writes above the line that is being typed; none where output goes elsewhere.
+    pub fn printer(&mut self) -> Option<Box<dyn ExternalPrinter + Send>> {
+        let printer = self.inner.create_external_printer().ok()?;
+        Some(Box::new(printer))
+    }
+
+    /// Takes over what can be typed now.
+    pub fn learn(&mut self, vocabulary: Vocabulary) {
         if let Some(assistant) = self.inner.helper_mut() {
-            assistant.names = assistant.library.clone();
-            assistant.names.extend(defined_names(session));
+            assistant.vocabulary = vocabulary;
         }
     }
 
@@ -77,7 +101,9 @@ impl Editor {
                 }
                 Ok(Line::Text(text))
             }
-            Err(ReadlineError::Interrupted) => Ok(Line::Cancelled),
+            Err(ReadlineError::Interrupted) => {
+                Ok(Line::Cancelled { was_empty: self.inner.helper().is_none_or(|helper| helper.is_empty.get()) })
+            }
             Err(ReadlineError::Eof) => Ok(Line::End),
             Err(error) => Err(error.into()),
         }
@@ -97,35 +123,20 @@ pub fn terminal_size() -> (usize, usize) {
     (usize::from(columns), usize::from(rows))
 }
 
-/// Names that the session's own texts define, with how functions are called.
-fn defined_names(session: &Session) -> BTreeMap<String, String> {
-    let system = &session.branch.system;
-    let own = system.program.globals.iter().skip(system.program.library_globals as usize);
-    let names = own.map(|global| (system.machine.symbols.name(global.name).to_string(), String::new()));
-    names.filter(|(name, _)| !name.starts_with(['%', '#'])).collect()
-}
-
 struct Assistant {
-    library: BTreeMap<String, String>,
-    names: BTreeMap<String, String>,
+    library: Library,
+    vocabulary: Vocabulary,
     colour: bool,
-}
-
-/// Where the word that ends at a place begins.
-fn word_start(line: &str, end: usize) -> usize {
-    let is_border = |c: char| c.is_whitespace() || matches!(c, '(' | ')' | '\'' | '`' | ',' | '"');
-    line[..end].rfind(is_border).map_or(0, |at| at + line[at..].chars().next().map_or(1, char::len_utf8))
+    live: LivePrompt,
+    /// Nothing is typed: the editor does not tell what it gives up.
+    is_empty: Cell<bool>,
 }
 
 impl Completer for Assistant {
     type Candidate = String;
 
     fn complete(&self, line: &str, end: usize, _: &Context<'_>) -> rustyline::Result<(usize, Vec<String>)> {
-        let start = word_start(line, end);
-        let word = line[start..end].to_lowercase();
-        let commands = COMMANDS.iter().map(|entry| entry.name).filter(|_| line[..start].trim().is_empty());
-        let known = commands.map(str::to_string).chain(self.names.keys().cloned());
-        Ok((start, known.filter(|name| name.starts_with(&word)).collect()))
+        Ok(self.vocabulary.complete(&self.library, &line[..end]))
     }
 }
 
@@ -133,15 +144,15 @@ impl Hinter for Assistant {
     type Hint = String;
 
     fn hint(&self, line: &str, end: usize, _: &Context<'_>) -> Option<String> {
+        self.is_empty.set(line.is_empty());
         if end < line.len() {
             return None;
         }
-        // How the function is called whose name has just been typed.
-        let called = line.strip_suffix(' ')?;
-        let start = word_start(called, called.len());
-        let is_call = called[..start].ends_with('(');
-        let signature = self.names.get(&called[start..].to_lowercase()).filter(|text| is_call && !text.is_empty())?;
-        Some(format!("   {signature}"))
+        let hint = self.vocabulary.hint(&self.library, called(line)?)?;
+        // What does not fit beside the line would move it.
+        let column = PROMPT_WIDTH + line.lines().last().unwrap_or_default().chars().count() + MARGIN.len();
+        let room = terminal_size().0.saturating_sub(column + 1);
+        Some(format!("{MARGIN}{}", hint.chars().take(room).collect::<String>())).filter(|_| room >= LEAST_HINT)
     }
 }
 
@@ -167,6 +178,10 @@ impl Highlighter for Assistant {
         Cow::Owned(shown)
     }
 
+    fn highlight_prompt<'b, 's: 'b, 'p: 'b>(&'s self, prompt: &'p str, _: bool) -> Cow<'b, str> {
+        Cow::Owned(self.live.text(prompt))
+    }
+
     fn highlight_hint<'h>(&self, hint: &'h str) -> Cow<'h, str> {
         if self.colour { Cow::Owned(format!("\x1b[2m{hint}\x1b[0m")) } else { Cow::Borrowed(hint) }
     }
@@ -183,7 +198,7 @@ fn colour_of(token: Token, text: &str, assistant: &Assistant) -> Option<&'static
         Token::Keyword => Some("35"),
         Token::LineComment | Token::BlockComment | Token::DatumComment => Some("2"),
         Token::Error | Token::Unterminated => Some("31"),
-        Token::Symbol if assistant.names.contains_key(&text.to_lowercase()) => Some("36"),
+        Token::Symbol if assistant.vocabulary.knows(&assistant.library, text) => Some("36"),
         Token::Symbol | Token::Open | Token::Close | Token::Dot | Token::Prefix(_) => None,
     }
 }

@@ -2,24 +2,30 @@
 //! through and taken back.
 
 mod breakpoint;
+mod clock;
 mod command;
 mod editor;
+mod live;
+mod living;
 mod map;
 mod session;
-mod timeline;
+mod terminal;
 mod view;
-mod why;
+mod vocabulary;
 
 use crate::console::Console;
 use crate::doc;
+use crate::event_line::event_line;
 use crate::failure_report::Reporter;
-use crate::files::{self, PlanText};
+use crate::files::{self, Folder, PlanText};
 use crate::interrupt;
-use crate::mission::{self, Site};
+use crate::mission::{self, Robot, Site};
 use crate::status::Status;
 use crate::time::parse_duration_us;
+use crate::why::{self, shortened};
 use anyhow::Result;
 use breakpoint::Breakpoint;
+use clock::Clock;
 use command::Verb;
 use rpl_lang::compile::NoFiles;
 use rpl_lang::diagnostic;
@@ -28,6 +34,7 @@ use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::library::Rejected;
 use rpl_runtime::session::{Answer, Submitted};
+use rpl_runtime::timeline::Past;
 use session::{Halt, Session, Until};
 use std::io::{self, IsTerminal, Read};
 
@@ -62,20 +69,27 @@ pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -
     interrupt::catch_for_prompt();
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
     let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
+    let places = world.as_ref().map_or_else(Vec::new, |world| {
+        let rooms = world.rooms.iter().map(|room| room.name.to_string());
+        rooms.chain(world.places.iter().map(|place| place.name.to_string())).collect()
+    });
     let map = world.as_ref().map(|world| world.map(MAP_CELL_M));
     let site = Site::new(world, scenario, OfficeSettings::default())?;
     let plan = arguments.file.as_deref().map(files::plan).transpose()?;
     let mut prompt = Prompt {
         session: Session::new(&site, arguments.seed)?,
         map,
+        places,
         console,
+        clock: None,
+        is_interactive: io::stdin().is_terminal(),
         repeated: None,
         worst: Status::Succeeded,
     };
     if let Some(plan) = plan {
         prompt.load(plan, if stops_at_start { Until::Step } else { Until::End })?;
     }
-    if io::stdin().is_terminal() {
+    if prompt.is_interactive {
         prompt.converse()?
     } else {
         prompt.read_all()?
@@ -94,7 +108,13 @@ enum Next {
 struct Prompt<'a> {
     session: Session,
     map: Option<OccupancyGrid>,
+    /// Names of rooms and places in the world.
+    places: Vec<String>,
     console: &'a mut Console,
+    /// The clock by which the run goes on while something is typed.
+    clock: Option<Clock>,
+    /// Somebody sits at a terminal.
+    is_interactive: bool,
     /// The stepping command that an empty line repeats.
     repeated: Option<String>,
     /// What the exit status says when nobody sat at the prompt.
@@ -102,34 +122,6 @@ struct Prompt<'a> {
 }
 
 impl Prompt<'_> {
-    /// Line by line, with a person.
-    fn converse(&mut self) -> Result<()> {
-        let mut editor = editor::Editor::new(self.console.colour)?;
-        self.console.note(&format!(
-            "rpl {}  `:help` lists the commands, `:doc NAME` documents a name, Ctrl-D ends",
-            env!("CARGO_PKG_VERSION")
-        ));
-        loop {
-            self.console.flush()?;
-            editor.learn(&self.session);
-            let text = match editor.line(&self.prompt_text())? {
-                editor::Line::Text(text) => text,
-                editor::Line::Cancelled => continue,
-                editor::Line::End => break,
-            };
-            let text = match (text.trim(), &self.repeated) {
-                ("", Some(repeated)) => repeated.clone(),
-                _ => text,
-            };
-            if self.handle(&text)? == Next::Quit {
-                break;
-            }
-        }
-        // Somebody was there to see what went wrong.
-        self.worst = Status::Succeeded;
-        Ok(())
-    }
-
     /// Everything from standard input, form by form, without a person.
     fn read_all(&mut self) -> Result<()> {
         let mut bytes = Vec::new();
@@ -154,6 +146,9 @@ impl Prompt<'_> {
     }
 
     fn prompt_text(&self) -> String {
+        if self.clock.is_some() {
+            return self.live_prompt();
+        }
         let branch = &self.session.branch;
         let name = if self.session.name == "main" { String::new() } else { format!(" {}", self.session.name) };
         let time = match branch.system.machine.now_us {
@@ -176,6 +171,9 @@ impl Prompt<'_> {
             Ok((verb, rest)) => {
                 let repeats = matches!(verb, Verb::Step | Verb::Next | Verb::Into | Verb::Out) && rest.is_empty();
                 self.repeated = repeats.then(|| text.to_string());
+                if verb.steers() && self.clock.take().is_some() {
+                    self.console.keep(false);
+                }
                 self.command(verb, rest)?;
             }
             Err(reason) => self.wrong(&reason)?,
@@ -204,6 +202,8 @@ impl Prompt<'_> {
             Verb::Out => self.go_on(&Until::Out)?,
             Verb::Continue => self.go_on(&Until::End)?,
             Verb::Until => self.until(rest)?,
+            Verb::Go => self.go(rest)?,
+            Verb::Stop => self.stop_clock()?,
             Verb::Break => self.set_break(rest)?,
             Verb::Delete => self.delete(rest)?,
             Verb::Watch if rest.is_empty() => self.session.watches.clear(),
@@ -238,8 +238,11 @@ impl Prompt<'_> {
         let system = &self.session.branch.system;
         let or = |lines: Vec<String>, nothing: &str| if lines.is_empty() { vec![nothing.to_string()] } else { lines };
         match verb {
-            Verb::Why => why::why(&self.session, rest),
-            Verb::Task => why::task(&self.session, rest),
+            Verb::Why => why::why(&living::situation(&self.session), rest).unwrap_or_else(|reason| vec![reason]),
+            Verb::Task => match view::living(system, rest) {
+                Some(task) => view::task(system, task),
+                None => vec![why::missing(&living::situation(&self.session), rest)],
+            },
             Verb::Tasks => view::tasks(system),
             Verb::Fluents => or(view::fluents(system, rest), "no fluent has such a name"),
             Verb::Valves => or(view::valves(system), "there are no valves"),
@@ -256,7 +259,7 @@ impl Prompt<'_> {
 
     fn last_events(&self, words: &str) -> Vec<String> {
         let words: Vec<&str> = words.split_whitespace().collect();
-        let texts = self.session.branch.log.iter().rev().map(ToString::to_string);
+        let texts = self.session.branch.log.iter().rev().map(|event| event_line(event, self.console.out_colour()));
         let mut last: Vec<String> =
             texts.filter(|text| words.iter().all(|word| text.contains(word))).take(LAST_EVENTS).collect();
         last.reverse();
@@ -265,15 +268,15 @@ impl Prompt<'_> {
 
     /// A file: its forms are run in order.
     fn load(&mut self, plan: PlanText, until: Until) -> Result<()> {
-        if self.session.branch.is_running {
-            return self.wrong("a form is under way; `:continue` or `:abort` it first");
-        }
         let PlanText { name, text, folder } = plan;
         self.session.file = Some(name.clone());
+        if self.session.branch.is_running {
+            return self.beside(&name, &text, Some(folder));
+        }
         match self.session.submit(&name, &text, Some(folder)) {
             Ok(submitted) => {
                 self.tell(&submitted);
-                self.go_on(&until)
+                self.begin(&until)
             }
             Err(rejected) => {
                 self.reject(&rejected);
@@ -286,12 +289,12 @@ impl Prompt<'_> {
     fn forms(&mut self, text: &str, until: &Until) -> Result<()> {
         let name = self.session.next_text_name();
         if self.session.branch.is_running {
-            return self.beside(&name, text);
+            return self.beside(&name, text, None);
         }
         match self.session.submit(&name, text, None) {
             Ok(submitted) => {
                 self.tell(&submitted);
-                self.go_on(until)
+                self.begin(until)
             }
             Err(rejected) => {
                 self.reject(&rejected);
@@ -300,19 +303,38 @@ impl Prompt<'_> {
         }
     }
 
-    /// Forms typed while another one is under way: they look and define.
-    fn beside(&mut self, name: &str, text: &str) -> Result<()> {
-        match self.session.inspect(name, text) {
-            Err(rejected) => self.reject(&rejected),
-            Ok((submitted, Ok(value))) => {
-                self.tell(&submitted);
-                let system = &self.session.branch.system;
-                self.console.print(&system.machine.write(&system.program, value))?;
+    /// A form was handed in: the clock lets it go on, if it runs.
+    fn begin(&mut self, until: &Until) -> Result<()> {
+        if self.clock.is_some() { Ok(()) } else { self.go_on(until) }
+    }
+
+    /// Forms typed while another one is under way: a task of their own.
+    fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<()> {
+        let (submitted, aside) = match self.session.beside(name, text, folder) {
+            Ok(beside) => beside,
+            Err(rejected) => {
+                self.reject(&rejected);
+                return Ok(());
             }
-            Ok((submitted, Err(failure))) => {
-                self.tell(&submitted);
-                self.show_failure(failure);
+        };
+        self.tell(&submitted);
+        self.session.hand_on(self.console)?;
+        let system = &self.session.branch.system;
+        match aside.answer {
+            Some(Answer::Succeeded(value)) => self.console.print(&system.machine.write(&system.program, value))?,
+            Some(Answer::Failed(failure)) => self.show_failure(failure),
+            Some(Answer::GivenUp) => {}
+            None => {
+                if let Some(task) = system.machine.tasks.find_alive(aside.task) {
+                    let (path, waits) = (system.machine.path(task), living::standing(system, task).condition());
+                    self.console.note(&format!("{path} {waits}; it goes on with the run"));
+                }
             }
+        }
+        let system = &self.session.branch.system;
+        for &name in &aside.assigned {
+            let name = system.machine.symbols.name(name);
+            self.console.note(&format!("`{name}` counts from the next form on; the marked one has read its arguments"));
         }
         Ok(())
     }
@@ -364,7 +386,7 @@ impl Prompt<'_> {
     fn halted(&mut self, halt: Halt) -> Result<()> {
         let value = self.session.branch.system.wanted_value();
         if let (Some(value), true) = (value, self.session.branch.stop.is_some()) {
-            self.console.print(&format!("=> {}", view::shortened(&value)))?;
+            self.console.print(&format!("=> {}", shortened(&value)))?;
         }
         match halt {
             Halt::Answered(Answer::Succeeded(value)) => {
@@ -379,8 +401,7 @@ impl Prompt<'_> {
                 self.show_stop()?;
             }
             Halt::Interrupted => {
-                self.console
-                    .note("interrupted; `:continue` goes on, `:abort` gives the form up, `:why` tells what it does");
+                self.console.note("interrupted; `:continue` goes on, `:abort` gives up, `:why` tells what it does");
                 self.show_stop()?;
             }
         }
@@ -390,7 +411,10 @@ impl Prompt<'_> {
     /// Where the run stands, and what is watched.
     fn show_stop(&mut self) -> Result<()> {
         let lines = match self.session.branch.stop.clone() {
-            Some(stop) => view::stop(&self.session, &stop, self.console.colour),
+            Some(stop) => {
+                let width = if self.is_interactive { editor::terminal_size().0 } else { usize::MAX };
+                view::stop(&self.session, &stop, self.console.colour, width)
+            }
             None => vec![format!("{:.3} s", self.session.branch.system.machine.now_s())],
         };
         self.print(&lines)?;
@@ -463,8 +487,8 @@ impl Prompt<'_> {
         let timeline = &self.session.branch.timeline;
         let now_us = self.session.branch.system.machine.now_us;
         let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
-            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1),
-            (Ok(steps), _) => timeline.steps_before(timeline.position, steps),
+            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown),
+            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown),
             (_, Ok(time_us)) => timeline.at_time(now_us.saturating_sub(time_us)),
             _ => return self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s")),
         };
@@ -484,7 +508,7 @@ impl Prompt<'_> {
         }
     }
 
-    fn go_back(&mut self, past: timeline::Past) -> Result<()> {
+    fn go_back(&mut self, past: Past<Robot>) -> Result<()> {
         let is_start = past.position.segment == 0;
         self.session.go_back_to(past);
         if is_start {

@@ -1,9 +1,10 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use super::timeline::{Past, Position, Timeline, is_shown};
+use super::view::is_shown;
 use crate::console::Console;
 use crate::events;
+use crate::failure_report::Reporter;
 use crate::files::Folder;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
@@ -14,10 +15,12 @@ use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::session::{Answer, Submitted};
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::system::System;
+use rpl_runtime::timeline::{Past, Position, Timeline};
 use rpl_runtime::trace::Event;
-use rpl_runtime::value::Value;
+use rpl_runtime::value::{TaskRef, Value};
 use std::collections::BTreeMap;
 use std::io;
+use std::time::Instant;
 
 /// One line of history, from the start to a present.
 #[derive(Clone)]
@@ -25,7 +28,7 @@ pub struct Branch {
     /// The present.
     pub system: System<Robot>,
     /// The past.
-    pub timeline: Timeline,
+    pub timeline: Timeline<Robot>,
     /// What happened.
     pub log: Vec<Event>,
     /// The form a task stands before, if a stepper stopped there.
@@ -49,6 +52,13 @@ pub enum Until {
     Time(u64),
     /// To a place or condition, as for a breakpoint.
     Place(Breakpoint),
+    /// By the clock on the wall, also while no form is under way.
+    Clock {
+        /// The instant of virtual time that has come.
+        due_us: u64,
+        /// When to stop in any case.
+        before: Instant,
+    },
 }
 
 /// Why the run stands still.
@@ -62,6 +72,16 @@ pub enum Halt {
     Breakpoint(String),
     /// Ctrl-C.
     Interrupted,
+}
+
+/// What came of forms beside the one that runs.
+pub struct Aside {
+    /// The task that runs them.
+    pub task: TaskRef,
+    /// How they ended; none if they wait.
+    pub answer: Option<Answer>,
+    /// Variables of the stopped call that have another value now.
+    pub assigned: Vec<Symbol>,
 }
 
 /// Everything a user of the prompt has.
@@ -94,7 +114,7 @@ impl Session {
         let quiet: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| fluent_named(&system, name)).collect();
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
-        let timeline = Timeline::new(&system);
+        let timeline = Timeline::new(&system, Robot::bytes_apart);
         let branch = Branch { system, timeline, log: Vec::new(), stop: None, is_running: false };
         Ok(Self {
             branch,
@@ -128,17 +148,27 @@ impl Session {
         Ok(submitted)
     }
 
-    /// Evaluates forms beside the one that runs, with the variables of the call it stands in.
+    /// Runs forms beside the one that runs, as far as they come at once; they see and assign the
+    /// variables of the call it stands in.
     ///
     /// # Errors
     /// The findings in the text.
-    pub fn inspect(&mut self, name: &str, text: &str) -> Result<(Submitted, Result<Value, Value>), Rejected> {
-        let mut folder = self.folder.clone();
+    pub fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<(Submitted, Aside), Rejected> {
+        let mut folder = folder.unwrap_or_else(|| self.folder.clone());
         let branch = &mut self.branch;
-        let variables = variables_at(branch);
-        let found = branch.system.inspect(name, text, &variables, &mut folder)?;
+        let stop = branch.stop.as_ref();
+        let (submitted, beside) = branch.system.submit_beside(name, text, stop, &mut folder)?;
+        while branch.system.step_beside(&beside) {}
+        let answers = branch.system.take_beside_answers();
+        let answer = answers.into_iter().find(|answer| answer.number == beside.number);
+        let assigned = answer.as_ref().map_or(Vec::new(), |answer| branch.system.assign_seen(&beside, answer));
         branch.timeline.handed_in(&branch.system);
-        Ok(found)
+        Ok((submitted, Aside { task: beside.task, answer: answer.map(|answer| answer.answer), assigned }))
+    }
+
+    /// Whether something can run at once.
+    pub fn has_work(&self) -> bool {
+        !self.branch.system.machine.is_idle()
     }
 
     /// Lets the form that runs go on.
@@ -146,8 +176,10 @@ impl Session {
     /// # Errors
     /// Standard output is closed.
     pub fn go_on(&mut self, until: &Until, console: &mut Console) -> io::Result<Halt> {
-        console.begin_status();
-        let halt = Runner { session: self, until, console }.run();
+        if !matches!(until, Until::Clock { .. }) {
+            console.begin_status();
+        }
+        let halt = Runner { session: self, until, console, computed: Instant::now() }.run();
         console.end_status();
         let halt = halt?;
         if matches!(halt, Halt::Answered(_)) {
@@ -172,11 +204,53 @@ impl Session {
         halt
     }
 
+    /// Shows what was printed, and keeps what happened.
+    pub fn hand_on(&mut self, console: &mut Console) -> io::Result<()> {
+        let machine = &mut self.branch.system.machine;
+        let (happened, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
+        if !happened.is_empty() {
+            let is_lost = self.branch.system.outside.is_lost();
+            events::lines(&happened, is_lost).iter().for_each(|line| console.note(line));
+            self.branch.log.extend(happened);
+        }
+        for line in output {
+            match line {
+                Output::Print(text) => console.print(&text)?,
+                Output::Log(text) => console.note(&text),
+            }
+        }
+        self.tell_answers(console)?;
+        console.flush()
+    }
+
+    /// How forms ended that had to wait beside the one that runs.
+    fn tell_answers(&mut self, console: &mut Console) -> io::Result<()> {
+        let system = &mut self.branch.system;
+        for answer in system.take_beside_answers() {
+            let name = answer.path();
+            match answer.answer {
+                Answer::Succeeded(value) => {
+                    let value = system.machine.write(&system.program, value);
+                    console.print(&format!("{name} => {value}"))?;
+                }
+                Answer::Failed(failure) => {
+                    let (machine, program) = (&system.machine, &system.program);
+                    let reporter = Reporter { machine, program, colour: console.colour };
+                    console.note(reporter.text(&format!("{name} failed: "), failure).trim_end());
+                }
+                Answer::GivenUp => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Takes an earlier state for the present one. What came after it is forgotten.
-    pub fn go_back_to(&mut self, past: Past) {
+    pub fn go_back_to(&mut self, past: Past<Robot>) {
         let Past { system, position, stop } = past;
         let branch = &mut self.branch;
         branch.system = system;
+        // They were told when it happened.
+        branch.system.take_beside_answers();
         branch.timeline.go_back_to(position);
         branch.stop = stop;
         branch.is_running = branch.system.answer().is_none() && !branch.system.is_waiting_for_form();
@@ -192,13 +266,6 @@ impl Session {
     }
 }
 
-/// What the stopped task sees where it stands.
-fn variables_at(branch: &Branch) -> Vec<(Symbol, Value)> {
-    let task = branch.stop.as_ref().and_then(|stop| branch.system.machine.tasks.find_alive(stop.task));
-    let calls = task.map(|task| branch.system.machine.variables(&branch.system.program, task));
-    calls.and_then(|calls| calls.into_iter().next()).map_or(Vec::new(), |(_, variables)| variables)
-}
-
 fn fluent_named(system: &System<Robot>, name: &str) -> Option<u32> {
     let symbol = system.machine.symbols.find(name)?;
     match system.machine.globals.get(*system.program.names.get(&symbol)? as usize)? {
@@ -211,6 +278,8 @@ struct Runner<'a> {
     session: &'a mut Session,
     until: &'a Until,
     console: &'a mut Console,
+    /// Since when the present instant is computed.
+    computed: Instant,
 }
 
 impl Runner<'_> {
@@ -229,14 +298,14 @@ impl Runner<'_> {
                 false => Stepped::Settled,
             };
             if self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT || stepped == Stepped::Settled {
-                self.hand_on()?;
+                self.session.hand_on(self.console)?;
             }
             match stepped {
                 Stepped::Before(stop) => {
                     self.session.branch.timeline.position.step += 1;
                     if let Some(halt) = self.halt_before(&stop, start.as_ref()) {
                         self.session.branch.stop = Some(stop);
-                        self.hand_on()?;
+                        self.session.hand_on(self.console)?;
                         return Ok(halt);
                     }
                 }
@@ -273,7 +342,7 @@ impl Runner<'_> {
             Until::Next => same_task && stop.depth <= was_depth,
             Until::Out => same_task && stop.depth < was_depth,
             Until::Place(place) => is_here(place),
-            Until::End | Until::Time(_) => false,
+            Until::End | Until::Time(_) | Until::Clock { .. } => false,
         };
         if has_arrived {
             return Some(Halt::Arrived);
@@ -285,24 +354,32 @@ impl Runner<'_> {
     /// All tasks are blocked: the form has ended, or the clock moves.
     fn settled(&mut self) -> Option<Halt> {
         self.session.branch.timeline.position.step = Position::END;
-        if let Some(answer) = self.session.branch.system.answer() {
+        if self.session.branch.is_running
+            && let Some(answer) = self.session.branch.system.answer()
+        {
             return Some(Halt::Answered(answer));
         }
         if let Some(halt) = self.condition_met() {
             return Some(halt);
         }
         let branch = &mut self.session.branch;
-        if let (&Until::Time(time_us), Some(next_us)) = (self.until, branch.system.next_instant_us())
-            && next_us > time_us
-        {
+        let has_arrived = match (self.until, branch.system.next_instant_us()) {
+            (&Until::Time(time_us), Some(next_us)) => next_us > time_us,
+            // Where nothing can happen by itself, something may still be typed.
+            (Until::Clock { .. }, None) => true,
+            (&Until::Clock { due_us, before }, Some(next_us)) => next_us > due_us || Instant::now() >= before,
+            _ => false,
+        };
+        if has_arrived {
             return Some(Halt::Arrived);
         }
         branch.system.next_instant();
-        branch.timeline.next_instant(&branch.system);
+        branch.timeline.next_instant(&branch.system, self.computed.elapsed());
+        self.computed = Instant::now();
         if self.console.wants_status() {
             let sight = branch.system.outside.sight();
             let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);
-            self.console.status(line);
+            self.console.status(&line);
         }
         None
     }
@@ -325,23 +402,5 @@ impl Runner<'_> {
             }
         }
         met
-    }
-
-    /// Shows what was printed, and keeps what happened.
-    fn hand_on(&mut self) -> io::Result<()> {
-        let machine = &mut self.session.branch.system.machine;
-        let (happened, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
-        if !happened.is_empty() {
-            let is_lost = self.session.branch.system.outside.is_lost();
-            events::lines(&happened, is_lost).iter().for_each(|line| self.console.note(line));
-            self.session.branch.log.extend(happened);
-        }
-        for line in output {
-            match line {
-                Output::Print(text) => self.console.print(&text)?,
-                Output::Log(text) => self.console.note(&text),
-            }
-        }
-        self.console.flush()
     }
 }

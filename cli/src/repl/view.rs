@@ -1,20 +1,15 @@
 //! What stands where: tasks, fluents, valves, and the form a task stands before.
 
+use super::living::standing;
 use super::session::Session;
+use crate::events;
 use crate::mission::Robot;
+use crate::why::{is_meant, shortened};
 use rpl_lang::code::GlobalKind;
-use rpl_lang::pretty::print;
-use rpl_lang::reader::read;
-use rpl_lang::source::{SourceId, Sources, Span};
-use rpl_lang::symbol::Symbols;
-use rpl_lang::syntax::Tree;
+use rpl_lang::source::{Sources, Span};
 use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
-use rpl_runtime::task::State;
 use rpl_runtime::value::Value;
-
-/// Longest value shown in a list.
-const LONGEST_VALUE: usize = 60;
 
 /// Lines of text shown around a form.
 const LINES_AROUND: usize = 2;
@@ -43,52 +38,41 @@ fn task_line(system: &System<Robot>, task: u32, whole_path: bool) -> String {
         Some(own) if !whole_path => own.trim_start_matches('/').to_string(),
         _ => path,
     };
-    format!("{name}  {}", condition_of(system, task))
+    format!("{name}  {}", standing(system, task).condition())
 }
 
-/// A task's state, and what it waits for.
-pub fn condition_of(system: &System<Robot>, task: u32) -> String {
+/// The living task that is meant by a path, by its end, or by nothing: the main task.
+pub fn living(system: &System<Robot>, path: &str) -> Option<u32> {
     let machine = &system.machine;
-    let record = &machine.tasks[task];
-    match record.state {
-        State::Blocked if record.is_held() => {
-            format!("suspended (was waiting for {})", waiting(system, task))
+    if path.is_empty() {
+        return Some(machine.main);
+    }
+    machine.living_tasks().into_iter().find(|&task| is_meant(&machine.path(task), path))
+}
+
+/// One task: path, state, form, variables.
+pub fn task(system: &System<Robot>, task: u32) -> Vec<String> {
+    let machine = &system.machine;
+    let mut lines = vec![format!("{}  {}", machine.path(task), standing(system, task).condition())];
+    let priority = machine.priorities.list(machine.tasks[task].priority);
+    if !priority.is_empty() {
+        lines.push(format!("  priority {priority:?}"));
+    }
+    if let Some(span) = machine.form_of(&system.program, task) {
+        let text = shortened(&one_line(system.program.sources.text_of(span)));
+        lines.push(format!("  at {}: {text}", system.program.sources.place(span)));
+    }
+    for (name, variables) in machine.variables(&system.program, task) {
+        let name = machine.symbols.name(name);
+        let variables = variables
+            .iter()
+            .map(|&(name, value)| format!("{} = {}", machine.symbols.name(name), value_text(system, value)));
+        let variables: Vec<String> = variables.collect();
+        if !name.starts_with('%') && !variables.is_empty() {
+            lines.push(format!("  {name}: {}", variables.join(", ")));
         }
-        State::Blocked => format!("waits for {}", waiting(system, task)),
-        state if record.is_held() => format!("suspended ({})", state.name()),
-        state => state.name().to_string(),
     }
-}
-
-/// What a blocked task waits for, with the text of its condition if there is one.
-pub fn waiting(system: &System<Robot>, task: u32) -> String {
-    let machine = &system.machine;
-    if task == machine.main && system.is_waiting_for_form() {
-        return "the next form".to_string();
-    }
-    let what = machine.describe(machine.tasks[task].waiting);
-    match what.as_str() {
-        "condition" => match form_of(system, task) {
-            Some(span) => shortened(&condition_text(system.program.sources.text_of(span))),
-            None => what,
-        },
-        _ => what,
-    }
-}
-
-/// The condition of a `wait-for` or `whenever`, which stands first in it.
-fn condition_text(form: &str) -> String {
-    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
-    let (roots, _) = read(form, SourceId(0), &mut symbols, &mut tree);
-    let condition = roots.first().and_then(|&root| tree.items(root).get(1).copied());
-    condition.map_or_else(|| one_line(form), |condition| print(&tree, &symbols, condition))
-}
-
-/// The form a task is in.
-pub fn form_of(system: &System<Robot>, task: u32) -> Option<Span> {
-    let frame = system.machine.tasks[task].frame;
-    let code = system.program.codes.get(frame.code as usize)?;
-    code.spans.get((frame.pc as usize).saturating_sub(1)).copied()
+    lines
 }
 
 /// Fluents with a name and their values; all, or those whose name holds a word.
@@ -132,27 +116,35 @@ pub fn value_text(system: &System<Robot>, value: Value) -> String {
     shortened(&system.machine.write(&system.program, value))
 }
 
-/// The beginning of a long text.
-pub fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_VALUE) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_string(),
-    }
-}
-
 /// A text without line breaks.
 pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Where the stepper stands: time, task, the form in its text, and the variables around it.
-pub fn stop(session: &Session, stop: &Stop, colour: bool) -> Vec<String> {
+/// Texts a user does not step through: the prompt's own loop, and the macros of the library.
+const HIDDEN: &[&str] = &["session", "prelude"];
+
+/// Whether a user wants to see a stop.
+pub fn is_shown(system: &System<Robot>, stop: &Stop) -> bool {
+    !is_hidden(system, stop.span)
+}
+
+/// Whether a place lies in a text that users do not step through.
+pub fn is_hidden(system: &System<Robot>, span: Span) -> bool {
+    HIDDEN.contains(&&*system.program.sources.get(span.source).name)
+}
+
+/// Where the stepper stands: time, task, the form in its text, and the variables around it. Lines
+/// of the text are cut at a width.
+pub fn stop(session: &Session, stop: &Stop, colour: bool, width: usize) -> Vec<String> {
     let system = &session.branch.system;
     let machine = &system.machine;
     let Some(task) = machine.tasks.find_alive(stop.task) else { return Vec::new() };
     let place = system.program.sources.place(stop.span);
-    let mut lines = vec![format!("{:.3} s  {}  {place}", machine.now_s(), machine.path(task))];
-    lines.extend(marked(&system.program.sources, stop.span, colour));
+    let (time, place) = (format!("{:.3} s", machine.now_s()), place.to_string());
+    let room = width.saturating_sub(time.chars().count() + place.chars().count() + 4);
+    let mut lines = vec![format!("{time}  {}  {place}", events::shortened(&machine.path(task), room))];
+    lines.extend(marked(&system.program.sources, stop.span, colour, width));
     if let Some((_, variables)) = machine.variables(&system.program, task).first()
         && !variables.is_empty()
     {
@@ -164,8 +156,16 @@ pub fn stop(session: &Session, stop: &Stop, colour: bool) -> Vec<String> {
     lines
 }
 
+/// Columns before the text of a line.
+const MARGIN: usize = 8;
+
+/// As much of a line as fits.
+fn cut(line: &str, width: usize) -> &str {
+    line.char_indices().nth(width).map_or(line, |(end, _)| &line[..end])
+}
+
 /// The lines around a form, with the form marked: in reverse with colours, else underlined.
-fn marked(sources: &Sources, span: Span, colour: bool) -> Vec<String> {
+fn marked(sources: &Sources, span: Span, colour: bool, width: usize) -> Vec<String> {
     let text = &sources.get(span.source).text;
     let (first, _) = sources.line_column(Span { end: span.start, ..span });
     let (start, end) = (span.start as usize, span.end as usize);
@@ -178,7 +178,7 @@ fn marked(sources: &Sources, span: Span, colour: bool) -> Vec<String> {
         if number + LINES_AROUND < first || number > last + LINES_AROUND {
             continue;
         }
-        let line = line.trim_end_matches(['\n', '\r']);
+        let line = cut(line.trim_end_matches(['\n', '\r']), width.saturating_sub(MARGIN));
         let clamp = |at: usize| at.clamp(line_start, line_start + line.len()) - line_start;
         let (from, to) = (line.floor_char_boundary(clamp(start)), line.floor_char_boundary(clamp(end)));
         let has_mark = from < to;

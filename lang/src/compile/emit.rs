@@ -61,13 +61,18 @@ pub(super) fn emit(compiler: &mut Compiler<'_>, function: &Function, outer: &[(V
     compiler.add_code(code)
 }
 
-/// Code that runs codes without parameters one after the other, with the last one's value.
-pub(super) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span)]) -> Code {
+/// Code that runs codes without parameters one after the other, with the last one's value or a
+/// constant's.
+pub(super) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span)], value: Option<u32>) -> Code {
     let mut ops = vec![Op::Nil(0)];
     let mut spans = vec![span];
     for &(code, place) in calls {
         ops.push(Op::CallCode(0, code));
         spans.push(place);
+    }
+    if let Some(constant) = value {
+        ops.push(Op::Const(0, constant));
+        spans.push(span);
     }
     ops.push(Op::Return(0));
     spans.push(span);

@@ -258,10 +258,13 @@ impl<'a> Compiler<'a> {
         let name = self.symbols.intern("main");
         self.predeclare(forms);
         let mut bodies = Vec::new();
+        let mut defined = None;
         for &form in forms {
+            let before = (bodies.len(), self.definitions.len());
             self.top_level(form, &mut bodies);
+            defined = self.only_defined(form, before, &bodies);
         }
-        let (main, tests) = self.emit_main(name, bodies, span);
+        let (main, tests) = self.emit_main(name, bodies, defined, span);
         self.check_undefined();
         self.check_classes();
         self.check_calls();
@@ -277,9 +280,28 @@ impl<'a> Compiler<'a> {
         Compiled { main, tests, diagnostics: self.diagnostics, resolved }
     }
 
-    /// One code that runs each form's code in turn: a form is a plan body of its own. One more for
-    /// each test, which runs the definitions and then the test.
-    fn emit_main(&mut self, name: Symbol, bodies: Vec<TopLevel>, span: Span) -> (u32, Vec<Test>) {
+    /// The name a top-level form defines if there is nothing to run in it: that is its value.
+    /// `before` counts the bodies and definitions before it.
+    fn only_defined(&self, form: NodeId, before: (usize, usize), bodies: &[TopLevel]) -> Option<Symbol> {
+        let (bodies, definitions) = (&bodies[before.0..], &self.definitions[before.1..]);
+        let is_test = |body: &TopLevel| matches!(body, TopLevel::Test(..));
+        if !bodies.iter().all(is_test) || bodies.is_empty() && definitions.is_empty() {
+            return None;
+        }
+        let named = self.tree.items(form).get(1).and_then(|&name| self.tree.symbol(name));
+        named.or_else(|| definitions.last().map(|definition| definition.name))
+    }
+
+    /// One code that runs each form's code in turn: a form is a plan body of its own. Its value is
+    /// that of the last, or what the last one `defined`. One more for each test, which runs the
+    /// definitions and then the test.
+    fn emit_main(
+        &mut self,
+        name: Symbol,
+        bodies: Vec<TopLevel>,
+        defined: Option<Symbol>,
+        span: Span,
+    ) -> (u32, Vec<Test>) {
         let (mut calls, mut definitions, mut forms) = (Vec::new(), Vec::new(), Vec::new());
         for body in bodies {
             match body {
@@ -299,12 +321,13 @@ impl<'a> Compiler<'a> {
                 }
             }
         }
-        let main = self.add_code(emit::sequence(name, span, &calls));
+        let defined = defined.map(|name| self.constant(Constant::Symbol(name)));
+        let main = self.add_code(emit::sequence(name, span, &calls, defined));
         let tests = forms
             .into_iter()
             .map(|(form, call)| {
                 let calls = [definitions.as_slice(), &[call]].concat();
-                form.with_code(self.add_code(emit::sequence(name, span, &calls)))
+                form.with_code(self.add_code(emit::sequence(name, span, &calls, None)))
             })
             .collect();
         (main, tests)

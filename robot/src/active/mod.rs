@@ -7,7 +7,7 @@
 //! again until the robot knows where it is. It commands no wheels: it says what it wants.
 //!
 //! Read in this order: `parameters`, `action` (the grid of actions), `occupancy` (Eq. 7), `cost`
-//! (Eq. 8), `entropy` (Eq. 6), `choice` (Eq. 9), `exact` (the oracle), `controller`.
+//! (Eq. 8), `entropy` (Eq. 6), `choice` (Eq. 9), `exact` (the oracle), `controller`; and `sensing` (where to look, Fox, Burgard, Thrun Eq. 13).
 
 mod action;
 mod choice;
@@ -17,6 +17,7 @@ mod entropy;
 mod exact;
 mod occupancy;
 mod parameters;
+mod sensing;
 #[cfg(test)]
 mod tests;
 
@@ -25,3 +26,4 @@ pub use choice::{ActionField, Choice, choose};
 pub use controller::{ActiveLocalization, Intent};
 pub use exact::{ExactChoice, choose_exactly};
 pub use parameters::{ActiveParameters, Exploration};
+pub use sensing::{Direction, SensingChoice, SensingModel};

@@ -58,7 +58,7 @@ pub struct ActiveParameters {
     ///
     /// # Deviation
     /// Beetz et al. (§3.2) wait for the same 0.8. But a certainty of 0.8 is wrong once in five times,
-    /// and of two mirror poses one easily has that much; at 0.95 wrong recoveries are rare.
+    /// and of two mirror poses one easily has that much; at 0.9 for a while wrong recoveries are rare.
     pub found_certainty: f64,
     /// ... at so many updates in a row.
     pub confirmations: u32,
@@ -92,7 +92,7 @@ impl Default for ActiveParameters {
             concentrated_mass: 0.6,
             max_wander_m: 20.0,
             certainty: 0.8,
-            found_certainty: 0.95,
+            found_certainty: 0.9,
             confirmations: 8,
             arrival_m: 0.4,
             changed_mass: 0.3,

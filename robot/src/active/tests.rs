@@ -174,7 +174,8 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
     let mut localization = Localization::start_uniform(&model);
     let mut active = start(&model, &mut localization);
     let scan = scan_at(&model, START);
-    localization.observe(&model, Pose::default(), Some(&scan));
+    // Two scans, so that there are maxima to choose by.
+    (0..25).for_each(|_| _ = localization.observe(&model, Pose::default(), Some(&scan)));
     assert_eq!(
         active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0),
         Intent::Explore(Exploration::Wander)

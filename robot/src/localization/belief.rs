@@ -116,6 +116,13 @@ impl Belief {
         &self.planes
     }
 
+    /// Bytes of planes that an earlier belief does not share.
+    pub(super) fn bytes_apart(&self, earlier: &Self) -> usize {
+        let pairs = self.planes.iter().zip(&earlier.planes);
+        let apart = pairs.filter(|(plane, earlier)| !Arc::ptr_eq(&plane.cells, &earlier.cells));
+        apart.map(|(plane, _)| size_of_val(plane.cells.as_slice())).sum()
+    }
+
     /// Planes that take part in updates.
     pub fn active_planes(&self) -> usize {
         self.planes.iter().filter(|plane| plane.is_active()).count()

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Estimate {
     /// The mode of the belief, carried on by odometry since the last update.
     pub pose_in_map: Pose,
-    /// Probability within 0.5 m and 15° of the mode.
+    /// Probability that the true pose is within 0.5 m and 15° of it.
     pub certainty: f64,
 }
 
@@ -98,8 +98,10 @@ impl Localization {
 
     /// What the coarse belief gives the mode.
     fn agreement(&self, model: &LocalizationModel) -> f64 {
-        match (&self.watch, &model.watch) {
-            (Some(watch), Some(coarse)) => watch.mass_of_cells_near(coarse, self.mode.pose_in_map),
+        match (&self.watch, &model.watch, &model.parameters.watch) {
+            (Some(watch), Some(coarse), Some(parameters)) => {
+                watch.mass_within(coarse, self.mode.pose_in_map, parameters.near_m, parameters.near_rad)
+            }
             _ => 1.0,
         }
     }
@@ -192,7 +194,7 @@ impl Localization {
         let scan: Scan = scan.iter().enumerate().map(beam).collect();
         watch.advance(coarse, motion);
         watch.sense(coarse, &scan);
-        self.agreed = watch.mass_of_cells_near(coarse, self.mode.pose_in_map);
+        self.agreed = watch.mass_within(coarse, self.mode.pose_in_map, parameters.near_m, parameters.near_rad);
         if self.agreed < parameters.agreement * self.mode.mass {
             self.belief = Belief::resampled(model, watch, coarse);
             self.mode = self.belief.mode(model);
@@ -221,12 +223,14 @@ impl Localization {
     }
 
     /// Where the robot is; costs nothing, the mode is found at each update.
-    pub fn estimate(&self, _model: &LocalizationModel) -> Estimate {
+    pub fn estimate(&self, model: &LocalizationModel) -> Estimate {
         let pose_in_map = match (self.updated_at_in_odom, self.observed_at_in_odom) {
             (Some(updated), Some(observed)) => self.mode.pose_in_map.compose(observed.relative_to(updated)),
             _ => self.mode.pose_in_map,
         };
-        Estimate { pose_in_map, certainty: self.mode.mass.min(self.agreed) }
+        let share = self.mode.mass.min(self.agreed);
+        let calibration = model.parameters.calibration.as_ref();
+        Estimate { pose_in_map, certainty: calibration.map_or(share, |calibration| calibration.certainty(share)) }
     }
 
     /// How often the belief was updated.
@@ -266,6 +270,15 @@ impl Localization {
     /// The sum of the belief, 1 but for rounding.
     pub fn mass(&self, model: &LocalizationModel) -> f64 {
         self.belief.mass(model)
+    }
+
+    /// Bytes of planes that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        let watch = match (&self.watch, &earlier.watch) {
+            (Some(watch), Some(earlier)) => watch.bytes_apart(earlier),
+            (Some(_) | None, _) => 0,
+        };
+        self.belief.bytes_apart(&earlier.belief) + watch
     }
 
     /// The belief itself.

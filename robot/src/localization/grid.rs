@@ -61,9 +61,7 @@ impl BeliefGrid {
         let first = |origin: f64, middle: f64, count: usize| {
             if centred { middle - (count as f64 - 1.0) / 2.0 * cell_m } else { origin + cell_m / 2.0 }
         };
-        let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
-        let step_deg = beams_deg.iter().copied().fold(angle_step_deg, greatest_common_divisor);
-        Self {
+        let cells = Self {
             cell_m,
             origin_in_map: Point::new(
                 first(map.origin_in_map.x, middle(map.origin_in_map.x, map.columns), columns),
@@ -72,8 +70,20 @@ impl BeliefGrid {
             columns,
             rows,
             headings: (360 / angle_step_deg) as usize,
+            directions: 0,
+            bearings: Vec::new(),
+        };
+        cells.with_beams(beams_deg)
+    }
+
+    /// The same cells for scans of these beams.
+    pub(super) fn with_beams(&self, beams_deg: &[i32]) -> Self {
+        let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
+        let step_deg = beams_deg.iter().copied().fold(360 / self.headings as u32, greatest_common_divisor);
+        Self {
             directions: (360 / step_deg) as usize,
             bearings: beams_deg.iter().map(|bearing| (bearing / step_deg) as usize).collect(),
+            ..self.clone()
         }
     }
 

@@ -7,9 +7,11 @@
 //! moves the robot.
 //!
 //! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
-//! `plane`, `belief`, `weigh`, `summary` (the belief), and `filter` (the state others use).
+//! `plane`, `belief`, `weigh`, `summary` (the belief), `calibration`, `filter` (the state others use),
+//! and `reading` (one belief read by several sensors, beam by beam).
 
 mod belief;
+mod calibration;
 mod filter;
 mod grid;
 mod kernel;
@@ -17,6 +19,7 @@ mod model;
 mod parameters;
 mod plane;
 mod ray;
+mod reading;
 mod sensor;
 mod simd;
 mod summary;
@@ -25,6 +28,7 @@ mod tests;
 mod weigh;
 
 pub use belief::Belief;
+pub use calibration::Calibration;
 pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
 pub use model::{LocalizationModel, ModelError};
@@ -33,6 +37,7 @@ pub use parameters::{
 };
 pub use plane::{Activity, Plane};
 pub use ray::DistanceField;
+pub use reading::{Offness, ReadingModel, StateShare};
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{MAX_BEAMS, NO_ECHO, SensorModel};
 pub use simd::Instructions;

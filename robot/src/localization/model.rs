@@ -2,7 +2,7 @@
 
 use super::grid::{BeliefGrid, State};
 use super::kernel::TILE;
-use super::parameters::LocalizationParameters;
+use super::parameters::{LocalizationParameters, SensorParameters};
 use super::ray::DistanceField;
 use super::sensor::{self, BINS, MAX_BEAMS, SensorModel};
 use super::simd::Instructions;
@@ -70,37 +70,59 @@ impl LocalizationModel {
         if !(parameters.cell_m.is_finite() && parameters.cell_m >= map.resolution_m - 1e-9) {
             return Err(ModelError::CellSize(map.resolution_m.to_string()));
         }
-        let beams = parameters.beams_deg.len();
-        if beams == 0 || beams > MAX_BEAMS {
-            return Err(ModelError::Beams(beams));
-        }
+        check_beams(&parameters.beams_deg)?;
         let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred, &parameters.beams_deg);
         let distances = DistanceField::new(map);
         let admissible = admissible_cells(map, &distances, &grid, parameters.clearance_m);
-        let count = admissible.iter().filter(|&&cell| cell > 0.0).count();
-        if count == 0 {
+        if admissible.iter().all(|&cell| cell == 0.0) {
             return Err(ModelError::NoFreeCell);
         }
-        let expected = expected_bins(&distances, &grid, &admissible, &parameters);
-        let sensor = SensorModel::new(&parameters.sensor, parameters.tempering);
         let watch = match parameters.of_watch() {
             Some(coarse) => Some(Box::new(Self::new(map, coarse)?)),
             None => None,
         };
+        let tables = Self::tables(parameters, grid, distances, Arc::new(admissible));
+        Ok(Self { watch, ..tables })
+    }
+
+    /// The same cells read by another sensor: `seen` is the map of what it sees. A belief over one of
+    /// the two models is one over the other.
+    ///
+    /// # Errors
+    /// When a scan has no beams or too many.
+    pub fn with_sensor(
+        &self,
+        seen: &OccupancyGrid,
+        sensor: SensorParameters,
+        beams_deg: Vec<i32>,
+    ) -> Result<Self, ModelError> {
+        check_beams(&beams_deg)?;
+        let grid = self.grid.with_beams(&beams_deg);
+        let parameters = LocalizationParameters { sensor, beams_deg, watch: None, ..self.parameters.clone() };
+        Ok(Self::tables(parameters, grid, DistanceField::new(seen), self.admissible.clone()))
+    }
+
+    /// The tables of one sensor over cells that can be stood in.
+    fn tables(
+        parameters: LocalizationParameters,
+        grid: BeliefGrid,
+        distances: DistanceField,
+        admissible: Arc<Vec<f32>>,
+    ) -> Self {
         let mut model = Self {
+            expected: expected_bins(&distances, &grid, &admissible, &parameters),
+            sensor: SensorModel::new(&parameters.sensor, parameters.tempering),
+            admissible_cells: admissible.iter().filter(|&&cell| cell > 0.0).count(),
             parameters,
             grid,
-            sensor,
             distances,
-            admissible: Arc::new(admissible),
-            admissible_cells: count,
-            expected,
+            admissible,
             instructions: Instructions::fastest(),
             samples: Vec::new(),
-            watch,
+            watch: None,
         };
         model.samples = model.draw_samples();
-        Ok(model)
+        model
     }
 
     /// Memory that the tables and a belief on this map will take, without building them: two copies
@@ -144,7 +166,7 @@ impl LocalizationModel {
         &self.expected[tile * self.grid.directions..][..self.grid.directions]
     }
 
-    fn expected_bin(&self, direction: usize, cell: usize) -> u8 {
+    pub(super) fn expected_bin(&self, direction: usize, cell: usize) -> u8 {
         self.expected_tile(cell / TILE)[direction][cell % TILE]
     }
 
@@ -191,6 +213,13 @@ impl LocalizationModel {
         };
         let total: f64 = self.samples.iter().map(|sample| self.sensor.weight(sum(sample))).sum();
         total / self.samples.len() as f64
+    }
+}
+
+fn check_beams(beams_deg: &[i32]) -> Result<(), ModelError> {
+    match beams_deg.len() {
+        1..=MAX_BEAMS => Ok(()),
+        beams => Err(ModelError::Beams(beams)),
     }
 }
 

@@ -106,10 +106,19 @@ pub(crate) fn components(parameters: &SensorParameters, expected: usize) -> [Vec
         silence.clone()
     } else {
         let sigma_m = parameters.sigma_m + parameters.sigma_per_m * centre_m(expected);
-        normalized((0..no_echo).map(|bin| {
+        let density = |bin: usize| {
             let away = (centre_m(bin) - centre_m(expected) - parameters.wall_depth_m) / sigma_m;
             libm::exp(-0.5 * away * away)
-        }))
+        };
+        let mut hit = normalized((0..no_echo).map(density));
+        if parameters.fades {
+            let within: f64 = (0..no_echo).map(density).sum();
+            let beyond: f64 = (no_echo..2 * no_echo).map(density).sum();
+            let share = beyond / (within + beyond);
+            hit.iter_mut().for_each(|value| *value *= 1.0 - share);
+            hit[no_echo] = share;
+        }
+        hit
     };
     let short = normalized((0..expected).map(|bin| libm::exp(-centre_m(bin) / parameters.short_mean_m)));
     [hit, vec![1.0 / BINS as f64; BINS], short, silence]
@@ -139,6 +148,16 @@ mod tests {
             let peak = (0..255).max_by(|&a, &b| density[a].total_cmp(&density[b]));
             assert!(peak.is_some_and(|peak| peak.abs_diff(expected) <= 1));
         }
+    }
+
+    #[test]
+    fn half_of_what_lies_at_the_end_of_a_range_that_fades_is_not_seen() {
+        let parameters = SensorParameters { fades: true, ..SensorParameters::default() };
+        let [hit, ..] = components(&parameters, 254);
+        assert!((hit.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((0.4..0.6).contains(&hit[usize::from(NO_ECHO)]), "{}", hit[usize::from(NO_ECHO)]);
+        let [hit, ..] = components(&parameters, 100);
+        assert!(hit[usize::from(NO_ECHO)] < 1e-9);
     }
 
     #[test]

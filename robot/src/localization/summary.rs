@@ -90,13 +90,14 @@ impl Belief {
         self.mass_within(model, pose_in_map, NEAR_M, NEAR_RAD)
     }
 
-    /// Probability of all cells that reach within 0.5 m and 15° of a pose.
-    pub(super) fn mass_of_cells_near(&self, model: &LocalizationModel, pose_in_map: Pose) -> f64 {
-        let (radius_m, angle_rad) = (NEAR_M + model.grid.cell_m, NEAR_RAD + model.grid.angle_step_rad());
-        self.mass_within(model, pose_in_map, radius_m, angle_rad)
-    }
-
-    fn mass_within(&self, model: &LocalizationModel, pose_in_map: Pose, radius_m: f64, angle_rad: f64) -> f64 {
+    /// Probability within a distance and an angle of a pose.
+    pub(super) fn mass_within(
+        &self,
+        model: &LocalizationModel,
+        pose_in_map: Pose,
+        radius_m: f64,
+        angle_rad: f64,
+    ) -> f64 {
         let mut mass = 0.0;
         self.visit_near(model, pose_in_map, radius_m, angle_rad, |_, _, value| mass += value);
         mass

@@ -163,6 +163,16 @@ struct Fields {
     around: Arc<ValueField>,
 }
 
+impl FieldCache {
+    fn bytes_apart(&self, earlier: &Self) -> usize {
+        let Some(CachedFields { fields, .. }) = &self.0 else { return 0 };
+        let known: Vec<&Arc<ValueField>> =
+            earlier.0.iter().flat_map(|cached| [&cached.fields.mapped, &cached.fields.around]).collect();
+        let is_new = |field: &&Arc<ValueField>| !known.iter().any(|known| Arc::ptr_eq(known, field));
+        [&fields.mapped, &fields.around].into_iter().filter(is_new).map(|field| field.bytes()).sum()
+    }
+}
+
 impl PartialEq for FieldCache {
     /// A cache is what it was computed from, which is compared elsewhere.
     fn eq(&self, _: &Self) -> bool {
@@ -216,6 +226,11 @@ const JUMP_RAD: f64 = 0.5;
 const MAP_SUPPORT_M: f64 = 1.2;
 
 impl Navigation {
+    /// Bytes of planned ways that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        self.cache.bytes_apart(&earlier.cache)
+    }
+
     /// Begins to drive to these targets, in order, instead of any others. What the sensors saw and
     /// which doors were found closed is kept.
     pub fn start(&mut self, targets: Vec<Target>) {

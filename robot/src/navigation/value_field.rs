@@ -46,6 +46,11 @@ impl ValueField {
         Self { grid, target_in_map, values }
     }
 
+    /// Bytes of its values.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.values.as_slice())
+    }
+
     /// The target, where the robot fits.
     pub fn target_in_map(&self) -> Option<Point> {
         self.target_in_map

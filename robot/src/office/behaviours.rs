@@ -61,7 +61,7 @@ pub const FLUENTS: &[FluentSpec] = &[
     FluentSpec { name: "o*", doc: "Estimated heading, in radians counter-clockwise from the map's x axis." },
     FluentSpec {
         name: "pos-certainty*",
-        doc: "Probability that the position is within 0.5 m and 15° of the estimate.",
+        doc: "Probability that the position is within 0.5 m and 15° of the estimate; calibrated, so that 0.8 is right four times in five.",
     },
     FluentSpec { name: "navigation-active?*", doc: "True while a navigation plan is executed." },
     FluentSpec { name: "nr-of-nav-goals*", doc: "Target points not yet reached." },

@@ -209,6 +209,12 @@ impl OfficeRobot {
         self.board.is_localizing()
     }
 
+    /// Bytes of belief and plans of the way that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        let (now, earlier) = (&self.board, &earlier.board);
+        now.localization.bytes_apart(&earlier.localization) + now.navigation.bytes_apart(&earlier.navigation)
+    }
+
     /// The percept of the last step.
     pub fn percept(&self) -> Option<&Percept> {
         self.board.percept.as_ref()

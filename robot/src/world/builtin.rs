@@ -2,7 +2,7 @@
 
 use super::{World, WorldError};
 
-const WORLDS: [(&str, &str); 17] = [
+const WORLDS: [(&str, &str); 18] = [
     ("dept", include_str!("../../worlds/dept.toml")),
     (
         "dept-furnished",
@@ -22,15 +22,17 @@ const WORLDS: [(&str, &str); 17] = [
     ("gallery", include_str!("../../worlds/gallery.toml")),
     ("ring", include_str!("../../worlds/ring.toml")),
     ("school", include_str!("../../worlds/school.toml")),
+    ("sensing", concat!(include_str!("../../worlds/corridor.toml"), include_str!("../../worlds/sensing.toml"))),
     ("test-room", include_str!("../../worlds/test-room.toml")),
 ];
 
 impl World {
     /// A world by its name: `dept`, the department of Beetz, Burgard, Fox and Cremers;
     /// `dept-furnished`, the same with people, and furniture that is in no map; `dept-staffed` and
-    /// `dept-crowded`, the same with six and with twenty people; `corridor`, its corridor with all doors closed, and
-    /// `corridor-crowded` with twenty people in it; ten other buildings from
-    /// `flat` to `warehouse`; `test-room`, two small rooms for quick trials.
+    /// `dept-crowded`, the same with six and with twenty people; `corridor`, its corridor with all
+    /// doors closed, `corridor-crowded` with twenty people in it, and `sensing` with a box only the
+    /// sonars see; ten other buildings from `flat` to `warehouse`; `test-room`, two small rooms for
+    /// quick trials.
     pub fn builtin(name: &str) -> Option<World> {
         let mut world = Self::parse_builtin(name)?.ok()?;
         // Some are the text of another with more to it, its name included.

@@ -1,8 +1,8 @@
 //! The robot's map of a world.
 
 use super::check::ROBOT_RADIUS_M;
-use super::solid::{Origin, Outline};
-use super::{Rect, World};
+use super::solid::{Origin, Outline, Solid};
+use super::{Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 
@@ -15,33 +15,30 @@ impl World {
     /// a mapped object or a door mapped as closed reaches into are occupied, those that cannot be
     /// reached from the start, a room or a place are unknown. Cost: cells + outline length.
     pub fn map(&self, resolution_m: f64) -> OccupancyGrid {
-        let (columns, rows) = self.cells(resolution_m);
-        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free), |origin| {
-            self.is_mapped(origin)
-        })
+        self.draw(self.origin_in_map, resolution_m, |solid| self.is_mapped(solid.origin))
     }
 
     /// What really stands there, whatever the map says, on the grid of [`World::map`]: walls, all
     /// objects, and the doors that are not open. Cost: as for the map.
     pub fn floor(&self, resolution_m: f64, is_open: impl Fn(usize) -> bool) -> OccupancyGrid {
-        let (columns, rows) = self.cells(resolution_m);
-        self.draw(OccupancyGrid::filled(self.origin_in_map, resolution_m, columns, rows, Cell::Free), |origin| {
-            match origin {
-                Origin::Door(index) => !is_open(index),
-                Origin::Wall | Origin::Object(_) => true,
-            }
+        self.draw(self.origin_in_map, resolution_m, |solid| match solid.origin {
+            Origin::Door(index) => !is_open(index),
+            Origin::Wall | Origin::Object(_) => true,
         })
     }
 
     /// The same map on a grid centred on the middle of the world, so that the pose mirrored by 180°
     /// falls on the mirrored cell: (column, row) on (columns − 1 − column, rows − 1 − row).
     pub fn map_centred(&self, resolution_m: f64) -> OccupancyGrid {
+        self.map_centred_seen(resolution_m, |_| true)
+    }
+
+    /// The centred map of what some sensor sees: mapped objects that are not `seen` are left out.
+    pub fn map_centred_seen(&self, resolution_m: f64, seen: impl Fn(SeenBy) -> bool) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
         let half = Vector::new(columns as f64, rows as f64) * (resolution_m / 2.0);
         let origin_in_map = self.bounds().centre() - half;
-        self.draw(OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free), |origin| {
-            self.is_mapped(origin)
-        })
+        self.draw(origin_in_map, resolution_m, |solid| self.is_mapped(solid.origin) && seen(solid.seen_by))
     }
 
     fn cells(&self, resolution_m: f64) -> (usize, usize) {
@@ -58,8 +55,10 @@ impl World {
         }
     }
 
-    fn draw(&self, mut grid: OccupancyGrid, is_there: impl Fn(Origin) -> bool) -> OccupancyGrid {
-        for solid in self.solids().iter().filter(|solid| is_there(solid.origin)) {
+    fn draw(&self, origin_in_map: Point, resolution_m: f64, is_there: impl Fn(&Solid) -> bool) -> OccupancyGrid {
+        let (columns, rows) = self.cells(resolution_m);
+        let mut grid = OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free);
+        for solid in self.solids().iter().filter(|solid| is_there(solid)) {
             occupy(&mut grid, &solid.outline);
         }
         self.forget_unrecorded(&mut grid);

@@ -339,3 +339,16 @@ fn a_door_cuts_its_wall_and_nothing_else() {
     assert!((distance_m(2.65) - 0.1).abs() < 1e-9);
     assert_eq!(distance_m(2.5), 0.0);
 }
+
+#[test]
+fn the_corridor_for_sensing_is_symmetric_to_the_laser_and_has_a_box_for_the_sonars() {
+    let world = World::builtin("sensing").expect("a built-in world");
+    let laser = world.map_centred_seen(0.05, |seen_by| seen_by.laser);
+    let sonar = world.map_centred_seen(0.05, |seen_by| seen_by.sonar);
+    assert_eq!(sonar, world.map_centred(0.05));
+    let differ: Vec<usize> = (0..laser.cells.len()).filter(|&index| laser.cells[index] != sonar.cells[index]).collect();
+    assert!((0..laser.cells.len()).all(|index| laser.cells[index] == laser.cells[laser.cells.len() - 1 - index]));
+    // The box is 1.0 x 0.5 m.
+    assert_eq!(differ.len(), 200);
+    assert!(differ.iter().all(|&index| sonar.cells[index] == Cell::Occupied));
+}

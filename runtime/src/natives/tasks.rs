@@ -128,7 +128,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.tasks.find_alive(task).is_none() {
         return Ok(Reply::Value(Value::Nil));
     }
-    call.machine.check_circle(current, index, Waiting::Death(index))?;
+    call.machine.check_circle(call.around.program, current, index, Waiting::Death(index))?;
     let me = call.machine.tasks.reference(current);
     call.machine.tasks[index].rare().mourners.push(me);
     call.machine.tasks[current].waiting = Waiting::Death(index);

@@ -112,6 +112,8 @@ fn the_trace_of_the_interrupted_delivery() {
         | EventKind::Return
         | EventKind::Blocked
         | EventKind::Woken
+        | EventKind::Suspended
+        | EventKind::Resumed
         | EventKind::Failed
         | EventKind::Handled
         | EventKind::Log

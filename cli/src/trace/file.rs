@@ -1,10 +1,34 @@
-//! The trace as JSON Lines: one object per event.
+//! The trace as JSON Lines: a header that says of which run, then one object for each event.
 
 use rpl_runtime::trace::Event;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+
+/// The version of the lines that are written.
+pub const VERSION: u64 = 1;
+
+/// The first line: which run this is.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// The version of the lines.
+    #[serde(rename = "trace")]
+    pub version: u64,
+    /// The plan's file.
+    #[serde(default)]
+    pub plan: String,
+    /// The world, if there is one.
+    #[serde(default)]
+    pub world: Option<String>,
+    /// The scenario's file, if there is one.
+    #[serde(default)]
+    pub scenario: Option<String>,
+    /// Seed of every random stream.
+    #[serde(default)]
+    pub seed: u64,
+}
 
 /// A trace file being written.
 pub struct TraceFile {
@@ -12,12 +36,14 @@ pub struct TraceFile {
 }
 
 impl TraceFile {
-    /// An empty file.
+    /// A file with its header.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn create(path: &Path) -> io::Result<Self> {
-        Ok(Self { out: BufWriter::new(File::create(path)?) })
+    pub fn create(path: &Path, header: &Header) -> io::Result<Self> {
+        let mut out = BufWriter::new(File::create(path)?);
+        writeln!(out, "{}", serde_json::to_string(header)?)?;
+        Ok(Self { out })
     }
 
     /// Adds an event.
@@ -38,7 +64,7 @@ impl TraceFile {
 }
 
 /// `{"time_s":…,"seq":…,"task":…,"kind":…,…}` with the details in their order.
-fn line(event: &Event) -> String {
+pub(super) fn line(event: &Event) -> String {
     let head = [
         ("time_s", json!(event.time_us as f64 / 1e6)),
         ("seq", json!(event.sequence)),
@@ -50,8 +76,10 @@ fn line(event: &Event) -> String {
     let taken: Vec<&str> = head.iter().map(|&(name, _)| name).collect();
     let mut details = Map::new();
     for (name, value) in &event.details {
-        let free = !taken.contains(&name.as_str()) && !details.contains_key(name);
-        let name = if free { name.clone() } else { format!("{name}_") };
+        let mut name = name.clone();
+        while taken.contains(&name.as_str()) || details.contains_key(&name) {
+            name.push('_');
+        }
         fields.push(format!("{}:{}", json!(name), json!(value)));
         details.insert(name, Value::Null);
     }

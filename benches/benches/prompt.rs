@@ -1,0 +1,142 @@
+//! Going back in time: a ten-minute mission recorded as the prompt does, and earlier instants of it
+//! taken back at random. Each is compared with what it was when it was the present.
+//!
+//! All on one thread, in processor time, so that other work on the machine does not count.
+
+use rpl_benches::{Question, Report, processor_ns, processor_ns_lately, resident_bytes};
+use rpl_lang::compile::NoFiles;
+use rpl_robot::geometry::Pose;
+use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
+use rpl_robot::random::Stream;
+use rpl_robot::world::World;
+use rpl_runtime::library::Library;
+use rpl_runtime::system::System;
+use rpl_runtime::timeline::Timeline;
+use std::sync::Arc;
+use std::time::Duration;
+
+const MISSION: &str = "
+(dotimes (i 60)
+  (let ((place (nth (random 6) '(mail-slots wolframs-shelf a-desk c-centre d-centre west-end))))
+    (ignore-failures (blocked unreachable) (go-to place))))";
+const MISSION_US: u64 = 600_000_000;
+
+/// Instants that are taken back.
+const INSTANTS: usize = 200;
+
+/// Processor time of this thread as of the last tick.
+fn computed_lately() -> Duration {
+    Duration::from_nanos(processor_ns_lately().unwrap_or_default())
+}
+
+/// Processor time of this thread so far.
+fn computed() -> Duration {
+    Duration::from_nanos(processor_ns().unwrap_or_default())
+}
+
+/// What is looked at of an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Glance {
+    now_us: u64,
+    robot_in_map: Pose,
+}
+
+fn glance(system: &System<OfficeRobot>) -> Glance {
+    Glance { now_us: system.machine.now_us, robot_in_map: system.outside.true_pose_in_map() }
+}
+
+fn mission(start_known: bool) -> System<OfficeRobot> {
+    let settings = OfficeSettings { start_known, ..OfficeSettings::default() };
+    let Some(world) = World::builtin("dept") else { panic!("the world is built in") };
+    let model = OfficeModel::new(world, settings).unwrap_or_else(|error| panic!("{error}"));
+    let model = Arc::new(model);
+    let robot = OfficeRobot::new(model.clone(), SimulatedHost::new(model.simulator.clone(), 1, None), 1);
+    let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives(), office::natives()].concat();
+    let texts = [("prelude", rpl_stdlib::PRELUDE), ("robot", office::PLANS)];
+    let library =
+        Library::new(natives, &texts, &robot, &[]).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+    let mut system =
+        System::session(&Arc::new(library), robot).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+    system.machine.seed_random(1);
+    system
+}
+
+/// Runs the mission, tells each instant, and gives the seconds it took.
+fn drive(system: &mut System<OfficeRobot>, mut each: impl FnMut(&System<OfficeRobot>, Duration)) -> f64 {
+    let began = computed();
+    while system.machine.now_us < MISSION_US {
+        let instant = computed_lately();
+        system.settle();
+        assert!(system.answer().is_none(), "the mission is too short");
+        system.next_instant();
+        system.machine.trace.take();
+        system.machine.output.clear();
+        each(system, computed_lately() - instant);
+    }
+    (computed() - began).as_secs_f64()
+}
+
+fn submit(system: &mut System<OfficeRobot>) {
+    if let Err(rejected) = system.submit("mission", MISSION, &mut NoFiles) {
+        panic!("{}", rejected.render(false));
+    }
+}
+
+/// The milliseconds of the slowest way back, and the megabytes that the history holds.
+fn measure(start_known: bool) -> [f64; 2] {
+    let mut system = mission(start_known);
+    let mut alone = system.clone();
+    submit(&mut alone);
+    let alone_s = drive(&mut alone, |_, _| {});
+    drop(alone);
+
+    let before = resident_bytes().unwrap_or(f64::NAN);
+    let mut timeline = Timeline::new(&system, OfficeRobot::bytes_apart);
+    submit(&mut system);
+    timeline.handed_in(&system);
+    let mut glances = vec![];
+    let recorded_s = drive(&mut system, |system, computing| {
+        timeline.next_instant(system, computing);
+        glances.push(glance(system));
+    });
+    let held_mb = (resident_bytes().unwrap_or(f64::NAN) - before) / 1e6;
+    println!(
+        "             {} instants in {recorded_s:.1} s ({alone_s:.1} s without a history), {} copies of {:.0} MB",
+        glances.len(),
+        timeline.copies(),
+        timeline.held_bytes() as f64 / 1e6
+    );
+
+    let mut stream = Stream::new(7, "instants");
+    let mut times_ms: Vec<f64> = Vec::new();
+    for _ in 0..INSTANTS {
+        let wanted = glances[stream.index(glances.len())];
+        let began = computed();
+        let past = timeline.at_time(wanted.now_us);
+        times_ms.push((computed() - began).as_secs_f64() * 1e3);
+        assert_eq!(glance(&past.system), wanted);
+    }
+    let sum: f64 = times_ms.iter().sum();
+    println!("             mean {:.1} ms", sum / times_ms.len() as f64);
+    [times_ms.into_iter().fold(0.0, f64::max), held_mb]
+}
+
+fn main() {
+    let report = Report::from_arguments();
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap_or_else(|error| panic!("{error}"));
+    for (start_known, name, what) in [
+        (true, "tracked", "ten minutes among places, the position known from the start"),
+        (false, "global", "the same, beginning with global localization"),
+    ] {
+        let question =
+            |unit, target, what| Question { name, what, unit, target, peers: "–", anchors: None, anchor_scale: 1.0 };
+        let mut held_mb = f64::NAN;
+        println!("{what}:");
+        report.row(question("ms", 200.0, "worst of 200 instants taken back"), || {
+            let [worst_ms, mb] = one.install(|| measure(start_known));
+            held_mb = mb;
+            worst_ms
+        });
+        report.row(question("MB", 500.0, "held by the history"), || held_mb);
+    }
+}

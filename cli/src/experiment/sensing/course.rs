@@ -1,0 +1,224 @@
+//! One run: the robot is moved, reads one direction at a time, and is compared with the truth.
+
+use super::shuttle::Shuttle;
+use super::{Policy, Sensors, Setting};
+use anyhow::{Context, Result};
+use rpl_robot::active::{Direction, SensingModel};
+use rpl_robot::geometry::{Point, Pose};
+use rpl_robot::localization::{Belief, LocalizationModel, LocalizationParameters, OdometryError, SensorParameters};
+use rpl_robot::random::Stream;
+use rpl_robot::simulator::{
+    Commands, LASER_READINGS, Percept, SimulatorModel, SimulatorSettings, laser_direction_rad, sonar_direction_rad,
+};
+use rpl_robot::world::{SeenBy, World};
+use std::sync::Arc;
+
+/// How long a run lasts.
+pub const NEVER_LONGER_US: u64 = 600_000_000;
+
+/// Time between two readings.
+pub const READ_EVERY_US: u64 = 1_000_000;
+
+/// The robot must be certain after this time.
+pub const CERTAIN_WITHIN_S: f64 = 400.0;
+
+/// Certain is this probability ...
+const CERTAIN: f64 = 0.9;
+
+/// ... of positions nearer to the true one than this.
+const NEAR_M: f64 = 0.4;
+
+/// ... held for this time: in the middle of the corridor, where no end is in sight, the position
+/// along it blurs now and then.
+pub const HELD_S: f64 = 60.0;
+
+/// States a choice looks at.
+const STATES: usize = 4096;
+
+/// Edge of a cell of the maps the expected distances are cast in.
+const SENSOR_MAP_CELL_M: f64 = 0.05;
+
+/// Everything about the corridor that does not change.
+#[derive(Debug)]
+pub struct Hall {
+    pub world: Arc<World>,
+    simulator: SimulatorModel,
+    sonar: LocalizationModel,
+    laser: LocalizationModel,
+    /// The ends of the lane.
+    ends_in_map: [Point; 2],
+}
+
+/// What was the case after a reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    pub time_s: f64,
+    /// L1 distance to the true position, weighted by the belief.
+    pub error_m: f64,
+    /// Probability within 0.4 m of the true position.
+    pub near: f64,
+}
+
+/// What a reading met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndPoint {
+    pub is_sonar: bool,
+    /// From where the robot really was.
+    pub end_in_map: Point,
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    pub seed: u64,
+    pub moments: Vec<Moment>,
+    pub readings: Vec<EndPoint>,
+    /// Probability within 0.4 m of the position mirrored at the middle of the world, at the end.
+    pub mirrored: f64,
+}
+
+impl Course {
+    /// When the robot first became certain of its true position and stayed so for a while.
+    pub fn certain_after_s(&self) -> Option<f64> {
+        let mut runs = self.moments.chunk_by(|a, b| (a.near >= CERTAIN) == (b.near >= CERTAIN));
+        let certain = |run: &&[Moment]| run[0].near >= CERTAIN && run[run.len() - 1].time_s - run[0].time_s >= HELD_S;
+        runs.find(certain).map(|run| run[0].time_s)
+    }
+
+    /// Whether that was soon enough.
+    pub fn succeeded(&self) -> bool {
+        self.certain_after_s().is_some_and(|time_s| time_s <= CERTAIN_WITHIN_S)
+    }
+}
+
+/// The equations as printed: single readings, apart in place and direction, are independent enough to
+/// count in full. θ alone is the default's, below the printed one, so that neither of two mirror poses
+/// falls behind. Odometry errs by what the simulated one does, its constant errors over some metres
+/// included.
+fn parameters() -> LocalizationParameters {
+    LocalizationParameters {
+        activity_threshold: LocalizationParameters::default().activity_threshold,
+        odometry: OdometryError {
+            forward_m: 0.04,
+            sideward_m: 0.02,
+            turn_per_metre_rad: 0.75_f64.to_radians(),
+            turn_per_radian_rad: 1.5_f64.to_radians(),
+        },
+        ..LocalizationParameters::literal()
+    }
+}
+
+/// The laser in a map of outlines: the Gaussian covers half a cell, and half a step of the heading
+/// where the ray meets a wall at a small angle.
+fn laser_sensor(max_range_m: f64) -> SensorParameters {
+    SensorParameters {
+        max_range_m,
+        wall_depth_m: 0.0,
+        sigma_m: 0.05,
+        sigma_per_m: 0.03,
+        fades: true,
+        ..SensorParameters::laser()
+    }
+}
+
+impl Hall {
+    /// The models of a corridor with places `west-end` and `east-end`.
+    ///
+    /// # Errors
+    /// The world has no such places, or no room for a robot.
+    pub fn new(world: World) -> Result<Self> {
+        let world = Arc::new(world);
+        let end = |name| world.place(name).map(|place| place.pose_in_map.point());
+        let ends_in_map = [end("west-end")?, end("east-end")?];
+        let settings = SimulatorSettings { laser: true, ..SimulatorSettings::default() };
+        let map = |seen: fn(SeenBy) -> bool| world.map_centred_seen(SENSOR_MAP_CELL_M, seen);
+        let sonar_sensor =
+            SensorParameters { max_range_m: settings.sonar_max_range_m, fades: true, ..SensorParameters::default() };
+        let standing = LocalizationModel::new(&map(|_| true).around_free(), parameters())
+            .context("the robot cannot be localized in this world")?;
+        let sonar =
+            standing.with_sensor(&map(|seen| seen.sonar), sonar_sensor, standing.parameters.beams_deg.clone())?;
+        let bearings = (0..LASER_READINGS).map(|beam| laser_direction_rad(beam).to_degrees().round() as i32);
+        let laser = standing.with_sensor(
+            &map(|seen| seen.laser),
+            laser_sensor(settings.laser_max_range_m),
+            bearings.collect(),
+        )?;
+        Ok(Self { simulator: SimulatorModel::new(world.clone(), settings), world, sonar, laser, ends_in_map })
+    }
+
+    fn models(&self, sensors: Sensors) -> Vec<&LocalizationModel> {
+        match sensors {
+            Sensors::Sonars => vec![&self.sonar],
+            Sensors::Laser => vec![&self.laser],
+            Sensors::Both => vec![&self.sonar, &self.laser],
+        }
+    }
+
+    /// What a direction of a sensor measures.
+    fn read(
+        &self,
+        model: &LocalizationModel,
+        beam: usize,
+        percept: &Percept,
+        truth_in_map: Pose,
+    ) -> Option<(f64, EndPoint)> {
+        let is_sonar = std::ptr::eq(model, &self.sonar);
+        let (range_m, bearing_rad) = if is_sonar {
+            (percept.sonar_m?[beam], sonar_direction_rad(beam))
+        } else {
+            (*percept.laser_m.as_ref()?.get(beam)?, laser_direction_rad(beam))
+        };
+        let range_m = f64::from(range_m);
+        let end = Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin());
+        Some((range_m, EndPoint { is_sonar, end_in_map: truth_in_map.transform(end) }))
+    }
+
+    /// Moves the robot, from a place on the lane that is drawn from the seed.
+    pub fn run(&self, setting: &Setting, seed: u64, until_us: u64) -> Course {
+        let models = self.models(setting.sensors);
+        let sensing = SensingModel::new(&models);
+        let mut chance = Stream::new(seed, "sensing");
+        let (mut shuttle, start_in_map) = Shuttle::start(self.ends_in_map, &mut Stream::new(seed, "shuttle"));
+        let mut state = self.simulator.start(seed);
+        state.robot_in_map = start_in_map;
+        let mut belief = Belief::uniform(models[0]);
+        let mut odometry_in_odom = state.odometry_in_odom;
+        let mut course = Course { seed, moments: Vec::new(), readings: Vec::new(), mirrored: 0.0 };
+        while state.time_us < until_us {
+            let commands = Commands { sonars_on: true, ..shuttle.commands(state.robot_in_map) };
+            let percept = self.simulator.step(&mut state, &commands);
+            if !percept.time_us.is_multiple_of(READ_EVERY_US) {
+                continue;
+            }
+            belief.moved(models[0], percept.odometry_in_odom.relative_to(odometry_in_odom));
+            odometry_in_odom = percept.odometry_in_odom;
+            let direction = choose(setting.policy, &sensing, &belief, models[0], &mut chance);
+            let model = models[direction.sensor];
+            if let Some((range_m, end)) = self.read(model, direction.beam, &percept, state.robot_in_map) {
+                belief.sense_reading(model, direction.beam, range_m);
+                course.readings.push(end);
+            }
+            let off = belief.off_from(models[0], state.robot_in_map.point(), NEAR_M);
+            course.moments.push(Moment { time_s: percept.time_us as f64 / 1e6, error_m: off.l1_m, near: off.near });
+        }
+        let middle = self.world.bounds().centre();
+        let mirrored = middle + (middle - state.robot_in_map.point());
+        course.mirrored = belief.off_from(models[0], mirrored, NEAR_M).near;
+        course
+    }
+}
+
+fn choose(
+    policy: Policy,
+    sensing: &SensingModel<'_>,
+    belief: &Belief,
+    model: &LocalizationModel,
+    chance: &mut Stream,
+) -> Direction {
+    let random = sensing.directions()[chance.index(sensing.directions().len())];
+    match policy {
+        Policy::Random => random,
+        Policy::Active => sensing.choose(&belief.drawn_states(model, STATES)).map_or(random, |choice| choice.direction),
+    }
+}

@@ -1,0 +1,66 @@
+//! The figures of the experiment, as in the paper: error over time (Fig. 9), probability of the true
+//! position (Fig. 10), and what the selected readings met (Fig. 11).
+
+use super::course::{Course, Hall, Moment};
+use super::{Policy, Rows, Sensors};
+use crate::experiment::chart::{self, Line};
+use crate::figures::{self, Figure};
+use rpl_robot::geometry::Point;
+
+/// Edge of a map cell in a drawing.
+const RESOLUTION_M: f64 = 0.05;
+
+/// Seconds between two points of a line.
+const EVERY_S: usize = 20;
+
+const KINDS: [(Sensors, &str); 3] = [(Sensors::Sonars, "sonars"), (Sensors::Laser, "laser"), (Sensors::Both, "both")];
+
+/// Names of files and what is in them.
+pub fn pictures(hall: &Hall, rows: &Rows) -> Vec<(String, String)> {
+    let mut files = Vec::new();
+    for (sensors, name) in KINDS {
+        let lines = lines(rows, sensors, |moment| moment.error_m);
+        if !lines.is_empty() {
+            let title = format!("L1 error weighted by the belief, {name}");
+            files.push((format!("error-{name}.svg"), chart::over_time(&title, "error [m]", 1.0, &lines)));
+        }
+        let lines = self::lines(rows, sensors, |moment| moment.near);
+        if !lines.is_empty() {
+            let title = format!("probability within 0.4 m of the true position, {name}");
+            files.push((format!("probability-{name}.svg"), chart::over_time(&title, "probability", 1.0, &lines)));
+        }
+    }
+    let chosen = rows.iter().find(|(setting, _)| setting.sensors == Sensors::Both && setting.policy == Policy::Active);
+    if let Some(course) = chosen.and_then(|(_, courses)| courses.first()) {
+        files.push(("readings-sonars.svg".to_string(), end_points(hall, course, true)));
+        files.push(("readings-laser.svg".to_string(), end_points(hall, course, false)));
+    }
+    files
+}
+
+/// The mean over the runs of each row with these sensors.
+fn lines<'r>(rows: &'r Rows, sensors: Sensors, of: fn(&Moment) -> f64) -> Vec<Line<'r>> {
+    let of_sensors = rows.iter().filter(|(setting, _)| setting.sensors == sensors);
+    of_sensors.map(|(setting, courses)| Line { name: setting.name, points: points(courses, of) }).collect()
+}
+
+fn points(courses: &[Course], of: fn(&Moment) -> f64) -> Vec<(f64, f64, f64)> {
+    let moments = courses.iter().map(|course| course.moments.len()).min().unwrap_or(0);
+    let at = |index: usize| {
+        let numbers: Vec<f64> = courses.iter().map(|course| of(&course.moments[index])).collect();
+        chart::point(courses[0].moments[index].time_s, &numbers)
+    };
+    (0..moments).step_by(EVERY_S).map(at).collect()
+}
+
+/// Where the readings of one run ended, seen from where the robot really was.
+fn end_points(hall: &Hall, course: &Course, sonars: bool) -> String {
+    let map = hall.world.map(RESOLUTION_M).around_free();
+    let ends = course.readings.iter().filter(|reading| reading.is_sonar == sonars);
+    let dots_in_map: Vec<Point> = ends.map(|reading| reading.end_in_map).collect();
+    let sensor = if sonars { "sonars" } else { "laser" };
+    let title = format!("end points of the {} readings of the {sensor}, seed {}", dots_in_map.len(), course.seed);
+    let mut figure = Figure::of_map(&title, &map, &[]);
+    figure.dots_in_map = dots_in_map;
+    figures::draw(&figure)
+}

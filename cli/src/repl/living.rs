@@ -1,0 +1,140 @@
+//! What stands where in the run of the prompt, asked of the run itself.
+
+use super::session::Session;
+use super::view::is_hidden;
+use crate::mission::Robot;
+use crate::situation::{Situation, Standing, ValveStanding};
+use rpl_runtime::system::System;
+use rpl_runtime::task::State;
+use rpl_runtime::value::TaskRef;
+use rpl_runtime::valve::Handover;
+
+/// The events of the run, and how the living stand now.
+pub fn situation(session: &Session) -> Situation {
+    let branch = &session.branch;
+    let mut situation = Situation::after(&branch.log);
+    let machine = &branch.system.machine;
+    situation.tasks = machine
+        .living_tasks()
+        .into_iter()
+        .enumerate()
+        .map(|(number, task)| (machine.own_path(task), Standing { number, ..standing(&branch.system, task) }))
+        .collect();
+    let path = |task: TaskRef| machine.tasks.find(task).map(|task| machine.own_path(task));
+    situation.valves = machine
+        .valves
+        .iter()
+        .map(|valve| {
+            let taken = valve.holds.iter().filter_map(|hold| Some((path(hold.interrupted?)?, path(hold.task)?)));
+            let holders = valve.holds.iter().filter_map(|hold| path(hold.task)).collect();
+            let pre_empted = match valve.handover {
+                Some(Handover::Lend { interrupted, .. }) => path(interrupted),
+                Some(Handover::GiveBack { .. }) | None => None,
+            };
+            let standing = ValveStanding { holders, taken: taken.collect(), pre_empted };
+            (machine.symbols.name(valve.name).to_string(), standing)
+        })
+        .collect();
+    situation
+}
+
+/// How a task stands now.
+pub fn standing(system: &System<Robot>, task: u32) -> Standing {
+    let machine = &system.machine;
+    let record = &machine.tasks[task];
+    let place = machine
+        .form_of(&system.program, task)
+        .filter(|&span| span.source.0 >= system.program.library_sources && !is_hidden(system, span));
+    let is_blocked = record.state == State::Blocked;
+    let on = match is_blocked {
+        true if task == machine.main && system.is_waiting_for_form() => Some("the next form".to_string()),
+        true => Some(machine.describe(&system.program, record.waiting)),
+        false => None,
+    };
+    Standing {
+        number: 0,
+        path: machine.path(task),
+        on,
+        is_created: record.state == State::Created,
+        is_suspended: record.is_held(),
+        at: place.filter(|_| is_blocked).map(|span| system.program.sources.place(span)),
+        readings: machine.readings(&system.program, record.waiting),
+        told: u64::MAX,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::console::Console;
+    use crate::mission::Site;
+    use crate::repl::session::Until;
+    use rpl_robot::office::OfficeSettings;
+    use rpl_runtime::session::Answer;
+    use rpl_runtime::waiting::Reading;
+    use std::collections::BTreeMap;
+
+    const PLANS: &[&str] = &[
+        // Calls in calls, tags, spawned tasks, one name twice.
+        "(def-plan inner () (wait-time 2)) (def-plan outer () (inner) (par (:tag x (inner)) (inner)))
+         (spawn (outer)) (outer)",
+        // Valves: in line, borrowed, pre-empted with hooks, and given back.
+        "(def-valve arm) (def-fluent bell nil)
+         (def-plan serve () (with-valve arm (on-interrupt (wait-time 0.5) (wait-time 5))))
+         (with-policy (whenever bell (with-valve arm (wait-time 1)))
+           (par (serve) (seq (wait-time 1) (setf (value bell) t) (wait-time 0.2) (pulse bell)) (with-valve arm (wait-time 1))))",
+        // Conditions that come to read more.
+        "(def-fluent a nil) (def-fluent b nil) (def-fluent both (fluent (and a b)))
+         (spawn (wait-for (and both (changed a)))) (spawn (whenever (pulsed b) (wait-time 1)))
+         (wait-time 1) (setf (value a) t) (wait-time 1) (setf (value b) t) (wait-time 1) (pulse b) (wait-time 2)",
+        // Failures, clean-ups that wait, departures.
+        "(def-fluent never nil)
+         (ignore-failures (timeout) (with-timeout 1 (unwind-protect (wait-for never) (wait-time 2))))
+         (pursue (seq (wait-time 1) 'won) (evap-protect (wait-for never) (wait-time 3)))",
+        // Suspension by a plan.
+        "(def-plan work () (loop (wait-time 0.3)))
+         (let ((task (spawn (work)))) (wait-time 1) (with-task-suspended (task) (wait-time 1)) (wait-time 1))",
+    ];
+
+    /// What can be compared: not the values of fluents, which events tell as they were.
+    fn shape(mut situation: Situation) -> (Vec<(String, Standing)>, BTreeMap<String, ValveStanding>) {
+        fn forget_values(readings: &mut [Reading]) {
+            for reading in readings {
+                reading.value.clear();
+                forget_values(&mut reading.from);
+            }
+        }
+        // A session begins before its events are kept.
+        situation.tasks.remove("main");
+        situation.valves.retain(|_, valve| !valve.holders.is_empty());
+        let mut tasks: Vec<(String, Standing)> = situation.tasks.into_iter().collect();
+        tasks.sort_by_key(|(_, task)| task.number);
+        for (_, task) in &mut tasks {
+            (task.number, task.told) = (0, 0);
+            forget_values(&mut task.readings);
+        }
+        tasks.sort_by(|(left, _), (right, _)| left.cmp(right));
+        (tasks, situation.valves)
+    }
+
+    #[test]
+    fn events_tell_what_the_run_tells_at_every_instant() {
+        for plan in PLANS {
+            let site = Site::new(None, None, OfficeSettings::default()).expect("a site");
+            let mut session = Session::new(&site, 1).expect("a session");
+            session.submit("plan", plan, None).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+            let mut instants = 0;
+            while session.branch.is_running {
+                let next_us = session.branch.system.next_instant_us().unwrap_or(0);
+                session.go_on(&Until::Time(next_us), &mut Console::silent()).expect("nobody reads");
+                let told = shape(Situation::after(&session.branch.log));
+                let lives = shape(situation(&session));
+                let time_s = session.branch.system.machine.now_s();
+                assert_eq!(told, lives, "at {time_s} s of {plan}");
+                instants += 1;
+            }
+            assert!(instants > 1, "{plan}");
+            assert!(matches!(session.branch.system.answer(), Some(Answer::Succeeded(_))), "{plan}");
+        }
+    }
+}

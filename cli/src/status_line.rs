@@ -1,0 +1,60 @@
+//! The last line of a terminal, which says what a run is at.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+/// How often it is drawn.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// Columns left free: what the terminal echoes, such as ^C, must not begin a new line, or the status
+/// line stays above it.
+const FREE: usize = 6;
+
+/// To the first column, and the line cleared.
+const CLEAR: &str = "\r\x1b[2K";
+
+const SPINNER: [char; 8] = ['⠁', '⠂', '⠄', '⡀', '⢀', '⠠', '⠐', '⠈'];
+
+/// A status line on standard error. What is written beside it must [`StatusLine::hide`] it first.
+#[derive(Debug, Default)]
+pub struct StatusLine {
+    text: String,
+    turn: usize,
+    drawn: Option<Instant>,
+}
+
+impl StatusLine {
+    /// Whether it wants a new text; drawing it more often costs more than the run.
+    pub fn is_due(&self) -> bool {
+        self.drawn.is_none_or(|drawn| drawn.elapsed() >= EVERY)
+    }
+
+    /// Draws another text.
+    pub fn set(&mut self, text: &str) {
+        let (_, columns) = console::Term::stderr().size();
+        self.turn += 1;
+        let whole = format!("{} {text}", SPINNER[self.turn % SPINNER.len()]);
+        self.text = whole.chars().take(usize::from(columns).saturating_sub(FREE)).collect();
+        self.drawn = Some(Instant::now());
+        self.show();
+    }
+
+    /// Draws it as it was.
+    pub fn show(&self) {
+        if !self.text.is_empty() {
+            write(&format!("{CLEAR}{}", self.text));
+        }
+    }
+
+    /// Takes it away.
+    pub fn hide(&self) {
+        if !self.text.is_empty() {
+            write(CLEAR);
+        }
+    }
+}
+
+/// Nobody is left to be told if standard error is closed.
+fn write(text: &str) {
+    io::stderr().write_all(text.as_bytes()).ok();
+}

@@ -1,0 +1,293 @@
+//! The prompt at a terminal: keys are typed, and the screen is looked at.
+
+use std::io::{Read, Write};
+use std::num::NonZeroU16;
+use std::path::PathBuf;
+use std::process::Child;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Nothing takes so long, however busy the machine is.
+const DEADLINE: Duration = Duration::from_secs(400);
+
+/// Nothing is quiet for so long.
+const SILENCE: Duration = Duration::from_secs(60);
+
+const ENTER: &str = "\r";
+const TAB: &str = "\t";
+const UP: &str = "\x1b[A";
+const HOME: &str = "\x01";
+const INTERRUPT: &str = "\x03";
+const END_OF_INPUT: &str = "\x04";
+
+/// The prompt, and the screen it draws on.
+struct Terminal {
+    child: Child,
+    keyboard: Arc<pty_process::blocking::Pty>,
+    output: Receiver<Vec<u8>>,
+    screen: vt100::Parser,
+}
+
+/// A folder for the history of a session, empty at first.
+fn state_folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    // The one before may not be there.
+    std::fs::remove_dir_all(&folder).ok();
+    folder
+}
+
+impl Terminal {
+    fn start(name: &str, arguments: &[&str]) -> Self {
+        Self::start_in(&state_folder(name), arguments, 24, 80)
+    }
+
+    fn start_in(state: &std::path::Path, arguments: &[&str], rows: u16, columns: u16) -> Self {
+        let (pty, child_end) = pty_process::blocking::open().expect("there are pseudo-terminals");
+        pty.resize(pty_process::Size::new(rows, columns)).expect("it has a size");
+        let child = pty_process::blocking::Command::new(env!("CARGO_BIN_EXE_rpl"))
+            .args(arguments)
+            .env("XDG_STATE_HOME", state)
+            .env("TERM", "xterm-256color")
+            .env_remove("NO_COLOR")
+            .spawn(child_end)
+            .expect("it starts");
+        let keyboard = Arc::new(pty);
+        let (sender, output) = channel();
+        let reader = keyboard.clone();
+        std::thread::spawn(move || {
+            let mut bytes = [0; 4096];
+            while let Ok(count @ 1..) = reader.as_ref().read(&mut bytes) {
+                if sender.send(bytes[..count].to_vec()).is_err() {
+                    return;
+                }
+            }
+        });
+        let size = |number| NonZeroU16::new(number).expect("a screen has rows and columns");
+        Self { child, keyboard, output, screen: vt100::Parser::new(size(rows), size(columns), 1000) }
+    }
+
+    fn keys(&mut self, keys: &str) {
+        self.keyboard.as_ref().write_all(keys.as_bytes()).expect("it takes keys");
+    }
+
+    fn contents(&self) -> String {
+        self.screen.screen().contents()
+    }
+
+    /// The row of the cursor up to the cursor.
+    fn line(&self) -> String {
+        let screen = self.screen.screen();
+        let (row, column) = screen.cursor_position();
+        screen.contents_between(row, 0, row, column)
+    }
+
+    /// Waits until the screen is as it should be.
+    fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        let deadline = Instant::now() + DEADLINE;
+        while !is_so(self) {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.output.recv_timeout(left.min(SILENCE)) {
+                Ok(bytes) => self.screen.process(&bytes),
+                Err(_) => panic!("{what} does not come:\n{}", self.contents()),
+            }
+        }
+    }
+
+    fn shows(&mut self, text: &str) {
+        self.until(text, |terminal| terminal.contents().contains(text));
+    }
+
+    /// Waits until the cursor stands behind this text, at the beginning of its row.
+    fn stands_behind(&mut self, line: &str) {
+        self.until(line, |terminal| terminal.line() == line);
+    }
+
+    /// Waits until the cursor stands behind this text, whatever time stands before it.
+    fn stands_behind_an(&mut self, end: &str) {
+        self.until(end, |terminal| terminal.line().ends_with(end));
+    }
+
+    /// Types a line at a prompt that is there, and waits for what it shows and for the next prompt.
+    fn enter(&mut self, line: &str, shown: &str, prompt: &str) {
+        self.keys(line);
+        self.keys(ENTER);
+        self.shows(shown);
+        self.stands_behind(prompt);
+    }
+
+    fn end(mut self) -> i32 {
+        self.keys(END_OF_INPUT);
+        self.child.wait().expect("it ends").code().expect("it ends by itself")
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        // After a failed test it still runs; else there is nothing to kill.
+        self.child.kill().ok();
+        self.child.wait().ok();
+    }
+}
+
+#[test]
+fn a_form_may_go_over_several_lines() {
+    let mut terminal = Terminal::start("lines", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(def-plan greet (who)\r");
+    terminal.keys("  (list 'hello who))\r");
+    terminal.stands_behind("rpl> ");
+    terminal.shows("\ngreet\n");
+    terminal.enter("(greet 'ann)", "(hello ann)", "rpl> ");
+    assert_eq!(terminal.end(), 0);
+}
+
+#[test]
+fn tab_completes_and_a_call_is_explained_while_it_is_typed() {
+    let mut terminal = Terminal::start("completion", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(relea");
+    terminal.keys(TAB);
+    terminal.stands_behind("rpl> (release-valve");
+    terminal.keys(INTERRUPT);
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(def-plan count-the-cups (room) room)\r");
+    terminal.shows("\ncount-the-cups\n");
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(count-t");
+    terminal.keys(TAB);
+    terminal.stands_behind("rpl> (count-the-cups");
+    terminal.keys(" ");
+    terminal.shows("(count-the-cups    (count-the-cups room)");
+    terminal.keys("'hall)\r");
+    terminal.shows("\nhall\n");
+    terminal.stands_behind("rpl> ");
+    terminal.keys(":contin\t");
+    terminal.stands_behind("rpl> :continue");
+}
+
+#[test]
+fn the_history_is_there_at_the_next_start() {
+    let state = state_folder("history");
+    let mut first = Terminal::start_in(&state, &[], 24, 80);
+    first.stands_behind("rpl> ");
+    first.enter("(+ 20 3)", "\n23\n", "rpl> ");
+    assert_eq!(first.end(), 0);
+    let mut second = Terminal::start_in(&state, &[], 24, 80);
+    second.stands_behind("rpl> ");
+    second.keys(UP);
+    second.stands_behind("rpl> (+ 20 3)");
+    second.keys(ENTER);
+    second.shows("\n23\n");
+}
+
+#[test]
+fn ctrl_c_interrupts_a_plan_and_leaves_everything_intact() {
+    let mut terminal = Terminal::start("interrupt", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.enter("(defvar rounds 0)", "\n0\n", "rpl> ");
+    terminal.keys("(progn (print 'begun) (loop (incf rounds) (wait-time 1)))\r");
+    terminal.shows("\nbegun");
+    terminal.keys(INTERRUPT);
+    terminal.shows("interrupted; `:continue` goes on");
+    terminal.stands_behind_an("stopped> ");
+    let status_line = |terminal: &Terminal| terminal.contents().contains("certainty");
+    assert!(!status_line(&terminal), "{}", terminal.contents());
+    terminal.keys("(> rounds 0)\r");
+    terminal.shows("\nt\n");
+    terminal.keys(":abort\r");
+    terminal.shows("given up, clean-ups done");
+    terminal.keys("(list 'still 'here)\r");
+    terminal.shows("(still here)");
+}
+
+#[test]
+fn a_whole_file_can_be_pasted() {
+    let mut terminal = Terminal::start("paste", &[]);
+    terminal.stands_behind("rpl> ");
+    let file = "; A comment, and a tab:\n(def-plan twice (x)\n\t(* 2 x))\n\n(def-plan thrice (x)\n  (* 3 x))\n\n(list (twice 4)\n      (thrice 5))\n";
+    terminal.keys(&format!("\x1b[200~{file}\x1b[201~"));
+    terminal.shows("(thrice 5))");
+    terminal.keys(ENTER);
+    terminal.shows("\n(8 15)\n");
+    terminal.stands_behind("rpl> ");
+    terminal.enter("(thrice 2)", "\n6\n", "rpl> ");
+}
+
+#[test]
+fn output_of_running_tasks_does_not_destroy_the_line_being_typed() {
+    let mut terminal = Terminal::start("above", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys(":go 20\r");
+    terminal.stands_behind_an("s running> ");
+    terminal.keys("(spawn (loop (wait-time 4) (print 'tick)))\r");
+    terminal.shows("#<task main/spawn>");
+    terminal.keys("(list 'typed");
+    terminal.until("ticks above the line", |terminal| {
+        terminal.contents().matches("\ntick").count() >= 3 && terminal.line().ends_with("running> (list 'typed")
+    });
+    terminal.keys(" 'meanwhile)");
+    terminal.keys(HOME);
+    terminal.keys(ENTER);
+    terminal.shows("\n(typed meanwhile)");
+    terminal.stands_behind_an("running> ");
+    terminal.keys(INTERRUPT);
+    terminal.shows("stopped at ");
+    terminal.stands_behind_an("s> ");
+}
+
+#[test]
+fn plans_are_handed_in_and_conditions_stop_the_clock() {
+    let mut terminal = Terminal::start("clock", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.enter("(def-fluent level 0)", "#<fluent level>", "rpl> ");
+    terminal.enter(":break (> level 2)", ":break", "rpl> ");
+    terminal.keys(":go 20\r");
+    terminal.stands_behind_an("s running> ");
+    terminal.keys("(progn (wait-for (> level 9)) 'high)\r");
+    terminal.until("the next line", |terminal| {
+        terminal.contents().matches("'high)").count() == 1 && terminal.line().ends_with("s running> ")
+    });
+    terminal.keys("(setf (value level) 2)\r");
+    terminal.shows("\n2\n");
+    terminal.keys("(seq (wait-time 3) (setf (value level) 5) (wait-time 3) (setf (value level) 10))\r");
+    terminal.shows("main/typed.2 waits for time; it goes on with the run");
+    terminal.shows("stopped at (> level 2)");
+    terminal.stands_behind_an("s stopped> ");
+    terminal.keys(":continue\r");
+    terminal.shows("\nhigh\n");
+    terminal.shows("main/typed.2 => 10");
+}
+
+#[test]
+fn a_form_is_marked_within_the_width_of_the_screen() {
+    let mut terminal = Terminal::start("width", &[]);
+    terminal.stands_behind("rpl> ");
+    let long = format!("(list {})", "'a-symbol ".repeat(12));
+    terminal.keys(&format!(":step {long}\r"));
+    terminal.shows("1 ▶ (list");
+    terminal.stands_behind_an("stopped> ");
+    let screen = terminal.screen.screen();
+    let marked = (0..24).find(|&row| screen.contents_between(row, 0, row, 80).contains('▶')).expect("it is shown");
+    assert!(!screen.row_wrapped(marked), "{}", terminal.contents());
+}
+
+#[test]
+fn a_mission_is_watched_interrupted_and_taken_back() {
+    let mut terminal = Terminal::start_in(&state_folder("mission"), &["--world", "dept"], 50, 200);
+    terminal.stands_behind("rpl> ");
+    terminal.keys(":load delivery.rpl\r");
+    terminal.shows("navigation  certainty");
+    terminal.keys(INTERRUPT);
+    terminal.shows("interrupted; `:continue` goes on");
+    terminal.stands_behind_an("stopped> ");
+    assert!(!terminal.contents().contains("navigation  certainty"), "{}", terminal.contents());
+    terminal.keys(":map\r");
+    terminal.shows("? estimate, certainty");
+    terminal.stands_behind_an("stopped> ");
+    terminal.keys(":at 0s\r");
+    terminal.shows("\n0.000 s");
+    terminal.stands_behind_an("stopped> ");
+    terminal.keys(":continue\r");
+    terminal.shows("picked up the mail");
+}

@@ -1,0 +1,314 @@
+//! `rpl trace`: recorded runs, shown, filtered, explained and compared; and files that are none.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const PLAN: &str = "(def-fluent open? nil)
+(def-fluent level 0)
+(def-fluent ready (fluent (and open? (> level 2))))
+(def-valve arm)
+(def-plan fill () (loop (wait-time 1) (setf (value level) (1+ (value level)))))
+(def-plan waiter () (wait-for (and ready (> level 5))))
+(def-plan stuck () (with-valve arm (wait-for open?)))
+(def-plan breaks () (wait-time 1) (fail \"no luck\"))
+(ignore-failures (plan-failure) (breaks))
+(par (fill)
+        (waiter)
+        (:tag holder (stuck))
+        (:tag second (with-valve arm (print 'mine)))
+        (seq (wait-time 3.5) (setf (value open?) t)))
+";
+
+struct Recorded {
+    folder: PathBuf,
+    trace: String,
+}
+
+/// The plan, run once and recorded in a folder of the test's own.
+fn recorded(name: &str) -> Recorded {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("trace-{name}"));
+    fs::create_dir_all(&folder).expect("the folder can be made");
+    fs::write(folder.join("plan.rpl"), PLAN).expect("the plan can be written");
+    let found = rpl(&folder, &["run", "plan.rpl", "--trace", "run.jsonl", "-q", "--until", "5s"]);
+    assert_eq!(found.status, 3, "{}", found.errors);
+    let trace = fs::read_to_string(folder.join("run.jsonl")).expect("the trace is there");
+    Recorded { folder, trace }
+}
+
+struct Found {
+    out: String,
+    errors: String,
+    status: i32,
+}
+
+fn rpl(folder: &Path, arguments: &[&str]) -> Found {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rpl"));
+    let Output { stdout, stderr, status } = command.current_dir(folder).args(arguments).output().expect("it runs");
+    let text = |bytes| String::from_utf8(bytes).expect("it writes text");
+    let found = Found { out: text(stdout), errors: text(stderr), status: status.code().expect("it exits by itself") };
+    assert!(!found.errors.contains("panicked"), "{}", found.errors);
+    found
+}
+
+impl Recorded {
+    fn ask(&self, arguments: &[&str]) -> String {
+        let found = rpl(&self.folder, &[&["trace", "run.jsonl"], arguments].concat());
+        assert_eq!((found.errors.as_str(), found.status), ("", 0));
+        found.out
+    }
+
+    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        fs::write(self.folder.join(name), bytes).expect("the file can be written");
+    }
+}
+
+/// r[trace.file]
+#[test]
+fn every_event_is_a_line() {
+    let run = recorded("lines");
+    let header = run.trace.lines().next().expect("there is a header");
+    assert_eq!(header, "{\"trace\":1,\"plan\":\"plan.rpl\",\"world\":null,\"scenario\":null,\"seed\":1}");
+    let shown = run.ask(&[]);
+    assert_eq!(shown.lines().count(), run.trace.lines().count() - 1);
+    for line in [
+        "     0.000  begin      main\n",
+        "     1.000  failed     main/breaks  plan-failure: no luck  at plan.rpl:8:35\n",
+        "     1.000  blocked    main/par[1]/waiter  waits for (and ready (> level 5))  at plan.rpl:6:21\n",
+        "     1.000  valve      main/holder/stuck  arm granted\n",
+        "     3.000  fluent     main/par[0]/fill  level = 2\n",
+    ] {
+        assert!(shown.contains(line), "{line}{shown}");
+    }
+    assert!(!shown.contains('\x1b'), "a pipe gets no colours");
+}
+
+#[test]
+fn filters_narrow_together() {
+    let run = recorded("filters");
+    let levels = run.ask(&["--fluent", "level", "--task", "fill"]);
+    let values: Vec<&str> = levels.lines().filter_map(|line| line.split("level = ").nth(1)).collect();
+    assert_eq!(values, ["1", "2", "3", "4"]);
+    let some = run.ask(&["--fluent", "level", "--task", "fill", "--from", "3s", "--to", "4s"]);
+    assert_eq!(some.lines().count(), 2);
+    // Who waits for a fluent belongs to it.
+    assert!(run.ask(&["--fluent", "open?"]).contains("main/holder/stuck  waits for fluent open?"));
+    let last = run.ask(&["--last", "2"]);
+    assert_eq!(last.lines().count(), 2);
+    assert!(run.ask(&[]).ends_with(&last));
+    let raw = run.ask(&["--json", "--fluent", "ready"]);
+    assert!(!raw.is_empty() && raw.lines().all(|line| run.trace.contains(line)), "{raw}");
+    assert_eq!(run.ask(&["--task", "nobody"]), "");
+}
+
+#[test]
+fn causes_are_followed_through_the_recorded_events() {
+    let run = recorded("why");
+    assert_eq!(
+        run.ask(&["--why", "waiter", "--to", "3s"]),
+        "main/par[1]/waiter  waits for (and ready (> level 5))
+  at plan.rpl:6:21
+  ready = nil
+    open? = nil
+"
+    );
+    // By then the condition has come to read the level too.
+    let later = run.ask(&["--why", "waiter", "--to", "4.6s"]);
+    assert!(later.contains("  ready = t, since 4.500 s, by main/par[4]\n"), "{later}");
+    assert!(later.contains("    open? = t, since 4.500 s, by main/par[4]\n"), "{later}");
+    assert!(later.contains("  level = 3, since 4.000 s, by main/par[0]/fill\n"), "{later}");
+}
+
+#[test]
+fn a_valve_leads_to_its_holder_and_a_failure_to_its_origin() {
+    let run = recorded("valve");
+    assert_eq!(
+        run.ask(&["--why", "second", "--to", "3s"]),
+        "main/second  waits for valve arm
+  at plan.rpl:13:22
+  the valve is held by
+    main/holder/stuck  waits for fluent open?
+      at plan.rpl:7:36
+      open? = nil
+"
+    );
+    assert_eq!(
+        run.ask(&["--why", "breaks"]),
+        "main/breaks  failed at 1.000 s
+  raised in main/breaks at 1.000 s, at plan.rpl:8:35: plan-failure: no luck
+"
+    );
+    let wrong = rpl(&run.folder, &["trace", "run.jsonl", "--why", "waitr"]);
+    assert_eq!(
+        (wrong.errors.as_str(), wrong.status),
+        ("error: no task has the path `waitr`; did you mean `waiter`?\n", 2)
+    );
+}
+
+#[test]
+fn equal_traces_are_the_same() {
+    let run = recorded("same");
+    let again = recorded("same-again");
+    run.write("b.jsonl", &again.trace);
+    let found = rpl(&run.folder, &["trace", "diff", "run.jsonl", "b.jsonl"]);
+    let events = run.trace.lines().count() - 1;
+    assert_eq!((found.out, found.status), (format!("the same: {events} events\n"), 0));
+}
+
+#[test]
+fn the_first_event_that_differs_is_named_with_what_comes_before() {
+    let run = recorded("diff");
+    run.write("b.jsonl", run.trace.replace("\"level\",\"value\":\"3\"", "\"level\",\"value\":\"33\""));
+    let line = 1 + run.trace.lines().position(|line| line.contains("\"level\",\"value\":\"3\"")).expect("it rises");
+    let found = rpl(&run.folder, &["trace", "diff", "run.jsonl", "b.jsonl"]);
+    assert_eq!(found.status, 1);
+    let shown: Vec<&str> = found.out.lines().collect();
+    let place = format!("they differ from run.jsonl:{line} and b.jsonl:{line} on, at 4.000 s, in main/par[0]/fill");
+    assert_eq!(shown[0], place);
+    assert_eq!(shown.len(), 6, "{}", found.out);
+    assert_eq!(shown[4], "<      4.000  fluent     main/par[0]/fill  level = 3");
+    assert_eq!(shown[5], ">      4.000  fluent     main/par[0]/fill  level = 33");
+    // Where one ends, the other goes on.
+    let whole: Vec<&str> = run.trace.lines().collect();
+    run.write("short.jsonl", whole[..10].join("\n") + "\n");
+    let found = rpl(&run.folder, &["trace", "diff", "run.jsonl", "short.jsonl"]);
+    assert!(found.out.contains("from run.jsonl:11 and the end of short.jsonl on"), "{}", found.out);
+    assert!(found.out.ends_with("> (here ends short.jsonl)\n"), "{}", found.out);
+    assert_eq!(found.status, 1);
+    // Another run is said to be one.
+    run.write("seed.jsonl", run.trace.replace("\"seed\":1", "\"seed\":2").replace("level = 3", "level = 4"));
+    run.write("seed.jsonl", whole[0].replace("\"seed\":1", "\"seed\":2") + "\n");
+    let found = rpl(&run.folder, &["trace", "diff", "run.jsonl", "seed.jsonl"]);
+    assert!(found.out.starts_with("the runs are not the same: plan.rpl, seed 1; plan.rpl, seed 2\n"), "{}", found.out);
+}
+
+#[test]
+fn a_trace_that_is_cut_off_is_read_as_far_as_it_goes() {
+    let run = recorded("cut");
+    let lines = run.trace.lines().count();
+    let cut = &run.trace[..run.trace.len() - 20];
+    run.write("cut.jsonl", cut);
+    let found = rpl(&run.folder, &["trace", "cut.jsonl"]);
+    let whole = run.ask(&[]);
+    assert_eq!(found.out.lines().count(), lines - 2);
+    assert!(whole.starts_with(&found.out));
+    assert_eq!(found.errors, format!("note: `cut.jsonl`: line {lines} is cut off; what stands before it is used\n"));
+    assert_eq!(found.status, 2);
+    let why = rpl(&run.folder, &["trace", "cut.jsonl", "--why", "breaks"]);
+    assert!(why.out.contains("failed at 1.000 s") && why.errors.contains("is cut off"), "{}", why.errors);
+    let found = rpl(&run.folder, &["trace", "diff", "run.jsonl", "cut.jsonl"]);
+    let said = format!("the same, as far as both can be read: {} events\n", lines - 2);
+    assert_eq!((found.out, found.status), (said, 2));
+}
+
+#[test]
+fn damage_in_the_middle_is_named_with_its_line() {
+    let run = recorded("damage");
+    let mut lines: Vec<String> = run.trace.lines().map(str::to_string).collect();
+    for (damage, reason) in [
+        ("nonsense", "line 5 is no JSON object"),
+        ("{\"time_s\":0}", "line 5 is no event"),
+        ("{\"time_s\":0.0,\"seq\":9,\"task\":\"\",\"kind\":\"dream\"}", "of the kind \"dream\", which is not known"),
+    ] {
+        lines[4] = damage.to_string();
+        run.write("damaged.jsonl", lines.join("\n") + "\n");
+        let found = rpl(&run.folder, &["trace", "damaged.jsonl"]);
+        assert_eq!((found.out.lines().count(), found.status), (3, 2), "{}", found.out);
+        assert!(found.errors.contains(reason), "{reason}: {}", found.errors);
+    }
+    let mut bytes = run.trace.clone().into_bytes();
+    let middle = run.trace.lines().take(5).map(|line| line.len() + 1).sum::<usize>() + 3;
+    bytes[middle] = 0xff;
+    run.write("bytes.jsonl", bytes);
+    assert!(rpl(&run.folder, &["trace", "bytes.jsonl"]).errors.contains("line 6 is not text"));
+}
+
+#[test]
+fn another_version_is_read_with_a_caution() {
+    let run = recorded("version");
+    run.write("new.jsonl", run.trace.replacen("\"trace\":1", "\"trace\":7", 1));
+    let found = rpl(&run.folder, &["trace", "new.jsonl"]);
+    assert_eq!((found.out, found.status), (run.ask(&[]), 0));
+    assert!(found.errors.contains("is a trace of version 7, and this rpl knows version 1"), "{}", found.errors);
+    let (_, events) = run.trace.split_once('\n').expect("a header and events");
+    run.write("old.jsonl", events);
+    let found = rpl(&run.folder, &["trace", "old.jsonl"]);
+    assert_eq!((found.out, found.status), (run.ask(&[]), 0));
+    assert!(found.errors.contains("does not begin with the header of a trace"), "{}", found.errors);
+}
+
+#[test]
+fn what_is_no_trace_is_refused() {
+    let run = recorded("none");
+    run.write("empty.jsonl", "");
+    run.write("zeros.jsonl", [0; 100]);
+    for (file, reason) in [
+        ("plan.rpl", "`plan.rpl` is no trace: line 1 is no JSON object"),
+        ("empty.jsonl", "the trace `empty.jsonl` is empty"),
+        ("zeros.jsonl", "is no trace"),
+        ("nowhere.jsonl", "cannot read the trace `nowhere.jsonl`"),
+        (".", "cannot read the trace `.`"),
+    ] {
+        for arguments in
+            [&["trace", file][..], &["trace", "diff", file, "run.jsonl"], &["trace", "diff", "run.jsonl", file]]
+        {
+            let found = rpl(&run.folder, arguments);
+            assert!(found.errors.contains(reason), "{file}: {}", found.errors);
+            assert_eq!((found.out.as_str(), found.status), ("", 2), "{file}");
+        }
+    }
+}
+
+#[test]
+fn a_closed_pipe_ends_quietly() {
+    let run = recorded("pipe");
+    let (header, events) = run.trace.split_once('\n').expect("a header and events");
+    run.write("long.jsonl", format!("{header}\n{}", events.repeat(200)));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rpl"));
+    command.current_dir(&run.folder).args(["trace", "long.jsonl"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!((output.stderr.as_slice(), output.status.code()), (&b""[..], Some(0)));
+}
+
+#[test]
+fn a_mission_explains_itself_from_its_trace() {
+    let run = recorded("mission");
+    let mission = ["run", "delivery.rpl", "--world", "dept", "--scenario", "rotated.rpl", "-q", "--until", "10s"];
+    let found = rpl(&run.folder, &[&mission[..], &["--trace", "mission.jsonl"]].concat());
+    assert_eq!(found.status, 3, "{}", found.errors);
+    let ask = |arguments: &[&str]| rpl(&run.folder, &[&["trace", "mission.jsonl"], arguments].concat());
+    let lost = ask(&["--fluent", "pos-certainty*"]);
+    assert!(lost.out.contains("relocalize-when-necessary"), "{}", lost.out);
+    let main = ask(&["--why", ""]);
+    assert!(main.out.starts_with("main  waits for children\n"), "{}", main.out);
+}
+
+/// The commands of a page, each with what is shown below it.
+fn commands(page: &str) -> Vec<(String, String)> {
+    let (mut commands, mut is_inside): (Vec<(String, String)>, bool) = (Vec::new(), false);
+    for line in page.lines() {
+        if line.starts_with("```") {
+            is_inside = line == "```terminal";
+        } else if let Some(command) = line.strip_prefix("$ ").filter(|_| is_inside) {
+            commands.push((command.to_string(), String::new()));
+        } else if let Some((_, shown)) = commands.last_mut().filter(|_| is_inside) {
+            *shown += &format!("{line}\n");
+        }
+    }
+    commands
+}
+
+#[test]
+fn the_commands_of_the_page_about_traces_run_as_printed() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("trace-page");
+    fs::create_dir_all(&folder).expect("the folder can be made");
+    let commands = commands(include_str!("../../docs/trace.md"));
+    assert!(commands.len() > 5);
+    for (command, shown) in commands {
+        let arguments: Vec<&str> = command.strip_prefix("rpl ").expect("it is ours").split(' ').collect();
+        let found = rpl(&folder, &arguments);
+        assert_eq!(found.out, shown, "{command}: {}", found.errors);
+    }
+}

@@ -1,0 +1,207 @@
+//! Active sensing (Fox, Burgard, Thrun §4.3): which direction of which sensor to read next.
+
+use crate::localization::{LocalizationModel, ReadingModel, StateShare};
+use rayon::prelude::*;
+
+/// The sensors that can be pointed: models over the same cells, each with its directions as beams.
+#[derive(Debug)]
+pub struct SensingModel<'m> {
+    sensors: Vec<(&'m LocalizationModel, ReadingModel)>,
+    /// Sensor and beam of every direction.
+    directions: Vec<Direction>,
+}
+
+/// A direction of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Direction {
+    /// Index of the sensor.
+    pub sensor: usize,
+    /// Index of the beam of its model.
+    pub beam: usize,
+}
+
+/// The chosen direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensingChoice {
+    /// Where to look.
+    pub direction: Direction,
+    /// U(a), Eq. (4), in nats: by how much the entropy of the belief is expected to fall.
+    pub utility: f64,
+}
+
+impl<'m> SensingModel<'m> {
+    /// For sensors over the same cells.
+    pub fn new(models: &[&'m LocalizationModel]) -> Self {
+        let directions_of = |(sensor, model): (usize, &&LocalizationModel)| {
+            (0..model.grid.beams()).map(move |beam| Direction { sensor, beam })
+        };
+        Self {
+            sensors: models.iter().map(|&model| (model, ReadingModel::new(model))).collect(),
+            directions: models.iter().enumerate().flat_map(directions_of).collect(),
+        }
+    }
+
+    /// Every direction that can be read.
+    pub fn directions(&self) -> &[Direction] {
+        &self.directions
+    }
+
+    /// U(a) of Eq. (4) with E_a[H] of Eq. (13), in nats.
+    ///
+    /// The two equations together say H(L) − E_a[H(L | s)], which is H(s) − E[H(s | L)]; and a
+    /// reading depends on the state through the expected distance alone. So the belief need only be
+    /// summed up by expected distance: O(states + distances²) in place of O(states · distances),
+    /// and exact.
+    pub fn utility(&self, direction: Direction, states: &[StateShare]) -> f64 {
+        let (model, readings) = &self.sensors[direction.sensor];
+        readings.information(&model.expected_shares(direction.beam, states))
+    }
+
+    /// The direction of the greatest utility, the first of equals; none if there is none. All
+    /// directions cost the same. Some 10 ms for 205 directions and 4,096 states on one core.
+    pub fn choose(&self, states: &[StateShare]) -> Option<SensingChoice> {
+        let utility = |&direction: &Direction| SensingChoice { direction, utility: self.utility(direction, states) };
+        let choices: Vec<SensingChoice> = self.directions.par_iter().map(utility).collect();
+        choices.into_iter().reduce(|best, next| if next.utility > best.utility { next } else { best })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::localization::{Belief, LocalizationParameters, ReadingModel, SensorParameters, State};
+    use crate::occupancy::{Cell, OccupancyGrid};
+
+    /// A room of 8 x 4 m, the same after half a turn, with or without a box at its upper wall.
+    fn room(boxed: bool) -> OccupancyGrid {
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 80, 40, Cell::Free);
+        for row in 0..40 {
+            for column in 0..80 {
+                let is_wall = row == 0 || row == 39 || column == 0 || column == 79;
+                let is_box = boxed && (32..39).contains(&row) && (12..24).contains(&column);
+                if is_wall || is_box {
+                    map.set(column, row, Cell::Occupied);
+                }
+            }
+        }
+        map
+    }
+
+    /// Sonars that see the box, and a laser that does not.
+    fn sensors() -> [LocalizationModel; 2] {
+        let parameters = LocalizationParameters {
+            cell_m: 0.4,
+            angle_step_deg: 30,
+            activity_threshold: 0.0,
+            ..LocalizationParameters::literal()
+        };
+        let sonars = LocalizationModel::new(&room(true), parameters).expect("the room is a map");
+        let laser = sonars
+            .with_sensor(&room(false), SensorParameters::laser(), (-90..=90).step_by(10).collect())
+            .expect("there are beams");
+        [sonars, laser]
+    }
+
+    fn choices(sensing: &SensingModel<'_>, states: &[StateShare]) -> Vec<SensingChoice> {
+        let utility = |&direction: &Direction| SensingChoice { direction, utility: sensing.utility(direction, states) };
+        sensing.directions().iter().map(utility).collect()
+    }
+
+    /// A pose below the box that looks along the room, and its mirror image.
+    fn two_mirror_states(model: &LocalizationModel) -> [StateShare; 2] {
+        let (row, column) = (4, 4);
+        let mirrored = State {
+            heading: model.grid.headings / 2,
+            row: model.grid.rows - 1 - row,
+            column: model.grid.columns - 1 - column,
+        };
+        [State { heading: 0, row, column }, mirrored].map(|state| StateShare { state, share: 0.5 })
+    }
+
+    /// Eq. (13), term by term.
+    fn expected_entropy(model: &LocalizationModel, beam: usize, states: &[StateShare]) -> f64 {
+        let readings = ReadingModel::new(model);
+        let likelihood =
+            |state: State, measured: usize| readings.likelihood(model.expected_scan(state)[beam])[measured];
+        let mut sum = 0.0;
+        for measured in 0..256 {
+            let sensed: f64 = states.iter().map(|at| likelihood(at.state, measured) * at.share).sum();
+            for at in states.iter().filter(|at| at.share > 0.0) {
+                let joint = likelihood(at.state, measured) * at.share;
+                sum -= if joint > 0.0 { joint * libm::log(joint / sensed) } else { 0.0 };
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn the_utility_is_the_entropy_less_equation_13_term_by_term() {
+        let [sonars, laser] = sensors();
+        let mut belief = Belief::uniform(&sonars);
+        belief.sense_reading(&sonars, 3, 1.7);
+        belief.sense_reading(&laser, 9, 3.1);
+        let states = belief.all_states(&sonars);
+        let entropy: f64 = -states.iter().map(|at| at.share * libm::log(at.share)).sum::<f64>();
+        let sensing = SensingModel::new(&[&sonars, &laser]);
+        for (sensor, model, beam) in [(0, &sonars, 0), (0, &sonars, 17), (1, &laser, 4)] {
+            let utility = sensing.utility(Direction { sensor, beam }, &states);
+            let exact = entropy - expected_entropy(model, beam, &states);
+            assert!((utility - exact).abs() < 1e-6, "{sensor} {beam}: {utility} {exact}");
+        }
+    }
+
+    #[test]
+    fn what_tells_two_mirror_poses_apart_is_read() {
+        let [sonars, laser] = sensors();
+        let states = two_mirror_states(&sonars);
+        let sensing = SensingModel::new(&[&sonars, &laser]);
+        let choice = sensing.choose(&states).expect("there are directions");
+        let expected = states.map(|at| sonars.expected_scan(at.state));
+        let beam = choice.direction.beam;
+        assert!(choice.direction.sensor == 0 && expected[0][beam] != expected[1][beam], "{choice:?}");
+        assert!(choice.utility > 0.3 && choice.utility < std::f64::consts::LN_2, "{choice:?}");
+        for other in choices(&sensing, &states) {
+            let Direction { sensor, beam } = other.direction;
+            let is_blind = sensor == 1 || expected[0][beam] == expected[1][beam];
+            assert_eq!(is_blind, other.utility < 1e-9, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn a_laser_that_does_not_see_the_box_leaves_two_mirror_poses_alone() {
+        let [sonars, laser] = sensors();
+        let mut belief = Belief::uniform(&sonars);
+        let expected = laser.expected_scan(two_mirror_states(&sonars)[0].state);
+        for beam in [9, 0, 18, 12] {
+            belief.sense_reading(&laser, beam, laser.sensor.range_m(expected[beam]));
+        }
+        let [here, there] = two_mirror_states(&sonars).map(|at| belief.probability(&sonars, at.state));
+        // Alike but for the rounding of distances to bins.
+        assert!(here > sonars.prior() && here < 1.5 * there && there < 1.5 * here, "{here} {there}");
+        let seen = two_mirror_states(&sonars).map(|at| sonars.expected_scan(at.state));
+        let beam =
+            (0..seen[0].len()).find(|&beam| seen[0][beam].abs_diff(seen[1][beam]) > 20).expect("the box is seen");
+        belief.sense_reading(&sonars, beam, sonars.sensor.range_m(seen[0][beam]));
+        let [here, there] = two_mirror_states(&sonars).map(|at| belief.probability(&sonars, at.state));
+        assert!(here > 2.0 * there, "{here} {there}");
+    }
+
+    #[test]
+    fn drawn_states_choose_as_well_as_all_of_them() {
+        let [sonars, laser] = sensors();
+        let sensing = SensingModel::new(&[&sonars, &laser]);
+        let mut belief = Belief::uniform(&sonars);
+        for (beam, range_m) in [(0, 3.0), (6, 1.2), (19, 1.9), (12, 4.1)] {
+            let all = choices(&sensing, &belief.all_states(&sonars));
+            let drawn = belief.drawn_states(&sonars, 300);
+            assert!((drawn.iter().map(|at| at.share).sum::<f64>() - 1.0).abs() < 1e-12);
+            let choice = sensing.choose(&drawn).expect("there are directions");
+            assert_eq!(sensing.choose(&drawn), Some(choice));
+            let worth = all.iter().find(|other| other.direction == choice.direction).map_or(0.0, |other| other.utility);
+            let best = all.iter().map(|other| other.utility).fold(0.0, f64::max);
+            assert!(worth > best - 0.03, "{worth} of {best}");
+            belief.sense_reading(&sonars, beam, range_m);
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Single readings: one belief read by several sensors, one beam at a time.
+
+use super::belief::Belief;
+use super::grid::State;
+use super::model::LocalizationModel;
+use super::plane::Plane;
+use super::sensor::{BINS, mixture};
+use crate::geometry::{Point, Pose};
+use rayon::prelude::*;
+
+/// A state, and the share of the belief it stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StateShare {
+    /// The state.
+    pub state: State,
+    /// Its share; those of a summary sum to 1.
+    pub share: f64,
+}
+
+/// How much of a belief lies where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offness {
+    /// The distance |Δx| + |Δy| to a point, weighted by the belief.
+    pub l1_m: f64,
+    /// Probability nearer to it than a radius.
+    pub near: f64,
+}
+
+/// P(s | o) of one reading: the distributions that the bytes of the filter stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadingModel {
+    /// `[expected][measured]`.
+    likelihood: Vec<[f64; BINS]>,
+    /// Entropy of each row, in nats.
+    entropy: Vec<f64>,
+}
+
+impl ReadingModel {
+    /// Of the sensor of a model.
+    pub fn new(model: &LocalizationModel) -> Self {
+        let row = |expected| {
+            let density = mixture(&model.parameters.sensor, expected);
+            std::array::from_fn(|measured| density[measured])
+        };
+        let likelihood: Vec<[f64; BINS]> = (0..BINS).map(row).collect();
+        let entropy = likelihood.iter().map(|row| entropy(row)).collect();
+        Self { likelihood, entropy }
+    }
+
+    /// P(s | o) over the measured bins.
+    pub fn likelihood(&self, expected: u8) -> &[f64; BINS] {
+        &self.likelihood[usize::from(expected)]
+    }
+
+    /// What a reading tells on average, in nats, where each bin is expected with the share given:
+    /// H(s) − Σ_o share(o) H(s | o).
+    pub fn information(&self, shares: &[f64; BINS]) -> f64 {
+        let mut sensed = [0.0; BINS];
+        let mut known = 0.0;
+        for (expected, &share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+            for (sum, likelihood) in sensed.iter_mut().zip(&self.likelihood[expected]) {
+                *sum += share * likelihood;
+            }
+            known += share * self.entropy[expected];
+        }
+        (entropy(&sensed) - known).max(0.0)
+    }
+}
+
+/// −Σ p ln p, in nats.
+fn entropy(density: &[f64]) -> f64 {
+    density.iter().filter(|&&p| p > 0.0).map(|&p| -p * libm::log(p)).sum()
+}
+
+impl LocalizationModel {
+    /// Shares of the bins that a beam is expected to measure.
+    pub fn expected_shares(&self, beam: usize, states: &[StateShare]) -> [f64; BINS] {
+        let mut shares = [0.0; BINS];
+        for StateShare { state, share } in states {
+            let cell = state.row * self.grid.columns + state.column;
+            let bin = self.expected_bin(self.grid.direction(state.heading, beam), cell);
+            shares[usize::from(bin)] += share;
+        }
+        shares
+    }
+}
+
+impl Belief {
+    /// Eq. (1) for a motion measured in the frame of the robot before it, normalized: what it carried
+    /// into walls is gone.
+    pub fn moved(&mut self, model: &LocalizationModel, motion: Pose) {
+        self.advance(model, motion);
+        self.sense(model, &[]);
+    }
+
+    /// Eq. (2) for one reading of one beam of a model.
+    pub fn sense_reading(&mut self, model: &LocalizationModel, beam: usize, range_m: f64) {
+        let mut scan = vec![None; model.grid.beams()];
+        scan[beam] = range_m.is_finite().then(|| model.sensor.bin(range_m));
+        self.sense(model, &scan);
+    }
+
+    /// At most so many states, drawn evenly: along the cells of the belief, plane by plane and row by
+    /// row, one wherever another `1 / count` of it has been passed. A state with more than that stands
+    /// for all it has, to `1 / count`. O(cells of the planes that hold any).
+    pub fn drawn_states(&self, model: &LocalizationModel, count: usize) -> Vec<StateShare> {
+        let spacing = self.mass(model) / count as f64;
+        let mut states: Vec<StateShare> = Vec::new();
+        let (mut before, mut due) = (0.0, spacing / 2.0);
+        for (heading, plane) in self.planes().iter().enumerate() {
+            let mut passed = before;
+            before += plane.mass(model);
+            if due >= before {
+                continue;
+            }
+            for cell in (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
+                passed += plane.value(cell);
+                if passed <= due {
+                    continue;
+                }
+                let times = libm::ceil((passed - due) / spacing);
+                due += times * spacing;
+                let state = State { heading, row: cell / model.grid.columns, column: cell % model.grid.columns };
+                states.push(StateShare { state, share: times });
+            }
+        }
+        let total: f64 = states.iter().map(|state| state.share).sum();
+        states.iter_mut().for_each(|state| state.share /= total);
+        states
+    }
+
+    /// Every state the robot can be in, with its probability. O(states).
+    pub fn all_states(&self, model: &LocalizationModel) -> Vec<StateShare> {
+        let of_plane = |heading: usize| {
+            let cells = (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0);
+            cells.map(move |cell| {
+                let state = State { heading, row: cell / model.grid.columns, column: cell % model.grid.columns };
+                StateShare { state, share: self.planes()[heading].value(cell) }
+            })
+        };
+        (0..self.planes().len()).flat_map(of_plane).collect()
+    }
+
+    /// How far the belief is from a point, and how much of it is near. Headings that hold less than
+    /// 10⁻¹² count for nothing. O(cells of the others).
+    pub fn off_from(&self, model: &LocalizationModel, point_in_map: Point, radius_m: f64) -> Offness {
+        let held: Vec<&Plane> = self.planes().iter().filter(|plane| plane.mass(model) >= 1e-12).collect();
+        let parts: Vec<Offness> = held.par_iter().map(|plane| plane.off_from(model, point_in_map, radius_m)).collect();
+        let sum = |of: fn(&Offness) -> f64| parts.iter().map(of).sum();
+        Offness { l1_m: sum(|off| off.l1_m), near: sum(|off| off.near) }
+    }
+}
+
+impl Plane {
+    fn off_from(&self, model: &LocalizationModel, point_in_map: Point, radius_m: f64) -> Offness {
+        let grid = &model.grid;
+        let (x, y) = grid.fractional(point_in_map);
+        let mut off = Offness { l1_m: 0.0, near: 0.0 };
+        for cell in (0..grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
+            let (column, row) = self.position_cells(grid, cell);
+            let (dx_m, dy_m) = ((column - x) * grid.cell_m, (row - y) * grid.cell_m);
+            let value = self.value(cell);
+            off.l1_m += value * (libm::fabs(dx_m) + libm::fabs(dy_m));
+            if dx_m * dx_m + dy_m * dy_m < radius_m * radius_m {
+                off.near += value;
+            }
+        }
+        off
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::localization::LocalizationParameters;
+    use crate::occupancy::{Cell, OccupancyGrid};
+
+    fn model() -> LocalizationModel {
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 50, 30, Cell::Free);
+        (10..20).for_each(|column| map.set(column, 29, Cell::Occupied));
+        let parameters = LocalizationParameters {
+            cell_m: 0.5,
+            angle_step_deg: 45,
+            activity_threshold: 0.0,
+            ..LocalizationParameters::literal()
+        };
+        LocalizationModel::new(&map, parameters).expect("it is a map")
+    }
+
+    #[test]
+    fn a_reading_weighs_each_state_by_its_likelihood() {
+        let model = model();
+        let readings = ReadingModel::new(&model);
+        let mut belief = Belief::uniform(&model);
+        belief.sense_reading(&model, 5, 1.3);
+        let likelihood = |state: &StateShare| {
+            let expected = model.expected_scan(state.state)[5];
+            readings.likelihood(expected)[usize::from(model.sensor.bin(1.3))]
+        };
+        let states = belief.all_states(&model);
+        let total: f64 = states.iter().map(likelihood).sum();
+        for state in &states {
+            // The filter's bytes round to 1/64 nat.
+            assert!((state.share / (likelihood(state) / total) - 1.0).abs() < 0.04, "{state:?}");
+        }
+        let before = belief.clone();
+        belief.sense_reading(&model, 5, f64::NAN);
+        assert!((belief.entropy(&model) - before.entropy(&model)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn distance_from_a_point_is_the_mean_over_all_states() {
+        let model = model();
+        let mut belief = Belief::uniform(&model);
+        belief.sense_reading(&model, 2, 1.3);
+        belief.moved(&model, Pose::new(0.1, 0.0, 0.0));
+        let point = Point::new(2.0, 1.0);
+        let (mut l1_m, mut near) = (0.0, 0.0);
+        for StateShare { state, share } in belief.all_states(&model) {
+            let (sin, cos) = libm::sincos(model.grid.heading_rad(state.heading));
+            let at = model.grid.centre(state.column, state.row);
+            let (dx, dy) = (at.x + 0.1 * cos - point.x, at.y + 0.1 * sin - point.y);
+            l1_m += share * (libm::fabs(dx) + libm::fabs(dy));
+            near += if libm::hypot(dx, dy) < 0.7 { share } else { 0.0 };
+        }
+        let off = belief.off_from(&model, point, 0.7);
+        assert!((off.l1_m - l1_m).abs() < 1e-6 && (off.near - near).abs() < 1e-6, "{off:?} {l1_m} {near}");
+    }
+}

@@ -1,0 +1,253 @@
+//! Earlier instants of a run: copies of its whole state now and then, and replay from the last one
+//! before the instant that is asked for.
+//!
+//! Copies share what has not changed between them. When they hold too much, those are given up
+//! without which replay grows least.
+
+use crate::behaviour::Outside;
+use crate::stepping::{Stepped, Stop};
+use crate::system::System;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A copy is kept when computing has gone on for so long since the last one, so that no replay
+/// takes much longer while there is room.
+const COPY_EVERY: Duration = Duration::from_millis(40);
+
+/// What the copies may hold together, each shared part counted once.
+const MOST_BYTES: usize = 448 << 20;
+
+/// Names, globals and other tables of a run, which every copy has for itself.
+const TABLE_BYTES: usize = 256 << 10;
+
+/// A place in the history of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Position {
+    /// Counts instants, and what was handed in from outside.
+    pub segment: u64,
+    /// Forms stopped before in that instant; [`Position::END`] when nothing is ready any more.
+    pub step: u32,
+}
+
+impl Position {
+    /// The step of an instant that is over.
+    pub const END: u32 = u32::MAX;
+}
+
+#[derive(Clone)]
+struct Copy<O> {
+    segment: u64,
+    // Forks of the run share their past.
+    system: Arc<System<O>>,
+    /// Computing between the copy before and this one.
+    computing: Duration,
+    /// What it holds and the copy before does not.
+    bytes: usize,
+    /// Something was handed in here, which no replay could do.
+    is_handed_in: bool,
+}
+
+/// The history of a run.
+#[derive(Clone)]
+pub struct Timeline<O> {
+    /// Where the run is.
+    pub position: Position,
+    copies: Vec<Copy<O>>,
+    /// Computing since the last copy.
+    since: Duration,
+    /// Bytes of the outside of a state that an earlier state does not share.
+    bytes_apart: fn(&O, &O) -> usize,
+}
+
+/// An earlier state, and where the stepper stood then.
+pub struct Past<O> {
+    /// The state.
+    pub system: System<O>,
+    /// Its place.
+    pub position: Position,
+    /// The form a task stood before.
+    pub stop: Option<Stop>,
+}
+
+impl<O: Outside + Clone> Timeline<O> {
+    /// The history of a run that is at its start. `bytes_apart` tells how much the outside of a
+    /// later state holds that an earlier one, given second, does not share.
+    pub fn new(system: &System<O>, bytes_apart: fn(&O, &O) -> usize) -> Self {
+        let position = Position { segment: 0, step: Position::END };
+        let mut timeline = Self { position, copies: Vec::new(), since: Duration::ZERO, bytes_apart };
+        timeline.copy(system, true);
+        timeline
+    }
+
+    /// Something from outside has changed the run: replay cannot go over it, so it is kept.
+    pub fn handed_in(&mut self, system: &System<O>) {
+        self.position = Position { segment: self.position.segment + 1, step: 0 };
+        self.copy(system, true);
+    }
+
+    /// A new instant has begun, after so much computing since the last one began.
+    pub fn next_instant(&mut self, system: &System<O>, computing: Duration) {
+        self.position = Position { segment: self.position.segment + 1, step: 0 };
+        self.since += computing;
+        if self.since >= COPY_EVERY {
+            self.copy(system, false);
+        }
+    }
+
+    fn copy(&mut self, system: &System<O>, is_handed_in: bool) {
+        let system = Arc::new(system.clone());
+        let bytes = match self.copies.last() {
+            Some(before) => self.bytes_between(&before.system, &system),
+            None => 0,
+        };
+        let computing = std::mem::take(&mut self.since);
+        self.copies.push(Copy { segment: self.position.segment, system, computing, bytes, is_handed_in });
+        self.thin_out();
+    }
+
+    fn bytes_between(&self, earlier: &System<O>, later: &System<O>) -> usize {
+        TABLE_BYTES + later.machine.used_bytes() + (self.bytes_apart)(&later.outside, &earlier.outside)
+    }
+
+    /// Gives copies up until the others hold no more than they may, as far as replay can do without
+    /// them. Cost: a look at all copies for each that is given up.
+    fn thin_out(&mut self) {
+        while self.held_bytes() > MOST_BYTES {
+            let Some(at) = self.least_useful() else { return };
+            let gone = self.copies.remove(at);
+            self.copies[at].bytes = self.bytes_between(&self.copies[at - 1].system, &self.copies[at].system);
+            self.copies[at].computing += gone.computing;
+        }
+    }
+
+    /// The copy without which the longest replay is shortest. The newest stays.
+    fn least_useful(&self) -> Option<usize> {
+        let inner = 1..self.copies.len().saturating_sub(1);
+        let replay = |&at: &usize| self.copies[at].computing + self.copies[at + 1].computing;
+        inner.filter(|&at| !self.copies[at].is_handed_in).min_by_key(replay)
+    }
+
+    /// What all copies hold, each shared part counted once.
+    pub fn held_bytes(&self) -> usize {
+        self.copies.iter().map(|copy| copy.bytes).sum()
+    }
+
+    /// Forgets what came after a position, and goes on from there.
+    pub fn go_back_to(&mut self, position: Position) {
+        self.copies.retain(|copy| copy.segment <= position.segment);
+        self.position = position;
+        self.since = Duration::ZERO;
+    }
+
+    /// The state so many steps before a position, at most the start's; `is_shown` tells which stops
+    /// count as steps.
+    pub fn steps_before(
+        &self,
+        mut position: Position,
+        mut steps: usize,
+        is_shown: impl Fn(&System<O>, &Stop) -> bool,
+    ) -> Past<O> {
+        for (index, copy) in self.copies.iter().enumerate().rev() {
+            if copy.segment > position.segment {
+                continue;
+            }
+            let stops = stops_between(copy, position, &is_shown);
+            match stops.len().checked_sub(steps) {
+                Some(kept) if kept < stops.len() => return self.at(stops[kept]),
+                _ if index == 0 => return self.at(Position { segment: 0, step: 0 }),
+                _ => {
+                    steps -= stops.len();
+                    position = Position { segment: copy.segment, step: 0 };
+                }
+            }
+        }
+        self.at(Position { segment: 0, step: 0 })
+    }
+
+    /// The state at a position.
+    pub fn at(&self, position: Position) -> Past<O> {
+        let copy = self.last_copy(|copy| copy.segment <= position.segment);
+        let mut system = System::clone(&copy.system);
+        for _ in copy.segment..position.segment {
+            system.settle();
+            system.next_instant();
+        }
+        let mut reached = Position { segment: position.segment, step: 0 };
+        let mut stop = None;
+        while reached.step < position.step {
+            match system.step_form() {
+                Stepped::Before(before) => {
+                    stop = Some(before);
+                    reached.step += 1;
+                }
+                Stepped::Ran => stop = None,
+                Stepped::Settled => {
+                    stop = None;
+                    reached.step = Position::END;
+                }
+            }
+        }
+        discard(&mut system);
+        Past { system, position: reached, stop }
+    }
+
+    /// The state when the last instant up to a time was over.
+    pub fn at_time(&self, time_us: u64) -> Past<O> {
+        let copy = self.last_copy(|copy| copy.system.machine.now_us <= time_us);
+        let end = self.copies.iter().map(|copy| copy.segment).find(|&segment| segment > copy.segment);
+        let last = end.unwrap_or(self.position.segment + 1) - 1;
+        let mut system = System::clone(&copy.system);
+        let mut segment = copy.segment;
+        system.settle();
+        while segment < last && system.next_instant_us().is_some_and(|next_us| next_us <= time_us) {
+            system.next_instant();
+            system.settle();
+            segment += 1;
+        }
+        discard(&mut system);
+        Past { system, position: Position { segment, step: Position::END }, stop: None }
+    }
+
+    /// How many copies are kept.
+    pub fn copies(&self) -> usize {
+        self.copies.len()
+    }
+
+    fn last_copy(&self, fits: impl Fn(&Copy<O>) -> bool) -> &Copy<O> {
+        self.copies.iter().rev().find(|copy| fits(copy)).unwrap_or(&self.copies[0])
+    }
+}
+
+/// Every position between a copy and a later position at which a stepper would stop.
+fn stops_between<O: Outside + Clone>(
+    copy: &Copy<O>,
+    end: Position,
+    is_shown: &impl Fn(&System<O>, &Stop) -> bool,
+) -> Vec<Position> {
+    let mut system = System::clone(&copy.system);
+    let mut position = Position { segment: copy.segment, step: 0 };
+    let mut stops = Vec::new();
+    while position < end {
+        match system.step_form() {
+            Stepped::Before(stop) => {
+                position.step += 1;
+                if position < end && is_shown(&system, &stop) {
+                    stops.push(position);
+                }
+            }
+            Stepped::Ran => {}
+            Stepped::Settled if position.segment == end.segment => break,
+            Stepped::Settled => {
+                system.next_instant();
+                position = Position { segment: position.segment + 1, step: 0 };
+            }
+        }
+    }
+    stops
+}
+
+/// What is replayed has been printed and traced before.
+fn discard<O: Outside>(system: &mut System<O>) {
+    system.machine.output.clear();
+    system.machine.trace.take();
+}

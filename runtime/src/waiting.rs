@@ -1,0 +1,127 @@
+//! What a task waits for, in words: the condition as it stands in the text, where the task stands,
+//! and which fluents decide.
+
+use crate::fluent::Origin;
+use crate::machine::Machine;
+use crate::task::{Frame, Waiting};
+use rpl_lang::code::Program;
+use rpl_lang::source::Span;
+
+/// How many fluents, and how deep, a condition is told to read.
+const MAX_READINGS: usize = 64;
+const MAX_DEPTH: usize = 16;
+
+/// A fluent with a name that a condition reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// Its name.
+    pub fluent: String,
+    /// Its value, as it could be read.
+    pub value: String,
+    /// What it is computed from, where it is named first.
+    pub from: Vec<Reading>,
+}
+
+impl Machine {
+    /// What a task waits for, in words.
+    pub fn describe(&self, program: &Program, waiting: Waiting) -> String {
+        match waiting {
+            Waiting::Nothing => "nothing".into(),
+            Waiting::Fluent { fluent, .. } => self.describe_fluent(program, fluent),
+            Waiting::Watch(watch) => self.describe_fluent(program, self.watches[watch].fluent),
+            Waiting::Time => "time".into(),
+            Waiting::Children | Waiting::Spawned => "children".into(),
+            Waiting::Valve(valve) => format!("valve {}", self.valve_name(valve)),
+            Waiting::Death(other) => format!("the end of {}", self.path(other)),
+            Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
+            Waiting::Signal(_) => "signal".into(),
+        }
+    }
+
+    fn describe_fluent(&self, program: &Program, fluent: u32) -> String {
+        match self.fluents[fluent].name {
+            Some(name) => format!("fluent {}", self.symbols.name(name)),
+            None => self.condition_text(program, fluent, 0),
+        }
+    }
+
+    /// A fluent in fluent position: by its name, or as its condition stands in the text.
+    fn condition_text(&self, program: &Program, fluent: u32, depth: usize) -> String {
+        let record = &self.fluents[fluent];
+        if let Some(name) = record.name {
+            return self.symbols.name(name).to_string();
+        }
+        let input = || match record.inputs.first() {
+            Some(&input) if depth < MAX_DEPTH => self.condition_text(program, input, depth + 1),
+            _ => "…".to_string(),
+        };
+        match &record.origin {
+            Origin::Network { code, .. } => match program.codes.get(*code as usize) {
+                Some(code) => program.sources.text_of(code.span).split_whitespace().collect::<Vec<_>>().join(" "),
+                None => "condition".to_string(),
+            },
+            Origin::Pulsed => format!("(pulsed {})", input()),
+            Origin::Changed => format!("(changed {})", input()),
+            Origin::Count => format!("(count-pulses {})", input()),
+            Origin::Plan | Origin::System => "condition".to_string(),
+        }
+    }
+
+    /// The fluents with names that decide what a task waits for; none if it waits for no fluent.
+    pub fn readings(&self, program: &Program, waiting: Waiting) -> Vec<Reading> {
+        let fluent = match waiting {
+            Waiting::Fluent { fluent, .. } => fluent,
+            Waiting::Watch(watch) => self.watches[watch].fluent,
+            Waiting::Nothing
+            | Waiting::Time
+            | Waiting::Children
+            | Waiting::Spawned
+            | Waiting::Valve(_)
+            | Waiting::Death(_)
+            | Waiting::Rest(_)
+            | Waiting::Signal(_) => return Vec::new(),
+        };
+        self.readings_of(program, fluent, 0, &mut Vec::new())
+    }
+
+    /// A fluent with a name, or the named ones that one without is computed from. `seen` are those
+    /// that have been told of.
+    fn readings_of(&self, program: &Program, fluent: u32, depth: usize, seen: &mut Vec<u32>) -> Vec<Reading> {
+        let Some(record) = self.fluents.get(fluent).filter(|_| seen.len() < MAX_READINGS) else { return Vec::new() };
+        let is_first = !seen.contains(&fluent);
+        let from = match is_first && depth < MAX_DEPTH {
+            true => {
+                seen.push(fluent);
+                record.inputs.iter().flat_map(|&input| self.readings_of(program, input, depth + 1, seen)).collect()
+            }
+            false => Vec::new(),
+        };
+        match record.name {
+            Some(name) => {
+                let (fluent, value) = (self.symbols.name(name).to_string(), self.write(program, record.value));
+                vec![Reading { fluent, value, from }]
+            }
+            None => from,
+        }
+    }
+
+    /// The form a task stands in: inside a function of the library, the one that calls it.
+    pub fn form_of(&self, program: &Program, task: u32) -> Option<Span> {
+        let record = self.tasks.get(task)?;
+        form_in_plan(program, record.frame, &record.frames)
+    }
+}
+
+/// The form at a frame, or that of the innermost caller outside the library. `callers` are the
+/// frames around it, outermost first.
+pub(crate) fn form_in_plan(program: &Program, frame: Frame, callers: &[Frame]) -> Option<Span> {
+    let span_of = |frame: &Frame| {
+        program.codes.get(frame.code as usize)?.spans.get((frame.pc as usize).saturating_sub(1)).copied()
+    };
+    let here = span_of(&frame);
+    if here.is_none_or(|span| span.source.0 >= program.library_sources) {
+        return here;
+    }
+    let mut outer = callers.iter().rev().filter_map(span_of);
+    outer.find(|span| span.source.0 >= program.library_sources).or(here)
+}

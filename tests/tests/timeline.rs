@@ -1,0 +1,92 @@
+//! Earlier instants of a run, also when copies of it have been given up.
+
+use rpl_lang::compile::NoFiles;
+use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::system::System;
+use rpl_runtime::timeline::{Position, Timeline};
+use rpl_tests::library;
+use std::time::Duration;
+
+/// A plan in which every instant differs from all others.
+const PLAN: &str = "
+(def-fluent level 0)
+(def-plan fill () (loop (wait-time 0.1) (setf (value level) (+ (random 1000) (* 2 (value level))))
+                        (if (> (value level) 1000000) (setf (value level) 0))))
+(with-policy (whenever (changed level) (wait-time 0.05))
+  (fill))";
+
+fn session() -> System<NoRobot> {
+    System::session(library(), NoRobot).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
+}
+
+/// A run of so many instants, its history, and what each instant was at its end.
+fn recorded(instants: u64, bytes_apart: fn(&NoRobot, &NoRobot) -> usize) -> (Timeline<NoRobot>, Vec<(u64, Vec<u8>)>) {
+    let mut system = session();
+    let mut timeline = Timeline::new(&system, bytes_apart);
+    system.submit("plan", PLAN, &mut NoFiles).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+    timeline.handed_in(&system);
+    let mut ends = Vec::new();
+    for _ in 0..instants {
+        system.settle();
+        timeline.position.step = Position::END;
+        ends.push((system.machine.now_us, state(&system)));
+        system.next_instant();
+        // A fifth of them takes long.
+        let ms = if system.machine.now_us.is_multiple_of(500_000) { 80 } else { 15 };
+        timeline.next_instant(&system, Duration::from_millis(ms));
+    }
+    (timeline, ends)
+}
+
+/// All that can differ, but what was printed and traced.
+fn state(system: &System<NoRobot>) -> Vec<u8> {
+    let mut system = system.clone();
+    system.machine.output.clear();
+    system.machine.trace.take();
+    system.save()
+}
+
+#[test]
+fn every_earlier_instant_is_given_back_as_it_was() {
+    let (timeline, ends) = recorded(100, |_, _| 0);
+    assert!(timeline.copies() > 20, "{}", timeline.copies());
+    for (time_us, end) in &ends {
+        assert!(state(&timeline.at_time(*time_us).system) == *end, "at {time_us} µs");
+    }
+}
+
+#[test]
+fn copies_that_hold_too_much_are_given_up_and_nothing_else_changes() {
+    let (timeline, ends) = recorded(100, |_, _| 60 << 20);
+    // Seven of them fit beside the start.
+    assert!((5..=8).contains(&timeline.copies()), "{}", timeline.copies());
+    assert!(timeline.held_bytes() <= 448 << 20, "{}", timeline.held_bytes());
+    for (time_us, end) in &ends {
+        assert!(state(&timeline.at_time(*time_us).system) == *end, "at {time_us} µs");
+    }
+}
+
+#[test]
+fn what_was_handed_in_is_never_given_up() {
+    let mut system = session();
+    let mut timeline = Timeline::new(&system, |_, _| 300 << 20);
+    for number in 0..10 {
+        system.submit("form", &format!("(wait-time 1) {number}"), &mut NoFiles).unwrap_or_else(|rejected| {
+            panic!("{}", rejected.render(false));
+        });
+        timeline.handed_in(&system);
+        loop {
+            system.settle();
+            if system.answer().is_some() {
+                break;
+            }
+            system.next_instant();
+            timeline.next_instant(&system, Duration::from_millis(100));
+        }
+    }
+    for second in 0..10 {
+        let past = timeline.at_time(second * 1_000_000 + 500_000).system;
+        assert_eq!(past.machine.now_us, second * 1_000_000);
+        assert!(past.answer().is_none(), "form {second} is under way");
+    }
+}
