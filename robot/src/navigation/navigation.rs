@@ -298,7 +298,7 @@ impl Navigation {
             self.sonars_until_s = self.sonars_until_s.max(self.now_s + 1.0);
         }
         self.notice_jump(estimated_in_map, input.odometry_in_odom);
-        let passed = self.drop_reached(estimated_in_map.point());
+        let passed = self.drop_reached(&model.planner, estimated_in_map.point());
         match self.phase {
             Phase::Idle => self.output(Speeds::default(), None),
             Phase::Turning => self.turn(limits, estimated_in_map, input.speeds),
@@ -342,11 +342,11 @@ impl Navigation {
     }
 
     /// Drops the targets at hand or behind; true if there were any.
-    fn drop_reached(&mut self, here: Point) -> bool {
+    fn drop_reached(&mut self, planner: &PlannerModel, here: Point) -> bool {
         let before = self.targets.len();
         while let [current, next, ..] = self.targets[..] {
             let is_near = distance_m(here, current.point_in_map) <= PASSING_M;
-            if !is_near && !is_passed(here, current.point_in_map, next.point_in_map) {
+            if !is_near && !is_passed(planner, here, current.point_in_map, next.point_in_map) {
                 break;
             }
             self.targets.remove(0);

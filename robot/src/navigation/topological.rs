@@ -16,6 +16,10 @@ const PASSING_WIDTH_M: f64 = 0.3;
 /// Two target points nearer to each other than this are one.
 const SAME_TARGET_M: f64 = 0.4;
 
+/// What a door adds to a way: it is gone through slowly, and no office is entered only to be left
+/// again by the way it was entered.
+const DOOR_COSTS_M: f64 = 2.0;
+
 /// A point to drive to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
@@ -125,7 +129,7 @@ impl TopologicalModel {
         let mut points: Vec<Point> = chain.iter().flat_map(beside_doors).collect();
         points.push(goal.point_in_map);
         merge_near_points(&mut points);
-        drop_passed(&mut points, start);
+        drop_passed(planner, &mut points, start);
         let points = self.joined(planner, start, &points, destination)?;
         let regions = self.regions_along(start, &points);
         let (_, through) = points.split_last().unwrap_or((&goal.point_in_map, &[]));
@@ -169,7 +173,7 @@ impl TopologicalModel {
     }
 
     /// The doors to go through, each with the direction: the shortest chain by the distances of the
-    /// doors from each other.
+    /// doors from each other, and what each door costs.
     fn chain(&self, start: Point, from: Area, goal: Point, to: Area, closed_doors: &[usize]) -> Option<Vec<Passage>> {
         if from == to {
             return Some(Vec::new());
@@ -194,7 +198,7 @@ impl TopologicalModel {
                 }
             }
             for next in 0..nodes.len() {
-                let through_m = length_m[node] + distance_m(nodes[node].at, nodes[next].at);
+                let through_m = length_m[node] + distance_m(nodes[node].at, nodes[next].at) + DOOR_COSTS_M;
                 if nodes[next].areas[0] == nodes[node].areas[1] && through_m < length_m[next] {
                     length_m[next] = through_m;
                     before[next] = Some(node);
@@ -326,8 +330,9 @@ fn merge_near_points(points: &mut Vec<Point>) {
     }
 }
 
-/// Whether a robot at `here` has `point` behind it on its way to `next`.
-pub(super) fn is_passed(here: Point, point: Point, next: Point) -> bool {
+/// Whether a robot at `here` has `point` behind it on its way to `next`, and the rest of that way
+/// lies straight ahead.
+pub(super) fn is_passed(planner: &PlannerModel, here: Point, point: Point, next: Point) -> bool {
     let way = next - point;
     let length_m = way.norm();
     if length_m < 1e-9 {
@@ -335,11 +340,12 @@ pub(super) fn is_passed(here: Point, point: Point, next: Point) -> bool {
     }
     let along_m = (here - point).dot(&way) / length_m;
     let aside_m = (here - point).perp(&way).abs() / length_m;
-    along_m > 0.0 && along_m <= length_m && aside_m < PASSING_WIDTH_M
+    let is_beside = along_m > 0.0 && along_m <= length_m && aside_m < PASSING_WIDTH_M;
+    is_beside && planner.is_straight_way_free(here, next)
 }
 
-fn drop_passed(points: &mut Vec<Point>, here: Point) {
-    let last_passed = points.windows(2).rposition(|pair| is_passed(here, pair[0], pair[1]));
+fn drop_passed(planner: &PlannerModel, points: &mut Vec<Point>, here: Point) {
+    let last_passed = points.windows(2).rposition(|pair| is_passed(planner, here, pair[0], pair[1]));
     if let Some(index) = last_passed {
         points.drain(..=index);
     }
