@@ -62,6 +62,17 @@ fn eval_reads_standard_input() {
 }
 
 #[test]
+fn eval_has_the_robot_of_a_world_and_lays_out_the_plan_it_makes() {
+    let found = output(&["eval", "(generate-navigation-plan 'corner)", "--world", "test-room"]);
+    let plan = stdout(&found);
+    assert!(plan.starts_with("(with-policies (") && plan.lines().count() > 2, "{plan}{}", stderr(&found));
+    assert!(plan.contains("(run-behaviour navigation :targets"), "{plan}");
+    let found = output(&["eval", "(go-to 'shlf)", "--world", "test-room"]);
+    assert!(stderr(&found).contains("`shlf` is not in world `test-room`"), "{}", stderr(&found));
+    assert_eq!(status(&found), 1);
+}
+
+#[test]
 fn check_tells_all_findings_and_says_when_there_are_none() {
     let folder = folder("check");
     let good = plan(&folder, "good.rpl", "(print 1)");
