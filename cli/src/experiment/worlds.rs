@@ -4,7 +4,7 @@
 use super::catalogue::WORLDS;
 use super::statistics::{Spread, wilson_95};
 use super::trial::{Trial, one_trial};
-use super::trials::run_all;
+use super::trials::{failures, run_all};
 use super::{Arguments, jobs, progress, seeds, write_results};
 use crate::console::Console;
 use crate::mission::{self, Robot, Site};
@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         rows.push((name, drives(arguments, console, name)?));
     }
     console.print(&table(&rows))?;
-    let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded);
+    let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded());
     write_results(arguments, &rows, &[])?;
     Ok(if all_arrived { Status::Succeeded } else { Status::Failed })
 }
@@ -89,7 +89,7 @@ fn drives(arguments: &Arguments, console: &Console, name: &str) -> Result<Vec<Tr
         let mut system = System::traced(site.library.clone(), loaded, Robot::Office(Box::new(errand.robot)));
         system.machine.seed_random(seed);
         let mut trial = one_trial(system, seed, arguments.until, Some(errand.destination.pose_in_map))?;
-        let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded);
+        let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
         trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / errand.optimum_m)));
         Ok(trial)
     };
@@ -136,7 +136,7 @@ fn table(rows: &[(&str, Vec<Trial>)]) -> String {
         let mut ratios = numbers("way / optimum");
         ratios.sort_by(f64::total_cmp);
         let nine_in_ten = ratios.get(ratios.len() * 9 / 10).map_or("–".to_string(), |ratio| format!("{ratio:.2}"));
-        let arrived = trials.iter().filter(|trial| trial.succeeded).count();
+        let arrived = trials.iter().filter(|trial| trial.succeeded()).count();
         let (low, high) = wilson_95(arrived, trials.len());
         lines.push(format!(
             "{name:18} {:>9} {:>15} {:>8} {:>8} {:>10} {nine_in_ten:>8} {:>9} {:>6}",
@@ -148,11 +148,7 @@ fn table(rows: &[(&str, Vec<Trial>)]) -> String {
             median("time [s]"),
             numbers("relocalizations").iter().sum::<f64>(),
         ));
-        let failed: Vec<String> =
-            trials.iter().filter(|trial| !trial.succeeded).take(20).map(|trial| trial.seed.to_string()).collect();
-        if !failed.is_empty() {
-            lines.push(format!("{:18} not with seed {}", "", failed.join(", ")));
-        }
+        lines.extend(failures(trials).map(|failures| format!("{:18} not with seed {failures}", "")));
     }
     lines.push(
         "contacts: caused by the robot, total; way, way / optimum and time: medians; lost: relocalizations, total."

@@ -15,11 +15,7 @@ const WORLDS: [(&str, &str, &str); 18] = [
         concat!("people = 6\n\n", include_str!("../../worlds/dept.toml")),
         "`dept` with six people who come and go.",
     ),
-    (
-        "dept-crowded",
-        concat!("people = 20\n\n", include_str!("../../worlds/dept.toml")),
-        "`dept` with twenty people.",
-    ),
+    ("dept-crowded", concat!("people = 20\n\n", include_str!("../../worlds/dept.toml")), "`dept` with twenty people."),
     ("corridor", include_str!("../../worlds/corridor.toml"), ""),
     (
         "corridor-crowded",
