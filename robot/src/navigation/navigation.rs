@@ -3,7 +3,7 @@
 use super::alignment::aligned;
 use super::doorways::{DoorMemory, Doorway, barriers};
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
-use super::obstacle_memory::{ObstacleMemory, Transform};
+use super::obstacle_memory::{ObstacleMemory, RememberedPoint, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
 use super::topological::{Target, is_passed};
 use super::value_field::{ValueField, path_length_m};
@@ -531,7 +531,9 @@ impl Navigation {
         self.sonars_until_s = self.now_s + LOOK_AROUND_S;
     }
 
-    /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead.
+    /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead. People
+    /// who walk are left to the collision avoidance: until a way around them is planned they are
+    /// elsewhere, and with twenty of them about the ways would never be the same for a second.
     fn look_for_blockages(
         &mut self,
         model: &NavigationModel,
@@ -560,7 +562,7 @@ impl Navigation {
     /// best, and nothing to escape from.
     fn look_at_doors(&mut self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) {
         let before = self.closed_doors();
-        let points = self.sharp_points(estimated_in_map, odometry_in_odom);
+        let points = self.sharp_points(estimated_in_map, odometry_in_odom, |_| true);
         let robot_width_m = 2.0 * model.limits.robot_radius_m;
         let here = estimated_in_map.point();
         self.doors.look(&model.doorways, here, &points, robot_width_m, self.now_s, LOOK_S);
@@ -570,14 +572,19 @@ impl Navigation {
         }
     }
 
-    fn sharp_points(&self, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
+    fn sharp_points(
+        &self,
+        estimated_in_map: Pose,
+        odometry_in_odom: Pose,
+        counts: impl Fn(&RememberedPoint) -> bool,
+    ) -> Vec<Point> {
         let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
-        let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M);
+        let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M && counts(point));
         sharp.map(|point| odom_in_map.apply(point.point_in_odom)).collect()
     }
 
     fn unmapped_points(&self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
-        let mut points = self.sharp_points(estimated_in_map, odometry_in_odom);
+        let mut points = self.sharp_points(estimated_in_map, odometry_in_odom, RememberedPoint::stands);
         points.retain(|&point_in_map| model.planner.obstacle_distance_m(point_in_map) > UNMAPPED_M);
         points
     }
