@@ -10,12 +10,15 @@ const EVERY: Duration = Duration::from_millis(100);
 /// line stays above it.
 const FREE: usize = 6;
 
-/// To the first column, and the line cleared.
-const CLEAR: &str = "\r\x1b[2K";
+/// To the first column.
+const START: &str = "\r";
+
+/// Clears the row from here on. A row that is cleared and written in two pieces flickers.
+const CLEAR_REST: &str = "\x1b[K";
 
 const SPINNER: [char; 8] = ['⠁', '⠂', '⠄', '⡀', '⢀', '⠠', '⠐', '⠈'];
 
-/// A status line on standard error. What is written beside it must [`StatusLine::hide`] it first.
+/// A status line on standard error. What is written beside it stands above: [`StatusLine::below`].
 #[derive(Debug, Default)]
 pub struct StatusLine {
     text: String,
@@ -39,17 +42,21 @@ impl StatusLine {
         self.show();
     }
 
-    /// Draws it as it was.
-    pub fn show(&self) {
+    fn show(&self) {
         if !self.text.is_empty() {
-            write(&format!("{CLEAR}{}", self.text));
+            write(&format!("{START}{}{CLEAR_REST}", self.text));
         }
+    }
+
+    /// What writes lines in its place, and it below them, in one piece.
+    pub fn below(&self, lines: &str) -> String {
+        format!("{START}{CLEAR_REST}{lines}\n{}", self.text)
     }
 
     /// Takes it away.
     pub fn hide(&self) {
         if !self.text.is_empty() {
-            write(CLEAR);
+            write(&format!("{START}{CLEAR_REST}"));
         }
     }
 }
