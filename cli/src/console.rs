@@ -70,9 +70,9 @@ impl Console {
         self.status = Some(StatusLine::default());
     }
 
-    /// Whether the status line wants a new text.
-    pub fn wants_status(&self) -> bool {
-        self.status.as_ref().is_some_and(StatusLine::is_due)
+    /// The columns a new text for the status line may take, if it wants one.
+    pub fn status_room(&self) -> Option<usize> {
+        self.status.as_ref().filter(|status| status.is_due()).map(StatusLine::room)
     }
 
     /// Draws the status line.

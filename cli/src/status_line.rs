@@ -6,9 +6,12 @@ use std::time::{Duration, Instant};
 /// How often it is drawn.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// Columns left free: what the terminal echoes, such as ^C, must not begin a new line, or the status
+/// The spinner before the text, and a space.
+const MARGIN: usize = 2;
+
+/// Columns left free, with the spinner's: what the terminal echoes, such as ^C, must not begin a new line, or the status
 /// line stays above it.
-const FREE: usize = 6;
+const FREE: usize = 6 + MARGIN;
 
 /// To the first column.
 const START: &str = "\r";
@@ -32,12 +35,17 @@ impl StatusLine {
         self.drawn.is_none_or(|drawn| drawn.elapsed() >= EVERY)
     }
 
+    /// Columns a text may take.
+    pub fn room(&self) -> usize {
+        let (_, columns) = console::Term::stderr().size();
+        usize::from(columns).saturating_sub(FREE)
+    }
+
     /// Draws another text.
     pub fn set(&mut self, text: &str) {
-        let (_, columns) = console::Term::stderr().size();
         self.turn += 1;
         let whole = format!("{} {text}", SPINNER[self.turn % SPINNER.len()]);
-        self.text = whole.chars().take(usize::from(columns).saturating_sub(FREE)).collect();
+        self.text = whole.chars().take(self.room() + MARGIN).collect();
         self.drawn = Some(Instant::now());
         self.show();
     }

@@ -2,6 +2,7 @@
 
 use super::command::Verb;
 use super::{Prompt, session, view};
+use crate::interrupt;
 use crate::mission::Robot;
 use crate::time::parse_duration_us;
 use anyhow::Result;
@@ -9,31 +10,38 @@ use rpl_runtime::timeline::Past;
 
 impl Prompt<'_> {
     pub(super) fn back(&mut self, rest: &str) -> Result<()> {
+        interrupt::forget();
         let timeline = &self.session.branch.timeline;
         let now_us = self.session.branch.system.machine.now_us;
         let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
-            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown),
-            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown),
-            (_, Ok(time_us)) => timeline.at_time(now_us.saturating_sub(time_us)),
+            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown, &interrupt::is_asked),
+            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown, &interrupt::is_asked),
+            (_, Ok(time_us)) => timeline.at_time(now_us.saturating_sub(time_us), &interrupt::is_asked),
             _ => return self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s")),
         };
         self.go_back(past)
     }
 
     pub(super) fn at(&mut self, rest: &str) -> Result<()> {
+        interrupt::forget();
         match parse_duration_us(rest) {
             Ok(time_us) if time_us > self.session.branch.system.machine.now_us => {
                 self.wrong(&format!("{rest} has not come yet; `:until {rest}` goes there"))
             }
             Ok(time_us) => {
-                let past = self.session.branch.timeline.at_time(time_us);
+                let past = self.session.branch.timeline.at_time(time_us, &interrupt::is_asked);
                 self.go_back(past)
             }
             Err(reason) => self.wrong(&reason),
         }
     }
 
-    fn go_back(&mut self, past: Past<Robot>) -> Result<()> {
+    /// Takes an earlier state; none if Ctrl-C came first.
+    fn go_back(&mut self, past: Option<Past<Robot>>) -> Result<()> {
+        let Some(past) = past else {
+            self.console.note("interrupted on the way back; the run stands where it stood");
+            return self.show_stop();
+        };
         let is_start = past.position.segment == 0;
         self.session.go_back_to(past);
         if is_start {

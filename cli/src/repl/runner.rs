@@ -124,9 +124,9 @@ impl<'a> Runner<'a> {
         branch.system.next_instant();
         branch.timeline.next_instant(&branch.system, self.computed.elapsed());
         self.computed = Instant::now();
-        if self.console.wants_status() {
+        if let Some(room) = self.console.status_room() {
             let sight = branch.system.outside.sight();
-            let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);
+            let line = events::status_line(&branch.system.machine, &branch.system.outside, sight, room);
             self.console.status(&line);
         }
         None

@@ -17,9 +17,12 @@ use rpl_runtime::system::System;
 use rpl_runtime::timeline::{Past, Timeline};
 use rpl_runtime::trace::Event;
 use rpl_runtime::value::{TaskRef, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::time::Instant;
+
+/// Events that are kept: hours of a mission, and no more than a plan that never rests may take.
+const MOST_EVENTS: usize = 200_000;
 
 /// One line of history, from the start to a present.
 #[derive(Clone)]
@@ -28,8 +31,8 @@ pub struct Branch {
     pub system: System<Robot>,
     /// The past.
     pub timeline: Timeline<Robot>,
-    /// What happened.
-    pub log: Vec<Event>,
+    /// What happened last.
+    pub log: VecDeque<Event>,
     /// The form a task stands before, if a stepper stopped there.
     pub stop: Option<Stop>,
     /// Whether a form is under way.
@@ -114,7 +117,7 @@ impl Session {
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
         let timeline = Timeline::new(&system, Robot::bytes_apart);
-        let branch = Branch { system, timeline, log: Vec::new(), stop: None, is_running: false };
+        let branch = Branch { system, timeline, log: VecDeque::new(), stop: None, is_running: false };
         Ok(Self {
             branch,
             name: "main".to_string(),
@@ -210,7 +213,9 @@ impl Session {
         if !happened.is_empty() {
             let is_lost = self.branch.system.outside.is_lost();
             events::lines(&happened, is_lost).iter().for_each(|line| console.note(line));
-            self.branch.log.extend(happened);
+            let log = &mut self.branch.log;
+            log.extend(happened);
+            log.drain(..log.len().saturating_sub(MOST_EVENTS));
         }
         for line in output {
             match line {
