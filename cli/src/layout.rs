@@ -1,21 +1,24 @@
 //! Lines laid out for the width of a terminal.
 
-use ::console::measure_text_width;
+use ::console::{measure_text_width, strip_ansi_codes, truncate_str};
 
 /// How much further in a line goes on that does not fit, where nothing else is said.
 pub const HANGING: usize = 4;
 
 /// A text whose lines fit a width. A longer line goes on below, so much further in than it begins,
-/// and is broken between words, or at a `/` where one word alone is too long. Drawings stay as they
-/// are. Laid out once more, nothing changes.
+/// and is broken between words, or at a `/` where one word alone is too long. A drawing is cut off.
+/// Laid out once more, nothing changes.
 pub fn within(text: &str, width: usize, hanging: usize) -> String {
     let lines: Vec<String> = text.split('\n').map(|line| line_within(line, width, hanging)).collect();
     lines.join("\n")
 }
 
 fn line_within(line: &str, width: usize, hanging: usize) -> String {
-    if measure_text_width(line) <= width || is_drawing(line) {
+    if measure_text_width(line) <= width {
         return line.to_string();
+    }
+    if is_drawing(line) {
+        return truncate_str(line, width, "…").into_owned();
     }
     let indent = line.chars().take_while(|&c| c == ' ').count();
     let margin = " ".repeat((indent + hanging).min(width / 2));
@@ -25,9 +28,10 @@ fn line_within(line: &str, width: usize, hanging: usize) -> String {
     rows.done + rows.row.trim_end()
 }
 
-/// Walls, belief, and the lines that mark a place in a text.
+/// Walls, belief, and the lines that mark a place in a text; not the advice that stands below them.
 fn is_drawing(line: &str) -> bool {
-    line.chars().any(|c| ('\u{2500}'..='\u{259f}').contains(&c))
+    let is_advice = || ["│Help", "│Note"].iter().any(|word| strip_ansi_codes(line).contains(word));
+    line.chars().any(|c| ('\u{2500}'..='\u{259f}').contains(&c)) && !is_advice()
 }
 
 struct Rows {
@@ -108,8 +112,9 @@ mod tests {
     }
 
     #[test]
-    fn drawings_stay_as_they_are() {
-        let drawing = "███▀▀▀▀▀▀▀▀▀▀█▀▀▀▀▀▀▀▀▀█ and so on";
-        assert_eq!(within(drawing, 10, HANGING), drawing);
+    fn a_drawing_is_cut_and_the_advice_below_it_is_not() {
+        assert_eq!(within("   │      ╰──────── unknown name", 20, HANGING), "   │      ╰────────…");
+        let advice = "   │Help: did you mean `wait-for`?";
+        assert_eq!(within(advice, 24, HANGING), "   │Help: did you mean\n       `wait-for`?");
     }
 }

@@ -131,6 +131,30 @@ fn going_back_before_the_start_stops_at_the_start() {
 }
 
 #[test]
+fn going_back_by_a_time_before_the_start_stops_at_the_start() {
+    let shown = session(&["repl"], "(wait-time 5)\n:back 10s\n(now)\n");
+    assert_eq!((shown.errors.as_str(), shown.out.as_str()), ("this is the start\n", "nil\n0.000 s\n0.0\n"));
+}
+
+#[test]
+fn definitions_go_back_with_the_run_and_that_is_told() {
+    let lines = "(def-plan tea () 'green)\n:fork first\n(wait-time 5)\n(def-plan tea () 'black)\n\
+                 (def-plan cake () 'good)\n(wait-time 5)\n:back 7s\n(tea)\n:switch first\n";
+    let shown = session(&["repl"], lines);
+    let told = "definitions are those of this instant: here `cake` is not defined, `tea` has another text\n";
+    assert_eq!(shown.errors, format!("kept as `first`; `:switch first` goes there\n`tea` is defined anew\n{told}"));
+    assert!(shown.out.contains("green\n"), "{}", shown.out);
+}
+
+#[test]
+fn a_file_of_many_lines_is_read_from_a_pipe() {
+    let plans: String = (0..60).map(|n| format!("; Plan {n}.\n(def-plan plan-{n} (x)\n\n  (+ x {n}))\n")).collect();
+    let shown = session(&["repl"], &format!("{plans}(plan-59 1)\n"));
+    assert_eq!(shown.out.lines().count(), 61, "{}", shown.out);
+    assert_eq!((shown.out.lines().last(), shown.status), (Some("60"), Some(0)));
+}
+
+#[test]
 fn a_definition_changed_in_the_past_counts_from_there_on() {
     let lines = "(def-plan beat () (wait-time 1) 'slow)\n(list (beat) (beat) (now))\n:at 0s\n\
                  (def-plan beat () (wait-time 0.25) 'fast)\n:continue\n";
@@ -179,6 +203,7 @@ fn causes_are_followed_from_task_to_fluent() {
                  :tasks\n:valves\n:why spawn.2\n:why no-such\n";
     let shown = session(&["repl"], lines);
     assert!(shown.out.contains("main  waits for the next form"), "{}", shown.out);
+    assert!(shown.out.contains("  spawn  waits for fluent open?, holds arm\n"), "{}", shown.out);
     assert!(shown.out.contains("arm  held by main/spawn\n    in line: main/spawn.2"), "{}", shown.out);
     let why = "main/spawn.2  waits for valve arm\n";
     assert!(shown.out.contains(why) && shown.out.contains("the valve is held by\n"), "{}", shown.out);
@@ -210,13 +235,18 @@ fn a_mission_is_stopped_looked_at_and_finished() {
 fn mistakes_are_told_with_what_to_type() {
     let shown = session(
         &["repl"],
-        ":contineu\n:go\n:stop\n:break gret\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
+        ":contineu\n:go\n:stop\n:break gret\n:break 99\n:break nowhere.rpl:3\n:break (> no-such 3)\n:fork here\n:fork here\n:switch her\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
     );
     for advice in [
         "did you mean `:continue`?",
         "`:go` needs somebody at a terminal",
         "the clock does not run",
         "no plan, function or tag is called `gret`",
+        "no text has a line 99",
+        "no text is called `nowhere.rpl`; `:load` loads one",
+        "`(> no-such 3)` is no condition",
+        "a run is kept as `here` already",
+        "no run is called `her`; did you mean `here`?",
         "no plan, function or tag is called `soon`",
         "neither a number of steps nor a time",
         "there is no breakpoint `3`",

@@ -75,12 +75,17 @@ impl Prompt<'_> {
             _ if rest.is_empty() => {
                 return self.wrong("`:until` needs a time such as 12.5s, a line, a name or a condition");
             }
-            _ => match Breakpoint::parse(rest, &mut self.session.branch.system, self.console.colour) {
+            _ => match self.breakpoint(rest) {
                 Ok(place) => Until::Place(place),
                 Err(reason) => return self.wrong(&reason),
             },
         };
         self.go_on(&until)
+    }
+
+    fn breakpoint(&mut self, text: &str) -> Result<Breakpoint, String> {
+        let file = self.session.file.as_deref();
+        Breakpoint::parse(text, file, &mut self.session.branch.system, self.console.colour)
     }
 
     pub(super) fn set_break(&mut self, rest: &str) -> Result<()> {
@@ -94,7 +99,7 @@ impl Prompt<'_> {
             }
             return self.explain(&lines);
         }
-        match Breakpoint::parse(rest, &mut self.session.branch.system, self.console.colour) {
+        match self.breakpoint(rest) {
             Ok(place) => {
                 self.session.breakpoints.push(place);
                 Ok(())

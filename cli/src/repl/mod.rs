@@ -27,7 +27,9 @@ use crate::status::Status;
 use anyhow::Result;
 use clock::Clock;
 use command::Verb;
+use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
+use rpl_lang::source::SourceId;
 use rpl_robot::occupancy::OccupancyGrid;
 use session::{Session, Until};
 use std::io::{self, IsTerminal, Read};
@@ -87,6 +89,12 @@ enum Next {
     Quit,
 }
 
+/// Whether a text has nothing but comments.
+fn is_blank(text: &str) -> bool {
+    let is_comment = |token| matches!(token, Token::LineComment | Token::BlockComment);
+    lex(text, SourceId(0)).0.into_iter().all(|(token, _)| is_comment(token))
+}
+
 struct Prompt<'a> {
     session: Session,
     map: Option<OccupancyGrid>,
@@ -143,7 +151,7 @@ impl Prompt<'_> {
 
     fn handle(&mut self, text: &str) -> Result<Next> {
         if !text.trim_start().starts_with(':') {
-            if !text.trim().is_empty() {
+            if !is_blank(text) {
                 self.forms(text, &Until::End)?;
             }
             return Ok(Next::Another);
