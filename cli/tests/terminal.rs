@@ -234,11 +234,12 @@ fn what_is_told_is_broken_between_words() {
         "error: no plan, function or tag is called `no-such-plan`; a line is a number, a\n    condition stands in ( )";
     terminal.enter(":break no-such-plan", advice, "rpl> ");
     terminal.enter("(def-fluent open? nil)", "#<fluent open?>", "rpl> ");
-    terminal.enter("(def-plan a-plan-with-a-rather-long-name () (par (wait-for open?)))", "rpl> ", "rpl> ");
+    let plan = "(def-plan a-plan-with-a-rather-long-name () (par (wait-for open?)))";
+    terminal.enter(plan, "\na-plan-with-a-rather-long-name\n", "rpl> ");
     terminal.enter("(spawn (par (par (par (a-plan-with-a-rather-long-name)))))", "#<task main/spawn>", "rpl> ");
-    terminal.enter("(wait-time 1)", "nil", "rpl> ");
-    terminal.enter(":why spawn", "…/par[0]/par[0]/par[0]", "rpl> ");
-    terminal.enter(":doc deftest", "more of the kind", "rpl> ");
+    terminal.enter("(wait-time 1)", "\nnil\n", "rpl 1.0s> ");
+    terminal.enter(":why spawn", "waits for fluent open?", "rpl 1.0s> ");
+    terminal.enter(":doc deftest", "more of the kind", "rpl 1.0s> ");
     let screen = terminal.screen.screen();
     let wrapped: Vec<u16> = (0..24).filter(|&row| screen.row_wrapped(row)).collect();
     assert!(wrapped.is_empty(), "{wrapped:?}\n{}", terminal.contents());
