@@ -28,6 +28,9 @@ pub struct Arguments {
     /// The world the robot is in: a built-in name, or a .toml file
     #[arg(long, value_name = "W")]
     pub world: Option<String>,
+    /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
+    #[arg(long, value_name = "M", value_enum, default_value_t = Map::World, requires = "world", hide_possible_values = true)]
+    pub map: Map,
     /// Seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -58,6 +61,15 @@ pub struct Arguments {
     /// Writes only what the plan prints, and failures
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// What the robot knows of the world.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    /// What the world says is mapped
+    World,
+    /// Nothing
+    None,
 }
 
 fn parse_factor(text: &str) -> Result<f64, String> {
@@ -92,7 +104,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
     let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
     let mut overrides = Overrides::parse(&arguments.set)?;
-    let site = Site::new(world.clone(), scenario, OfficeSettings::default())?;
+    let settings = OfficeSettings { map_known: arguments.map == Map::World, ..OfficeSettings::default() };
+    let site = Site::new(world.clone(), scenario, settings)?;
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
