@@ -5,23 +5,44 @@ use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
-use crate::mission::Site;
+use crate::mission::{self, Site};
 use crate::run::status;
 use crate::status::Status;
 use anyhow::Result;
+use rpl_lang::formatter;
+use rpl_lang::source::SourceId;
+use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::{Outcome, System};
+
+/// A value that takes more columns is laid out over several lines.
+const WIDE: usize = 100;
+
+/// Arguments of `rpl eval`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// The expression; `-` for standard input
+    #[arg(value_name = "EXPR", allow_hyphen_values = true)]
+    expression: String,
+    /// The world the robot is in: a built-in name, or a .toml file; no robot without
+    #[arg(long, value_name = "W")]
+    world: Option<String>,
+    /// Seed of every random stream
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
 
 /// Evaluates a text, `-` for standard input, and prints the value as it could be read.
 ///
 /// # Errors
-/// Standard input cannot be read, or standard output is closed.
-pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
+/// The world cannot be read, standard input cannot be read, or standard output is closed.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     interrupt::catch();
-    let (name, text) = match expression {
+    let (name, text) = match arguments.expression.as_str() {
         "-" => ("<stdin>", files::standard_input()?),
         text => ("<eval>", text.to_string()),
     };
-    let site = Site::without_robot()?;
+    let world = arguments.world.as_deref().map(mission::world).transpose()?;
+    let site = Site::new(world, None, OfficeSettings::default())?;
     let mut folder = Folder::Disk(".".into());
     let loaded = match site.library.load(name, &text, &mut folder) {
         Ok(loaded) => loaded,
@@ -30,11 +51,12 @@ pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
             return Ok(Status::Wrong);
         }
     };
-    let mut system = System::new(site.library.clone(), loaded, site.robot(0));
+    let mut system = System::new(site.library.clone(), loaded, site.robot(arguments.seed));
+    system.machine.seed_random(arguments.seed);
     let ending = drive(&mut system, Pace::default(), console, &mut Records::default())?;
     match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => {
-            console.print(&system.machine.write(&system.program, value))?;
+            console.print(&laid_out(system.machine.write(&system.program, value)))?;
         }
         Ending::Outcome(Outcome::Failed(failure)) => {
             let reporter = Reporter { machine: &system.machine, program: &system.program, colour: console.colour };
@@ -44,4 +66,11 @@ pub fn run(expression: &str, console: &mut Console) -> Result<Status> {
     }
     console.flush()?;
     Ok(status(ending))
+}
+
+/// A long value as the formatter lays out a text.
+fn laid_out(value: String) -> String {
+    let is_wide = value.chars().count() > WIDE;
+    let lines = is_wide.then(|| formatter::format(&value, SourceId(0)).ok()).flatten();
+    lines.map_or(value, |lines| lines.trim_end().to_string())
 }

@@ -168,7 +168,7 @@ fn write_files(arguments: &Arguments, files: &[(String, String)]) -> Result<()> 
 }
 
 fn status(trials: &[Trial]) -> Status {
-    if trials.iter().all(|trial| trial.succeeded) { Status::Succeeded } else { Status::Failed }
+    if trials.iter().all(|trial| trial.succeeded()) { Status::Succeeded } else { Status::Failed }
 }
 
 /// A plan of the user's own, over seeds.

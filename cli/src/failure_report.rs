@@ -18,8 +18,8 @@ const MAX_DEPTH: usize = 8;
 /// A failure as `--json` shows it.
 #[derive(Clone, Debug, Serialize)]
 pub struct FailureRecord {
-    class: String,
-    message: String,
+    pub class: String,
+    pub message: String,
     path: String,
     file: Option<String>,
     line: Option<usize>,

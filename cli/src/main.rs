@@ -95,11 +95,7 @@ enum Command {
     /// Formats plans: indentation, spaces, and lines that are too long
     Fmt(fmt::Arguments),
     /// Evaluates an expression, or standard input, and prints the value
-    Eval {
-        /// The expression; `-` for standard input
-        #[arg(value_name = "EXPR", allow_hyphen_values = true)]
-        expression: String,
-    },
+    Eval(eval::Arguments),
     /// Lists the worlds, or shows one
     Worlds(worlds::Arguments),
     /// Lists the built-in plans, or shows one
@@ -162,7 +158,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
         Command::Check { files, scenario } => check::run(files, *scenario, console),
         Command::Test(arguments) => test::run(arguments, console),
         Command::Fmt(arguments) => fmt::run(arguments, console),
-        Command::Eval { expression } => eval::run(expression, console),
+        Command::Eval(arguments) => eval::run(arguments, console),
         Command::Worlds(arguments) => worlds::run(arguments, console),
         Command::Examples { name } => examples::run(name.as_deref(), console),
         Command::Doc { name } => doc::run(name.as_deref(), console),

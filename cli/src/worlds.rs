@@ -38,7 +38,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(name) = &arguments.name else {
         for name in World::builtin_names() {
-            console.print(&format!("{name:16}  {}", purpose(name)))?;
+            console.print(&format!("{name:16}  {}", World::builtin_purpose(name).unwrap_or_default()))?;
         }
         return Ok(Status::Succeeded);
     };
@@ -106,12 +106,6 @@ fn pixels(world: &World, map: &OccupancyGrid) -> Vec<u8> {
     rows.flat_map(|row| (0..map.columns).map(move |column| (column, row)))
         .flat_map(|(column, row)| shade(column, row))
         .collect()
-}
-
-/// The first comment line of a world's text.
-fn purpose(name: &str) -> &'static str {
-    let text = World::builtin_text(name).unwrap_or_default();
-    text.lines().find(|line| line.starts_with('#')).unwrap_or_default().trim_start_matches('#').trim()
 }
 
 fn describe(world: &World) -> String {

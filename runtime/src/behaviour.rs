@@ -171,6 +171,16 @@ pub struct Activation {
     pub task: Option<TaskRef>,
     /// A signal nobody has taken yet: success, or a failure.
     pub signal: Option<Result<(), Value>>,
+    /// Signals that activations before this one left to their tasks, which have not run since.
+    pub kept: Vec<(TaskRef, Result<(), Value>)>,
+}
+
+impl Activation {
+    /// The failures in the signals nobody has taken yet.
+    pub(crate) fn failures(&self) -> impl Iterator<Item = Value> {
+        let signals = self.signal.iter().chain(self.kept.iter().map(|(_, signal)| signal));
+        signals.filter_map(|signal| signal.err())
+    }
 }
 
 impl Machine {
@@ -273,10 +283,8 @@ impl Machine {
         let task = self.current;
         let me = self.tasks.reference(task);
         let entry = self.activation(behaviour).clone();
-        let owner = entry.task.and_then(|owner| self.tasks.find_alive(owner));
-        if let (Phase::Active | Phase::Interrupted, Some(owner)) = (entry.phase, owner)
-            && owner != task
-        {
+        let other = entry.task.and_then(|owner| self.tasks.find_alive(owner)).filter(|&owner| owner != task);
+        if let (Phase::Active, Some(owner)) = (entry.phase, other) {
             let path = self.path(owner);
             return Err(Raise::new("behaviour-failure", format!("`{}` is already activated by {path}", spec.name)));
         }
@@ -298,7 +306,12 @@ impl Machine {
         }
         let mut outbox = Outbox::default();
         around.outside.start(self, behaviour, arguments, &mut outbox)?;
-        *self.activation(behaviour) = Activation { phase: Phase::Active, task: Some(me), signal: None };
+        let mut kept = entry.kept;
+        kept.retain(|(owner, _)| *owner != me);
+        if let (Some(owner), Some(signal)) = (other, entry.signal) {
+            kept.push((self.tasks.reference(owner), signal));
+        }
+        *self.activation(behaviour) = Activation { phase: Phase::Active, task: Some(me), signal: None, kept };
         if let Some(valve) = valve {
             self.hold_for_activation(task, valve, behaviour);
         }
@@ -317,9 +330,13 @@ impl Machine {
 
     /// `(deactivate B)` by the current task: touches only what it or a descendant activated.
     pub(crate) fn deactivate(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
-        let entry = self.activation(behaviour).clone();
-        let owner = entry.task.and_then(|owner| self.tasks.find(owner));
-        if entry.phase == Phase::Inactive || !owner.is_some_and(|owner| self.is_within(owner, self.current)) {
+        let mut kept = std::mem::take(&mut self.activation(behaviour).kept);
+        kept.retain(|(owner, _)| !self.tasks.find(*owner).is_some_and(|owner| self.is_within(owner, self.current)));
+        self.activation(behaviour).kept = kept;
+        let entry = self.activation(behaviour);
+        let (phase, owner) = (entry.phase, entry.task);
+        let owner = owner.and_then(|owner| self.tasks.find(owner));
+        if phase == Phase::Inactive || !owner.is_some_and(|owner| self.is_within(owner, self.current)) {
             return;
         }
         self.stop_behaviour(around, behaviour, Stop::Deactivated);
@@ -331,7 +348,8 @@ impl Machine {
         match how {
             Stop::Deactivated => {
                 self.trace_behaviour(around, behaviour, "deactivated");
-                *self.activation(behaviour) = Activation::default();
+                let kept = std::mem::take(&mut self.activation(behaviour).kept);
+                *self.activation(behaviour) = Activation { kept, ..Activation::default() };
                 self.release_activation(around, behaviour);
                 self.apply_outbox(around, outbox);
             }
@@ -367,7 +385,8 @@ impl Machine {
     pub(crate) fn end_activations_of(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let me = self.tasks.reference(task);
         for behaviour in 0..self.activations.len() as u16 {
-            let entry = &self.activations[usize::from(behaviour)];
+            let entry = &mut self.activations[usize::from(behaviour)];
+            entry.kept.retain(|(owner, _)| *owner != me);
             if entry.task == Some(me) && entry.phase != Phase::Inactive {
                 self.stop_behaviour(around, behaviour, Stop::Deactivated);
             }
@@ -376,7 +395,7 @@ impl Machine {
 
     /// `(await-signal B)`: takes the signal, or waits for it.
     pub(crate) fn await_signal(&mut self, behaviour: u16) -> Result<bool, Raise> {
-        match self.activation(behaviour).signal.take() {
+        match self.take_signal(behaviour) {
             Some(Ok(())) => Ok(true),
             Some(Err(failure)) => Err(Raise::Again(failure)),
             None => {
@@ -384,6 +403,22 @@ impl Machine {
                 self.tasks[task].waiting = Waiting::Signal(behaviour);
                 Ok(false)
             }
+        }
+    }
+
+    /// The signal that an earlier activation left to a task above or below the current one, or the
+    /// signal of the activation of now.
+    fn take_signal(&mut self, behaviour: u16) -> Option<Result<(), Value>> {
+        let (current, tasks) = (self.current, &self.tasks);
+        let kept = self.activations.get(usize::from(behaviour)).map_or(&[][..], |entry| &entry.kept);
+        let own = kept.iter().position(|(owner, _)| {
+            let owner = tasks.find(*owner);
+            owner.is_some_and(|owner| self.is_within(owner, current) || self.is_within(current, owner))
+        });
+        let entry = self.activation(behaviour);
+        match own {
+            Some(at) => Some(entry.kept.remove(at).1),
+            None => entry.signal.take(),
         }
     }
 }

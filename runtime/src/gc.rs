@@ -29,9 +29,7 @@ impl Machine {
             marker.waiting.extend_from_slice(&self.scratch.stack[..self.scratch.top]);
         }
         for activation in &self.activations {
-            if let Some(Err(failure)) = activation.signal {
-                marker.waiting.push(failure);
-            }
+            marker.waiting.extend(activation.failures());
         }
         // Living tasks keep what they hold, whether a plan can name them or not.
         for (index, task) in self.tasks.iter() {

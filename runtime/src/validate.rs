@@ -204,9 +204,8 @@ impl Machine {
         ensure(self.activations.len() <= bounds.behaviours, "there is no such behaviour")?;
         for activation in &self.activations {
             activation.task.map_or(Ok(()), |task| self.validate_reference(task))?;
-            if let Some(Err(failure)) = activation.signal {
-                self.validate_failure(bounds, failure)?;
-            }
+            activation.kept.iter().try_for_each(|(task, _)| self.validate_reference(*task))?;
+            activation.failures().try_for_each(|failure| self.validate_failure(bounds, failure))?;
         }
         Ok(())
     }

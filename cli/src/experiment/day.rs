@@ -50,9 +50,15 @@ impl Day {
         (day.due > 0).then_some(day)
     }
 
-    /// Whether all was delivered once, and all went on that was interrupted.
-    pub fn is_perfect(&self) -> bool {
-        self.delivered == self.due && self.lost == 0 && self.doubled == 0 && self.continued == self.interruptions
+    /// What is not as it should be: all delivered once, and all gone on with that was interrupted.
+    pub fn fault(&self) -> Option<String> {
+        let faults = [
+            (self.lost, "lost"),
+            (self.doubled, "doubled"),
+            (self.due.saturating_sub(self.delivered + self.lost), "not delivered"),
+            (self.interruptions.saturating_sub(self.continued), "not continued"),
+        ];
+        faults.iter().find(|(count, _)| *count > 0).map(|(count, what)| format!("{what}: {count}"))
     }
 
     /// The rows of the table.

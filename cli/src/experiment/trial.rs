@@ -3,6 +3,7 @@
 use super::day::Day;
 use crate::console::Console;
 use crate::drive::{Ending, Mark, Pace, Records, drive};
+use crate::failure_report::Reporter;
 use crate::mission::{Robot, Sight};
 use anyhow::{Context, Result};
 use rpl_robot::geometry::{Pose, wrap_angle_rad};
@@ -28,8 +29,9 @@ const NOTICED_WITHIN_M: f64 = 2.0;
 pub struct Trial {
     /// Its seed.
     pub seed: u64,
-    /// Whether the plan succeeded, at the right place.
-    pub succeeded: bool,
+    /// What went wrong, if anything: the plan failed, ended at the wrong place, or did less than its
+    /// day asked for.
+    pub fault: Option<String>,
     /// What was measured: name with unit, and value, if there was anything to measure in this run;
     /// the same names in every run.
     pub measures: Vec<(&'static str, Option<f64>)>,
@@ -49,6 +51,11 @@ pub struct Sample {
 }
 
 impl Trial {
+    /// Whether the plan succeeded, at the right place.
+    pub fn succeeded(&self) -> bool {
+        self.fault.is_none()
+    }
+
     /// What was measured under a name, if anything.
     pub fn measure(&self, name: &str) -> Option<f64> {
         self.measures.iter().find(|(known, _)| *known == name).and_then(|&(_, value)| value)
@@ -69,7 +76,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
     let mut silent = Console::silent();
     let pace = Pace { until_us: Some(until_us), factor: None };
     let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
-    let mut succeeded = matches!(ending, Ending::Outcome(Outcome::Succeeded(_)));
+    let mut fault = fault_of(&system, ending);
     let mut measures = vec![("time [s]", Some(system.machine.now_s()))];
     if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
         measures.push(("distance [m]", Some(account.distance_m)));
@@ -80,12 +87,17 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
         if let Robot::Office(robot) = &system.outside
             && let Some(day) = Day::of(robot, &records.logs)
         {
-            succeeded &= day.is_perfect() && account.contacts == 0;
+            fault = fault.or_else(|| day.fault());
+            if account.contacts > 0 {
+                fault.get_or_insert_with(|| "contact".to_string());
+            }
             measures.extend(day.measures());
         }
         if let Some(goal_in_map) = goal_in_map {
             let off_m = sight.robot_in_map.distance_m(goal_in_map);
-            succeeded &= off_m <= AT_GOAL_M;
+            if off_m > AT_GOAL_M {
+                fault.get_or_insert_with(|| "wrong place".to_string());
+            }
             measures.push(("off the goal [m]", Some(off_m)));
         }
     }
@@ -94,7 +106,22 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
         off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
         is_right: is_right(sight),
     };
-    Ok(Trial { seed, succeeded, measures, samples: records.track.iter().map(sample).collect() })
+    Ok(Trial { seed, fault, measures, samples: records.track.iter().map(sample).collect() })
+}
+
+/// Why a plan did not succeed, the class of the failure first.
+fn fault_of(system: &System<Robot>, ending: Ending) -> Option<String> {
+    let reporter = Reporter { machine: &system.machine, program: &system.program, colour: false };
+    match ending {
+        Ending::Outcome(Outcome::Succeeded(_)) => None,
+        Ending::Outcome(Outcome::Failed(failure)) => Some(match reporter.record(failure) {
+            Some(record) => format!("{}: {}", record.class, record.message),
+            None => "plan-failure".to_string(),
+        }),
+        Ending::Outcome(Outcome::Evaporated) => Some("ended itself".to_string()),
+        Ending::TimeUp => Some("time is up".to_string()),
+        Ending::Interrupted => Some("interrupted by hand".to_string()),
+    }
 }
 
 /// The way driven from a deed until the estimate was right again, if ever; the deed itself may

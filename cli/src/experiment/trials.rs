@@ -37,7 +37,7 @@ pub fn run_all<T: Send>(seeds: &[u64], jobs: usize, run: impl Fn(u64) -> T + Syn
 
 /// The table of an experiment.
 pub fn table(name: &str, trials: &[Trial]) -> String {
-    let successes = trials.iter().filter(|trial| trial.succeeded).count();
+    let successes = trials.iter().filter(|trial| trial.succeeded()).count();
     let (low, high) = wilson_95(successes, trials.len());
     let seeds = match (trials.first(), trials.last()) {
         (Some(first), Some(last)) if trials.len() > 1 => format!("seeds {} to {}", first.seed, last.seed),
@@ -71,12 +71,16 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
             ));
         }
     }
-    let failed: Vec<String> =
-        trials.iter().filter(|trial| !trial.succeeded).take(20).map(|trial| trial.seed.to_string()).collect();
-    if !failed.is_empty() {
-        lines.push(format!("failed with seed {}", failed.join(", ")));
-    }
+    lines.extend(failures(trials).map(|failures| format!("failed with seed {failures}")));
     lines.join("\n")
+}
+
+/// The seeds of the first runs that failed, each with the kind of fault; none if none did.
+pub fn failures(trials: &[Trial]) -> Option<String> {
+    let failed = trials.iter().filter_map(|trial| Some((trial.seed, trial.fault.as_ref()?)));
+    let kind = |fault: &str| fault.split(':').next().unwrap_or_default().to_string();
+    let named: Vec<String> = failed.take(20).map(|(seed, fault)| format!("{seed} ({})", kind(fault))).collect();
+    (!named.is_empty()).then(|| named.join(", "))
 }
 
 /// One line for each row of an experiment, so that they can be compared.
@@ -103,7 +107,7 @@ fn compared(name: &str, trials: &[Trial]) -> String {
     let median = |measure: &str| {
         Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
     };
-    let successes = trials.iter().filter(|trial| trial.succeeded).count();
+    let successes = trials.iter().filter(|trial| trial.succeeded()).count();
     let disturbed = numbers("wrong recoveries");
     let wrong = disturbed.iter().filter(|&&count| count > 0.0).count();
     let wrong = if disturbed.is_empty() {
@@ -151,12 +155,13 @@ pub fn raw_rows(rows: &[(&str, Vec<Trial>)]) -> String {
         .flat_map(|(_, trials)| trials)
         .next()
         .map_or(Vec::new(), |trial| trial.measures.iter().map(|&(name, _)| name).collect());
-    let mut lines = vec![format!("row,seed,succeeded,{}", names.join(","))];
+    let mut lines = vec![format!("row,seed,succeeded,fault,{}", names.join(","))];
     for (row, trials) in rows {
         for trial in trials {
             let value = |name: &&str| trial.measure(name).map_or(String::new(), |value| value.to_string());
             let values: Vec<String> = names.iter().map(value).collect();
-            lines.push(format!("\"{row}\",{},{},{}", trial.seed, trial.succeeded, values.join(",")));
+            let fault = trial.fault.as_deref().unwrap_or_default().replace('"', "'");
+            lines.push(format!("\"{row}\",{},{},\"{fault}\",{}", trial.seed, trial.succeeded(), values.join(",")));
         }
     }
     lines.join("\n") + "\n"
@@ -181,11 +186,16 @@ mod tests {
 
     #[test]
     fn the_table_counts_successes_and_names_failed_seeds() {
-        let trial =
-            |seed, succeeded, time_s| Trial { seed, succeeded, measures: vec![("time [s]", time_s)], samples: vec![] };
-        let text = table("rotated", &[trial(1, true, Some(10.0)), trial(2, false, Some(30.0)), trial(3, true, None)]);
+        let trial = |seed, fault: Option<&str>, time_s| Trial {
+            seed,
+            fault: fault.map(str::to_string),
+            measures: vec![("time [s]", time_s)],
+            samples: vec![],
+        };
+        let blocked = Some("blocked: for 20 s");
+        let text = table("rotated", &[trial(1, None, Some(10.0)), trial(2, blocked, Some(30.0)), trial(3, None, None)]);
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
         assert!(text.contains("time [s]                  2      20.00"), "{text}");
-        assert!(text.ends_with("failed with seed 2"), "{text}");
+        assert!(text.ends_with("failed with seed 2 (blocked)"), "{text}");
     }
 }

@@ -4,8 +4,8 @@
 use super::catalogue::WORLDS;
 use super::statistics::{Spread, wilson_95};
 use super::trial::{Trial, one_trial};
-use super::trials::run_all;
-use super::{Arguments, progress, write_results};
+use super::trials::{failures, run_all};
+use super::{Arguments, jobs, progress, seeds, write_results};
 use crate::console::Console;
 use crate::mission::{self, Robot, Site};
 use crate::status::Status;
@@ -14,11 +14,10 @@ use rpl_lang::compile::NoFiles;
 use rpl_lang::suggest::suggest;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
-use rpl_robot::office::OfficeSettings;
+use rpl_robot::office::{OfficeRobot, OfficeSettings};
 use rpl_robot::random::Stream;
 use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
 use rpl_runtime::system::System;
-use std::num::NonZero;
 
 /// Edge of a cell of the floor that the shortest ways are found on.
 const CELL_M: f64 = 0.05;
@@ -31,7 +30,8 @@ const APART_M: f64 = 3.0;
 
 /// One drive of a seed.
 struct Errand<'w> {
-    start_in_map: Pose,
+    /// At its start, and told so.
+    robot: OfficeRobot,
     destination: &'w Place,
     optimum_m: f64,
 }
@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         rows.push((name, drives(arguments, console, name)?));
     }
     console.print(&table(&rows))?;
-    let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded);
+    let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded());
     write_results(arguments, &rows, &[])?;
     Ok(if all_arrived { Status::Succeeded } else { Status::Failed })
 }
@@ -74,35 +74,33 @@ fn drives(arguments: &Arguments, console: &Console, name: &str) -> Result<Vec<Tr
         ..PlannerParameters::default()
     };
     let floor = PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters);
-    let seeds: Vec<u64> = (0..u64::from(arguments.runs.get())).map(|run| arguments.seed.wrapping_add(run)).collect();
-    let jobs = arguments.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+    let seeds = seeds(arguments);
     let bar = progress(seeds.len() as u64, console);
     bar.set_message(name.to_string());
     let one = |seed: u64| -> Result<Trial> {
-        let errand =
-            draw(&world, &floor, seed).with_context(|| format!("no start and goal in `{name}` for seed {seed}"))?;
+        let Robot::Office(robot) = site.robot(seed) else { bail!("there is no robot in `{name}`") };
+        let errand = draw(&world, &floor, &robot, seed)
+            .with_context(|| format!("no start and goal in `{name}` for seed {seed}"))?;
         let text = format!("(go-to '{})", errand.destination.name);
         let loaded = match site.library.load("go-to.rpl", &text, &mut NoFiles) {
             Ok(loaded) => loaded,
             Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
         };
-        let Robot::Office(robot) = site.robot(seed) else { bail!("there is no robot in `{name}`") };
-        let robot = Robot::Office(Box::new((*robot).starting_at(errand.start_in_map)?));
-        let mut system = System::traced(site.library.clone(), loaded, robot);
+        let mut system = System::traced(site.library.clone(), loaded, Robot::Office(Box::new(errand.robot)));
         system.machine.seed_random(seed);
         let mut trial = one_trial(system, seed, arguments.until, Some(errand.destination.pose_in_map))?;
-        let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded);
+        let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
         trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / errand.optimum_m)));
         Ok(trial)
     };
-    let trials = run_all(&seeds, jobs, one, || bar.inc(1));
+    let trials = run_all(&seeds, jobs(arguments), one, || bar.inc(1));
     bar.finish_and_clear();
     trials.into_iter().collect()
 }
 
-/// A start with some room around it and a place that is not near, drawn from the seed; none if two
-/// thousand draws find nothing.
-fn draw<'w>(world: &'w World, floor: &PlannerModel, seed: u64) -> Option<Errand<'w>> {
+/// A start with some room around it where nobody stands, and a place that is not near, drawn from
+/// the seed; none if two thousand draws find nothing.
+fn draw<'w>(world: &'w World, floor: &PlannerModel, robot: &OfficeRobot, seed: u64) -> Option<Errand<'w>> {
     let mut stream = Stream::new(seed, "errand");
     let bounds = world.bounds();
     for _ in 0..2000 {
@@ -114,9 +112,11 @@ fn draw<'w>(world: &'w World, floor: &PlannerModel, seed: u64) -> Option<Errand<
         if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < START_CLEARANCE_M {
             continue;
         }
-        if let Some(path) = floor.value_field(goal).path(start) {
-            let start_in_map = Pose::new(start.x, start.y, heading_rad);
-            return Some(Errand { start_in_map, destination, optimum_m: path_length_m(&path) });
+        let start_in_map = Pose::new(start.x, start.y, heading_rad);
+        if let Some(path) = floor.value_field(goal).path(start)
+            && let Ok(robot) = robot.clone().starting_at(start_in_map)
+        {
+            return Some(Errand { robot, destination, optimum_m: path_length_m(&path) });
         }
     }
     None
@@ -136,7 +136,7 @@ fn table(rows: &[(&str, Vec<Trial>)]) -> String {
         let mut ratios = numbers("way / optimum");
         ratios.sort_by(f64::total_cmp);
         let nine_in_ten = ratios.get(ratios.len() * 9 / 10).map_or("–".to_string(), |ratio| format!("{ratio:.2}"));
-        let arrived = trials.iter().filter(|trial| trial.succeeded).count();
+        let arrived = trials.iter().filter(|trial| trial.succeeded()).count();
         let (low, high) = wilson_95(arrived, trials.len());
         lines.push(format!(
             "{name:18} {:>9} {:>15} {:>8} {:>8} {:>10} {nine_in_ten:>8} {:>9} {:>6}",
@@ -148,11 +148,7 @@ fn table(rows: &[(&str, Vec<Trial>)]) -> String {
             median("time [s]"),
             numbers("relocalizations").iter().sum::<f64>(),
         ));
-        let failed: Vec<String> =
-            trials.iter().filter(|trial| !trial.succeeded).take(20).map(|trial| trial.seed.to_string()).collect();
-        if !failed.is_empty() {
-            lines.push(format!("{:18} not with seed {}", "", failed.join(", ")));
-        }
+        lines.extend(failures(trials).map(|failures| format!("{:18} not with seed {failures}", "")));
     }
     lines.push(
         "contacts: caused by the robot, total; way, way / optimum and time: medians; lost: relocalizations, total."

@@ -119,7 +119,7 @@ pub const TOPICS: &[Topic] = &[
         "The robot's behaviours, valves and fluents",
         "activate deactivate await-signal run-behaviour navigation active-localization position-tracking gripper \
          wheels arm x* y* o* pos-certainty* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
-         holding*",
+         holding* battery* messages* read-message",
     ),
     topic(
         "robot",

@@ -7,7 +7,8 @@
 //! again until the robot knows where it is. It commands no wheels: it says what it wants.
 //!
 //! Read in this order: `parameters`, `action` (the grid of actions), `occupancy` (Eq. 7), `cost`
-//! (Eq. 8), `entropy` (Eq. 6), `choice` (Eq. 9), `exact` (the oracle), `controller`; and `sensing` (where to look, Fox, Burgard, Thrun Eq. 13).
+//! (Eq. 8), `entropy` (Eq. 6), `choice` (Eq. 9), `exact` (the oracle), `controller`; and `sensing`
+//! (where to look, Fox, Burgard, Thrun Eq. 13).
 
 mod action;
 mod choice;

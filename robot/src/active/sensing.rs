@@ -177,8 +177,7 @@ mod tests {
             belief.sense_reading(&laser, beam, laser.sensor.range_m(expected[beam]));
         }
         let [here, there] = two_mirror_states(&sonars).map(|at| belief.probability(&sonars, at.state));
-        // Alike but for the rounding of distances to bins.
-        assert!(here > sonars.prior() && here < 1.5 * there && there < 1.5 * here, "{here} {there}");
+        assert!(here > sonars.prior() && here == there, "{here} {there}");
         let seen = two_mirror_states(&sonars).map(|at| sonars.expected_scan(at.state));
         let beam =
             (0..seen[0].len()).find(|&beam| seen[0][beam].abs_diff(seen[1][beam]) > 20).expect("the box is seen");

@@ -28,11 +28,6 @@ impl Calibration {
         Self { knots: all }
     }
 
-    /// The knots, (0, 0) and the one at 1 included.
-    pub fn knots(&self) -> &[[f64; 2]] {
-        &self.knots
-    }
-
     /// How often an estimate with this share is right.
     pub fn certainty(&self, share: f64) -> f64 {
         interpolated(&self.knots, share, [0, 1])
@@ -46,8 +41,9 @@ impl Calibration {
 
 /// The value over the axis `to` where the axis `from` has `at`.
 fn interpolated(knots: &[[f64; 2]], at: f64, [from, to]: [usize; 2]) -> f64 {
-    let above = knots.iter().position(|knot| knot[from] >= at).unwrap_or(knots.len() - 1);
-    let (high, low) = (knots[above], knots[above.saturating_sub(1)]);
+    let above = knots.iter().position(|knot| knot[from] >= at).unwrap_or(knots.len().saturating_sub(1));
+    // A saved run may hold no knots at all; it is refused later, for not being that of this robot.
+    let (Some(high), Some(low)) = (knots.get(above), knots.get(above.saturating_sub(1))) else { return at };
     let width = high[from] - low[from];
     if width <= 0.0 {
         return high[to];

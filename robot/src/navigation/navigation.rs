@@ -3,7 +3,7 @@
 use super::alignment::aligned;
 use super::doorways::{DoorMemory, Doorway, barriers};
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
-use super::obstacle_memory::{ObstacleMemory, Transform};
+use super::obstacle_memory::{ObstacleMemory, RememberedPoint, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
 use super::topological::{Target, is_passed};
 use super::value_field::{ValueField, path_length_m};
@@ -133,6 +133,8 @@ struct Progress {
     /// The doors that way leads around: costs of other ways do not compare.
     avoided_doors: Vec<usize>,
     at_s: f64,
+    /// The longest detour around blockages since.
+    detour_m: f64,
     /// Whether the robot has forgotten what it saw and begun anew since.
     anew: bool,
 }
@@ -213,8 +215,12 @@ const LOOK_M: f64 = 2.0;
 const UNMAPPED_M: f64 = 0.3;
 /// Readings up to this are sharp enough to plan around.
 const SHARP_RANGE_M: f64 = 1.5;
-/// Blockages are planned around for so long.
-const BLOCKAGE_S: f64 = 15.0;
+/// Blockages are planned around for so long, or until they are seen to be gone: a way around them may
+/// lead out of sight of them.
+const BLOCKAGE_S: f64 = 90.0;
+/// From so near what stands at a blockage is seen, as a point at most so far off.
+const BLOCKAGE_SIGHT_M: f64 = 1.0;
+const BLOCKAGE_OFF_M: f64 = 0.2;
 /// And edges of their cells are so long.
 const BLOCKAGE_GRAIN_M: f64 = 0.1;
 /// Where there is no way around them, blockages or closed doors are not planned around for so long.
@@ -501,13 +507,16 @@ impl Navigation {
         if self.progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
             self.progress.least_cost_m = Some(cost_m);
             self.progress.at_s = self.now_s;
+            self.progress.detour_m = 0.0;
             self.progress.anew = false;
         }
         if self.now_s - self.progress.at_s > BLOCKED_S / 2.0 && !self.progress.anew {
             self.begin_anew();
         }
-        let detour_m = fields.around.cost_m(here).map_or(0.0, |around_m| around_m - cost_m);
-        self.now_s - self.progress.at_s > BLOCKED_S + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
+        if let Some(around_m) = fields.around.cost_m(here) {
+            self.progress.detour_m = self.progress.detour_m.max(around_m - cost_m);
+        }
+        self.now_s - self.progress.at_s > BLOCKED_S + (self.progress.detour_m / DETOUR_MPS).min(DETOUR_S)
     }
 
     /// Around other doors than before, what is nearest is counted from here; the time goes on.
@@ -528,7 +537,9 @@ impl Navigation {
         self.sonars_until_s = self.now_s + LOOK_AROUND_S;
     }
 
-    /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead.
+    /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead. People
+    /// who walk are left to the collision avoidance: until a way around them is planned they are
+    /// elsewhere, and with twenty of them about the ways would never be the same for a second.
     fn look_for_blockages(
         &mut self,
         model: &NavigationModel,
@@ -540,7 +551,7 @@ impl Navigation {
             return;
         }
         self.next_look_s = self.now_s + LOOK_S;
-        self.blockages.retain(|blockage| blockage.until_s > self.now_s);
+        self.forget_blockages(estimated_in_map, odometry_in_odom);
         self.look_at_doors(model, estimated_in_map, odometry_in_odom);
         if self.now_s >= self.trusting_map_until_s {
             let unmapped = self.unmapped_points(model, estimated_in_map, odometry_in_odom);
@@ -553,11 +564,23 @@ impl Navigation {
         }
     }
 
+    /// What was planned around long ago is forgotten, and what is seen to be gone.
+    fn forget_blockages(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
+        let points = self.sharp_points(estimated_in_map, odometry_in_odom, |_| true);
+        let (here, now_s) = (estimated_in_map.point(), self.now_s);
+        self.blockages.retain(|blockage| {
+            let at = blockage.point_in_map();
+            let is_far = distance_m(here, at) > BLOCKAGE_SIGHT_M;
+            let is_there = is_far || points.iter().any(|&point| distance_m(point, at) <= BLOCKAGE_OFF_M);
+            is_there && blockage.until_s > now_s
+        });
+    }
+
     /// A door found closed, or open again, is a new task: there is time for the way that is now the
     /// best, and nothing to escape from.
     fn look_at_doors(&mut self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) {
         let before = self.closed_doors();
-        let points = self.sharp_points(estimated_in_map, odometry_in_odom);
+        let points = self.sharp_points(estimated_in_map, odometry_in_odom, |_| true);
         let robot_width_m = 2.0 * model.limits.robot_radius_m;
         let here = estimated_in_map.point();
         self.doors.look(&model.doorways, here, &points, robot_width_m, self.now_s, LOOK_S);
@@ -567,14 +590,19 @@ impl Navigation {
         }
     }
 
-    fn sharp_points(&self, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
+    fn sharp_points(
+        &self,
+        estimated_in_map: Pose,
+        odometry_in_odom: Pose,
+        counts: impl Fn(&RememberedPoint) -> bool,
+    ) -> Vec<Point> {
         let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
-        let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M);
+        let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M && counts(point));
         sharp.map(|point| odom_in_map.apply(point.point_in_odom)).collect()
     }
 
     fn unmapped_points(&self, model: &NavigationModel, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
-        let mut points = self.sharp_points(estimated_in_map, odometry_in_odom);
+        let mut points = self.sharp_points(estimated_in_map, odometry_in_odom, RememberedPoint::stands);
         points.retain(|&point_in_map| model.planner.obstacle_distance_m(point_in_map) > UNMAPPED_M);
         points
     }

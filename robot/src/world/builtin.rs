@@ -2,28 +2,42 @@
 
 use super::{World, WorldError};
 
-const WORLDS: [(&str, &str); 18] = [
-    ("dept", include_str!("../../worlds/dept.toml")),
+/// A world's name, its text, and what it is if it is another with more to it.
+const WORLDS: [(&str, &str, &str); 18] = [
+    ("dept", include_str!("../../worlds/dept.toml"), ""),
     (
         "dept-furnished",
         concat!(include_str!("../../worlds/dept.toml"), include_str!("../../worlds/dept-furnished.toml")),
+        "`dept` with four people, and furniture that is in no map.",
     ),
-    ("dept-staffed", concat!("people = 6\n\n", include_str!("../../worlds/dept.toml"))),
-    ("dept-crowded", concat!("people = 20\n\n", include_str!("../../worlds/dept.toml"))),
-    ("corridor", include_str!("../../worlds/corridor.toml")),
-    ("corridor-crowded", concat!("people = 20\n\n", include_str!("../../worlds/corridor.toml"))),
-    ("long-corridor", include_str!("../../worlds/long-corridor.toml")),
-    ("two-wings", include_str!("../../worlds/two-wings.toml")),
-    ("hall", include_str!("../../worlds/hall.toml")),
-    ("flat", include_str!("../../worlds/flat.toml")),
-    ("small-office", include_str!("../../worlds/small-office.toml")),
-    ("lab", include_str!("../../worlds/lab.toml")),
-    ("warehouse", include_str!("../../worlds/warehouse.toml")),
-    ("gallery", include_str!("../../worlds/gallery.toml")),
-    ("ring", include_str!("../../worlds/ring.toml")),
-    ("school", include_str!("../../worlds/school.toml")),
-    ("sensing", concat!(include_str!("../../worlds/corridor.toml"), include_str!("../../worlds/sensing.toml"))),
-    ("test-room", include_str!("../../worlds/test-room.toml")),
+    (
+        "dept-staffed",
+        concat!("people = 6\n\n", include_str!("../../worlds/dept.toml")),
+        "`dept` with six people who come and go.",
+    ),
+    ("dept-crowded", concat!("people = 20\n\n", include_str!("../../worlds/dept.toml")), "`dept` with twenty people."),
+    ("corridor", include_str!("../../worlds/corridor.toml"), ""),
+    (
+        "corridor-crowded",
+        concat!("people = 20\n\n", include_str!("../../worlds/corridor.toml")),
+        "`corridor` with twenty people.",
+    ),
+    (
+        "sensing",
+        concat!(include_str!("../../worlds/corridor.toml"), include_str!("../../worlds/sensing.toml")),
+        "`corridor` with a box that only the sonars see.",
+    ),
+    ("long-corridor", include_str!("../../worlds/long-corridor.toml"), ""),
+    ("two-wings", include_str!("../../worlds/two-wings.toml"), ""),
+    ("hall", include_str!("../../worlds/hall.toml"), ""),
+    ("flat", include_str!("../../worlds/flat.toml"), ""),
+    ("small-office", include_str!("../../worlds/small-office.toml"), ""),
+    ("lab", include_str!("../../worlds/lab.toml"), ""),
+    ("warehouse", include_str!("../../worlds/warehouse.toml"), ""),
+    ("gallery", include_str!("../../worlds/gallery.toml"), ""),
+    ("ring", include_str!("../../worlds/ring.toml"), ""),
+    ("school", include_str!("../../worlds/school.toml"), ""),
+    ("test-room", include_str!("../../worlds/test-room.toml"), ""),
 ];
 
 impl World {
@@ -42,12 +56,27 @@ impl World {
 
     /// The names `builtin` knows.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
-        WORLDS.iter().map(|(name, _)| *name)
+        WORLDS.iter().map(|(name, ..)| *name)
     }
 
     /// The text of a built-in world, to start one's own from.
     pub fn builtin_text(name: &str) -> Option<&'static str> {
-        WORLDS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+        Self::entry(name).map(|(_, text, _)| *text)
+    }
+
+    /// What a built-in world is, in a sentence: the first of its text, if it is not a variation.
+    pub fn builtin_purpose(name: &str) -> Option<String> {
+        let (_, text, variation) = Self::entry(name)?;
+        if !variation.is_empty() {
+            return Some((*variation).to_string());
+        }
+        let comment: Vec<&str> = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+        let comment = comment.join(" ");
+        Some(comment.split_once(". ").map_or(comment.clone(), |(first, _)| format!("{first}.")))
+    }
+
+    fn entry(name: &str) -> Option<&'static (&'static str, &'static str, &'static str)> {
+        WORLDS.iter().find(|(known, ..)| *known == name)
     }
 
     fn parse_builtin(name: &str) -> Option<Result<World, WorldError>> {

@@ -115,6 +115,36 @@ fn who_loses_the_wheels_gets_its_signal_when_it_runs_again() {
     assert_eq!(run.outcome(), "=> (nil 0)", "the activation ends with its task");
 }
 
+/// r[behaviour.one], r[behaviour.interrupted]
+#[test]
+fn who_takes_the_wheels_may_drive_and_the_interrupted_task_still_gets_its_signal() {
+    for after_activation in ["", "(wait-for over)"] {
+        let run = run_in(
+            test_room(),
+            &format!(
+                "(def-fluent bell nil)
+                 (def-fluent over nil)
+                 (with-policy (whenever bell
+                                (with-valve wheels
+                                  (run-behaviour navigation :targets '((1.2 1.2)))
+                                  (log (format \"there ~a\" (> (now) 2))))
+                                (setf (value over) t))
+                   (par
+                     (seq (wait-time 1) (setf (value bell) t))
+                     (with-valve wheels
+                       (activate navigation :targets TARGETS)
+                       {after_activation}
+                       (with-failure-handling ((interrupted (f) (log \"interrupted\")))
+                         (await-signal navigation))
+                       (list (run-behaviour navigation :targets TARGETS) (state)))))"
+            ),
+        );
+        assert_eq!(run.output, ["log: there t", "log: interrupted"], "{after_activation} {}", run.trace());
+        assert_eq!(run.outcome(), "=> (t (nil 0))", "{after_activation}");
+        assert!(wheels_are_free(&run.system));
+    }
+}
+
 /// r[behaviour.states], r[behaviour.own]
 #[test]
 fn removing_all_goals_interrupts() {
