@@ -17,8 +17,34 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Edge of a cell.
-pub const CELL_M: f64 = 0.1;
+/// How fine a map is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Grain {
+    /// 10 cm: sonars are not sharper.
+    #[default]
+    Sonar,
+    /// 5 cm.
+    Laser,
+}
+
+impl Grain {
+    /// Edge of a cell.
+    pub fn cell_m(self) -> f64 {
+        match self {
+            Grain::Sonar => 0.1,
+            Grain::Laser => 0.05,
+        }
+    }
+
+    /// How far from the middle of an obstacle cell its surface may be: all of the cell may be filled
+    /// where an echo came from an arc, but a beam ends at a surface.
+    fn surface_m(self) -> f64 {
+        match self {
+            Grain::Sonar => self.cell_m() / 2.0,
+            Grain::Laser => 0.0,
+        }
+    }
+}
 
 /// Cells along the edge of a tile.
 const TILE: i64 = 32;
@@ -55,7 +81,7 @@ const HEARD_BEYOND_NATS: f64 = -0.6;
 const SILENT_NATS: f64 = -0.25;
 
 /// What a laser beam says of a cell it goes through, and of the one it ends in.
-const SEEN_THROUGH_NATS: f64 = -0.5;
+const SEEN_THROUGH_NATS: f64 = -0.7;
 const SEEN_NATS: f64 = 1.5;
 /// Laser beams are followed so far.
 const LASER_REACH_M: f64 = 6.0;
@@ -89,6 +115,7 @@ type Tile = [[i8; TILE as usize]; TILE as usize];
 /// The evidence, in tiles that forks share as long as they agree.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LearnedMap {
+    grain: Grain,
     /// Tile (i, j) begins at cell (32 i, 32 j), which begins at the origin of `odom` for i = j = 0.
     tiles: BTreeMap<(i32, i32), Arc<Tile>>,
     seen_cells: u64,
@@ -105,13 +132,13 @@ struct At {
 }
 
 impl At {
-    fn around(point_in_odom: Point) -> Self {
-        let cell = |value_m: f64| libm::floor(value_m / CELL_M) as i64;
+    fn around(point_in_odom: Point, cell_m: f64) -> Self {
+        let cell = |value_m: f64| libm::floor(value_m / cell_m) as i64;
         Self { column: cell(point_in_odom.x), row: cell(point_in_odom.y) }
     }
 
-    fn centre(self) -> Point {
-        Point::new((self.column as f64 + 0.5) * CELL_M, (self.row as f64 + 0.5) * CELL_M)
+    fn centre(self, cell_m: f64) -> Point {
+        Point::new((self.column as f64 + 0.5) * cell_m, (self.row as f64 + 0.5) * cell_m)
     }
 
     fn tile(self) -> (i32, i32) {
@@ -124,6 +151,26 @@ impl At {
 }
 
 impl LearnedMap {
+    /// A map of which nothing has been seen.
+    pub fn new(grain: Grain) -> Self {
+        Self { grain, ..Self::default() }
+    }
+
+    /// Edge of a cell.
+    pub fn cell_m(&self) -> f64 {
+        self.grain.cell_m()
+    }
+
+    /// The radius for a planner, which takes cells to be filled, of a robot that may come as near to
+    /// surfaces as `robot_radius_m`.
+    pub fn planning_radius_m(&self, robot_radius_m: f64) -> f64 {
+        robot_radius_m + self.grain.surface_m() - self.cell_m() / 2.0
+    }
+
+    fn around(&self, point_in_odom: Point) -> At {
+        At::around(point_in_odom, self.cell_m())
+    }
+
     /// Takes a scan in, if the robot looks from a new place or some time has passed. The readings are
     /// those of [`super::NavigationInput`].
     pub fn observe(
@@ -139,7 +186,7 @@ impl LearnedMap {
             return;
         }
         self.view = Some((odometry_in_odom, self.now_s));
-        for at in disc(odometry_in_odom.point(), BODY_M) {
+        for at in disc(odometry_in_odom.point(), BODY_M, self.cell_m()) {
             self.add(at, BODY_NATS);
         }
         if let Some(sonar_m) = sonar_m {
@@ -152,13 +199,13 @@ impl LearnedMap {
 
     /// Takes in that the robot touches something: it drives forward only, so that is at the front.
     pub fn feel(&mut self, odometry_in_odom: Pose, robot_radius_m: f64) {
-        let touched = odometry_in_odom.transform(Point::new(robot_radius_m + CELL_M / 2.0, 0.0));
-        self.add(At::around(touched), FELT_NATS);
+        let touched = odometry_in_odom.transform(Point::new(robot_radius_m + self.cell_m() / 2.0, 0.0));
+        self.add(self.around(touched), FELT_NATS);
     }
 
     /// Halves what is known near a point: it holds the robot up, and may be wrong.
     pub fn doubt_around(&mut self, point_in_odom: Point, reach_m: f64) {
-        for at in disc(point_in_odom, reach_m) {
+        for at in disc(point_in_odom, reach_m, self.cell_m()) {
             let nats = self.nats(at);
             if nats > 0.0 {
                 self.add(at, -nats / 2.0);
@@ -173,21 +220,21 @@ impl LearnedMap {
 
     /// Whether an obstacle is believed to be so near to a point.
     pub fn is_obstructed(&self, point_in_odom: Point, reach_m: f64, belief: Belief) -> bool {
-        disc(point_in_odom, reach_m).any(|at| self.log_odds(at) >= belief.threshold())
+        disc(point_in_odom, reach_m, self.cell_m()).any(|at| self.log_odds(at) >= belief.threshold())
     }
 
     /// The map around these points and all that has been seen, with `margin_m` to spare, but nothing
     /// farther than `most_m` from the first. What has not been seen is free.
     pub fn grid(&self, points_in_odom: &[Point], margin_m: f64, most_m: f64, belief: Belief) -> OccupancyGrid {
         let first = points_in_odom.first().map_or(Point::origin(), |&first| first);
-        let shift = |by_m: f64| At::around(Point::new(first.x + by_m, first.y + by_m));
+        let shift = |by_m: f64| self.around(Point::new(first.x + by_m, first.y + by_m));
         let (least, most) = (shift(-most_m), shift(most_m));
         let corners = self.tiles.keys().flat_map(|&(i, j)| {
             let (column, row) = (i64::from(i) * TILE, i64::from(j) * TILE);
             [At { column, row }, At { column: column + TILE, row: row + TILE }]
         });
-        let margin = libm::ceil(margin_m / CELL_M) as i64;
-        let wanted = points_in_odom.iter().map(|&point| At::around(point)).flat_map(|at| {
+        let margin = libm::ceil(margin_m / self.cell_m()) as i64;
+        let wanted = points_in_odom.iter().map(|&point| self.around(point)).flat_map(|at| {
             let apart = |by: i64| At { column: at.column.saturating_add(by), row: at.row.saturating_add(by) };
             [apart(-margin), apart(margin)]
         });
@@ -202,9 +249,10 @@ impl LearnedMap {
     }
 
     fn window(&self, low: At, high: At, belief: Belief) -> OccupancyGrid {
-        let origin = Point::new(low.column as f64 * CELL_M, low.row as f64 * CELL_M);
+        let cell_m = self.cell_m();
+        let origin = Point::new(low.column as f64 * cell_m, low.row as f64 * cell_m);
         let (columns, rows) = ((high.column - low.column + 1) as usize, (high.row - low.row + 1) as usize);
-        let mut grid = OccupancyGrid::filled(origin, CELL_M, columns, rows, Cell::Free);
+        let mut grid = OccupancyGrid::filled(origin, cell_m, columns, rows, Cell::Free);
         for (&(i, j), tile) in &self.tiles {
             for (y, line) in tile.iter().enumerate() {
                 for (x, &log_odds) in line.iter().enumerate() {
@@ -236,10 +284,11 @@ impl LearnedMap {
 
     /// The cones tile the full turn, so that each cell is in one of them.
     fn hear(&mut self, odometry_in_odom: Pose, sonar_m: &[f32; SONARS], max_range_m: f64) {
-        let here = odometry_in_odom.point();
+        let (here, cell_m) = (odometry_in_odom.point(), self.cell_m());
+        let arc_m = ARC_CELLS * cell_m;
         let mut arcs: [Vec<At>; SONARS] = std::array::from_fn(|_| Vec::new());
-        for at in disc(here, SONAR_REACH_M) {
-            let centre = at.centre();
+        for at in disc(here, SONAR_REACH_M, self.cell_m()) {
+            let centre = at.centre(cell_m);
             let bearing_rad = libm::atan2(centre.y - here.y, centre.x - here.x) - odometry_in_odom.heading_rad;
             let sonar = libm::round(bearing_rad / direction_rad(1)) as i64;
             let sonar = sonar.rem_euclid(SONARS as i64) as usize;
@@ -249,9 +298,9 @@ impl LearnedMap {
                 if distance_m(here, centre) < SILENCE_REACH_M {
                     self.add(at, SILENT_NATS);
                 }
-            } else if beyond_m > ARC_M {
+            } else if beyond_m > arc_m {
                 self.add(at, HEARD_BEYOND_NATS);
-            } else if beyond_m >= -ARC_M {
+            } else if beyond_m >= -arc_m {
                 arcs[sonar].push(at);
             }
         }
@@ -272,16 +321,16 @@ impl LearnedMap {
     /// Every cell is changed once by a scan, for an end if a beam ends there.
     fn scan(&mut self, odometry_in_odom: Pose, laser_m: &[f32]) {
         let mut changes: BTreeMap<(i64, i64), f64> = BTreeMap::new();
-        let here = odometry_in_odom.point();
+        let (here, cell_m) = (odometry_in_odom.point(), self.cell_m());
         for (beam, &reading_m) in laser_m.iter().enumerate() {
             let bearing_rad = (beam as f64 - (laser_m.len() as f64 - 1.0) / 2.0).to_radians();
             let (sin, cos) = libm::sincos(odometry_in_odom.heading_rad + bearing_rad);
             let reading_m = f64::from(reading_m);
-            let along = |way_m: f64| At::around(Point::new(here.x + cos * way_m, here.y + sin * way_m));
+            let along = |way_m: f64| At::around(Point::new(here.x + cos * way_m, here.y + sin * way_m), cell_m);
             let is_end = reading_m < LASER_REACH_M;
-            let free = libm::floor((reading_m.min(LASER_REACH_M) - CELL_M) / CELL_M).max(0.0) as i64;
+            let free = libm::floor((reading_m.min(LASER_REACH_M) - cell_m) / cell_m).max(0.0) as i64;
             for step in 0..=free {
-                let at = along(step as f64 * CELL_M);
+                let at = along(step as f64 * cell_m);
                 changes.entry((at.row, at.column)).or_insert(SEEN_THROUGH_NATS);
             }
             if is_end {
@@ -319,18 +368,18 @@ impl LearnedMap {
     }
 }
 
-/// Half the depth of an arc: every ray of the cone meets one of its cells.
-const ARC_M: f64 = 0.7 * CELL_M;
+/// Half the depth of an arc, in cells: every ray of the cone meets one of its cells.
+const ARC_CELLS: f64 = 0.7;
 
 /// The cells whose centres are so near to a point, in row order.
-fn disc(point_in_odom: Point, reach_m: f64) -> impl Iterator<Item = At> {
-    let middle = At::around(point_in_odom);
-    let reach = libm::ceil(reach_m / CELL_M) as i64;
+fn disc(point_in_odom: Point, reach_m: f64, cell_m: f64) -> impl Iterator<Item = At> {
+    let middle = At::around(point_in_odom, cell_m);
+    let reach = libm::ceil(reach_m / cell_m) as i64;
     (-reach..=reach)
         .flat_map(move |row| (-reach..=reach).map(move |column| (column, row)))
         .map(move |(column, row)| At {
             column: middle.column.saturating_add(column),
             row: middle.row.saturating_add(row),
         })
-        .filter(move |at| (at.centre() - point_in_odom).norm_squared() <= reach_m * reach_m)
+        .filter(move |at| (at.centre(cell_m) - point_in_odom).norm_squared() <= reach_m * reach_m)
 }

@@ -3,7 +3,7 @@
 //! Smirnov 1997, "Sensor-Based Planning with the Freespace Assumption").
 
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
-use super::learned_map::{Belief, LearnedMap};
+use super::learned_map::{Belief, Grain, LearnedMap};
 use super::navigation::{NavigationEvent, NavigationInput, NavigationOutput, turn_to};
 use super::obstacle_memory::{ObstacleMemory, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
@@ -112,6 +112,11 @@ const LOOK_RADPS: f64 = 0.6;
 const LOOK_AROUND_S: f64 = std::f64::consts::TAU / LOOK_RADPS;
 
 impl MaplessNavigation {
+    /// Nothing has been seen, and there is nothing to do.
+    pub fn new(grain: Grain) -> Self {
+        Self { seen: LearnedMap::new(grain), ..Self::default() }
+    }
+
     /// Begins to drive to these targets, in order, instead of any others. What has been seen is kept.
     pub fn start(&mut self, targets: Vec<Target>) {
         let phase = if targets.is_empty() { Phase::Idle } else { Phase::Driving };
@@ -232,7 +237,7 @@ impl MaplessNavigation {
         self.look_at_way(limits, here, target.point_in_map);
         let field = self.field(limits);
         let Some(towards_in_odom) = field.as_ref().and_then(|field| field.lookahead(here, LOOKAHEAD_M)) else {
-            return self.without_way();
+            return self.without_way(here);
         };
         if self.has_stalled(field.and_then(|field| field.cost_m(here)), here) {
             return self.finish(NavigationEvent::Blocked);
@@ -266,7 +271,7 @@ impl MaplessNavigation {
     }
 
     /// Without a way the robot goes for the next target, then looks around, then gives up.
-    fn without_way(&mut self) -> NavigationOutput {
+    fn without_way(&mut self, here: Point) -> NavigationOutput {
         if self.targets.len() > 1 {
             self.next_target();
             return self.output(Speeds::default(), None);
@@ -275,6 +280,7 @@ impl MaplessNavigation {
             return self.finish(NavigationEvent::Unreachable);
         }
         self.progress.looked_around = true;
+        self.seen.doubt_around(here, DOUBT_M);
         self.phase = Phase::LookingAround { left_s: LOOK_AROUND_S };
         self.next_look_s = self.now_s;
         self.plan = None;
@@ -316,8 +322,10 @@ impl MaplessNavigation {
         let Plan { target_in_odom, from_in_odom, seen, belief, .. } = self.plan.as_ref()?;
         let field = self.cache.0.get_or_insert_with(|| {
             let grid = seen.grid(&[*from_in_odom, *target_in_odom], MARGIN_M, FARTHEST_M, *belief);
-            let parameters =
-                PlannerParameters { robot_radius_m: limits.robot_radius_m, ..PlannerParameters::default() };
+            let parameters = PlannerParameters {
+                robot_radius_m: seen.planning_radius_m(limits.robot_radius_m),
+                ..PlannerParameters::default()
+            };
             Arc::new(PlannerModel::new(&grid, parameters).value_field(*target_in_odom))
         });
         Some(field.clone())

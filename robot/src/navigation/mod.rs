@@ -29,7 +29,7 @@ mod tests;
 pub use doorways::{DoorMemory, Doorway};
 pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
-pub use learned_map::LearnedMap;
+pub use learned_map::{Grain, LearnedMap};
 pub use mapless::MaplessNavigation;
 pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
 pub use obstacle_memory::ObstacleMemory;

@@ -10,7 +10,8 @@ use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
 use crate::navigation::{
-    Drive, DriveStatus, DriveTask, MaplessNavigation, Navigation, NavigationEvent, NavigationInput, Speeds, Target,
+    Drive, DriveStatus, DriveTask, Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationInput, Speeds,
+    Target,
 };
 use crate::random::Stream;
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
@@ -87,7 +88,7 @@ impl Board {
         Self {
             localization,
             navigation: Navigation::default(),
-            mapless: MaplessNavigation::default(),
+            mapless: MaplessNavigation::new(if model.settings.simulator.laser { Grain::Laser } else { Grain::Sonar }),
             active: None,
             percept: None,
             mode: TravelMode::Hallway,
