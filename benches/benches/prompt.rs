@@ -10,6 +10,7 @@ use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Simulate
 use rpl_robot::random::Stream;
 use rpl_robot::world::World;
 use rpl_runtime::library::Library;
+use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
 use rpl_runtime::timeline::Timeline;
 use std::sync::Arc;
@@ -23,6 +24,9 @@ const MISSION_US: u64 = 600_000_000;
 
 /// Instants that are taken back.
 const INSTANTS: usize = 200;
+
+/// Steps that are taken back from the end, each time.
+const STEPS: &[usize] = &[1, 2, 3, 5, 10, 20, 30, 50];
 
 /// Processor time of this thread as of the last tick.
 fn computed_lately() -> Duration {
@@ -82,8 +86,14 @@ fn submit(system: &mut System<OfficeRobot>) {
     }
 }
 
-/// The milliseconds of the slowest way back, and the megabytes that the history holds.
-fn measure(start_known: bool) -> [f64; 2] {
+/// Whether a user of the prompt stops there.
+fn is_shown(system: &System<OfficeRobot>, stop: &Stop) -> bool {
+    !["session", "prelude"].contains(&&*system.program.sources.get(stop.span.source).name)
+}
+
+/// The milliseconds of the slowest ways back, to an instant and by steps, and the megabytes that the
+/// history holds.
+fn measure(start_known: bool) -> [f64; 3] {
     let mut system = mission(start_known);
     let mut alone = system.clone();
     submit(&mut alone);
@@ -112,13 +122,22 @@ fn measure(start_known: bool) -> [f64; 2] {
     for _ in 0..INSTANTS {
         let wanted = glances[stream.index(glances.len())];
         let began = computed();
-        let past = timeline.at_time(wanted.now_us);
+        let Some(past) = timeline.at_time(wanted.now_us, &|| false) else { panic!("nobody gave it up") };
         times_ms.push((computed() - began).as_secs_f64() * 1e3);
         assert_eq!(glance(&past.system), wanted);
     }
     let sum: f64 = times_ms.iter().sum();
     println!("             mean {:.1} ms", sum / times_ms.len() as f64);
-    [times_ms.into_iter().fold(0.0, f64::max), held_mb]
+    let steps_ms = STEPS.iter().map(|&steps| {
+        let began = computed();
+        let past = timeline.steps_before(timeline.position, steps, is_shown, &|| false);
+        let taken_ms = (computed() - began).as_secs_f64() * 1e3;
+        let now_s = past.map_or(f64::NAN, |past| past.system.machine.now_s());
+        println!("             {steps} steps back, to {now_s:.1} s: {taken_ms:.1} ms");
+        taken_ms
+    });
+    let steps_ms = steps_ms.fold(0.0, f64::max);
+    [times_ms.into_iter().fold(0.0, f64::max), steps_ms, held_mb]
 }
 
 fn main() {
@@ -130,13 +149,14 @@ fn main() {
     ] {
         let question =
             |unit, target, what| Question { name, what, unit, target, peers: "–", anchors: None, anchor_scale: 1.0 };
-        let mut held_mb = f64::NAN;
+        let (mut steps_ms, mut held_mb) = (f64::NAN, f64::NAN);
         println!("{what}:");
         report.row(question("ms", 200.0, "worst of 200 instants taken back"), || {
-            let [worst_ms, mb] = one.install(|| measure(start_known));
-            held_mb = mb;
+            let [worst_ms, by_steps_ms, mb] = one.install(|| measure(start_known));
+            (steps_ms, held_mb) = (by_steps_ms, mb);
             worst_ms
         });
+        report.row(question("ms", 200.0, "worst of going back up to 50 steps"), || steps_ms);
         report.row(question("MB", 500.0, "held by the history"), || held_mb);
     }
 }

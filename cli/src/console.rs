@@ -1,6 +1,8 @@
 //! Standard output and standard error: colour and a status line on a terminal only.
 
+use crate::layout;
 use crate::status_line::StatusLine;
+use ::console::Term;
 use std::io::{self, IsTerminal, Write};
 
 /// Where lines go.
@@ -68,9 +70,9 @@ impl Console {
         self.status = Some(StatusLine::default());
     }
 
-    /// Whether the status line wants a new text.
-    pub fn wants_status(&self) -> bool {
-        self.status.as_ref().is_some_and(StatusLine::is_due)
+    /// The columns a new text for the status line may take, if it wants one.
+    pub fn status_room(&self) -> Option<usize> {
+        self.status.as_ref().filter(|status| status.is_due()).map(StatusLine::room)
     }
 
     /// Draws the status line.
@@ -97,23 +99,36 @@ impl Console {
     /// # Errors
     /// The pipe is closed, or the disk is full.
     pub fn print(&mut self, text: &str) -> io::Result<()> {
-        match &mut self.sink {
-            Sink::Streams => {}
-            Sink::Nowhere => return Ok(()),
-            Sink::Kept(lines) => {
+        match (&mut self.sink, &self.status) {
+            (Sink::Nowhere, _) => Ok(()),
+            (Sink::Kept(lines), _) => {
                 lines.push(text.to_string());
-                return Ok(());
-            }
-        }
-        let out = &mut self.out;
-        match &self.status {
-            Some(status) => {
-                status.hide();
-                writeln!(out, "{text}").and_then(|()| out.flush())?;
-                status.show();
                 Ok(())
             }
-            None => writeln!(out, "{text}"),
+            (Sink::Streams, Some(status)) if io::stdout().is_terminal() => {
+                self.out.write_all(status.below(text).as_bytes())?;
+                self.out.flush()
+            }
+            (Sink::Streams, _) => writeln!(self.out, "{text}"),
+        }
+    }
+
+    /// Lines that explain, on standard output; a terminal gets them laid out for its width.
+    ///
+    /// # Errors
+    /// The pipe is closed, or the disk is full.
+    pub fn explain(&mut self, text: &str) -> io::Result<()> {
+        self.explain_hanging(text, layout::HANGING)
+    }
+
+    /// The same, with what does not fit so much further in.
+    ///
+    /// # Errors
+    /// The pipe is closed, or the disk is full.
+    pub fn explain_hanging(&mut self, text: &str, hanging: usize) -> io::Result<()> {
+        match columns(&Term::stdout()) {
+            Some(width) => self.print(&layout::within(text, width, hanging)),
+            None => self.print(text),
         }
     }
 
@@ -125,20 +140,27 @@ impl Console {
         self.out.flush()
     }
 
-    /// A line on standard error. Nobody is left to be told if that is closed.
+    /// Lines on standard error; a terminal gets them laid out for its width. Nobody is left to be
+    /// told if that is closed.
     pub fn note(&mut self, text: &str) {
+        let laid_out = columns(&Term::stderr()).map(|width| layout::within(text, width, layout::HANGING));
+        let text = laid_out.as_deref().unwrap_or(text);
         match (&mut self.sink, &self.status) {
             (Sink::Nowhere, _) => {}
             (Sink::Kept(lines), _) => lines.push(text.to_string()),
             (Sink::Streams, status) => {
                 // What was printed before stands before it; whether it can be written is told there.
                 self.out.flush().ok();
-                status.iter().for_each(StatusLine::hide);
-                note(text);
-                status.iter().for_each(StatusLine::show);
+                let text = status.as_ref().map_or_else(|| format!("{text}\n"), |status| status.below(text));
+                io::stderr().write_all(text.as_bytes()).ok();
             }
         }
     }
+}
+
+/// Columns of a terminal; none where there is none.
+fn columns(terminal: &Term) -> Option<usize> {
+    terminal.size_checked().map(|(_, columns)| usize::from(columns))
 }
 
 /// A line on standard error, before there is a console.

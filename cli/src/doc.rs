@@ -5,6 +5,9 @@ use crate::reference::{Entry, Reference, TOPICS, Topic};
 use crate::status::Status;
 use anyhow::{Result, bail};
 
+/// Columns of the names in a list.
+const NAME_COLUMNS: usize = 26;
+
 /// Documents a name or a topic, searches for a word, or lists all names.
 ///
 /// # Errors
@@ -18,7 +21,8 @@ pub fn run(name: Option<&str>, console: &mut Console) -> Result<Status> {
         return Ok(Status::Succeeded);
     };
     if let Some(entry) = reference.find(name) {
-        console.print(&explanation(entry))?;
+        console.explain(&entry.signature)?;
+        console.explain_hanging(&explanation(entry), 0)?;
     } else if let Some(topic) = TOPICS.iter().find(|topic| topic.word == name) {
         list_topic(&reference, topic, false, console)?;
     } else {
@@ -27,10 +31,10 @@ pub fn run(name: Option<&str>, console: &mut Console) -> Result<Status> {
     Ok(Status::Succeeded)
 }
 
-/// Signature, documentation, what it is, and an example.
+/// Documentation, an example, and what it is.
 fn explanation(entry: &Entry) -> String {
     let topic = TOPICS.iter().find(|topic| topic.names().any(|name| name == entry.name));
-    let mut text = format!("{}\n  {}\n", entry.signature, entry.doc.replace('\n', "\n  "));
+    let mut text = format!("  {}\n", entry.doc.replace('\n', "\n  "));
     if !entry.example.is_empty() {
         text += &format!("\n    {}\n", entry.example.replace('\n', "\n    "));
     }
@@ -47,7 +51,7 @@ fn list_topic(reference: &Reference, topic: &Topic, gap: bool, console: &mut Con
 
 fn list(entries: &[&Entry], console: &mut Console) -> Result<()> {
     for entry in entries {
-        console.print(&format!("  {:26} {}", entry.name, entry.summary()))?;
+        console.explain_hanging(&format!("  {:NAME_COLUMNS$} {}", entry.name, entry.summary()), NAME_COLUMNS + 1)?;
     }
     Ok(())
 }

@@ -229,9 +229,9 @@ impl Driver<'_> {
     fn look_at_robot(&mut self) {
         let now_us = self.system.machine.now_us;
         let is_track_due = now_us >= self.track_due_us;
-        let wants_status = self.console.wants_status();
+        let status_room = self.console.status_room();
         // Asking the filter for its estimate at every step would cost more than the step.
-        if !is_track_due && !wants_status {
+        if !is_track_due && status_room.is_none() {
             return;
         }
         let sight = self.system.outside.sight();
@@ -239,8 +239,8 @@ impl Driver<'_> {
             self.records.track.extend(sight);
             self.track_due_us = now_us + TRACK_EVERY_US;
         }
-        if wants_status {
-            let text = events::status_line(&self.system.machine, &self.system.outside, sight);
+        if let Some(room) = status_room {
+            let text = events::status_line(&self.system.machine, &self.system.outside, sight, room);
             self.console.status(&text);
         }
     }

@@ -73,8 +73,9 @@ fn signal(event: &Event) -> Option<String> {
     }
 }
 
-/// Time, what the robot does, how sure it is of its place, and where in the plan it is.
-pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>) -> String {
+/// Time, what the robot does, how sure it is of its place, and where in the plan it is, in so many
+/// columns if possible.
+pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>, room: usize) -> String {
     let active = machine.activations.iter().zip(robot.behaviours());
     // Position tracking never rests; what drives says more.
     let mut busy = active.filter(|(activation, spec)| activation.phase == Phase::Active && spec.valve.is_some());
@@ -85,12 +86,14 @@ pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>) -> St
     let mut parts = vec![format!("{:.1} s", machine.now_s())];
     parts.extend(doing.map(str::to_string));
     parts.extend(sight.map(|sight| format!("certainty {:.2}", sight.certainty)));
-    parts.extend(task.or_else(|| waiting_leaf(machine)).map(|task| shortened(&machine.path(task), LONGEST_PATH)));
-    parts.join("  ")
+    let taken: usize = parts.iter().map(|part| part.chars().count() + GAP.len()).sum();
+    let path = task.or_else(|| waiting_leaf(machine)).map(|task| machine.path(task));
+    parts.extend(path.map(|path| shortened(&path, room.saturating_sub(taken))));
+    parts.join(GAP)
 }
 
-/// Longest path in the status line.
-const LONGEST_PATH: usize = 46;
+/// What stands between the parts of the status line.
+const GAP: &str = "  ";
 
 /// The end of a path, which says most about where the plan is, in so many characters if possible.
 pub fn shortened(path: &str, longest: usize) -> String {
@@ -132,9 +135,9 @@ mod tests {
 
     #[test]
     fn a_long_path_keeps_its_end() {
-        assert_eq!(shortened("main/tidy", LONGEST_PATH), "main/tidy");
+        assert_eq!(shortened("main/tidy", 46), "main/tidy");
         let path = "main/with-policy[1]/bring/go-to/with-policy[1]/navigation";
-        assert_eq!(shortened(path, LONGEST_PATH), "…/bring/go-to/with-policy[1]/navigation");
+        assert_eq!(shortened(path, 46), "…/bring/go-to/with-policy[1]/navigation");
     }
 
     #[test]

@@ -17,12 +17,14 @@ mod figures;
 mod files;
 mod fmt;
 mod interrupt;
+mod layout;
 mod localize;
 mod mission;
 mod overrides;
 mod reference;
 mod repl;
 mod run;
+mod setting;
 mod situation;
 mod status;
 mod status_line;
@@ -35,6 +37,7 @@ mod worlds;
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 use console::Console;
+use setting::Setting;
 use status::Status;
 use std::io;
 use std::process::ExitCode;
@@ -47,22 +50,9 @@ use std::process::ExitCode;
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,
-    #[command(flatten)]
-    prompt: PromptArguments,
-}
-
-/// What `rpl` alone takes, which is the prompt.
-#[derive(clap::Args, Clone, Debug)]
-struct PromptArguments {
-    /// Without a command: the world of the prompt's robot
-    #[arg(long, value_name = "W")]
-    world: Option<String>,
-    /// Without a command: the seed of every random stream
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Without a command: what happens on the way
-    #[arg(long, value_name = "FILE")]
-    scenario: Option<String>,
+    /// What `rpl` alone takes, which is the prompt.
+    #[command(flatten, next_help_heading = "Options of the prompt, which starts without a command")]
+    prompt: Setting,
 }
 
 #[derive(Subcommand, Debug)]
@@ -125,9 +115,7 @@ enum Command {
 fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command: Some(command), .. }) => command,
-        Ok(CommandLine { prompt: PromptArguments { world, seed, scenario }, .. }) => {
-            Command::Repl(repl::Arguments { world, seed, scenario, ..repl::Arguments::default() })
-        }
+        Ok(CommandLine { prompt: setting, .. }) => Command::Repl(repl::Arguments { file: None, setting }),
         Err(error) => {
             // What cannot be written has nobody to read it.
             error.print().ok();

@@ -6,13 +6,13 @@ use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter};
 use crate::figures;
 use crate::files::{self, PlanText};
 use crate::interrupt;
-use crate::mission::{self, Account, Robot, Site};
+use crate::mission::{Account, Robot};
 use crate::overrides::{Overrides, OverridingLoader};
+use crate::setting::Setting;
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use crate::trace::{self, Header, TraceFile};
 use anyhow::{Context, Result};
-use rpl_robot::office::OfficeSettings;
 use rpl_runtime::library::Loaded;
 use rpl_runtime::system::{Outcome, System};
 use serde::Serialize;
@@ -25,18 +25,8 @@ pub struct Arguments {
     /// A plan file, or a built-in example
     #[arg(value_name = "FILE")]
     pub file: String,
-    /// The world the robot is in: a built-in name, or a .toml file
-    #[arg(long, value_name = "W")]
-    pub world: Option<String>,
-    /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
-    #[arg(long, value_name = "M", value_enum, default_value_t = Map::World, requires = "world", hide_possible_values = true)]
-    pub map: Map,
-    /// Seed of every random stream
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
-    #[arg(long, value_name = "FILE")]
-    pub scenario: Option<String>,
+    #[command(flatten)]
+    pub setting: Setting,
     /// Another first value for a variable of the plan
     #[arg(long, value_name = "NAME=EXPR")]
     pub set: Vec<String>,
@@ -61,15 +51,6 @@ pub struct Arguments {
     /// Writes only what the plan prints, and failures
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-/// What the robot knows of the world.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Map {
-    /// What the world says is mapped
-    World,
-    /// Nothing
-    None,
 }
 
 fn parse_factor(text: &str) -> Result<f64, String> {
@@ -101,23 +82,20 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     interrupt::catch();
     let began = Instant::now();
     let plan = files::plan(&arguments.file)?;
-    let world = arguments.world.as_deref().map(mission::world).transpose()?;
-    let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
     let mut overrides = Overrides::parse(&arguments.set)?;
-    let settings = OfficeSettings { map_known: arguments.map == Map::World, ..OfficeSettings::default() };
-    let site = Site::new(world.clone(), scenario, settings)?;
+    let (site, world) = arguments.setting.site()?;
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
     let scenes = arguments.figures.is_some().then(Vec::new);
     let mut records = Records { trace: create_trace(arguments)?, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
-    let (library, robot) = (site.library.clone(), site.robot(arguments.seed));
+    let (library, robot) = (site.library.clone(), site.robot(arguments.setting.seed));
     let mut system = match wants_events {
         true => System::traced(library, loaded, robot),
         false => System::new(library, loaded, robot),
     };
-    system.machine.seed_random(arguments.seed);
+    system.machine.seed_random(arguments.setting.seed);
     if let Some(steps) = arguments.max_steps {
         system.machine.limits.steps = steps;
     }
@@ -129,7 +107,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let (Some(folder), Some(world)) = (&arguments.figures, &world) {
         figures::write_mission(folder, world, &records, system.outside.belief().as_ref())?;
     }
-    let summary = summarize(&system, ending, &records, arguments.seed, began);
+    let summary = summarize(&system, ending, &records, arguments.setting.seed, began);
     report(&system, ending, &summary, console);
     if arguments.json {
         console.print(&serde_json::to_string(&summary).context("the summary cannot be written as JSON")?)?;
@@ -168,9 +146,9 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
     let header = Header {
         version: trace::VERSION,
         plan: arguments.file.clone(),
-        world: arguments.world.clone(),
-        scenario: arguments.scenario.clone(),
-        seed: arguments.seed,
+        world: arguments.setting.world.clone(),
+        scenario: arguments.setting.scenario.clone(),
+        seed: arguments.setting.seed,
     };
     let trace =
         TraceFile::create(path, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;

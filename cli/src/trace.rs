@@ -81,23 +81,24 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 fn show(reader: &mut TraceReader, arguments: &Arguments, console: &mut Console) -> Result<()> {
     let colour = console.out_colour();
     let text = |line: Line| if arguments.json { line.text } else { event_line(&line.event, colour) };
+    let mut tell = |line: &str| if arguments.json { console.print(line) } else { console.explain(line) };
     let filter = &arguments.filter;
     let mut admitted =
         reader.take_while(|line| !filter.is_over(&line.event)).filter(|line| filter.admits(&line.event)).map(text);
-    let Some(last) = arguments.last else { return Ok(admitted.try_for_each(|line| console.print(&line))?) };
+    let Some(last) = arguments.last else { return Ok(admitted.try_for_each(|line| tell(&line))?) };
     let mut kept = VecDeque::new();
     for line in admitted {
         kept.push_back(line);
         kept.drain(..kept.len().saturating_sub(last));
     }
-    Ok(kept.iter().try_for_each(|line| console.print(line))?)
+    Ok(kept.iter().try_for_each(|line| tell(line))?)
 }
 
 fn explain(reader: &mut TraceReader, path: &str, filter: &Filter, console: &mut Console) -> Result<()> {
     let mut situation = Situation::default();
     reader.take_while(|line| !filter.is_over(&line.event)).for_each(|line| situation.add(&line.event));
     match why::why(&situation, path) {
-        Ok(lines) => Ok(lines.iter().try_for_each(|line| console.print(line))?),
+        Ok(lines) => Ok(lines.iter().try_for_each(|line| console.explain(line))?),
         Err(reason) => bail!(reason),
     }
 }

@@ -4,6 +4,7 @@ use crate::mission::CONTINUOUS_FLUENTS;
 use crate::situation::{Ended, Situation, Standing, is_within};
 use rpl_lang::suggest::suggest;
 use rpl_runtime::waiting::Reading;
+use std::borrow::Cow;
 
 /// Causes are followed down to this depth.
 const MAX_DEPTH: usize = 8;
@@ -21,7 +22,7 @@ const LONGEST_VALUE: usize = 60;
 pub fn why(situation: &Situation, path: &str) -> Result<Vec<String>, String> {
     let mut lines = Vec::new();
     if let Some(task) = living(situation, path) {
-        waits(situation, task, 0, &mut lines);
+        waits(situation, task, "", 0, &mut lines);
     } else if let Some(ended) = situation.ended.iter().rev().find(|ended| is_meant(&ended.path, path)) {
         tell_end(ended, &mut lines);
     } else {
@@ -56,9 +57,19 @@ fn say(lines: &mut Vec<String>, depth: usize, text: &str) {
     lines.push(format!("{}{text}", "  ".repeat(depth)));
 }
 
-fn waits(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String>) {
+/// A path below another: what that one says already is left out.
+fn below<'p>(path: &'p str, above: &str) -> Cow<'p, str> {
+    match path.strip_prefix(above).filter(|rest| !above.is_empty() && rest.starts_with('/')) {
+        Some(rest) => Cow::Owned(format!("…{rest}")),
+        None => Cow::Borrowed(path),
+    }
+}
+
+/// Why a task waits; the path `above` stands in the line that leads to it.
+fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &mut Vec<String>) {
     let Some(standing) = situation.tasks.get(task) else { return };
-    say(lines, depth, &format!("{}  {}", standing.path, standing.condition()));
+    let path = standing.path.as_str();
+    say(lines, depth, &format!("{}  {}", below(path, above), standing.condition()));
     if depth >= MAX_DEPTH {
         return;
     }
@@ -70,7 +81,7 @@ fn waits(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String
         // Its hooks and clean-ups run on.
         let is_busy = |child: &&str| situation.tasks.get(*child).is_some_and(|child| !child.is_suspended);
         let children = situation.children(task);
-        children.into_iter().filter(is_busy).for_each(|child| waits(situation, child, depth + 1, lines));
+        children.into_iter().filter(is_busy).for_each(|child| waits(situation, child, path, depth + 1, lines));
         if standing.on.as_deref() == Some("children") {
             return;
         }
@@ -79,7 +90,7 @@ fn waits(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String
     let on = standing.on.as_deref().unwrap_or_default();
     if on == "children" {
         let children = situation.children(task);
-        children.iter().take(MAX_CHILDREN).for_each(|child| waits(situation, child, depth + 1, lines));
+        children.iter().take(MAX_CHILDREN).for_each(|child| waits(situation, child, path, depth + 1, lines));
         if let Some(more) = children.len().checked_sub(MAX_CHILDREN).filter(|&more| more > 0) {
             say(lines, depth + 1, &format!("… and {more} more"));
         }
@@ -87,12 +98,12 @@ fn waits(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String
         let holder = situation.valves.get(valve).and_then(|valve| valve.holders.last());
         if let Some(holder) = holder.filter(|holder| *holder != task) {
             say(lines, depth + 1, "the valve is held by");
-            waits(situation, holder, depth + 2, lines);
+            waits(situation, holder, path, depth + 2, lines);
         }
     } else if let Some(other) = on.strip_prefix("the end of ").or_else(|| on.strip_prefix("the clean-ups of "))
         && let Some(other) = living(situation, other)
     {
-        waits(situation, other, depth + 1, lines);
+        waits(situation, other, path, depth + 1, lines);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The prompt, with its lines from a pipe: what is shown, and the exit status.
 
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -131,6 +131,30 @@ fn going_back_before_the_start_stops_at_the_start() {
 }
 
 #[test]
+fn going_back_by_a_time_before_the_start_stops_at_the_start() {
+    let shown = session(&["repl"], "(wait-time 5)\n:back 10s\n(now)\n");
+    assert_eq!((shown.errors.as_str(), shown.out.as_str()), ("this is the start\n", "nil\n0.000 s\n0.0\n"));
+}
+
+#[test]
+fn definitions_go_back_with_the_run_and_that_is_told() {
+    let lines = "(def-plan tea () 'green)\n:fork first\n(wait-time 5)\n(def-plan tea () 'black)\n\
+                 (def-plan cake () 'good)\n(wait-time 5)\n:back 7s\n(tea)\n:switch first\n";
+    let shown = session(&["repl"], lines);
+    let told = "definitions are those of this instant: here `cake` is not defined, `tea` has another text\n";
+    assert_eq!(shown.errors, format!("kept as `first`; `:switch first` goes there\n`tea` is defined anew\n{told}"));
+    assert!(shown.out.contains("green\n"), "{}", shown.out);
+}
+
+#[test]
+fn a_file_of_many_lines_is_read_from_a_pipe() {
+    let plans: String = (0..60).map(|n| format!("; Plan {n}.\n(def-plan plan-{n} (x)\n\n  (+ x {n}))\n")).collect();
+    let shown = session(&["repl"], &format!("{plans}(plan-59 1)\n"));
+    assert_eq!(shown.out.lines().count(), 61, "{}", shown.out);
+    assert_eq!((shown.out.lines().last(), shown.status), (Some("60"), Some(0)));
+}
+
+#[test]
 fn a_definition_changed_in_the_past_counts_from_there_on() {
     let lines = "(def-plan beat () (wait-time 1) 'slow)\n(list (beat) (beat) (now))\n:at 0s\n\
                  (def-plan beat () (wait-time 0.25) 'fast)\n:continue\n";
@@ -179,6 +203,7 @@ fn causes_are_followed_from_task_to_fluent() {
                  :tasks\n:valves\n:why spawn.2\n:why no-such\n";
     let shown = session(&["repl"], lines);
     assert!(shown.out.contains("main  waits for the next form"), "{}", shown.out);
+    assert!(shown.out.contains("  spawn  waits for fluent open?, holds arm\n"), "{}", shown.out);
     assert!(shown.out.contains("arm  held by main/spawn\n    in line: main/spawn.2"), "{}", shown.out);
     let why = "main/spawn.2  waits for valve arm\n";
     assert!(shown.out.contains(why) && shown.out.contains("the valve is held by\n"), "{}", shown.out);
@@ -210,13 +235,18 @@ fn a_mission_is_stopped_looked_at_and_finished() {
 fn mistakes_are_told_with_what_to_type() {
     let shown = session(
         &["repl"],
-        ":contineu\n:go\n:stop\n:break gret\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
+        ":contineu\n:go\n:stop\n:break gret\n:break 99\n:break nowhere.rpl:3\n:break (> no-such 3)\n:fork here\n:fork here\n:switch her\n:until soon\n:back soon\n:delete 3\n:step\n:map\n:load nowhere.rpl\n",
     );
     for advice in [
         "did you mean `:continue`?",
         "`:go` needs somebody at a terminal",
         "the clock does not run",
         "no plan, function or tag is called `gret`",
+        "no text has a line 99",
+        "no text is called `nowhere.rpl`; `:load` loads one",
+        "`(> no-such 3)` is no condition",
+        "a run is kept as `here` already",
+        "no run is called `her`; did you mean `here`?",
         "no plan, function or tag is called `soon`",
         "neither a number of steps nor a time",
         "there is no breakpoint `3`",
@@ -233,118 +263,6 @@ fn mistakes_are_told_with_what_to_type() {
 fn a_file_is_stepped_from_its_first_form() {
     let shown = session(&["step", "first-steps.rpl"], ":tasks\n:quit\n");
     assert!(shown.out.contains("first-steps.rpl:"), "{}", shown.out);
-}
-
-/// What is typed in a session of a page, and what is shown.
-struct Told {
-    /// What stands behind `rpl`.
-    arguments: String,
-    typed: String,
-    shown: Vec<String>,
-}
-
-/// The sessions of a page: blocks that follow each other with the same arguments are one.
-fn sessions(page: &str) -> Vec<Told> {
-    let mut sessions: Vec<Told> = Vec::new();
-    let mut is_inside = false;
-    for line in page.lines() {
-        if let Some(info) = line.strip_prefix("```") {
-            is_inside = info.starts_with("session");
-            let arguments = info.trim_start_matches("session").trim();
-            if is_inside && sessions.last().is_none_or(|last| last.arguments != arguments) {
-                let arguments = arguments.to_string();
-                sessions.push(Told { arguments, typed: String::new(), shown: Vec::new() });
-            }
-        } else if let (true, Some(session)) = (is_inside, sessions.last_mut()) {
-            match line.strip_prefix("> ") {
-                Some(typed) => session.typed += &format!("{typed}\n"),
-                None => session.shown.push(line.to_string()),
-            }
-        }
-    }
-    sessions
-}
-
-/// What a session writes, as a terminal would show it: results and notes in their order.
-fn transcript(told: &Told, folder: &Path) -> Vec<String> {
-    let (mut reader, writer) = std::io::pipe().expect("there are pipes");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rpl"))
-        .args(told.arguments.split_whitespace())
-        .current_dir(folder)
-        .stdin(Stdio::piped())
-        .stdout(writer.try_clone().expect("a pipe has copies"))
-        .stderr(writer)
-        .spawn()
-        .expect("it starts");
-    child.stdin.take().expect("it reads").write_all(told.typed.as_bytes()).expect("it takes the lines");
-    let mut shown = String::new();
-    reader.read_to_string(&mut shown).expect("it writes text");
-    child.wait().expect("it ends");
-    shown.lines().map(str::to_string).collect()
-}
-
-/// The line with every number that has a point as `#`: how long a robot takes is not the point of a
-/// session.
-fn without_decimals(line: &str) -> String {
-    let mut words: Vec<String> = Vec::new();
-    for word in line.split_inclusive([' ', ',', '`', '(', ')']) {
-        let (text, end) = word.split_at(word.trim_end_matches([' ', ',', '`', '(', ')']).len());
-        let is_decimal = text.contains('.') && text.parse::<f64>().is_ok();
-        words.push(if is_decimal { format!("#{end}") } else { word.to_string() });
-    }
-    words.concat()
-}
-
-/// Whether a transcript is as told; a line `...` stands for any lines.
-fn is_as_told(shown: &[String], told: &[String], equal: &dyn Fn(&str, &str) -> bool) -> bool {
-    match told.split_first() {
-        None => shown.is_empty(),
-        Some((line, rest)) if line == "..." => {
-            (0..=shown.len()).any(|skipped| is_as_told(&shown[skipped..], rest, equal))
-        }
-        Some((line, rest)) => match shown.split_first() {
-            Some((first, others)) => equal(first, line) && is_as_told(others, rest, equal),
-            None => false,
-        },
-    }
-}
-
-/// Runs the sessions of a page in a folder.
-fn run_sessions(page: &str, folder: &Path) {
-    for told in sessions(page) {
-        let shown = transcript(&told, folder);
-        let has_robot = told.arguments.contains("--world");
-        let equal = |shown: &str, told: &str| match has_robot {
-            true => without_decimals(shown) == without_decimals(told),
-            false => shown == told,
-        };
-        let (is, expected) = (shown.join("\n"), told.shown.join("\n"));
-        assert!(is_as_told(&shown, &told.shown, &equal), "`rpl {}` shows\n{is}\n\nand not\n{expected}", told.arguments);
-    }
-}
-
-#[test]
-fn the_sessions_of_the_page_about_the_prompt_run_as_printed() {
-    run_sessions(include_str!("../../docs/prompt.md"), Path::new("."));
-}
-
-#[test]
-fn the_tour_runs_as_printed() {
-    let tour = include_str!("../../docs/tour.md");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tour");
-    std::fs::create_dir_all(&folder).expect("there is room for a file");
-    // The plan that the tour lets a reader save, whole, is its last one.
-    let plan = tour.split("```lisp robot\n").last().and_then(|rest| rest.split("```").next());
-    std::fs::write(folder.join("rounds.rpl"), plan.expect("the tour has a plan")).expect("it can be saved");
-    run_sessions(tour, &folder);
-    for arguments in tour.lines().filter_map(|line| line.strip_prefix("rpl ")).filter(|line| line.contains("rounds")) {
-        let output = Command::new(env!("CARGO_BIN_EXE_rpl"))
-            .args(arguments.split_whitespace())
-            .current_dir(&folder)
-            .output()
-            .expect("it runs");
-        assert!(output.status.success(), "rpl {arguments}: {}", String::from_utf8_lossy(&output.stderr));
-    }
 }
 
 /// What is typed in this file and in the pages about the prompt.

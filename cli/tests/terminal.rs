@@ -215,6 +215,81 @@ fn a_whole_file_can_be_pasted() {
 }
 
 #[test]
+fn a_file_of_many_lines_can_be_pasted() {
+    let mut terminal = Terminal::start("long-paste", &[]);
+    terminal.stands_behind("rpl> ");
+    let plans: String = (0..40).map(|n| format!("; Plan {n}.\n(def-plan plan-{n} (x)\n\n  (+ x {n}))\n")).collect();
+    terminal.keys(&format!("\x1b[200~{plans}(plan-39 (plan-0 961))\n\x1b[201~"));
+    terminal.shows("(plan-39 (plan-0 961))");
+    terminal.keys(ENTER);
+    terminal.shows("\n1000\n");
+    terminal.stands_behind("rpl> ");
+}
+
+#[test]
+fn what_is_told_is_broken_between_words() {
+    let mut terminal = Terminal::start("layout", &[]);
+    terminal.stands_behind("rpl> ");
+    let advice =
+        "error: no plan, function or tag is called `no-such-plan`; a line is a number, a\n    condition stands in ( )";
+    terminal.enter(":break no-such-plan", advice, "rpl> ");
+    terminal.enter("(def-fluent open? nil)", "#<fluent open?>", "rpl> ");
+    let plan = "(def-plan a-plan-with-a-rather-long-name () (par (wait-for open?)))";
+    terminal.enter(plan, "\na-plan-with-a-rather-long-name\n", "rpl> ");
+    terminal.enter("(spawn (par (par (par (a-plan-with-a-rather-long-name)))))", "#<task main/spawn>", "rpl> ");
+    terminal.enter("(wait-time 1)", "\nnil\n", "rpl 1.0s> ");
+    terminal.enter(":why spawn", "waits for fluent open?", "rpl 1.0s> ");
+    terminal.enter(":doc deftest", "more of the kind", "rpl 1.0s> ");
+    let screen = terminal.screen.screen();
+    let wrapped: Vec<u16> = (0..24).filter(|&row| screen.row_wrapped(row)).collect();
+    assert!(wrapped.is_empty(), "{wrapped:?}\n{}", terminal.contents());
+}
+
+#[test]
+fn a_changed_file_is_loaded_while_a_form_runs() {
+    let file = state_folder("beat").with_extension("rpl");
+    let write = |value: &str| {
+        std::fs::write(&file, format!("(def-plan beat () (wait-time 3) '{value})\n")).expect("it can be written");
+    };
+    let load = format!(":load {}\r", file.display());
+    write("slow");
+    let mut terminal = Terminal::start_in(&state_folder("loading"), &[], 24, 200);
+    terminal.stands_behind("rpl> ");
+    terminal.keys(&load);
+    terminal.shows("\nbeat\n");
+    terminal.stands_behind("rpl> ");
+    terminal.keys(":step (list (beat) (beat))\r");
+    terminal.stands_behind_an("stopped> ");
+    terminal.keys(":until 1s\r");
+    terminal.shows("\n0.000 s\n");
+    terminal.stands_behind_an("stopped> ");
+    write("fast");
+    terminal.keys(&load);
+    terminal.shows("`beat` is defined anew from its next call on; the old text still runs in main/beat\n");
+    terminal.stands_behind_an("stopped> ");
+    terminal.keys(":continue\r");
+    terminal.shows("\n(slow fast)\n");
+}
+
+#[test]
+fn ctrl_c_gives_the_prompt_back_from_a_file_that_never_ends() {
+    let file = state_folder("endless").with_extension("rpl");
+    let text = "(defvar before 1)\n(print 'begun)\n(loop (wait-time 1))\n(defvar after 2)\n";
+    std::fs::write(&file, text).expect("it can be written");
+    let mut terminal = Terminal::start("endless-state", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys(&format!(":load {}\r", file.display()));
+    terminal.shows("\nbegun");
+    terminal.keys(INTERRUPT);
+    terminal.shows("interrupted; `:continue` goes on");
+    terminal.stands_behind_an("stopped> ");
+    terminal.keys("(list 'before before)\r");
+    terminal.shows("(before 1)");
+    terminal.keys(":abort\r");
+    terminal.shows("given up, clean-ups done");
+}
+
+#[test]
 fn output_of_running_tasks_does_not_destroy_the_line_being_typed() {
     let mut terminal = Terminal::start("above", &[]);
     terminal.stands_behind("rpl> ");

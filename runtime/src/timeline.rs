@@ -14,6 +14,10 @@ use std::time::Duration;
 /// takes much longer while there is room.
 const COPY_EVERY: Duration = Duration::from_millis(40);
 
+/// An instant in which tasks run is kept from its beginning on when computing has gone on for so
+/// long: going back by steps is going to such instants.
+const COPY_ACTIVE_EVERY: Duration = Duration::from_millis(4);
+
 /// What the copies may hold together, each shared part counted once.
 const MOST_BYTES: usize = 448 << 20;
 
@@ -45,6 +49,8 @@ struct Copy<O> {
     bytes: usize,
     /// Something was handed in here, which no replay could do.
     is_handed_in: bool,
+    /// The last instant up to the next copy in which tasks may have run; none if they did not.
+    last_active: Option<u64>,
 }
 
 /// The history of a run.
@@ -89,8 +95,12 @@ impl<O: Outside + Clone> Timeline<O> {
     pub fn next_instant(&mut self, system: &System<O>, computing: Duration) {
         self.position = Position { segment: self.position.segment + 1, step: 0 };
         self.since += computing;
-        if self.since >= COPY_EVERY {
+        let is_active = !system.machine.is_idle();
+        if self.since >= COPY_EVERY || is_active && self.since >= COPY_ACTIVE_EVERY {
             self.copy(system, false);
+        }
+        if is_active && let Some(copy) = self.copies.last_mut() {
+            copy.last_active = Some(self.position.segment);
         }
     }
 
@@ -101,7 +111,9 @@ impl<O: Outside + Clone> Timeline<O> {
             None => 0,
         };
         let computing = std::mem::take(&mut self.since);
-        self.copies.push(Copy { segment: self.position.segment, system, computing, bytes, is_handed_in });
+        let segment = self.position.segment;
+        let last_active = is_handed_in.then_some(segment);
+        self.copies.push(Copy { segment, system, computing, bytes, is_handed_in, last_active });
         self.thin_out();
     }
 
@@ -117,6 +129,7 @@ impl<O: Outside + Clone> Timeline<O> {
             let gone = self.copies.remove(at);
             self.copies[at].bytes = self.bytes_between(&self.copies[at - 1].system, &self.copies[at].system);
             self.copies[at].computing += gone.computing;
+            self.copies[at - 1].last_active = gone.last_active.or(self.copies[at - 1].last_active);
         }
     }
 
@@ -135,40 +148,47 @@ impl<O: Outside + Clone> Timeline<O> {
     /// Forgets what came after a position, and goes on from there.
     pub fn go_back_to(&mut self, position: Position) {
         self.copies.retain(|copy| copy.segment <= position.segment);
+        if let Some(copy) = self.copies.last_mut() {
+            copy.last_active = copy.last_active.map(|segment| segment.min(position.segment));
+        }
         self.position = position;
         self.since = Duration::ZERO;
     }
 
     /// The state so many steps before a position, at most the start's; `is_shown` tells which stops
-    /// count as steps.
+    /// count as steps. None if `is_given_up` says so on the way.
     pub fn steps_before(
         &self,
         mut position: Position,
         mut steps: usize,
         is_shown: impl Fn(&System<O>, &Stop) -> bool,
-    ) -> Past<O> {
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Option<Past<O>> {
         for (index, copy) in self.copies.iter().enumerate().rev() {
             if copy.segment > position.segment {
                 continue;
             }
-            let stops = stops_between(copy, position, &is_shown);
+            let stops = stops_between(copy, position, &is_shown, is_given_up)?;
             match stops.len().checked_sub(steps) {
-                Some(kept) if kept < stops.len() => return self.at(stops[kept]),
-                _ if index == 0 => return self.at(Position { segment: 0, step: 0 }),
+                Some(kept) if kept < stops.len() => return self.at(stops[kept], is_given_up),
+                _ if index == 0 => break,
                 _ => {
                     steps -= stops.len();
                     position = Position { segment: copy.segment, step: 0 };
                 }
             }
         }
-        self.at(Position { segment: 0, step: 0 })
+        self.at(Position { segment: 0, step: 0 }, is_given_up)
     }
 
-    /// The state at a position.
-    pub fn at(&self, position: Position) -> Past<O> {
+    /// The state at a position. None if `is_given_up` says so on the way.
+    pub fn at(&self, position: Position, is_given_up: &dyn Fn() -> bool) -> Option<Past<O>> {
         let copy = self.last_copy(|copy| copy.segment <= position.segment);
         let mut system = System::clone(&copy.system);
         for _ in copy.segment..position.segment {
+            if is_given_up() {
+                return None;
+            }
             system.settle();
             system.next_instant();
         }
@@ -188,11 +208,12 @@ impl<O: Outside + Clone> Timeline<O> {
             }
         }
         discard(&mut system);
-        Past { system, position: reached, stop }
+        Some(Past { system, position: reached, stop })
     }
 
-    /// The state when the last instant up to a time was over.
-    pub fn at_time(&self, time_us: u64) -> Past<O> {
+    /// The state when the last instant up to a time was over. None if `is_given_up` says so on the
+    /// way.
+    pub fn at_time(&self, time_us: u64, is_given_up: &dyn Fn() -> bool) -> Option<Past<O>> {
         let copy = self.last_copy(|copy| copy.system.machine.now_us <= time_us);
         let end = self.copies.iter().map(|copy| copy.segment).find(|&segment| segment > copy.segment);
         let last = end.unwrap_or(self.position.segment + 1) - 1;
@@ -200,12 +221,15 @@ impl<O: Outside + Clone> Timeline<O> {
         let mut segment = copy.segment;
         system.settle();
         while segment < last && system.next_instant_us().is_some_and(|next_us| next_us <= time_us) {
+            if is_given_up() {
+                return None;
+            }
             system.next_instant();
             system.settle();
             segment += 1;
         }
         discard(&mut system);
-        Past { system, position: Position { segment, step: Position::END }, stop: None }
+        Some(Past { system, position: Position { segment, step: Position::END }, stop: None })
     }
 
     /// How many copies are kept.
@@ -218,15 +242,19 @@ impl<O: Outside + Clone> Timeline<O> {
     }
 }
 
-/// Every position between a copy and a later position at which a stepper would stop.
+/// Every position between a copy and a later position at which a stepper would stop. None if
+/// `is_given_up` says so on the way.
 fn stops_between<O: Outside + Clone>(
     copy: &Copy<O>,
     end: Position,
     is_shown: &impl Fn(&System<O>, &Stop) -> bool,
-) -> Vec<Position> {
+    is_given_up: &dyn Fn() -> bool,
+) -> Option<Vec<Position>> {
+    let mut stops = Vec::new();
+    let Some(last) = copy.last_active else { return Some(stops) };
+    let end = end.min(Position { segment: last, step: Position::END });
     let mut system = System::clone(&copy.system);
     let mut position = Position { segment: copy.segment, step: 0 };
-    let mut stops = Vec::new();
     while position < end {
         match system.step_form() {
             Stepped::Before(stop) => {
@@ -238,12 +266,15 @@ fn stops_between<O: Outside + Clone>(
             Stepped::Ran => {}
             Stepped::Settled if position.segment == end.segment => break,
             Stepped::Settled => {
+                if is_given_up() {
+                    return None;
+                }
                 system.next_instant();
                 position = Position { segment: position.segment + 1, step: 0 };
             }
         }
     }
-    stops
+    Some(stops)
 }
 
 /// What is replayed has been printed and traced before.

@@ -70,7 +70,8 @@ fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) 
     }
 }
 
-fn robot_library() -> Arc<Library> {
+/// What plans can call on a robot, compiled once.
+pub fn robot_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     let compile = || {
         let model = test_room();

@@ -2,7 +2,7 @@
 //! becomes true.
 
 use crate::mission::Robot;
-use rpl_lang::source::Span;
+use rpl_lang::source::{Source, SourceId, Span};
 use rpl_lang::suggest::suggest;
 use rpl_runtime::session::Condition;
 use rpl_runtime::stepping::Stop;
@@ -21,23 +21,26 @@ pub enum Breakpoint {
 }
 
 impl Breakpoint {
-    /// What a user has typed: `deliver`, `12`, `delivery.rpl:12`, `(> x* 3)`.
+    /// What a user has typed: `deliver`, `12`, `delivery.rpl:12`, `(> x* 3)`; a line alone is one of
+    /// `file`.
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn parse(text: &str, system: &mut System<Robot>, colour: bool) -> Result<Self, String> {
+    pub fn parse(text: &str, file: Option<&str>, system: &mut System<Robot>, colour: bool) -> Result<Self, String> {
         if text.starts_with('(') {
-            let condition = system.condition(text).map_err(|rejected| rejected.render(colour))?;
+            let condition = system
+                .condition(text)
+                .map_err(|rejected| format!("`{text}` is no condition\n{}", rejected.render(colour)))?;
             let held = system.holds(condition).unwrap_or(false);
             return Ok(Self::Condition { text: text.to_string(), condition, held });
         }
         if let Ok(line) = text.parse() {
-            return Ok(Self::Line(None, line));
+            return at_line(system, None, line, file);
         }
-        if let Some((file, line)) = text.rsplit_once(':')
+        if let Some((named, line)) = text.rsplit_once(':')
             && let Ok(line) = line.parse()
         {
-            return Ok(Self::Line(Some(file.to_string()), line));
+            return at_line(system, Some(named), line, file);
         }
         let name = text.to_lowercase();
         let known = known_names(system);
@@ -94,6 +97,30 @@ impl Breakpoint {
             }
             Self::Condition { .. } => false,
         }
+    }
+}
+
+/// Texts that nobody has typed.
+const UNTYPED: &[&str] = &["session", "condition", "watch"];
+
+/// A line of a text, if the text is there and has it.
+fn at_line(system: &System<Robot>, named: Option<&str>, line: usize, file: Option<&str>) -> Result<Breakpoint, String> {
+    let sources = &system.program.sources;
+    let own = (system.program.library_sources..sources.len() as u32).map(|number| sources.get(SourceId(number)));
+    let texts: Vec<&Source> = own.filter(|source| !UNTYPED.contains(&&*source.name)).collect();
+    let wanted = named.or(file);
+    let lines = texts.iter().filter(|source| wanted.is_none_or(|name| *source.name == *name));
+    let lines = lines.map(|source| source.text.lines().count()).max();
+    match (lines, wanted) {
+        (Some(lines), _) if (1..=lines).contains(&line) => Ok(Breakpoint::Line(named.map(str::to_string), line)),
+        (Some(lines), Some(name)) => Err(format!("`{name}` has no line {line}; its last is {lines}")),
+        (None, Some(name)) => {
+            let meant = suggest(name, texts.iter().map(|source| &*source.name));
+            let advice =
+                meant.map_or_else(|| "`:load` loads one".to_string(), |meant| format!("did you mean `{meant}`?"));
+            Err(format!("no text is called `{name}`; {advice}"))
+        }
+        (_, None) => Err(format!("no text has a line {line}")),
     }
 }
 

@@ -87,7 +87,7 @@ pub const COMMANDS: &[Entry] = &[
     entry(":forks", "", "lists the runs that are kept", Verb::Forks),
     entry(":switch", "NAME", "goes to another run and keeps this one", Verb::Switch),
     entry(":why", "[PATH]", "why a task waits, or how it ended: the chain of causes", Verb::Why),
-    entry(":tasks", "", "the tree of tasks, and what each waits for", Verb::Tasks),
+    entry(":tasks", "", "the tree of tasks, what each waits for, and its valves", Verb::Tasks),
     entry(":task", "PATH", "one task: its form, its calls, its variables", Verb::Task),
     entry(":fluents", "[WORD]", "the fluents and their values", Verb::Fluents),
     entry(":valves", "", "the valves, who holds them and who waits", Verb::Valves),

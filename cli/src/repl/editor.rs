@@ -152,7 +152,7 @@ impl Hinter for Assistant {
         // What does not fit beside the line would move it.
         let column = PROMPT_WIDTH + line.lines().last().unwrap_or_default().chars().count() + MARGIN.len();
         let room = terminal_size().0.saturating_sub(column + 1);
-        Some(format!("{MARGIN}{}", hint.chars().take(room).collect::<String>())).filter(|_| room >= LEAST_HINT)
+        Some(format!("{MARGIN}{}", ::console::truncate_str(hint, room, "…"))).filter(|_| room >= LEAST_HINT)
     }
 }
 

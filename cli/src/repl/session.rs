@@ -1,26 +1,28 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use super::view::is_shown;
+use super::runner::Runner;
 use crate::console::Console;
 use crate::events;
 use crate::failure_report::Reporter;
 use crate::files::Folder;
-use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
 use anyhow::{Result, anyhow};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::library::Rejected;
-use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
+use rpl_runtime::machine::Output;
 use rpl_runtime::session::{Answer, Submitted};
-use rpl_runtime::stepping::{Stepped, Stop};
+use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
-use rpl_runtime::timeline::{Past, Position, Timeline};
+use rpl_runtime::timeline::{Past, Timeline};
 use rpl_runtime::trace::Event;
 use rpl_runtime::value::{TaskRef, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::time::Instant;
+
+/// Events that are kept: hours of a mission, and no more than a plan that never rests may take.
+const MOST_EVENTS: usize = 200_000;
 
 /// One line of history, from the start to a present.
 #[derive(Clone)]
@@ -29,8 +31,8 @@ pub struct Branch {
     pub system: System<Robot>,
     /// The past.
     pub timeline: Timeline<Robot>,
-    /// What happened.
-    pub log: Vec<Event>,
+    /// What happened last.
+    pub log: VecDeque<Event>,
     /// The form a task stands before, if a stepper stopped there.
     pub stop: Option<Stop>,
     /// Whether a form is under way.
@@ -115,7 +117,7 @@ impl Session {
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
         let timeline = Timeline::new(&system, Robot::bytes_apart);
-        let branch = Branch { system, timeline, log: Vec::new(), stop: None, is_running: false };
+        let branch = Branch { system, timeline, log: VecDeque::new(), stop: None, is_running: false };
         Ok(Self {
             branch,
             name: "main".to_string(),
@@ -179,7 +181,7 @@ impl Session {
         if !matches!(until, Until::Clock { .. }) {
             console.begin_status();
         }
-        let halt = Runner { session: self, until, console, computed: Instant::now() }.run();
+        let halt = Runner::new(self, until, console).run();
         console.end_status();
         let halt = halt?;
         if matches!(halt, Halt::Answered(_)) {
@@ -211,7 +213,9 @@ impl Session {
         if !happened.is_empty() {
             let is_lost = self.branch.system.outside.is_lost();
             events::lines(&happened, is_lost).iter().for_each(|line| console.note(line));
-            self.branch.log.extend(happened);
+            let log = &mut self.branch.log;
+            log.extend(happened);
+            log.drain(..log.len().saturating_sub(MOST_EVENTS));
         }
         for line in output {
             match line {
@@ -271,136 +275,5 @@ fn fluent_named(system: &System<Robot>, name: &str) -> Option<u32> {
     match system.machine.globals.get(*system.program.names.get(&symbol)? as usize)? {
         Value::Fluent(fluent) => Some(*fluent),
         _ => None,
-    }
-}
-
-struct Runner<'a> {
-    session: &'a mut Session,
-    until: &'a Until,
-    console: &'a mut Console,
-    /// Since when the present instant is computed.
-    computed: Instant,
-}
-
-impl Runner<'_> {
-    fn run(&mut self) -> io::Result<Halt> {
-        let start = self.session.branch.stop.take();
-        let stops_at_forms = self.stops_at_forms();
-        interrupt::forget();
-        loop {
-            if interrupt::is_asked() {
-                interrupt::forget();
-                return Ok(Halt::Interrupted);
-            }
-            let stepped = match stops_at_forms {
-                true => self.session.branch.system.step_form(),
-                false if self.session.branch.system.step_task() => Stepped::Ran,
-                false => Stepped::Settled,
-            };
-            if self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT || stepped == Stepped::Settled {
-                self.session.hand_on(self.console)?;
-            }
-            match stepped {
-                Stepped::Before(stop) => {
-                    self.session.branch.timeline.position.step += 1;
-                    if let Some(halt) = self.halt_before(&stop, start.as_ref()) {
-                        self.session.branch.stop = Some(stop);
-                        self.session.hand_on(self.console)?;
-                        return Ok(halt);
-                    }
-                }
-                Stepped::Ran => {}
-                Stepped::Settled => {
-                    if let Some(halt) = self.settled() {
-                        return Ok(halt);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Whether the run must be looked at form by form, which is slower.
-    fn stops_at_forms(&self) -> bool {
-        let is_place = |breakpoint: &Breakpoint| breakpoint.condition().is_none();
-        match self.until {
-            Until::Step | Until::Next | Until::Out => true,
-            Until::Place(place) if is_place(place) => true,
-            _ => self.session.breakpoints.iter().any(is_place),
-        }
-    }
-
-    fn halt_before(&self, stop: &Stop, start: Option<&Stop>) -> Option<Halt> {
-        let system = &self.session.branch.system;
-        if !is_shown(system, stop) {
-            return None;
-        }
-        let is_here = |place: &Breakpoint| place.is_at(system, stop, self.session.file.as_deref());
-        let same_task = start.is_none_or(|start| start.task == stop.task);
-        let was_depth = start.map_or(u32::MAX, |start| start.depth);
-        let has_arrived = match self.until {
-            Until::Step => true,
-            Until::Next => same_task && stop.depth <= was_depth,
-            Until::Out => same_task && stop.depth < was_depth,
-            Until::Place(place) => is_here(place),
-            Until::End | Until::Time(_) | Until::Clock { .. } => false,
-        };
-        if has_arrived {
-            return Some(Halt::Arrived);
-        }
-        let breakpoint = self.session.breakpoints.iter().find(|place| is_here(place))?;
-        Some(Halt::Breakpoint(breakpoint.to_string()))
-    }
-
-    /// All tasks are blocked: the form has ended, or the clock moves.
-    fn settled(&mut self) -> Option<Halt> {
-        self.session.branch.timeline.position.step = Position::END;
-        if self.session.branch.is_running
-            && let Some(answer) = self.session.branch.system.answer()
-        {
-            return Some(Halt::Answered(answer));
-        }
-        if let Some(halt) = self.condition_met() {
-            return Some(halt);
-        }
-        let branch = &mut self.session.branch;
-        let has_arrived = match (self.until, branch.system.next_instant_us()) {
-            (&Until::Time(time_us), Some(next_us)) => next_us > time_us,
-            // Where nothing can happen by itself, something may still be typed.
-            (Until::Clock { .. }, None) => true,
-            (&Until::Clock { due_us, before }, Some(next_us)) => next_us > due_us || Instant::now() >= before,
-            _ => false,
-        };
-        if has_arrived {
-            return Some(Halt::Arrived);
-        }
-        branch.system.next_instant();
-        branch.timeline.next_instant(&branch.system, self.computed.elapsed());
-        self.computed = Instant::now();
-        if self.console.wants_status() {
-            let sight = branch.system.outside.sight();
-            let line = events::status_line(&branch.system.machine, &branch.system.outside, sight);
-            self.console.status(&line);
-        }
-        None
-    }
-
-    /// A condition that has become true since the last instant.
-    fn condition_met(&mut self) -> Option<Halt> {
-        let Session { branch, breakpoints, .. } = &mut *self.session;
-        if let Until::Place(place) = self.until
-            && let Some(condition) = place.condition()
-            && branch.system.holds(condition).unwrap_or(false)
-        {
-            return Some(Halt::Arrived);
-        }
-        let mut met = None;
-        for breakpoint in breakpoints.iter_mut() {
-            let Some(condition) = breakpoint.condition() else { continue };
-            let holds = branch.system.holds(condition).unwrap_or(false);
-            if breakpoint.becomes(holds) && met.is_none() {
-                met = Some(Halt::Breakpoint(breakpoint.to_string()));
-            }
-        }
-        met
     }
 }

@@ -10,11 +10,12 @@ use rpl_lang::source::{Sources, Span};
 use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
 use rpl_runtime::value::Value;
+use rpl_runtime::valve::Valve;
 
 /// Lines of text shown around a form.
 const LINES_AROUND: usize = 2;
 
-/// The tree of the living tasks: state, and what each waits for.
+/// The tree of the living tasks: state, what each waits for, and the valves it holds.
 pub fn tasks(system: &System<Robot>) -> Vec<String> {
     let mut lines = Vec::new();
     subtree(system, system.machine.main, 0, &mut lines);
@@ -38,7 +39,15 @@ fn task_line(system: &System<Robot>, task: u32, whole_path: bool) -> String {
         Some(own) if !whole_path => own.trim_start_matches('/').to_string(),
         _ => path,
     };
-    format!("{name}  {}", standing(system, task).condition())
+    let holder = |valve: &&Valve| valve.holds.last().and_then(|hold| machine.tasks.find(hold.task));
+    let held: Vec<&str> = machine
+        .valves
+        .iter()
+        .filter(|valve| holder(valve) == Some(task))
+        .map(|valve| machine.symbols.name(valve.name))
+        .collect();
+    let holds = if held.is_empty() { String::new() } else { format!(", holds {}", held.join(" and ")) };
+    format!("{name}  {}{holds}", standing(system, task).condition())
 }
 
 /// The living task that is meant by a path, by its end, or by nothing: the main task.

@@ -36,16 +36,16 @@ pub fn diff(left: &str, right: &str, console: &mut Console) -> Result<Status> {
     let is_damaged = damages.iter().any(Option::is_some);
     match pair {
         (None, None) if is_damaged => {
-            console.print(&format!("the same, as far as both can be read: {}", events(count)))?;
+            console.explain(&format!("the same, as far as both can be read: {}", events(count)))?;
             Ok(Status::Wrong)
         }
         (None, None) => {
-            console.print(&format!("the same: {}", events(count)))?;
+            console.explain(&format!("the same: {}", events(count)))?;
             Ok(Status::Succeeded)
         }
         // Where one ends because it is damaged, nothing can be said.
         (left_line, right_line) if is_damaged && (left_line.is_none() || right_line.is_none()) => {
-            console.print(&format!("the same, as far as both can be read: {}", events(count)))?;
+            console.explain(&format!("the same, as far as both can be read: {}", events(count)))?;
             Ok(Status::Wrong)
         }
         (left_line, right_line) => {
@@ -53,14 +53,14 @@ pub fn diff(left: &str, right: &str, console: &mut Console) -> Result<Status> {
             headline(&sides, console)?;
             let colour = console.out_colour();
             for event in &common {
-                console.print(&format!("  {}", event_line(event, false)))?;
+                console.explain(&format!("  {}", event_line(event, false)))?;
             }
             for ((reader, line), (mark, code)) in sides.iter().zip([('<', "31"), ('>', "32")]) {
                 let text = match line {
                     Some(line) => format!("{mark} {}", event_line(&line.event, false)),
                     None => format!("{mark} (here ends {})", reader.name),
                 };
-                console.print(&if colour { format!("\x1b[{code}m{text}\x1b[0m") } else { text })?;
+                console.explain(&if colour { format!("\x1b[{code}m{text}\x1b[0m") } else { text })?;
             }
             Ok(Status::Failed)
         }
@@ -76,7 +76,7 @@ fn headline(sides: &[(&TraceReader, Option<Line>); 2], console: &mut Console) ->
     let [(left, _), (right, _)] = sides;
     if left.header != right.header {
         let [left, right] = [left, right].map(|reader| describe(reader));
-        console.print(&format!("the runs are not the same: {left}; {right}"))?;
+        console.explain(&format!("the runs are not the same: {left}; {right}"))?;
     }
     let places = sides.each_ref().map(|(reader, line)| match line {
         Some(line) => format!("{}:{}", reader.name, line.number),
@@ -85,7 +85,7 @@ fn headline(sides: &[(&TraceReader, Option<Line>); 2], console: &mut Console) ->
     let first = sides.iter().find_map(|(_, line)| line.as_ref()).map(|line| &line.event);
     let (time_s, path) = first.map_or((0.0, ""), |event| (event.time_us as f64 / 1e6, event.path.as_str()));
     let path = if path.is_empty() { ROBOT } else { path };
-    Ok(console.print(&format!("they differ from {} and {} on, at {time_s:.3} s, in {path}", places[0], places[1]))?)
+    Ok(console.explain(&format!("they differ from {} and {} on, at {time_s:.3} s, in {path}", places[0], places[1]))?)
 }
 
 fn describe(reader: &TraceReader) -> String {

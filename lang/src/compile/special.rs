@@ -147,7 +147,7 @@ const TABLE: &[(Special, SpecialForm)] = forms! {
     ReturnFrom ["return-from"] "(return-from NAME [VALUE])" "Leaves the block of that name with a value; clean-ups run." "";
     Return ["return"] "(return [VALUE])" "Leaves the nearest loop with a value; clean-ups run." "";
     Loop ["loop"] "(loop FORM... [until E] [while E] FORM...)" "Runs the forms again and again until E is true, or while it is. The value is nil." "(let ((n 0))\n  (loop (incf n)\n    until (= n 3)\n    (print n)))";
-    Defvar ["defvar"] "(defvar NAME VALUE [\"DOC\"])" "Defines a variable." "";
+    Defvar ["defvar"] "(defvar NAME [VALUE [\"DOC\"]])" "Defines a variable." "";
     Defconstant ["defconstant"] "(defconstant NAME VALUE [\"DOC\"])" "Defines a name that is never assigned." "";
     Defun ["defun"] "(defun NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a function." "";
     Defmacro ["defmacro"] "(defmacro NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a form that is written out as what its body gives." "";
@@ -168,7 +168,7 @@ const TABLE: &[(Special, SpecialForm)] = forms! {
     WithPolicy ["with-policy"] "(with-policy POLICY FORM...)" "Runs the forms such that the policy, a concurrent task of higher priority, is kept. Ends as the forms end; fails if the policy fails." "(def-fluent battery 20)\n(with-policy (whenever (< battery 30) (setf (value battery) 100))\n  (wait-time 5))";
     WithPriority ["with-priority"] "(with-priority N FORM...)" "Runs the forms as a task with another priority." "";
     WithTimeout ["with-timeout"] "(with-timeout SECONDS FORM...)" "Succeeds if the forms do in time; fails with `timeout` at the deadline, and they are evaporated." "(with-failure-handling ((timeout (f) 'late))\n  (with-timeout 3 (wait-time 10)))";
-    Process ["process"] "(process NAME FORM...)" "Runs the forms as a task of that name, bound in the whole plan." "(par (process worker (wait-time 5))\n     (wait-for (end-task worker)))";
+    Process ["process", ":tag"] "(process NAME FORM...), (:tag NAME FORM...)" "Runs the forms as a task of that name, bound in the whole plan." "(par (process worker (wait-time 5))\n     (wait-for (end-task worker)))";
     Spawn ["spawn"] "(spawn FORM...)" "Starts a task and gives it at once; it lives at most as long as the plan call around it." "(let ((task (spawn (wait-time 5))))\n  (wait-for (end-task task)))";
     WithFailureHandling ["with-failure-handling"] "(with-failure-handling ((CLASS (NAME) FORM...)...) FORM...)" "Runs the forms; the first clause whose class fits takes their failure, after they have been cleaned up." "(with-failure-handling\n    ((arithmetic-error (f) (print (failure-message f))))\n  (/ 1 0))";
     Retry ["retry"] "(retry)" "In a clause of `with-failure-handling`: starts the forms again." "";
@@ -179,7 +179,7 @@ const TABLE: &[(Special, SpecialForm)] = forms! {
     OnInterrupt ["on-interrupt"] "(on-interrupt HOOK FORM...)" "Runs the forms; the hook runs when their valve is taken away." "";
     OnResume ["on-resume"] "(on-resume HOOK FORM...)" "Runs the forms; the hook runs when their valve comes back." "";
     WithTaskSuspended ["with-task-suspended"] "(with-task-suspended (TASK) FORM...)" "Runs the forms while a task rests." "";
-    WaitFor ["wait-for"] "(wait-for CONDITION)" "Waits until the condition, a fluent or an expression over fluents, is true; gives its value." "(def-fluent level 0)\n(par (wait-for (> level 2))\n     (setf (value level) 3))";
-    Whenever ["whenever"] "(whenever CONDITION FORM...)" "Runs the forms each time the condition becomes true; ends by `(return)` only." "(def-fluent level 0)\n(pursue (whenever (> level 2) (print \"high\"))\n        (seq (setf (value level) 3) (wait-time 1)))";
+    WaitFor ["wait-for"] "(wait-for CONDITION [:timeout SECONDS])" "Waits until the condition, a fluent or an expression over fluents, is true; gives its value, or nil when the time is over before." "(def-fluent level 0)\n(par (wait-for (> level 2))\n     (setf (value level) 3))";
+    Whenever ["whenever"] "(whenever CONDITION [:missed :once|:always|:never] FORM...)" "Runs the forms each time the condition becomes true; ends by `(return)` only. What becomes true during the forms counts once by default." "(def-fluent level 0)\n(pursue (whenever (> level 2) (print \"high\"))\n        (seq (setf (value level) 3) (wait-time 1)))";
     Fluent ["fluent"] "(fluent EXPR)" "A fluent whose value is that of the expression over other fluents." "(def-fluent level 0)\n(let ((high (fluent (> level 2))))\n  (value high))";
 };

@@ -24,6 +24,10 @@ impl Default for PlannerParameters {
     }
 }
 
+/// What was seen and is in no map is kept clear of by so much more: it is known as points on arcs, and
+/// the collision avoidance does not get through a gap that the robot just fits into.
+const SEEN_MARGIN_M: f64 = 0.08;
+
 /// The price of a metre on open floor. The unit makes lengths of straight and diagonal moves whole
 /// numbers, see [`super::value_field`].
 pub(super) const OPEN_FLOOR: u16 = 210;
@@ -284,11 +288,11 @@ impl PlannerModel {
     }
 
     fn block(&self, grid: &mut CostGrid, blocked_in_map: &[Point]) {
-        let reach_m = self.parameters.comfortable_distance_m.max(self.parameters.robot_radius_m);
+        let reach_m = self.parameters.comfortable_distance_m.max(self.parameters.robot_radius_m) + SEEN_MARGIN_M;
         let mut changed = Vec::new();
         for &point in blocked_in_map {
             for (cell, away_m) in grid.disc(point, reach_m) {
-                let new_price = price(away_m, self.parameters);
+                let new_price = price(away_m - SEEN_MARGIN_M, self.parameters);
                 let old_price = grid.prices[cell];
                 if old_price > 0 && (new_price == 0 || new_price > old_price) {
                     grid.prices[cell] = new_price;

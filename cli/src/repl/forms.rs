@@ -1,0 +1,120 @@
+//! What is handed in at the prompt: files and typed forms, run at once or beside the one that runs.
+
+use super::session::Until;
+use super::{Prompt, living};
+use crate::failure_report::Reporter;
+use crate::files::{Folder, PlanText};
+use crate::status::Status;
+use anyhow::Result;
+use rpl_lang::diagnostic;
+use rpl_runtime::library::Rejected;
+use rpl_runtime::session::{Answer, Submitted};
+use rpl_runtime::value::Value;
+
+impl Prompt<'_> {
+    /// A file: its forms are run in order.
+    pub(super) fn load(&mut self, plan: PlanText, until: Until) -> Result<()> {
+        let PlanText { name, text, folder } = plan;
+        self.session.file = Some(name.clone());
+        if self.session.branch.is_running {
+            return self.beside(&name, &text, Some(folder));
+        }
+        match self.session.submit(&name, &text, Some(folder)) {
+            Ok(submitted) => {
+                self.tell(&submitted);
+                self.begin(&until)
+            }
+            Err(rejected) => {
+                self.reject(&rejected);
+                Ok(())
+            }
+        }
+    }
+
+    /// Forms that were typed.
+    pub(super) fn forms(&mut self, text: &str, until: &Until) -> Result<()> {
+        let name = self.session.next_text_name();
+        if self.session.branch.is_running {
+            return self.beside(&name, text, None);
+        }
+        match self.session.submit(&name, text, None) {
+            Ok(submitted) => {
+                self.tell(&submitted);
+                self.begin(until)
+            }
+            Err(rejected) => {
+                self.reject(&rejected);
+                Ok(())
+            }
+        }
+    }
+
+    /// A form was handed in: the clock lets it go on, if it runs.
+    fn begin(&mut self, until: &Until) -> Result<()> {
+        if self.clock.is_some() { Ok(()) } else { self.go_on(until) }
+    }
+
+    /// Forms typed while another one is under way: a task of their own.
+    fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<()> {
+        let (submitted, aside) = match self.session.beside(name, text, folder) {
+            Ok(beside) => beside,
+            Err(rejected) => {
+                self.reject(&rejected);
+                return Ok(());
+            }
+        };
+        self.tell(&submitted);
+        self.session.hand_on(self.console)?;
+        let system = &self.session.branch.system;
+        match aside.answer {
+            Some(Answer::Succeeded(value)) => self.console.print(&system.machine.write(&system.program, value))?,
+            Some(Answer::Failed(failure)) => self.show_failure(failure),
+            Some(Answer::GivenUp) => {}
+            None => {
+                if let Some(task) = system.machine.tasks.find_alive(aside.task) {
+                    let (path, waits) = (system.machine.path(task), living::standing(system, task).condition());
+                    self.console.note(&format!("{path} {waits}; it goes on with the run"));
+                }
+            }
+        }
+        let system = &self.session.branch.system;
+        for &name in &aside.assigned {
+            let name = system.machine.symbols.name(name);
+            self.console.note(&format!("`{name}` counts from the next form on; the marked one has read its arguments"));
+        }
+        Ok(())
+    }
+
+    fn reject(&mut self, rejected: &Rejected) {
+        self.console.note(rejected.render(self.console.colour).trim_end());
+        self.worst = Status::Wrong;
+    }
+
+    /// Warnings, and what goes on in an old text.
+    fn tell(&mut self, submitted: &Submitted) {
+        let system = &self.session.branch.system;
+        if !submitted.warnings.is_empty() {
+            let sources = &system.program.sources;
+            self.console.note(diagnostic::render(&submitted.warnings, sources, self.console.colour).trim_end());
+        }
+        for redefined in &submitted.redefined {
+            let name = system.machine.symbols.name(redefined.name);
+            match redefined.still_running.as_slice() {
+                [] => self.console.note(&format!("`{name}` is defined anew")),
+                paths => self.console.note(&format!(
+                    "`{name}` is defined anew from its next call on; the old text still runs in {}",
+                    paths.join(", ")
+                )),
+            }
+        }
+    }
+
+    pub(super) fn show_failure(&mut self, failure: Value) {
+        let system = &self.session.branch.system;
+        let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.console.colour };
+        self.console.note(reporter.text("failed: ", failure).trim_end());
+        if self.worst == Status::Succeeded {
+            self.worst = Status::Failed;
+        }
+    }
+}

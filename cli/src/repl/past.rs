@@ -1,0 +1,138 @@
+//! Earlier instants of a run, and runs that are kept side by side.
+
+use super::command::Verb;
+use super::{Prompt, session, view};
+use crate::interrupt;
+use crate::mission::Robot;
+use crate::time::parse_duration_us;
+use anyhow::Result;
+use rpl_lang::code::GlobalKind;
+use rpl_lang::suggest::suggest;
+use rpl_runtime::system::System;
+use rpl_runtime::timeline::Past;
+use std::collections::BTreeMap;
+
+/// What is said where nothing is earlier.
+const START: &str = "this is the start";
+
+/// The definitions of a run that can be called, as they are written.
+fn texts(system: &System<Robot>) -> BTreeMap<String, String> {
+    let (program, symbols) = (&system.program, &system.machine.symbols);
+    let own = program.globals.iter().skip(program.library_globals as usize);
+    let functions = own.filter_map(|global| match global.kind {
+        GlobalKind::Function(code) => Some((global.name, code)),
+        _ => None,
+    });
+    let codes = functions.chain(program.macros.iter().map(|(&name, &code)| (name, code)));
+    let written = codes.filter_map(|(name, code)| {
+        let text = program.sources.text_of(program.codes.get(code as usize)?.span);
+        Some((symbols.name(name).to_string(), text.to_string()))
+    });
+    written.collect()
+}
+
+impl Prompt<'_> {
+    pub(super) fn back(&mut self, rest: &str) -> Result<()> {
+        interrupt::forget();
+        let timeline = &self.session.branch.timeline;
+        let now_us = self.session.branch.system.machine.now_us;
+        let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
+            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown, &interrupt::is_asked),
+            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown, &interrupt::is_asked),
+            (_, Ok(time_us)) => {
+                if time_us > now_us {
+                    self.console.note(START);
+                }
+                timeline.at_time(now_us.saturating_sub(time_us), &interrupt::is_asked)
+            }
+            _ => return self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s")),
+        };
+        self.go_back(past)
+    }
+
+    pub(super) fn at(&mut self, rest: &str) -> Result<()> {
+        interrupt::forget();
+        match parse_duration_us(rest) {
+            Ok(time_us) if time_us > self.session.branch.system.machine.now_us => {
+                self.wrong(&format!("{rest} has not come yet; `:until {rest}` goes there"))
+            }
+            Ok(time_us) => {
+                let past = self.session.branch.timeline.at_time(time_us, &interrupt::is_asked);
+                self.go_back(past)
+            }
+            Err(reason) => self.wrong(&reason),
+        }
+    }
+
+    /// Takes an earlier state; none if Ctrl-C came first.
+    fn go_back(&mut self, past: Option<Past<Robot>>) -> Result<()> {
+        let Some(past) = past else {
+            self.console.note("interrupted on the way back; the run stands where it stood");
+            return self.show_stop();
+        };
+        let is_start = past.position.segment == 0;
+        let texts = texts(&self.session.branch.system);
+        self.session.go_back_to(past);
+        self.tell_other_texts(&texts);
+        if is_start {
+            self.console.note(START);
+        }
+        self.show_stop()
+    }
+
+    /// Tells which definitions are others than in the state that was left: they belong to the run
+    /// and its time, as everything does.
+    fn tell_other_texts(&mut self, left: &BTreeMap<String, String>) {
+        let here = texts(&self.session.branch.system);
+        let differs = left.iter().filter_map(|(name, text)| match here.get(name) {
+            None => Some(format!("`{name}` is not defined")),
+            Some(other) if other != text => Some(format!("`{name}` has another text")),
+            Some(_) => None,
+        });
+        let differs: Vec<String> = differs.collect();
+        if !differs.is_empty() {
+            self.console.note(&format!("definitions are those of this instant: here {}", differs.join(", ")));
+        }
+    }
+
+    pub(super) fn forks(&mut self, verb: Verb, rest: &str) -> Result<()> {
+        match verb {
+            Verb::Fork if rest.is_empty() => return self.wrong("`:fork NAME`: a name is expected"),
+            Verb::Fork if rest == self.session.name => {
+                return self.wrong(&format!("this run is called `{rest}` already"));
+            }
+            Verb::Fork if self.session.others.contains_key(rest) => {
+                return self.wrong(&format!("a run is kept as `{rest}` already; another name is needed"));
+            }
+            Verb::Fork => {
+                self.session.others.insert(rest.to_string(), self.session.branch.clone());
+                self.console.note(&format!("kept as `{rest}`; `:switch {rest}` goes there"));
+            }
+            Verb::Switch => match self.session.others.remove(rest) {
+                Some(branch) => {
+                    let texts = texts(&self.session.branch.system);
+                    let left = std::mem::replace(&mut self.session.branch, branch);
+                    let name = std::mem::replace(&mut self.session.name, rest.to_string());
+                    self.session.others.insert(name, left);
+                    self.session.restore_conditions();
+                    self.tell_other_texts(&texts);
+                    self.show_stop()?;
+                }
+                None => {
+                    let near = suggest(rest, self.session.others.keys().map(String::as_str));
+                    let meant = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
+                    return self.wrong(&format!("no run is called `{rest}`; {meant}`:forks` lists them"));
+                }
+            },
+            _ => {
+                let line = |mark: char, name: &str, branch: &session::Branch| {
+                    format!("{mark} {name}  {:.1} s", branch.system.machine.now_s())
+                };
+                let mut lines = vec![line('*', &self.session.name, &self.session.branch)];
+                lines.extend(self.session.others.iter().map(|(name, branch)| line(' ', name, branch)));
+                self.explain(&lines)?;
+            }
+        }
+        Ok(())
+    }
+}
