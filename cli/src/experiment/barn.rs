@@ -149,7 +149,7 @@ fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
         max_rotation_radps: settings.max_rotation_radps,
         translation_acceleration_mps2: settings.translation_acceleration_mps2,
         translation_deceleration_mps2: 0.9 * settings.translation_deceleration_mps2,
-        rotation_acceleration_radps2: settings.rotation_acceleration_radps2,
+        rotation_acceleration_radps2: 0.5 * settings.rotation_acceleration_radps2,
         ..DriveLimits::default()
     };
     let goal_in_odom = course.world.start_in_map.inverse().transform(course.goal_in_map);

@@ -111,6 +111,17 @@ const DOUBT_M: f64 = 1.5;
 const LOOK_RADPS: f64 = 0.6;
 const LOOK_AROUND_S: f64 = std::f64::consts::TAU / LOOK_RADPS;
 
+/// How fast the robot goes beside what it nearly touches, and how much faster for each metre of air.
+const GAP_MPS: f64 = 0.2;
+const GAP_PER_S: f64 = 4.0;
+
+/// The window looks at a fixed number of speeds: below a low limit they lie as close together as a
+/// narrow gap needs.
+fn speed_in_gap_mps(limits: &DriveLimits, obstacles_in_base: &[Point]) -> f64 {
+    let nearest_m = obstacles_in_base.iter().map(|point| point.coords.norm()).fold(f64::INFINITY, f64::min);
+    GAP_MPS + GAP_PER_S * (nearest_m - limits.robot_radius_m).max(0.0)
+}
+
 impl MaplessNavigation {
     /// Nothing has been seen, and there is nothing to do.
     pub fn new(grain: Grain) -> Self {
@@ -250,6 +261,7 @@ impl MaplessNavigation {
         }
         let mut obstacles_in_base = Vec::new();
         self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        let speed_limit_mps = speed_limit_mps.min(speed_in_gap_mps(limits, &obstacles_in_base));
         let choice = self.window.step(
             limits,
             &WindowInput {

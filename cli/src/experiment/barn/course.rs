@@ -124,3 +124,30 @@ fn laid_out(field: &Field) -> Option<Course> {
     let path = floor.value_field(goal_in_map).path(start.point())?;
     Some(Course { world, goal_in_map, optimum_m: path_length_m(&path) })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lone_post_goes_a_gap_in_a_block_is_filled_and_sides_are_walls() {
+        let mut field: Field = vec![[false; CELLS]; CELLS];
+        field[10][10] = true;
+        for row in &mut field[19..22] {
+            row[19..22].fill(true);
+        }
+        field[20][20] = false;
+        let next = smoothed(&field);
+        assert!(!next[10][10] && next[20][20] && next[19][20] && !next[18][18]);
+        assert!(grown(&mut Stream::new(1, "barn"), 0.3, 0)[0].iter().all(|&is_filled| is_filled));
+    }
+
+    #[test]
+    fn a_course_is_the_same_for_the_same_seed_and_no_shorter_than_straight() {
+        let (course, again, other) = (Course::new(299, 1), Course::new(299, 1), Course::new(299, 2));
+        assert_eq!(course.world, again.world);
+        assert_ne!(course.world, other.world);
+        let straight_m = (course.goal_in_map - course.world.start_in_map.point()).norm();
+        assert!((straight_m - 10.0).abs() < 1e-9 && course.optimum_m >= straight_m, "{}", course.optimum_m);
+    }
+}
