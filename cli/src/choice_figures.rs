@@ -4,7 +4,7 @@
 use anyhow::{Context, Result};
 use rpl_robot::active::{ActionField, Choice, choose};
 use rpl_robot::localization::Localization;
-use rpl_robot::office::OfficeModel;
+use rpl_robot::office::{MapModel, OfficeModel};
 use std::fs;
 use std::path::Path;
 use svg::Document;
@@ -24,7 +24,8 @@ const TITLE: usize = 40;
 /// # Errors
 /// The folder or a picture cannot be written.
 pub fn write(folder: &Path, name: &str, office: &OfficeModel, localization: &Localization) -> Result<()> {
-    let (model, parameters) = (&office.localization, &office.settings.active);
+    let Some(MapModel { localization: model, .. }) = &office.map else { return Ok(()) };
+    let parameters = &office.settings.active;
     let maxima = localization.maxima(model, parameters.max_maxima, parameters.min_mass);
     let Some((choice, field)) = choose(model, &maxima, &[], parameters) else { return Ok(()) };
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;

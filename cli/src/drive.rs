@@ -202,7 +202,7 @@ impl Driver<'_> {
                 && what == "localization action"
                 && let Robot::Office(robot) = &self.system.outside
             {
-                choices.push(robot.board.localization.clone());
+                choices.extend(robot.board.localization.clone());
             }
             let track_length = self.records.track.len();
             self.records.marks.push(Mark { what, sight, distance_m: account.distance_m, track_length });

@@ -1,5 +1,6 @@
 //! `rpl experiment NAME`: a plan over many seeds, in parallel, as a table.
 
+mod barn;
 mod calibration;
 mod catalogue;
 mod chart;
@@ -37,7 +38,7 @@ use trials::{comparison, raw_rows, run_all, sample_rows, table};
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, or a plan of your own
+    /// `sensing`, `people`, `office`, `worlds`, `barn`, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -80,6 +81,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     };
     let chosen = rows(experiment, arguments.row.as_deref());
     match experiment.report {
+        Report::Barn => barn::run(arguments, console),
         Report::Worlds => worlds::run(arguments, console),
         Report::Sensing => sensing::run(arguments, console),
         Report::Choices => choices::run(arguments, &chosen?, console),

@@ -237,14 +237,11 @@ impl Robot {
     pub fn sight(&self) -> Option<Sight> {
         match self {
             Robot::Absent(_) => None,
-            Robot::Office(robot) => {
-                let estimate = robot.estimate();
-                Some(Sight {
-                    robot_in_map: robot.true_pose_in_map(),
-                    estimate_in_map: estimate.pose_in_map,
-                    certainty: estimate.certainty,
-                })
-            }
+            Robot::Office(robot) => Some(Sight {
+                robot_in_map: robot.true_pose_in_map(),
+                estimate_in_map: robot.estimated_pose_in_map(),
+                certainty: robot.estimate().certainty,
+            }),
         }
     }
 
@@ -285,13 +282,13 @@ impl Robot {
         match self {
             Robot::Absent(_) => None,
             Robot::Office(robot) => {
-                let grid = &robot.model.localization.grid;
+                let grid = &robot.model.map.as_ref()?.localization.grid;
                 Some(PositionBelief {
                     resolution_m: grid.cell_m,
                     // The grid names the middle of its first cell, a drawing wants its corner.
                     origin_in_map: grid.origin_in_map - Vector::new(grid.cell_m, grid.cell_m) / 2.0,
                     columns: grid.columns,
-                    cells: robot.belief_xy(),
+                    cells: robot.belief_xy()?,
                 })
             }
         }

@@ -12,12 +12,31 @@ pub struct Setting {
     /// The world the robot is in: a built-in name, or a .toml file
     #[arg(long, value_name = "W")]
     pub world: Option<String>,
+    /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
+    #[arg(
+        long,
+        value_name = "M",
+        value_enum,
+        default_value_t = Map::World,
+        requires = "world",
+        hide_possible_values = true
+    )]
+    pub map: Map,
     /// Seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,
+}
+
+/// What the robot knows of the world.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    /// What the world says is mapped
+    World,
+    /// Nothing
+    None,
 }
 
 impl Setting {
@@ -28,7 +47,8 @@ impl Setting {
     pub fn site(&self) -> Result<(Site, Option<World>)> {
         let world = self.world.as_deref().map(mission::world).transpose()?;
         let scenario = self.scenario.as_deref().map(files::scenario).transpose()?;
-        let site = Site::new(world.clone(), scenario, OfficeSettings::default())?;
+        let settings = OfficeSettings { map_known: self.map == Map::World, ..OfficeSettings::default() };
+        let site = Site::new(world.clone(), scenario, settings)?;
         Ok((site, world))
     }
 }

@@ -275,6 +275,28 @@ fn missing_files_are_told_with_what_was_probably_meant() {
     assert_eq!(status(&found), 2);
 }
 
+#[test]
+fn without_a_map_there_are_points_and_no_places() {
+    let folder = folder("mapless");
+    plan(&folder, "drive.rpl", "(go-to-point 1 0)");
+    plan(&folder, "place.rpl", "(go-to 'corner)");
+    let run = |rest: &[&str]| {
+        let arguments = [&["run"], rest].concat();
+        rpl(&arguments).current_dir(&folder).output().expect("the command runs")
+    };
+    let driven = run(&["drive.rpl", "--world", "test-room", "--map", "none"]);
+    assert_eq!(status(&driven), 0, "{}", stderr(&driven));
+    let lost = run(&["place.rpl", "--world", "test-room", "--map", "none"]);
+    assert_eq!(status(&lost), 1);
+    assert!(stderr(&lost).contains("drive to a point with (go-to-point X Y)"), "{}", stderr(&lost));
+    let unknown = run(&["drive.rpl", "--world", "test-room", "--map", "nome"]);
+    assert_eq!(status(&unknown), 2);
+    assert!(stderr(&unknown).contains("'none'"), "{}", stderr(&unknown));
+    let nowhere = run(&["drive.rpl", "--map", "none"]);
+    assert_eq!(status(&nowhere), 2);
+    assert!(stderr(&nowhere).contains("--world"), "{}", stderr(&nowhere));
+}
+
 /// r[eval.load]
 #[test]
 fn a_plan_loads_files_beside_it_and_none_outside() {

@@ -27,6 +27,8 @@ pub enum Report {
     Worlds,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
+    /// Courses nobody has mapped: no missions, and rows of its own.
+    Barn,
     /// Where to look: no missions, and rows of its own.
     Sensing,
 }
@@ -180,6 +182,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment { name: "office", report: Report::Success, rows: &[OFFICE] },
     Experiment { name: "worlds", report: Report::Worlds, rows: &[] },
+    Experiment { name: "barn", report: Report::Barn, rows: &[] },
     Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
     Experiment { name: "sensing", report: Report::Sensing, rows: &[] },
 ];

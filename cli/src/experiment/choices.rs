@@ -54,7 +54,9 @@ pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) 
             drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;
             for (number, localization) in records.choices.iter().flatten().take(PER_RUN).enumerate() {
                 let parameters = &office.settings.active;
-                pairs.extend(pair(&office.localization, localization, parameters));
+                if let Some(map) = &office.map {
+                    pairs.extend(pair(&map.localization, localization, parameters));
+                }
                 if let Some(folder) = &arguments.results {
                     let name = format!("seed-{seed}-choice-{}", number + 1);
                     choice_figures::write(folder, &name, &office, localization)?;

@@ -113,7 +113,7 @@ pub const TOPICS: &[Topic] = &[
          string-suffix-p string->list substring string= string< string<= string> string>= symbol-name intern \
          make-keyword gensym",
     ),
-    topic("plans", "The robot's plans", "go-to fetch pick-up put-down deliver relocalize-when-necessary"),
+    topic("plans", "The robot's plans", "go-to go-to-point fetch pick-up put-down deliver relocalize-when-necessary"),
     topic(
         "behaviours",
         "The robot's behaviours, valves and fluents",

@@ -5,7 +5,8 @@
 //! sensors saw lately), `alignment` (where that fits the map), `doorways` (which doors were found
 //! closed), `clearance` (how far an arc is free), `dynamic_window` (safe speeds), `topological`
 //! (target points through doors and corridors), `navigation` (the state machine that drives them), `drive` (following and
-//! wandering without a map). Nothing here knows the plan language or the simulator.
+//! wandering without a map); `learned_map` and `mapless` (the same without a map:
+//! what the sensors have seen, and driving by it). Nothing here knows the plan language or the simulator.
 
 pub mod alignment;
 pub mod clearance;
@@ -13,6 +14,8 @@ pub mod distance;
 pub mod doorways;
 pub mod drive;
 pub mod dynamic_window;
+pub mod learned_map;
+pub mod mapless;
 #[allow(clippy::module_inception)]
 pub mod navigation;
 pub mod obstacle_memory;
@@ -26,6 +29,8 @@ mod tests;
 pub use doorways::{DoorMemory, Doorway};
 pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
+pub use learned_map::{Grain, LearnedMap};
+pub use mapless::MaplessNavigation;
 pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
 pub use obstacle_memory::ObstacleMemory;
 pub use planner::{PlannerModel, PlannerParameters};

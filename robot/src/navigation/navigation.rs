@@ -371,13 +371,10 @@ impl Navigation {
 
     fn turn(&mut self, limits: &DriveLimits, estimated_in_map: Pose, speeds: Speeds) -> NavigationOutput {
         let wanted_rad = self.targets.last().and_then(|target| target.heading_rad);
-        let off_rad = wanted_rad.map_or(0.0, |wanted| wrap_angle_rad(wanted - estimated_in_map.heading_rad));
-        let stands = speeds.translation_mps.abs() < 0.02 && speeds.rotation_radps.abs() < 0.1;
-        if off_rad.abs() > HEADING_TOLERANCE_RAD {
-            let rotation_radps = limits.braked_turn_radps(off_rad);
-            return self.output(Speeds { translation_mps: 0.0, rotation_radps }, None);
+        match turn_to(limits, wanted_rad, estimated_in_map, speeds) {
+            Some(speeds) => self.output(speeds, None),
+            None => self.finish(NavigationEvent::Arrived),
         }
-        if stands { self.finish(NavigationEvent::Arrived) } else { self.output(Speeds::default(), None) }
     }
 
     fn drive(
@@ -620,6 +617,16 @@ impl Navigation {
             }
         }
     }
+}
+
+/// The speeds that turn the robot on the spot to a heading; `None` once it stands and looks there.
+pub(super) fn turn_to(limits: &DriveLimits, wanted_rad: Option<f64>, here: Pose, speeds: Speeds) -> Option<Speeds> {
+    let off_rad = wanted_rad.map_or(0.0, |wanted_rad| wrap_angle_rad(wanted_rad - here.heading_rad));
+    if off_rad.abs() > HEADING_TOLERANCE_RAD {
+        return Some(Speeds { translation_mps: 0.0, rotation_radps: limits.braked_turn_radps(off_rad) });
+    }
+    let stands = speeds.translation_mps.abs() < 0.02 && speeds.rotation_radps.abs() < 0.1;
+    (!stands).then(Speeds::default)
 }
 
 impl Blockage {

@@ -9,7 +9,10 @@ use super::behaviours::{
 use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
-use crate::navigation::{Drive, DriveStatus, DriveTask, Navigation, NavigationEvent, NavigationInput, Speeds, Target};
+use crate::navigation::{
+    Drive, DriveStatus, DriveTask, Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationInput, Speeds,
+    Target,
+};
 use crate::random::Stream;
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use crate::world::TravelMode;
@@ -41,10 +44,12 @@ enum GripperTask {
 /// Everything the behaviours share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Board {
-    /// The filter.
-    pub localization: Localization,
-    /// The navigation.
+    /// The filter; none without a map.
+    pub localization: Option<Localization>,
+    /// The navigation on a map; idle without one.
     pub navigation: Navigation,
+    /// The navigation without a map; idle with one.
+    pub mapless: MaplessNavigation,
     /// Active localization, while it is activated.
     pub active: Option<ActiveLocalization>,
     /// The percept of the last step.
@@ -72,15 +77,18 @@ impl Board {
     /// The board at the start.
     pub fn new(model: &OfficeModel, seed: u64) -> Self {
         let start_in_map = model.world.start_in_map;
-        let localization = if model.settings.start_known {
-            Localization::start_at(&model.localization, start_in_map, Spread::default())
-        } else {
-            Localization::start_uniform(&model.localization)
-        };
+        let localization = model.map.as_ref().map(|map| {
+            if model.settings.start_known {
+                Localization::start_at(&map.localization, start_in_map, Spread::default())
+            } else {
+                Localization::start_uniform(&map.localization)
+            }
+        });
         let wander = Stream::new(seed, "wander");
         Self {
             localization,
             navigation: Navigation::default(),
+            mapless: MaplessNavigation::new(if model.settings.simulator.laser { Grain::Laser } else { Grain::Sonar }),
             active: None,
             percept: None,
             mode: TravelMode::Hallway,
@@ -93,7 +101,7 @@ impl Board {
             needs_sonars: true,
             gripper_task: None,
             gripper_command: GripperCommand::None,
-            was_certain: model.settings.start_known,
+            was_certain: model.settings.start_known || model.map.is_none(),
             inbox: Vec::new(),
             position_doubted: false,
             steps: 0,
@@ -136,16 +144,24 @@ impl Board {
     /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
     /// again before anybody has seen it uncertain.
     fn track_position(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        let (Some(map), Some(localization)) = (&model.map, &mut self.localization) else { return };
         let ranges_m = percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice());
-        self.localization.observe(&model.localization, percept.odometry_in_odom, ranges_m);
+        localization.observe(&map.localization, percept.odometry_in_odom, ranges_m);
         if std::mem::take(&mut self.position_doubted) {
-            self.localization.refute(&model.localization);
+            localization.refute(&map.localization);
             outbox.events.push(("position doubted".into(), Vec::new()));
         }
     }
 
-    fn estimate(&self, model: &OfficeModel) -> Estimate {
-        self.localization.estimate(&model.localization)
+    /// Without a map the robot is where its odometry says, in `odom`: there is nothing to be lost in.
+    pub(super) fn estimate(&self, model: &OfficeModel) -> Estimate {
+        match (&model.map, &self.localization) {
+            (Some(map), Some(localization)) => localization.estimate(&map.localization),
+            _ => Estimate {
+                pose_in_map: self.percept.as_ref().map_or(Pose::default(), |percept| percept.odometry_in_odom),
+                certainty: 1.0,
+            },
+        }
     }
 
     fn input<'p>(percept: &'p Percept) -> NavigationInput<'p> {
@@ -162,11 +178,12 @@ impl Board {
         if self.active_phase != Phase::Active {
             return;
         }
-        let Some(active) = &mut self.active else { return };
+        let (Some(active), Some(map), Some(localization)) = (&mut self.active, &model.map, &self.localization) else {
+            return;
+        };
         let blocked = self.drive_status == DriveStatus::Stuck;
         let chosen_before = active.last_choice().map(|choice| choice.target_in_base);
-        let intent =
-            active.step(&model.localization, &self.localization, percept.odometry_in_odom, blocked, percept.time_us);
+        let intent = active.step(&map.localization, localization, percept.odometry_in_odom, blocked, percept.time_us);
         if let Some(choice) = active.last_choice()
             && Some(choice.target_in_base) != chosen_before
         {
@@ -196,7 +213,7 @@ impl Board {
                 return;
             }
         }
-        let output = self.drive.step(&model.navigation.limits, &Self::input(percept), LOST_SPEED_MPS);
+        let output = self.drive.step(&model.limits, &Self::input(percept), LOST_SPEED_MPS);
         self.drive_status = output.status;
         self.drive_request = output.speeds;
     }
@@ -217,8 +234,14 @@ impl Board {
     }
 
     fn navigate(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
-        let estimated_in_map = self.estimate(model).pose_in_map;
-        let output = self.navigation.step(&model.navigation, estimated_in_map, &Self::input(percept), self.mode);
+        let input = Self::input(percept);
+        let output = match &model.map {
+            Some(map) => {
+                let estimated_in_map = self.estimate(model).pose_in_map;
+                self.navigation.step(&map.navigation, estimated_in_map, &input, self.mode)
+            }
+            None => self.mapless.step(&model.limits, &input, model.limits.speed_limit_mps(self.mode)),
+        };
         self.needs_sonars = output.needs_sonars;
         if self.navigation_phase != Phase::Active {
             return;
@@ -227,7 +250,8 @@ impl Board {
         let ending = match output.event {
             Some(NavigationEvent::Arrived) => Ending::Success,
             Some(NavigationEvent::Unreachable) => {
-                Ending::Failure("unreachable".into(), "the map shows no way to the target".into())
+                let whose = if model.map.is_some() { "the map shows" } else { "what has been seen leaves" };
+                Ending::Failure("unreachable".into(), format!("{whose} no way to the target"))
             }
             Some(NavigationEvent::Blocked) => {
                 Ending::Failure("blocked".into(), "the way to the target stays blocked".into())
@@ -236,7 +260,7 @@ impl Board {
         };
         self.drive_request = Speeds::default();
         self.navigation_phase = Phase::Done;
-        self.navigation.remove_all_targets();
+        self.remove_all_targets();
         outbox.endings.push((NAVIGATION, ending));
     }
 
@@ -267,7 +291,8 @@ impl Board {
             outbox.events.push((what.into(), vec![("certainty".into(), format!("{certainty:.2}"))]));
         }
         let mode = |mode: TravelMode| Reading::Symbol(mode_name(mode).to_string());
-        let region = model.world.mode_at(pose_in_map.point()).map_or(Reading::Truth(false), mode);
+        let region = model.map.as_ref().and_then(|_| model.world.mode_at(pose_in_map.point()));
+        let region = region.map_or(Reading::Truth(false), mode);
         let holding = percept.gripper.holding.clone().map_or(Reading::Truth(false), Reading::Symbol);
         outbox.fluents.extend([
             (X, Reading::Float(pose_in_map.x_m)),
@@ -287,7 +312,7 @@ impl Board {
 
     fn publish_navigation(&self, outbox: &mut Outbox) {
         let active = matches!(self.navigation_phase, Phase::Active | Phase::Interrupted);
-        let goals = if active { self.navigation.remaining_targets().len() } else { 0 };
+        let goals = if active { self.remaining_targets() } else { 0 };
         outbox.fluents.push((NAVIGATION_ACTIVE, Reading::Truth(active)));
         outbox.fluents.push((NR_OF_NAV_GOALS, Reading::Int(goals as i64)));
     }
@@ -302,10 +327,13 @@ impl Board {
         outbox: &mut Outbox,
     ) -> Result<(), Raise> {
         match behaviour {
-            ACTIVE_LOCALIZATION => self.start_active_localization(model, outbox),
+            ACTIVE_LOCALIZATION => self.start_active_localization(model, outbox)?,
             NAVIGATION => {
                 let targets = targets_argument(machine, arguments)?;
-                self.navigation.start(targets);
+                match model.map {
+                    Some(_) => self.navigation.start(targets),
+                    None => self.mapless.start(targets),
+                }
                 self.navigation_phase = Phase::Active;
                 self.publish_navigation(outbox);
             }
@@ -315,12 +343,25 @@ impl Board {
         Ok(())
     }
 
-    fn start_active_localization(&mut self, model: &OfficeModel, outbox: &mut Outbox) {
+    fn remove_all_targets(&mut self) {
+        self.navigation.remove_all_targets();
+        self.mapless.remove_all_targets();
+    }
+
+    /// Targets not yet reached.
+    fn remaining_targets(&self) -> usize {
+        self.navigation.remaining_targets().len() + self.mapless.remaining_targets().len()
+    }
+
+    fn start_active_localization(&mut self, model: &OfficeModel, outbox: &mut Outbox) -> Result<(), Raise> {
+        let (Some(map), Some(localization)) = (&model.map, &mut self.localization) else {
+            return Err(no_map("there is nothing to localize in"));
+        };
         let (odometry_in_odom, time_us) =
             self.percept.as_ref().map_or((Pose::default(), 0), |percept| (percept.odometry_in_odom, percept.time_us));
         self.active = Some(ActiveLocalization::start(
-            &model.localization,
-            &mut self.localization,
+            &map.localization,
+            localization,
             odometry_in_odom,
             time_us,
             model.settings.active.clone(),
@@ -329,6 +370,7 @@ impl Board {
         self.drive_status = DriveStatus::Driving;
         self.drive = Drive::wander(self.wander.clone());
         outbox.fluents.push((POS_CERTAINTY, Reading::Float(self.estimate(model).certainty)));
+        Ok(())
     }
 
     fn start_gripper(&mut self, machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(), Raise> {
@@ -365,7 +407,7 @@ impl Board {
             }
             NAVIGATION => {
                 self.navigation_phase = phase;
-                self.navigation.remove_all_targets();
+                self.remove_all_targets();
                 self.drive_request = Speeds::default();
                 self.publish_navigation(outbox);
             }
@@ -373,6 +415,11 @@ impl Board {
             _ => {}
         }
     }
+}
+
+/// What needs a map fails, and says what to do instead.
+pub(super) fn no_map(what: &str) -> Raise {
+    Raise::new("localization-failure", format!("the robot has no map: {what}; run the plan without `--map none`"))
 }
 
 /// The name plans use for a travel mode.

@@ -68,6 +68,7 @@ pub const ROBOT_NAMES: &[&str] = &[
     "distance-to",
     "belief-maxima",
     "go-to",
+    "go-to-point",
     "pick-up",
     "fetch",
     "put-down",
@@ -89,6 +90,9 @@ pub struct OfficeSettings {
     pub active: ActiveParameters,
     /// Whether the robot is told where it starts.
     pub start_known: bool,
+    /// Whether the robot has a map of the world. Without one it goes by its odometry and by what its
+    /// sensors have seen.
+    pub map_known: bool,
 }
 
 impl Default for OfficeSettings {
@@ -98,6 +102,7 @@ impl Default for OfficeSettings {
             localization: LocalizationParameters::default(),
             active: ActiveParameters::default(),
             start_known: true,
+            map_known: true,
         }
     }
 }
@@ -109,14 +114,35 @@ pub struct OfficeModel {
     pub world: Arc<World>,
     /// The simulator.
     pub simulator: Arc<SimulatorModel>,
+    /// What the robot knows of the world, if it has a map.
+    pub map: Option<MapModel>,
+    /// What the robot can do.
+    pub limits: DriveLimits,
+    /// What can be set.
+    pub settings: OfficeSettings,
+}
+
+/// The robot's map of the world, as each of its uses needs it.
+#[derive(Debug)]
+pub struct MapModel {
     /// The filter's tables.
     pub localization: LocalizationModel,
     /// The planner's map.
     pub navigation: NavigationModel,
     /// Rooms, doors and regions.
     pub topology: TopologicalModel,
-    /// What can be set.
-    pub settings: OfficeSettings,
+}
+
+impl MapModel {
+    fn new(world: &World, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
+        let sensor_map =
+            if settings.localization.centred { World::map_centred } else { World::map }(world, SENSOR_MAP_CELL_M);
+        Ok(Self {
+            localization: LocalizationModel::new(&sensor_map, settings.localization.clone())?,
+            navigation: NavigationModel::new(world, limits),
+            topology: TopologicalModel::new(world),
+        })
+    }
 }
 
 impl OfficeModel {
@@ -133,13 +159,11 @@ impl OfficeModel {
             sonar_max_range_m: settings.simulator.sonar_max_range_m,
             ..DriveLimits::default()
         };
-        let sensor_map =
-            if settings.localization.centred { World::map_centred } else { World::map }(&world, SENSOR_MAP_CELL_M);
+        let map = settings.map_known.then(|| MapModel::new(&world, limits, &settings)).transpose()?;
         Ok(Self {
             simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
-            localization: LocalizationModel::new(&sensor_map, settings.localization.clone())?,
-            navigation: NavigationModel::new(&world, limits),
-            topology: TopologicalModel::new(&world),
+            map,
+            limits,
             settings,
             world,
         })
@@ -170,7 +194,11 @@ impl OfficeRobot {
     /// Something stands there.
     pub fn starting_at(mut self, start_in_map: Pose) -> Result<Self, OracleError> {
         self.host.model.clone().teleport(&mut self.host.state, start_in_map)?;
-        self.board.localization = Localization::start_at(&self.model.localization, start_in_map, Spread::default());
+        self.board.localization = self
+            .model
+            .map
+            .as_ref()
+            .map(|map| Localization::start_at(&map.localization, start_in_map, Spread::default()));
         Ok(self)
     }
 
@@ -179,9 +207,16 @@ impl OfficeRobot {
         self.host.state.true_pose()
     }
 
-    /// Where it believes to be, and how certain it is.
+    /// Where it believes to be, and how certain it is. Without a map: where its odometry says it is,
+    /// in `odom`.
     pub fn estimate(&self) -> Estimate {
-        self.board.localization.estimate(&self.model.localization)
+        self.board.estimate(&self.model)
+    }
+
+    /// Where it believes to be, also without a map: then by its odometry from the start of the world.
+    pub fn estimated_pose_in_map(&self) -> Pose {
+        let Estimate { pose_in_map, .. } = self.estimate();
+        if self.model.map.is_some() { pose_in_map } else { self.model.world.start_in_map.compose(pose_in_map) }
     }
 
     /// Contacts so far.
@@ -194,9 +229,10 @@ impl OfficeRobot {
         self.host.state.distance_driven_m()
     }
 
-    /// Probability of each cell of (x, y), `[row][column]` on the filter's grid.
-    pub fn belief_xy(&self) -> Vec<f64> {
-        self.board.localization.belief_xy(&self.model.localization)
+    /// Probability of each cell of (x, y), `[row][column]` on the filter's grid; none without a map.
+    pub fn belief_xy(&self) -> Option<Vec<f64>> {
+        let (map, localization) = (self.model.map.as_ref()?, self.board.localization.as_ref()?);
+        Some(localization.belief_xy(&map.localization))
     }
 
     /// The last choice of active localization.
@@ -212,7 +248,11 @@ impl OfficeRobot {
     /// Bytes of belief and plans of the way that an earlier state does not share.
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
         let (now, earlier) = (&self.board, &earlier.board);
-        now.localization.bytes_apart(&earlier.localization) + now.navigation.bytes_apart(&earlier.navigation)
+        let belief = match (&now.localization, &earlier.localization) {
+            (Some(now), Some(earlier)) => now.bytes_apart(earlier),
+            (Some(_) | None, _) => 0,
+        };
+        belief + now.navigation.bytes_apart(&earlier.navigation) + now.mapless.bytes_apart(&earlier.mapless)
     }
 
     /// The percept of the last step.

@@ -1,7 +1,7 @@
 //! Functions of the robot that plans can call.
 
 use super::behaviours::NAVIGATION;
-use super::board::mode_name;
+use super::board::{mode_name, no_map};
 use super::{OfficeModel, OfficeRobot, plan_text};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
@@ -77,6 +77,13 @@ fn robot<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut OfficeRobot, Raise> {
 fn named_place(call: &mut Call<'_, '_>) -> Result<(Arc<OfficeModel>, Place), Raise> {
     let name = call.name(0)?;
     let model = model(call)?;
+    if model.map.is_none() {
+        let message = format!(
+            "the robot has no map and knows no place `{name}`; drive to a point with (go-to-point X Y), metres ahead \
+             and to the left of the start, or run the plan without `--map none`"
+        );
+        return Err(Raise::new("unreachable", message));
+    }
     let place = model.world.place(&name).cloned().map_err(|unknown| Raise::new("unreachable", unknown.to_string()))?;
     Ok((model, place))
 }
@@ -136,7 +143,8 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let robot = robot(call)?;
     let start_in_map: Pose = robot.estimate().pose_in_map;
     let closed_doors = robot.board.navigation.closed_doors();
-    let plan = plan_text::navigation_plan(&model, call.machine, start_in_map, &place, &closed_doors);
+    let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
+    let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors);
     plan.map(Reply::Value).map_err(|unreachable| {
         let destination = Value::Symbol(call.machine.symbols.intern(&place.name));
         Raise::New {
@@ -151,13 +159,16 @@ fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let count = if call.arguments.is_empty() { 10 } else { call.integer(0)?.clamp(1, 100) as usize };
     let robot = robot(call)?;
     let model = robot.model.clone();
-    let maxima = robot.board.localization.maxima(&model.localization, count, 0.001);
+    let maxima: Vec<(Pose, f64)> = match (&model.map, &robot.board.localization) {
+        (Some(map), Some(localization)) => {
+            let maxima = localization.maxima(&map.localization, count, 0.001);
+            maxima.iter().map(|maximum| (maximum.pose_in_map, maximum.mass)).collect()
+        }
+        _ => vec![(robot.estimate().pose_in_map, 1.0)],
+    };
     let lists: Vec<Value> = maxima
         .iter()
-        .map(|maximum| {
-            let pose = maximum.pose_in_map;
-            call.machine.heap.list(&[pose.x_m, pose.y_m, pose.heading_rad, maximum.mass].map(Value::Float))
-        })
+        .map(|(pose, mass)| call.machine.heap.list(&[pose.x_m, pose.y_m, pose.heading_rad, *mass].map(Value::Float)))
         .collect();
     Ok(Reply::Value(call.machine.heap.list(&lists)))
 }
@@ -168,7 +179,11 @@ fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn doubt_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    robot(call)?.board.position_doubted = true;
+    let robot = robot(call)?;
+    if robot.model.map.is_none() {
+        return Err(no_map("there is no belief to give up"));
+    }
+    robot.board.position_doubted = true;
     Ok(Reply::Value(Value::Nil))
 }
 

@@ -1,6 +1,6 @@
 //! Navigation plans as data: what the topological planner found, written as an RPL plan.
 
-use super::OfficeModel;
+use super::MapModel;
 use super::board::mode_name;
 use crate::geometry::Pose;
 use crate::navigation::{Target, Unreachable};
@@ -14,13 +14,13 @@ use rpl_runtime::value::Value;
 /// # Errors
 /// If there is no way.
 pub(super) fn navigation_plan(
-    model: &OfficeModel,
+    map: &MapModel,
     machine: &mut Machine,
     start_in_map: Pose,
     destination: &Place,
     closed_doors: &[usize],
 ) -> Result<Value, Unreachable> {
-    let plan = model.topology.plan(&model.navigation.planner, start_in_map, destination, closed_doors)?;
+    let plan = map.topology.plan(&map.navigation.planner, start_in_map, destination, closed_doors)?;
     let mut modes: Vec<TravelMode> = Vec::new();
     for region in &plan.regions {
         if !modes.contains(&region.mode) {

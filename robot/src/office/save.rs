@@ -17,6 +17,7 @@ struct Setting {
     world: World,
     localization: LocalizationParameters,
     active: ActiveParameters,
+    map_known: bool,
 }
 
 impl Setting {
@@ -26,6 +27,7 @@ impl Setting {
             world: World::clone(&robot.model.world),
             localization: settings.localization.clone(),
             active: settings.active.clone(),
+            map_known: settings.map_known,
         }
     }
 }
@@ -61,10 +63,18 @@ impl SaveOutside for OfficeRobot {
                 "the run was saved in the world `{there}`, which is not the world `{here}` as it is now"
             ));
         }
+        if setting.map_known != here.map_known {
+            let with = |map_known: bool| if map_known { "with a map" } else { "without a map" };
+            let (there, here) = (with(setting.map_known), with(here.map_known));
+            return Err(format!("the run was saved {there}, and this one is {here}"));
+        }
         if setting != here {
             return Err("the run was saved with other settings of localization".into());
         }
         let (board, state, scenario): (Board, SimulatorState, Option<Vec<u8>>) = read(rest)?;
+        if board.localization.is_some() != here.map_known {
+            return Err("its state is damaged: only a robot with a map has a belief".into());
+        }
         if !self.host.model.fits(&state) {
             return Err("its state does not fit the world".into());
         }

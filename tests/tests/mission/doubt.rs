@@ -11,7 +11,8 @@ use rpl_tests::mission::{Mission, Run, is, run_until};
 const ELSEWHERE: Pose = Pose { x_m: 6.5, y_m: 3.0, heading_rad: 0.0 };
 
 fn believes_to_be_elsewhere(robot: &mut OfficeRobot) {
-    robot.board.localization = Localization::start_at(&robot.model.localization, ELSEWHERE, Spread::default());
+    let map = robot.model.map.as_ref().expect("the robot has a map");
+    robot.board.localization = Some(Localization::start_at(&map.localization, ELSEWHERE, Spread::default()));
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod determinism;
 mod doubt;
 mod examples;
 mod interruption;
+mod mapless;
 mod office;
 mod policies;
 mod save;

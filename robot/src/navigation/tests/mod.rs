@@ -3,6 +3,7 @@
 mod clutter;
 mod doors;
 mod drives;
+mod mapless;
 mod octile;
 mod plans;
 
