@@ -29,7 +29,7 @@ fn the_errand_is_done_after_an_interruption() {
     assert!(run.trace().contains("active-localization"), "{}", run.trace());
 }
 
-const SEED: u64 = 2;
+const SEED: u64 = 3;
 
 /// r[determinism.same]
 #[test]
@@ -48,10 +48,10 @@ fn the_number_of_threads_changes_nothing() {
     assert_eq!(in_pool(1, SEED), in_pool(2, SEED));
 }
 
-/// CRC-32 of the trace of the errand with seed 1, as a release build writes it. After a change that
+/// CRC-32 of the trace of the errand with this seed, as a release build writes it. After a change that
 /// is meant to change traces, run this test in release and put the number it reports here; debug
 /// builds must then agree.
-const TRACE_OF_RELEASE: u32 = 3_922_764_329;
+const TRACE_OF_RELEASE: u32 = 2_802_892_996;
 
 #[test]
 fn every_profile_writes_the_trace_of_a_release_build() {
