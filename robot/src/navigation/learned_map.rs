@@ -94,18 +94,18 @@ const FELT_NATS: f64 = 4.0;
 
 /// How sure it takes to be to call a cell an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Belief {
+pub enum Evidence {
     /// More than against it.
     Likely,
     /// Much more: an echo or two will not do.
     Certain,
 }
 
-impl Belief {
+impl Evidence {
     fn threshold(self) -> i8 {
         match self {
-            Belief::Likely => 4,
-            Belief::Certain => 24,
+            Evidence::Likely => 4,
+            Evidence::Certain => 24,
         }
     }
 }
@@ -219,13 +219,13 @@ impl LearnedMap {
     }
 
     /// Whether an obstacle is believed to be so near to a point.
-    pub fn is_obstructed(&self, point_in_odom: Point, reach_m: f64, belief: Belief) -> bool {
-        disc(point_in_odom, reach_m, self.cell_m()).any(|at| self.log_odds(at) >= belief.threshold())
+    pub fn is_obstructed(&self, point_in_odom: Point, reach_m: f64, evidence: Evidence) -> bool {
+        disc(point_in_odom, reach_m, self.cell_m()).any(|at| self.log_odds(at) >= evidence.threshold())
     }
 
     /// The map around these points and all that has been seen, with `margin_m` to spare, but nothing
     /// farther than `most_m` from the first. What has not been seen is free.
-    pub fn grid(&self, points_in_odom: &[Point], margin_m: f64, most_m: f64, belief: Belief) -> OccupancyGrid {
+    pub fn grid(&self, points_in_odom: &[Point], margin_m: f64, most_m: f64, evidence: Evidence) -> OccupancyGrid {
         let first = points_in_odom.first().map_or(Point::origin(), |&first| first);
         let shift = |by_m: f64| self.around(Point::new(first.x + by_m, first.y + by_m));
         let (least, most) = (shift(-most_m), shift(most_m));
@@ -245,10 +245,10 @@ impl LearnedMap {
         }
         low = At { column: low.column.max(least.column), row: low.row.max(least.row) };
         high = At { column: high.column.min(most.column), row: high.row.min(most.row) };
-        self.window(low, high, belief)
+        self.window(low, high, evidence)
     }
 
-    fn window(&self, low: At, high: At, belief: Belief) -> OccupancyGrid {
+    fn window(&self, low: At, high: At, evidence: Evidence) -> OccupancyGrid {
         let cell_m = self.cell_m();
         let origin = Point::new(low.column as f64 * cell_m, low.row as f64 * cell_m);
         let (columns, rows) = ((high.column - low.column + 1) as usize, (high.row - low.row + 1) as usize);
@@ -259,7 +259,7 @@ impl LearnedMap {
                     let column = i64::from(i) * TILE + x as i64 - low.column;
                     let row = i64::from(j) * TILE + y as i64 - low.row;
                     let inside = column >= 0 && row >= 0 && column < columns as i64 && row < rows as i64;
-                    if inside && log_odds >= belief.threshold() {
+                    if inside && log_odds >= evidence.threshold() {
                         grid.set(column as usize, row as usize, Cell::Occupied);
                     }
                 }

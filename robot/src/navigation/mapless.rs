@@ -3,7 +3,7 @@
 //! Smirnov 1997, "Sensor-Based Planning with the Freespace Assumption").
 
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
-use super::learned_map::{Belief, Grain, LearnedMap};
+use super::learned_map::{Evidence, Grain, LearnedMap};
 use super::navigation::{NavigationEvent, NavigationInput, NavigationOutput, turn_to};
 use super::obstacle_memory::{ObstacleMemory, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
@@ -32,7 +32,7 @@ struct Plan {
     target_in_odom: Point,
     from_in_odom: Point,
     seen: LearnedMap,
-    belief: Belief,
+    evidence: Evidence,
     at_s: f64,
 }
 
@@ -309,31 +309,31 @@ impl MaplessNavigation {
         if self.plan.as_ref().is_some_and(is_kept) && !self.is_way_obstructed(limits, here) {
             return;
         }
-        self.plan_on(limits, here, target_in_odom, Belief::Likely);
+        self.plan_on(limits, here, target_in_odom, Evidence::Likely);
         let has_way = |field: Option<Arc<ValueField>>| field.is_some_and(|field| field.lookahead(here, 0.0).is_some());
         if !has_way(self.field(limits)) {
-            self.plan_on(limits, here, target_in_odom, Belief::Certain);
+            self.plan_on(limits, here, target_in_odom, Evidence::Certain);
         }
     }
 
-    fn plan_on(&mut self, limits: &DriveLimits, from_in_odom: Point, target_in_odom: Point, belief: Belief) {
-        self.plan = Some(Plan { target_in_odom, from_in_odom, seen: self.seen.clone(), belief, at_s: self.now_s });
+    fn plan_on(&mut self, limits: &DriveLimits, from_in_odom: Point, target_in_odom: Point, evidence: Evidence) {
+        self.plan = Some(Plan { target_in_odom, from_in_odom, seen: self.seen.clone(), evidence, at_s: self.now_s });
         self.cache = FieldCache::default();
         self.field(limits);
     }
 
     fn is_way_obstructed(&mut self, limits: &DriveLimits, here: Point) -> bool {
-        let Some(belief) = self.plan.as_ref().map(|plan| plan.belief) else { return true };
+        let Some(evidence) = self.plan.as_ref().map(|plan| plan.evidence) else { return true };
         let Some(way) = self.field(limits).and_then(|field| field.way_ahead(here, FARTHEST_M)) else { return true };
         way.iter()
             .filter(|&&point| distance_m(point, here) > HERE_M)
-            .any(|&point| self.seen.is_obstructed(point, limits.robot_radius_m, belief))
+            .any(|&point| self.seen.is_obstructed(point, limits.robot_radius_m, evidence))
     }
 
     fn field(&mut self, limits: &DriveLimits) -> Option<Arc<ValueField>> {
-        let Plan { target_in_odom, from_in_odom, seen, belief, .. } = self.plan.as_ref()?;
+        let Plan { target_in_odom, from_in_odom, seen, evidence, .. } = self.plan.as_ref()?;
         let field = self.cache.0.get_or_insert_with(|| {
-            let grid = seen.grid(&[*from_in_odom, *target_in_odom], MARGIN_M, FARTHEST_M, *belief);
+            let grid = seen.grid(&[*from_in_odom, *target_in_odom], MARGIN_M, FARTHEST_M, *evidence);
             let parameters = PlannerParameters {
                 robot_radius_m: seen.planning_radius_m(limits.robot_radius_m),
                 ..PlannerParameters::default()

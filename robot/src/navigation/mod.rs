@@ -4,9 +4,10 @@
 //! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
 //! sensors saw lately), `alignment` (where that fits the map), `doorways` (which doors were found
 //! closed), `clearance` (how far an arc is free), `dynamic_window` (safe speeds), `topological`
-//! (target points through doors and corridors), `navigation` (the state machine that drives them), `drive` (following and
-//! wandering without a map); `learned_map` and `mapless` (the same without a map:
-//! what the sensors have seen, and driving by it). Nothing here knows the plan language or the simulator.
+//! (target points through doors and corridors), `navigation` (the state machine that drives them),
+//! `drive` (following and wandering without a map); `learned_map` and `mapless` (the same without a
+//! map: what the sensors have seen, and driving by it). Nothing here knows the plan language or the
+//! simulator.
 
 pub mod alignment;
 pub mod clearance;
