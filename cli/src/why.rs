@@ -120,6 +120,10 @@ fn taken(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String
 /// A fluent, its value, who changed it last, and what it is computed from.
 fn tell_reading(situation: &Situation, standing: &Standing, reading: &Reading, depth: usize, lines: &mut Vec<String>) {
     let name = &reading.fluent;
+    // The prompt's own.
+    if name.starts_with('%') {
+        return;
+    }
     let change = situation.changes.get(name);
     let later = change.filter(|change| change.told > standing.told).and_then(|change| change.value.as_deref());
     let value = shortened(later.unwrap_or(&reading.value));

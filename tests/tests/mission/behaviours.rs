@@ -292,3 +292,25 @@ fn active_localization_loses_the_wheels_like_navigation() {
     );
     assert_eq!(run.outcome(), "=> (interrupted 2.0)", "{}", run.trace());
 }
+
+/// r[behaviour.interrupted]
+#[test]
+fn a_search_for_the_position_that_loses_the_wheels_goes_on_when_they_come_back() {
+    let run = run_in(
+        test_room(),
+        "(with-policy
+             (seq (wait-for (<= pos-certainty* 0.8))
+                  (wait-time 0.2)
+                  (with-valve wheels
+                    (log (format \"taken ~a\" (<= (value pos-certainty*) 0.8)))
+                    (wait-time 1)))
+           (with-policy (relocalize-when-necessary)
+             (doubt-position)
+             (wait-for (<= pos-certainty* 0.8))
+             (wait-for (> pos-certainty* 0.9))
+             'found))",
+    );
+    assert_eq!(run.output, ["log: taken t"], "{}", run.trace());
+    assert_eq!(run.outcome(), "=> found", "{}", run.trace());
+    assert!(run.trace().contains("interrupted"), "{}", run.trace());
+}
