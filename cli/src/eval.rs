@@ -5,13 +5,12 @@ use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
-use crate::mission::{self, Site};
 use crate::run::status;
+use crate::setting::Setting;
 use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::formatter;
 use rpl_lang::source::SourceId;
-use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::{Outcome, System};
 
 /// A value that takes more columns is laid out over several lines.
@@ -23,12 +22,9 @@ pub struct Arguments {
     /// The expression; `-` for standard input
     #[arg(value_name = "EXPR", allow_hyphen_values = true)]
     expression: String,
-    /// The world the robot is in: a built-in name, or a .toml file; no robot without
-    #[arg(long, value_name = "W")]
-    world: Option<String>,
-    /// Seed of every random stream
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// Where it is evaluated
+    #[command(flatten)]
+    setting: Setting,
 }
 
 /// Evaluates a text, `-` for standard input, and prints the value as it could be read.
@@ -41,8 +37,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         "-" => ("<stdin>", files::standard_input()?),
         text => ("<eval>", text.to_string()),
     };
-    let world = arguments.world.as_deref().map(mission::world).transpose()?;
-    let site = Site::new(world, None, OfficeSettings::default())?;
+    let (site, _) = arguments.setting.site()?;
+    let seed = arguments.setting.seed;
     let mut folder = Folder::Disk(".".into());
     let loaded = match site.library.load(name, &text, &mut folder) {
         Ok(loaded) => loaded,
@@ -51,8 +47,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             return Ok(Status::Wrong);
         }
     };
-    let mut system = System::new(site.library.clone(), loaded, site.robot(arguments.seed));
-    system.machine.seed_random(arguments.seed);
+    let mut system = System::new(site.library.clone(), loaded, site.robot(seed));
+    system.machine.seed_random(seed);
     let ending = drive(&mut system, Pace::default(), console, &mut Records::default())?;
     match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => {

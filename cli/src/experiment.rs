@@ -79,14 +79,14 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         write_results(arguments, &[(arguments.name.as_str(), trials.clone())], &[])?;
         return Ok(status(&trials));
     };
-    let chosen = rows(experiment, arguments.row.as_deref());
+    let chosen = || rows(experiment, arguments.row.as_deref());
     match experiment.report {
         Report::Barn => barn::run(arguments, console),
         Report::Worlds => worlds::run(arguments, console),
         Report::Sensing => sensing::run(arguments, console),
-        Report::Choices => choices::run(arguments, &chosen?, console),
+        Report::Choices => choices::run(arguments, &chosen()?, console),
         Report::Success => {
-            let rows = missions(arguments, &chosen?, console)?;
+            let rows = missions(arguments, &chosen()?, console)?;
             let (name, first) = &rows[0];
             console.print(&table(name, first))?;
             console.print("")?;
@@ -95,13 +95,13 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             Ok(status(first))
         }
         Report::Comparison => {
-            let rows = missions(arguments, &chosen?, console)?;
+            let rows = missions(arguments, &chosen()?, console)?;
             console.print(&comparison(&rows))?;
             write_results(arguments, &rows, &[])?;
             Ok(Status::Succeeded)
         }
         Report::Calibration => {
-            let rows = missions(arguments, &chosen?, console)?;
+            let rows = missions(arguments, &chosen()?, console)?;
             let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
             let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
             console.print(&calibration::table(&all, &used))?;

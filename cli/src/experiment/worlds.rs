@@ -61,8 +61,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 
 fn unknown(name: &str) -> String {
     let meant =
-        suggest(name, WORLDS.iter().copied()).map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
-    format!("the experiment `worlds` has no row `{name}`{meant}; it has {}", WORLDS.join(", "))
+        suggest(name, WORLDS.iter().copied()).map_or(String::new(), |meant| format!(", did you mean `{meant}`?"));
+    format!("the experiment `worlds` has no row `{name}`{meant} (it has {})", WORLDS.join(", "))
 }
 
 fn drives(arguments: &Arguments, console: &Console, name: &str) -> Result<Vec<Trial>> {
