@@ -108,7 +108,7 @@ impl Drive {
     /// One step of `limits.step_s`.
     pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, speed_limit_mps: f64) -> DriveOutput {
         let (sonar_m, laser_m) = (input.sonar_m, input.laser_m);
-        self.memory.update(input.odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
+        self.memory.update(input.odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
         if input.bumped {
             self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
         }

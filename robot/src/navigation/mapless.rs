@@ -174,7 +174,7 @@ impl MaplessNavigation {
     ) -> NavigationOutput {
         self.now_s += limits.step_s;
         let (here, sonar_m, laser_m) = (input.odometry_in_odom, input.sonar_m, input.laser_m);
-        self.memory.update(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
+        self.memory.update(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
         self.seen.observe(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
         if input.bumped {
             self.memory.feel(here, limits.robot_radius_m);

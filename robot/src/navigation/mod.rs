@@ -2,7 +2,7 @@
 //!
 //! Read in this order: `distance` (how far the obstacles are), `planner` (what each cell costs),
 //! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
-//! sensors saw lately), `alignment` (where that fits the map), `doorways` (which doors were found
+//! sensors saw lately), `sonar_views` (where the sound passed), `alignment` (where that fits the map), `doorways` (which doors were found
 //! closed), `clearance` (how far an arc is free), `dynamic_window` (safe speeds), `topological`
 //! (target points through doors and corridors), `navigation` (the state machine that drives them),
 //! `drive` (following and wandering without a map); `learned_map` and `mapless` (the same without a
@@ -21,6 +21,7 @@ pub mod mapless;
 pub mod navigation;
 pub mod obstacle_memory;
 pub mod planner;
+mod sonar_views;
 pub mod topological;
 pub mod value_field;
 

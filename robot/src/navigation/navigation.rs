@@ -129,19 +129,49 @@ pub struct Navigation {
 /// The nearest the robot has come, by the cost of the way left.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Progress {
+    /// By the way the map shows.
     least_cost_m: Option<f64>,
     /// The doors that way leads around: costs of other ways do not compare.
     avoided_doors: Vec<usize>,
+    /// When that way was shortened last.
     at_s: f64,
-    /// The longest detour around blockages since.
-    detour_m: f64,
-    /// Whether the robot has forgotten what it saw and begun anew since.
+    /// By the way around the blockages, since.
+    around: AroundProgress,
+    /// When either was shortened last.
+    moved_at_s: f64,
+    /// Whether the robot has forgotten what it saw and begun anew since then.
     anew: bool,
+}
+
+/// Progress on the way around the blockages, which changes with each that is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct AroundProgress {
+    least_cost_m: Option<f64>,
+    /// A step ago.
+    cost_m: Option<f64>,
+    /// The most it has been longer than the way by the map.
+    detour_m: f64,
+}
+
+impl AroundProgress {
+    /// Whether the way left is shorter than ever. A cost that leaps is another way's: what was gained
+    /// on the way before is carried over to it.
+    fn shorten(&mut self, cost_m: f64) -> bool {
+        let before_m = self.cost_m.replace(cost_m).unwrap_or(cost_m);
+        if (cost_m - before_m).abs() > LEAP_M {
+            self.least_cost_m = self.least_cost_m.map(|least_m| least_m + cost_m - before_m);
+        }
+        let is_shorter = self.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M);
+        if is_shorter {
+            self.least_cost_m = Some(cost_m);
+        }
+        is_shorter
+    }
 }
 
 impl Progress {
     fn from(at_s: f64) -> Self {
-        Self { at_s, ..Self::default() }
+        Self { at_s, moved_at_s: at_s, ..Self::default() }
     }
 }
 
@@ -200,11 +230,13 @@ const HEADING_TOLERANCE_RAD: f64 = 0.1;
 const LOOKAHEAD_M: f64 = 2.0;
 /// So long without getting nearer is blocked.
 const BLOCKED_S: f64 = 20.0;
-/// A detour is given time at this speed, and at most so much.
-const DETOUR_MPS: f64 = 0.2;
-const DETOUR_S: f64 = 60.0;
+/// To look for a way around blockages there is so much time, and for the detour at this speed besides.
+const SEARCH_S: f64 = 60.0;
+const DETOUR_MPS: f64 = 0.15;
 /// Getting nearer means by so much.
 const PROGRESS_M: f64 = 0.1;
+/// No step changes the cost of the way left by so much.
+const LEAP_M: f64 = 0.2;
 /// So long without a way in the map is unreachable; the estimate may be wrong for a moment.
 const UNREACHABLE_S: f64 = 1.0;
 /// The way ahead is checked for unmapped obstacles this often.
@@ -293,7 +325,16 @@ impl Navigation {
         let limits = &model.limits;
         self.now_s += limits.step_s;
         let (sonar_m, laser_m) = (input.sonar_m, input.laser_m);
-        self.memory.update(input.odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
+        let odom_in_map = Transform::new(estimated_in_map.compose(input.odometry_in_odom.inverse()));
+        let off_map_m = |point_in_odom| model.planner.off_obstacle_m(odom_in_map.apply(point_in_odom));
+        self.memory.update(
+            input.odometry_in_odom,
+            sonar_m,
+            laser_m,
+            limits.sonar_max_range_m,
+            limits.step_s,
+            off_map_m,
+        );
         if input.bumped {
             self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
         }
@@ -496,27 +537,32 @@ impl Navigation {
         path_length_m(&points)
     }
 
-    /// Whether the robot has not come nearer for long, by the way the map shows; a detour around
-    /// blockages is given the time it takes.
+    /// Whether the robot has not come nearer for long. Coming nearer on a way around blockages counts
+    /// too, but not for ever: the robot may be going to and fro between two of them.
     fn has_stalled(&mut self, model: &NavigationModel, here: Point, target: Target) -> bool {
         let fields = self.fields(model, target);
+        let now_s = self.now_s;
         let Some(cost_m) = fields.mapped.cost_m(here) else {
-            return self.now_s - self.progress.at_s > BLOCKED_S;
+            return now_s - self.progress.at_s > BLOCKED_S;
         };
         self.measure_same_way(cost_m);
-        if self.progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
-            self.progress.least_cost_m = Some(cost_m);
-            self.progress.at_s = self.now_s;
-            self.progress.detour_m = 0.0;
-            self.progress.anew = false;
-        }
-        if self.now_s - self.progress.at_s > BLOCKED_S / 2.0 && !self.progress.anew {
-            self.begin_anew();
+        let progress = &mut self.progress;
+        if progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
+            progress.least_cost_m = Some(cost_m);
+            progress.around = AroundProgress::default();
+            (progress.at_s, progress.moved_at_s, progress.anew) = (now_s, now_s, false);
         }
         if let Some(around_m) = fields.around.cost_m(here) {
-            self.progress.detour_m = self.progress.detour_m.max(around_m - cost_m);
+            progress.around.detour_m = progress.around.detour_m.max(around_m - cost_m);
+            if progress.around.shorten(around_m) {
+                (progress.moved_at_s, progress.anew) = (now_s, false);
+            }
         }
-        self.now_s - self.progress.at_s > BLOCKED_S + (self.progress.detour_m / DETOUR_MPS).min(DETOUR_S)
+        if now_s - progress.moved_at_s > BLOCKED_S / 2.0 && !progress.anew {
+            self.begin_anew();
+        }
+        let around_s = SEARCH_S + self.progress.around.detour_m / DETOUR_MPS;
+        now_s - self.progress.moved_at_s > BLOCKED_S || now_s - self.progress.at_s > around_s
     }
 
     /// Around other doors than before, what is nearest is counted from here; the time goes on.

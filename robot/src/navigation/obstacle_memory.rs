@@ -1,6 +1,7 @@
 //! What the sensors saw lately, kept in `odom`: twenty-four cones are sparse, some are lost, and the
 //! laser looks ahead only.
 
+use super::sonar_views::SonarViews;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::localization::SONARS;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,10 @@ const MEMORY_S: f64 = 6.0;
 /// across a cone is gone from it after 0.9 m, at 0.6 m/s after 1.5 s.
 const STANDING_S: f64 = 2.0;
 
+/// Points of an arc that are this little farther from a surface of the map than the nearest are on it
+/// too.
+const AS_NEAR_M: f64 = 0.03;
+
 /// Points nearer to each other than this are one.
 const GRAIN_M: f64 = 0.05;
 
@@ -31,12 +36,6 @@ const DOUBTS: u8 = 6;
 
 /// A point seen only once may be another sonar's echo: a single reading through it is enough.
 const DOUBTS_AT_FIRST: u8 = 4;
-
-/// A wall hit at an angle, or an edge, throws the sound away as long as the robot hardly moves. So
-/// silence casts doubt on what was heard more than once only after so much motion or time.
-const VIEW_M: f64 = 0.1;
-const VIEW_RAD: f64 = 0.087;
-const VIEW_S: f64 = 0.5;
 
 /// What saw a point. Only the same can see that it is gone: a box may be there for one of them alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -68,20 +67,13 @@ impl RememberedPoint {
     }
 }
 
-/// From where and when silence last cast doubts on all points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct View {
-    from_in_odom: Pose,
-    at_s: f64,
-}
-
 /// Obstacle points seen lately. Points that a later reading passes through are doubted and then
 /// forgotten, others after some seconds or metres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObstacleMemory {
     /// Time with sonars, and with the laser.
     now_s: [f64; 2],
-    view: View,
+    views: SonarViews,
     /// Sorted by cell and sensor.
     points: Vec<RememberedPoint>,
 }
@@ -93,6 +85,8 @@ impl ObstacleMemory {
     /// Takes in what the sensors say at a place, or only lets `step_s` pass. A reading is the distance
     /// from the robot's centre; a sonar's that is not in (0, `sonar_max_range_m`) heard nothing. The
     /// laser's readings are a degree apart, in order from right to left about straight ahead.
+    /// `off_map_m` tells of a point in `odom` how far it is from the nearest surface of the map, if that
+    /// is near.
     pub fn update(
         &mut self,
         odometry_in_odom: Pose,
@@ -100,18 +94,24 @@ impl ObstacleMemory {
         laser_m: Option<&[f32]>,
         sonar_max_range_m: f64,
         step_s: f64,
+        off_map_m: impl Fn(Point) -> Option<f64>,
     ) {
         if let Some(sonar_m) = sonar_m {
             self.now_s[Sensor::Sonar as usize] += step_s;
-            let is_new_view = self.is_new_view(odometry_in_odom);
+            let now_s = self.now_s[Sensor::Sonar as usize];
+            let is_new_view = self.views.take_in(odometry_in_odom, sonar_m, sonar_max_range_m, now_s);
             self.doubt(odometry_in_odom, Sensor::Sonar, |point, bearing_rad, away_m| {
                 let silence_counts = is_new_view || !point.is_seen_again;
                 doubts_of_sonar(sonar_m, sonar_max_range_m, silence_counts, bearing_rad, away_m)
             });
+            let mut arc = Vec::new();
             for (sonar, &range_m) in sonar_m.iter().enumerate() {
                 let range_m = f64::from(range_m);
                 if range_m > 0.0 && range_m < sonar_max_range_m.min(USEFUL_RANGE_M) {
-                    self.hear(odometry_in_odom, direction_rad(sonar), range_m);
+                    arc.clear();
+                    arc.extend(arc_in_odom(odometry_in_odom, direction_rad(sonar), range_m));
+                    self.narrow(&mut arc, &off_map_m);
+                    arc.iter().for_each(|&point| self.remember(point, Sensor::Sonar, range_m));
                 }
             }
         }
@@ -139,7 +139,9 @@ impl ObstacleMemory {
     /// Remembers an obstacle felt, not seen: the robot drives forward only, so it is at the front.
     pub fn feel(&mut self, odometry_in_odom: Pose, robot_radius_m: f64) {
         for direction_rad in [-0.7, 0.0, 0.7] {
-            self.hear(odometry_in_odom, direction_rad, robot_radius_m + 0.01);
+            for point in arc_in_odom(odometry_in_odom, direction_rad, robot_radius_m + 0.01) {
+                self.remember(point, Sensor::Sonar, robot_radius_m);
+            }
         }
     }
 
@@ -154,13 +156,17 @@ impl ObstacleMemory {
         points_in_base.extend(self.points.iter().map(|point| odom_in_base.apply(point.point_in_odom)));
     }
 
-    /// The surface is somewhere on the arc: all of it counts.
-    fn hear(&mut self, odometry_in_odom: Pose, direction_rad: f64, range_m: f64) {
-        let steps = libm::ceil(HALF_CONE_RAD * range_m / (1.6 * GRAIN_M)).max(1.0) as i32;
-        for step in -steps..=steps {
-            let angle_rad =
-                odometry_in_odom.heading_rad + direction_rad + HALF_CONE_RAD * f64::from(step) / f64::from(steps);
-            self.remember(ahead_of(odometry_in_odom, angle_rad, range_m), Sensor::Sonar, range_m);
+    /// The surface is somewhere on the arc, and not where the sound passed from another place or
+    /// direction; if it passed everywhere, something has come since. Where the arc meets a surface of
+    /// the map, that is what was heard.
+    fn narrow(&self, arc_in_odom: &mut Vec<Point>, off_map_m: &impl Fn(Point) -> Option<f64>) {
+        let is_possible = |point: &Point| !self.views.passed(*point);
+        if arc_in_odom.iter().any(is_possible) {
+            arc_in_odom.retain(is_possible);
+        }
+        let least_m = arc_in_odom.iter().filter_map(|&point| off_map_m(point)).min_by(f64::total_cmp);
+        if let Some(least_m) = least_m {
+            arc_in_odom.retain(|&point| off_map_m(point).is_some_and(|off_m| off_m <= least_m + AS_NEAR_M));
         }
     }
 
@@ -181,19 +187,6 @@ impl ObstacleMemory {
             Ok(index) => self.points[index] = seen(self.points[index].first_seen_at_s, true, 0),
             Err(index) => self.points.insert(index, seen(seen_at_s, false, DOUBTS_AT_FIRST)),
         }
-    }
-
-    /// Whether the sonars look from a new place; if so, the next new view is counted from here.
-    fn is_new_view(&mut self, odometry_in_odom: Pose) -> bool {
-        let View { from_in_odom, at_s } = self.view;
-        let now_s = self.now_s[Sensor::Sonar as usize];
-        let turned_rad = wrap_angle_rad(odometry_in_odom.heading_rad - from_in_odom.heading_rad).abs();
-        let is_new =
-            odometry_in_odom.distance_m(from_in_odom) >= VIEW_M || turned_rad >= VIEW_RAD || now_s - at_s >= VIEW_S;
-        if is_new {
-            self.view = View { from_in_odom: odometry_in_odom, at_s: now_s };
-        }
-        is_new
     }
 
     /// Adds the doubts that a scan casts on a point in a direction at a distance.
@@ -219,6 +212,15 @@ impl ObstacleMemory {
         self.points.retain(|point| age_s(point) <= oldest_kept_s);
         self.points.truncate(Self::CAPACITY);
     }
+}
+
+/// Where the surface may be that a sonar hears, no farther apart than the grain.
+fn arc_in_odom(odometry_in_odom: Pose, direction_rad: f64, range_m: f64) -> impl Iterator<Item = Point> {
+    let steps = libm::ceil(HALF_CONE_RAD * range_m / (1.6 * GRAIN_M)).max(1.0) as i32;
+    (-steps..=steps).map(move |step| {
+        let off_rad = HALF_CONE_RAD * f64::from(step) / f64::from(steps);
+        ahead_of(odometry_in_odom, odometry_in_odom.heading_rad + direction_rad + off_rad, range_m)
+    })
 }
 
 /// A sonar that hears nothing tells half as much: smooth walls throw its sound away.
@@ -300,8 +302,12 @@ mod tests {
 
     fn look(memory: &mut ObstacleMemory, heading_rad: f64, ahead_m: f32, times: u32) {
         for _ in 0..times {
-            memory.update(Pose::new(0.0, 0.0, heading_rad), Some(&scan(ahead_m)), None, 5.0, 0.05);
+            memory.update(Pose::new(0.0, 0.0, heading_rad), Some(&scan(ahead_m)), None, 5.0, 0.05, no_map);
         }
+    }
+
+    fn no_map(_: Point) -> Option<f64> {
+        None
     }
 
     fn knows_ahead(memory: &ObstacleMemory) -> bool {
@@ -327,5 +333,40 @@ mod tests {
         assert!(knows_ahead(&memory));
         look(&mut memory, 0.0, 2.0, 1);
         assert!(!knows_ahead(&memory));
+    }
+
+    /// How far to the left of straight ahead the points of one arc reach.
+    fn left_and_right_m(memory: &ObstacleMemory) -> (f64, f64) {
+        let aside_m = memory.points().iter().map(|point| point.point_in_odom.y);
+        (aside_m.clone().fold(f64::NEG_INFINITY, f64::max), aside_m.fold(f64::INFINITY, f64::min))
+    }
+
+    #[test]
+    fn where_another_cone_passed_there_is_nothing() {
+        // To the right of 3.75° the room is open as seen with the robot turned, to the left is a wall.
+        let mut memory = ObstacleMemory::default();
+        memory.update(Pose::new(0.0, 0.0, -0.065), Some(&scan(2.5)), None, 5.0, 0.05, no_map);
+        look(&mut memory, 0.0, 1.5, 1);
+        let (left_m, right_m) = left_and_right_m(&memory);
+        assert!(left_m > 0.18 && right_m > 0.08, "{left_m} {right_m}");
+    }
+
+    #[test]
+    fn an_echo_where_all_was_open_is_somewhere_on_its_arc() {
+        let mut memory = ObstacleMemory::default();
+        look(&mut memory, 0.0, 2.5, 1);
+        look(&mut memory, 0.0, 1.5, 1);
+        let (left_m, right_m) = left_and_right_m(&memory);
+        assert!(left_m > 0.18 && right_m < -0.18, "{left_m} {right_m}");
+    }
+
+    #[test]
+    fn an_echo_the_map_expects_is_where_the_map_has_it() {
+        // The edge of a wall on the left, parallel to the way.
+        let off_map_m = |point: Point| (point.y > 0.05).then_some((0.15 - point.y).max(0.0));
+        let mut memory = ObstacleMemory::default();
+        memory.update(Pose::default(), Some(&scan(1.5)), None, 5.0, 0.05, off_map_m);
+        let (left_m, right_m) = left_and_right_m(&memory);
+        assert!(left_m > 0.18 && right_m > 0.11, "{left_m} {right_m}");
     }
 }

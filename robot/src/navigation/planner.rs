@@ -241,6 +241,22 @@ impl PlannerModel {
         self.grid.cell_at(point_in_map).map_or(0.0, |cell| f64::from(self.obstacle_distances_m[cell]))
     }
 
+    /// How far a point is from the nearest obstacle cell, if it is at most a cell.
+    pub fn off_obstacle_m(&self, point_in_map: Point) -> Option<f64> {
+        let grid = &self.grid;
+        let middle = grid.cell_at(point_in_map)?;
+        let half_m = grid.resolution_m / 2.0;
+        let off_m = |cell: usize| {
+            let off = (point_in_map - grid.centre(cell)).abs().map(|off_m| (off_m - half_m).max(0.0));
+            off.norm()
+        };
+        std::iter::once(middle)
+            .chain(MOVES.map(|step| grid.neighbour(middle, step)))
+            .filter(|&cell| grid.is_obstacle[cell])
+            .map(off_m)
+            .min_by(f64::total_cmp)
+    }
+
     /// What a metre costs at a point, in metres of open floor; `None` where the robot does not fit.
     pub fn price(&self, point_in_map: Point) -> Option<f64> {
         let price = self.grid.prices[self.grid.cell_at(point_in_map)?];

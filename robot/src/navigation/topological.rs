@@ -8,7 +8,7 @@ use crate::world::{Axis, Door, Place, Rect, Region, Room, TravelMode, World};
 use serde::{Deserialize, Serialize};
 
 /// How far before and behind a door its target points lie.
-const DOOR_APPROACH_M: f64 = 0.9;
+const DOOR_APPROACH_M: f64 = 0.75;
 
 /// How far from the robot's line the last point may be for it to count as passed.
 const PASSING_WIDTH_M: f64 = 0.3;

@@ -112,7 +112,8 @@ fn a_dead_end_is_remembered_and_left() {
         let outcome = robot.outcome(event);
         assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "seed {seed}: {outcome:?}");
         assert!(farthest_in_m > 6.0, "seed {seed}: it went in, to {farthest_in_m}");
-        assert!(distance_m(outcome.end_in_map.point(), goal) < 1.0, "seed {seed}: {outcome:?}");
+        let off_m = distance_m(outcome.end_in_map.point(), goal);
+        assert!(off_m < 0.06 * outcome.way_m, "seed {seed}: no farther than the odometry drifts: {outcome:?}");
     }
 }
 
