@@ -74,14 +74,14 @@ impl ValueField {
     }
 
     /// The farthest point of the way from a point that can be reached in a straight line and lies at
-    /// most `reach_m` along it. Cheap: looks only that far ahead.
+    /// most `reach_m` along it; a little beyond the next corner if that is at hand. Cheap: looks only
+    /// that far ahead.
     pub fn lookahead(&self, from_in_map: Point, reach_m: f64) -> Option<Point> {
-        const ALREADY_THERE_M: f64 = 0.15;
+        const AT_HAND_M: f64 = 0.3;
         let (escape, cells) = self.approach(from_in_map, reach_m)?;
-        if !escape.is_empty() && distance_m(from_in_map, cells[0]) > ALREADY_THERE_M {
-            return Some(cells[0]);
-        }
-        Some(cells[farthest_straight(&self.grid, &cells, 0)])
+        let corner = if escape.is_empty() { farthest_straight(&self.grid, &cells, 0) } else { 0 };
+        let beyond = cells[corner..].iter().find(|&&cell| distance_m(from_in_map, cell) >= AT_HAND_M);
+        beyond.or(cells.last()).copied()
     }
 
     /// The next `reach_m` of the way from a point, cell by cell, not straightened.
