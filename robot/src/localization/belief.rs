@@ -89,17 +89,23 @@ impl Belief {
     /// The belief of another grid over the same map: every state takes the density of the state of
     /// the other grid it lies in.
     pub(super) fn resampled(model: &LocalizationModel, other: &Self, other_model: &LocalizationModel) -> Self {
+        let grid = &model.grid;
+        let place = |column, row| other_model.grid.fractional(grid.centre(column, row));
+        let columns: Vec<f64> = (0..grid.columns).map(|column| place(column, 0).0).collect();
+        let rows: Vec<f64> = (0..grid.rows).map(|row| place(0, row).1).collect();
+        let resampled = |plane: &Plane| -> Plane {
+            let densities = plane.densities(other_model, &columns, &rows).into_iter().chain(std::iter::repeat(0.0));
+            let cells = model.admissible.iter().zip(densities);
+            let cells = cells.map(|(&admissible, density)| if admissible > 0.0 { density as f32 } else { 0.0 });
+            Plane::active(Arc::new(cells.collect()))
+        };
+        // The other grid may have fewer headings: each of its planes is resampled once.
+        let sources: Vec<Plane> = other.planes.par_iter().map(resampled).collect();
         let mut belief = Self::uniform(model);
         update_planes(&mut belief.planes, |heading, plane| {
-            let at = other.plane_at(other_model, model.grid.angle_step_rad() * heading as f64);
-            let values = (0..model.grid.plane_len()).map(|cell| {
-                if model.admissible[cell] == 0.0 {
-                    return 0.0;
-                }
-                let centre = model.grid.centre(cell % model.grid.columns, cell / model.grid.columns);
-                other.planes[at].density(other_model, centre) as f32
-            });
-            *plane = Plane::active(Arc::new(values.collect()));
+            let source = &sources[other.plane_at(other_model, grid.angle_step_rad() * heading as f64)];
+            // Not shared, because they are weighed next.
+            *plane = Plane { cells: Arc::new(source.cells.to_vec()), ..source.clone() };
         });
         belief.sense(model, &[]);
         belief

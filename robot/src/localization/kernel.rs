@@ -1,8 +1,9 @@
 //! The loops over the cells of one plane. Every sum has one fixed order, and every operation is one
-//! that rounds alike whatever the width of the registers: [`simd`](super::simd) compiles the same
-//! loops for wider ones.
+//! that rounds alike whatever the width of the registers: the loops are written in
+//! [`lanes`](super::lanes), and [`simd`](super::simd) compiles them for wider ones.
 
 use super::grid::BLOCK;
+use super::lanes::{Float, LANES, Lanes};
 
 /// Blocks of a tile.
 const TILE_BLOCKS: usize = 16;
@@ -10,9 +11,6 @@ const TILE_BLOCKS: usize = 16;
 /// Cells of a tile, whole blocks; the table of expected distances for one, all directions, is some
 /// 360 kB and fits a second-level cache.
 pub(super) const TILE: usize = TILE_BLOCKS * BLOCK;
-
-/// Lanes of a sum: a whole number of the widest registers, so that all widths add alike.
-const LANES: usize = 16;
 
 /// Beams whose costs are looked up together.
 pub(super) const TOGETHER: usize = 4;
@@ -57,46 +55,35 @@ pub(super) struct Extent {
 }
 
 /// Sum and maximum of cells as they are visited, lane by lane.
-struct Lanes {
-    sums: [f32; LANES],
-    peaks: [f32; LANES],
+struct Visited<L> {
+    sums: L,
+    peaks: L,
 }
 
-impl Lanes {
+impl<L: Lanes> Visited<L> {
     #[inline(always)]
-    fn new() -> Self {
-        Self { sums: [0.0; LANES], peaks: [0.0; LANES] }
+    fn none() -> Self {
+        Self { sums: L::all(0.0), peaks: L::all(0.0) }
     }
 
     #[inline(always)]
-    fn add(&mut self, cells: &[f32; LANES]) {
-        for ((sum, peak), &cell) in self.sums.iter_mut().zip(&mut self.peaks).zip(cells) {
-            *sum += cell;
-            *peak = larger(cell, *peak);
-        }
+    fn add(&mut self, cells: L) {
+        self.sums = self.sums.plus(cells);
+        self.peaks = cells.larger(self.peaks);
     }
 
     #[inline(always)]
     fn extent(&self) -> Extent {
-        Extent {
-            mass: self.sums.iter().map(|&lane| f64::from(lane)).sum(),
-            peak: self.peaks.iter().copied().fold(0.0, larger),
-        }
+        Extent { mass: self.sums.to_array().into_iter().map(f64::from).sum(), peak: self.peaks.largest() }
     }
-}
-
-/// One instruction, other than `f32::max`, which looks after NaN.
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// Sum and maximum of whole blocks.
 pub(super) fn extent(cells: &[f32]) -> Extent {
     let parts = cells.chunks(TILE).map(|part| {
-        let mut lanes = Lanes::new();
-        part.as_chunks::<LANES>().0.iter().for_each(|chunk| lanes.add(chunk));
-        lanes.extent()
+        let mut visited = Visited::<[f32; LANES]>::none();
+        part.as_chunks().0.iter().for_each(|chunk| visited.add(*chunk));
+        visited.extent()
     });
     parts.fold(Extent::default(), Extent::and)
 }
@@ -104,19 +91,17 @@ pub(super) fn extent(cells: &[f32]) -> Extent {
 impl Extent {
     /// Of these cells and others.
     pub(super) fn and(self, other: Self) -> Self {
-        Self { mass: self.mass + other.mass, peak: larger(self.peak, other.peak) }
+        Self { mass: self.mass + other.mass, peak: self.peak.larger(other.peak) }
     }
 }
 
 #[inline(always)]
-fn block_peak(cells: &[f32; BLOCK]) -> f32 {
-    let mut peaks = [0f32; LANES];
-    for chunk in cells.as_chunks::<LANES>().0 {
-        for (peak, &cell) in peaks.iter_mut().zip(chunk) {
-            *peak = larger(cell, *peak);
-        }
+fn block_peak<L: Lanes>(cells: &[f32; BLOCK]) -> f32 {
+    let mut peaks = L::all(0.0);
+    for chunk in cells.as_chunks().0 {
+        peaks = L::load(chunk).larger(peaks);
     }
-    peaks.iter().copied().fold(0.0, larger)
+    peaks.largest()
 }
 
 /// Smallest value at which an admissible cell is read. No product of such a value, [`LIFT`], a weight
@@ -136,18 +121,17 @@ const LEAST_LOG2: f32 = -100.0;
 /// A polynomial of the fraction, minimal in the largest relative error, and the whole part added to
 /// the exponent; multiplications and additions only, so that all widths round alike.
 #[inline(always)]
-pub(super) fn exp2(x: f32) -> f32 {
+pub(super) fn exp2<F: Float>(x: F) -> F {
     // Added to a float, it leaves the whole part in the lowest bits.
-    const WHOLE: f32 = 12_582_912.0;
-    let x = larger(x, LEAST_LOG2);
-    let shifted = x + WHOLE;
-    let fraction = x - (shifted - WHOLE);
-    let power = shifted.to_bits() << 23;
-    let series = 1.326_472_7e-3 * fraction + 9.671_513e-3;
-    let series = series * fraction + 5.550_733_7e-2;
-    let series = series * fraction + 2.402_224_2e-1;
-    let series = series * fraction + std::f32::consts::LN_2;
-    f32::from_bits((series * fraction + 1.0).to_bits().wrapping_add(power))
+    let whole = F::all(12_582_912.0);
+    let x = x.larger(F::all(LEAST_LOG2));
+    let shifted = x.plus(whole);
+    let fraction = x.minus(shifted.minus(whole));
+    let mut series = F::all(1.326_472_7e-3);
+    for coefficient in [9.671_513e-3, 5.550_733_7e-2, 2.402_224_2e-1, std::f32::consts::LN_2, 1.0] {
+        series = series.times(fraction).plus(F::all(coefficient));
+    }
+    series.to_power(shifted)
 }
 
 /// Natural logarithm of a normal float, to 1e-6 and rounding; finite for 0.
@@ -215,60 +199,54 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
 /// A weight is at least 2⁻¹⁰⁰ and an admissible cell is read as at least [`FLOOR`], so that no
 /// number becomes denormal.
 #[inline(always)]
-pub(super) fn weigh(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
+pub(super) fn weigh<L: Lanes>(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
     let [factor, floor] = part.terms;
-    let lifted = [factor * LIFT, floor * LIFT];
-    let threshold = part.threshold * LIFT;
+    let lifted = [L::all(factor * LIFT), L::all(floor * LIFT)];
+    let average = L::all(part.average);
     let cells = part.cells.as_chunks_mut::<BLOCK>().0;
     let admissible = part.admissible.as_chunks::<BLOCK>().0;
-    let mut lanes = Lanes::new();
+    let mut visited = Visited::none();
     let (mut loud, mut count) = ([0; TILE_BLOCKS], 0);
     for (block, (cells, admissible)) in cells.iter_mut().zip(admissible).enumerate() {
-        let peak = block_peak(cells);
+        let peak = block_peak::<L>(cells);
         if !part.beams.is_empty() && peak > 0.0 && peak * factor + floor >= part.threshold {
             loud[count] = block;
             count += 1;
-        } else {
-            let weigh = |_, value| value * part.average;
-            weigh_block(cells, admissible, lifted, &mut lanes, weigh);
+            continue;
+        }
+        for (cells, admissible) in cells.as_chunks_mut().0.iter_mut().zip(admissible.as_chunks().0) {
+            let weighed = read(cells, lifted).times(average).times(L::load(admissible));
+            *cells = weighed.to_array();
+            visited.add(weighed);
         }
     }
     let loud = &loud[..count];
     let mut sums = [[0; BLOCK]; TILE_BLOCKS];
     cost_sums(&mut sums, part.beams, loud);
+    let (log2_per_cost, threshold) = (L::all(part.log2_per_cost), L::all(part.threshold * LIFT));
     for (sums, &block) in sums.iter().zip(loud) {
-        let weigh = |lane: usize, value| {
-            let weight = exp2(f32::from(sums[lane]) * part.log2_per_cost);
-            value * if value < threshold { part.average } else { weight }
-        };
-        weigh_block(&mut cells[block], &admissible[block], lifted, &mut lanes, weigh);
+        let chunks = cells[block].as_chunks_mut().0.iter_mut().zip(admissible[block].as_chunks().0);
+        for ((cells, admissible), sums) in chunks.zip(sums.as_chunks().0) {
+            let value = read(cells, lifted);
+            let weight = exp2(L::load_whole(sums).times(log2_per_cost));
+            let weighed = value.times(value.if_less(threshold, average, weight)).times(L::load(admissible));
+            *cells = weighed.to_array();
+            visited.add(weighed);
+        }
     }
-    lanes.extent()
+    visited.extent()
 }
 
-/// Multiplies a block, read by lifted terms, by a weight for each lane.
+/// Cells read by lifted terms.
 #[inline(always)]
-fn weigh_block(
-    cells: &mut [f32; BLOCK],
-    admissible: &[f32; BLOCK],
-    [factor, floor]: [f32; 2],
-    lanes: &mut Lanes,
-    weigh: impl Fn(usize, f32) -> f32,
-) {
-    let chunks = cells.as_chunks_mut::<LANES>().0.iter_mut().zip(admissible.as_chunks::<LANES>().0);
-    for (chunk, (cells, admissible)) in chunks.enumerate() {
-        for lane in 0..LANES {
-            let value = larger(cells[lane] * factor + floor, FLOOR * LIFT);
-            cells[lane] = weigh(chunk * LANES + lane, value) * admissible[lane];
-        }
-        lanes.add(cells);
-    }
+fn read<L: Lanes>(cells: &[f32; LANES], [factor, floor]: [L; 2]) -> L {
+    L::load(cells).times(factor).plus(floor).larger(L::all(FLOOR * LIFT))
 }
 
 /// `cell · factor + floor` where admissible, else 0.
 pub(super) fn apply_terms(cells: &mut [f32], admissible: &[f32], [factor, floor]: [f32; 2]) {
     for (cell, admissible) in cells.iter_mut().zip(admissible) {
-        *cell = larger(*cell * factor + floor, FLOOR) * admissible;
+        *cell = (*cell * factor + floor).larger(FLOOR) * admissible;
     }
 }
 

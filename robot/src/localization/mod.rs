@@ -15,6 +15,7 @@ mod calibration;
 mod filter;
 mod grid;
 mod kernel;
+mod lanes;
 mod model;
 mod parameters;
 mod plane;

@@ -296,10 +296,10 @@ fn cast_row(
     let mut bins = vec![sensor::NO_ECHO; centres.len() * rays.len()];
     for (column, centre) in centres.iter().enumerate() {
         let Some(centre) = centre else { continue };
-        for (direction, &ray) in rays.iter().enumerate().step_by(stride) {
-            let range_m = field.cast_m(*centre, ray, max_m + mount_m) - mount_m;
-            bins[direction * centres.len() + column] = sensor::bin(range_m, max_m);
-        }
+        let from_here = rays.iter().step_by(stride).map(|&ray| (*centre, ray));
+        field.cast_all(from_here, max_m + mount_m, |number, range_m| {
+            bins[number * stride * centres.len() + column] = sensor::bin(range_m - mount_m, max_m);
+        });
     }
     bins
 }

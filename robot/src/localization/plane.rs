@@ -3,7 +3,6 @@
 use super::grid::BeliefGrid;
 use super::kernel::{self, Extent};
 use super::model::LocalizationModel;
-use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -86,23 +85,31 @@ impl Plane {
         self.factor * self.cells.get(cell).copied().map_or(0.0, f64::from) + self.floor
     }
 
-    /// Probability of the cell around a point, or of the likeliest one beside it if it cannot be
-    /// stood in: at a wall a point may be free whose coarse cell is not.
-    pub(super) fn density(&self, model: &LocalizationModel, point: Point) -> f64 {
+    /// Probability of the cells around the points of a lattice, `[row][column]`, whose columns and rows
+    /// are given in fractions of a cell; of the likeliest cell beside one that cannot be stood in: at a
+    /// wall a point may be free whose coarse cell is not.
+    pub(super) fn densities(&self, model: &LocalizationModel, columns: &[f64], rows: &[f64]) -> Vec<f64> {
         let grid = &model.grid;
-        let (x, y) = grid.fractional(point);
-        let (column, row) =
-            (libm::round(x - self.offset_cells[0]) as i64, libm::round(y - self.offset_cells[1]) as i64);
-        let at = |(across, up): (i64, i64)| -> f64 {
-            let (column, row) = (column + across, row + up);
+        let nearest = |places: &[f64], axis: usize| -> Vec<i64> {
+            places.iter().map(|place| libm::round(place - self.offset_cells[axis]) as i64).collect()
+        };
+        let at = |column: i64, row: i64| -> f64 {
             let inside = (0..grid.columns as i64).contains(&column) && (0..grid.rows as i64).contains(&row);
             if !inside || !model.is_admissible(column as usize, row as usize) {
                 return 0.0;
             }
             self.value(row as usize * grid.columns + column as usize)
         };
-        let here = at((0, 0));
-        if here > 0.0 { here } else { [(1, 0), (-1, 0), (0, 1), (0, -1)].map(at).into_iter().fold(0.0, f64::max) }
+        let columns = nearest(columns, 0);
+        let mut densities = Vec::with_capacity(columns.len() * rows.len());
+        for row in nearest(rows, 1) {
+            densities.extend(columns.iter().map(|&column| {
+                let here = at(column, row);
+                let beside = || [at(column + 1, row), at(column - 1, row), at(column, row + 1), at(column, row - 1)];
+                if here > 0.0 { here } else { beside().into_iter().fold(0.0, f64::max) }
+            }));
+        }
+        densities
     }
 
     /// Probability of the whole plane.

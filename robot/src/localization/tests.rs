@@ -239,6 +239,41 @@ fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
 }
 
 #[test]
+fn a_belief_made_anew_has_the_densities_of_the_coarse_one() {
+    let model = model(fine());
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let spread = Spread { position_m: 0.8, heading_rad: 0.6 };
+    let other = Belief::around(coarse, Pose::new(2.53, 2.01, 0.77), spread);
+    let density = |heading_rad: f64, point: Point| -> f64 {
+        let away = |plane: usize| wrap_angle_rad(other.heading_rad(coarse, plane) - heading_rad).abs();
+        let plane = (0..coarse.grid.headings).min_by(|&a, &b| away(a).total_cmp(&away(b))).expect("a plane");
+        let (x, y) = coarse.grid.fractional(point);
+        // The likeliest of the cells whose middles are within so many cells along x and y.
+        let likeliest = |across: f64, up: f64| -> f64 {
+            let cells = (0..coarse.grid.cells()).filter(|&cell| {
+                let (column, row) = other.planes[plane].position_cells(&coarse.grid, cell);
+                coarse.admissible[cell] > 0.0 && (column - x).abs() < across && (row - y).abs() < up
+            });
+            cells.map(|cell| other.planes[plane].value(cell)).fold(0.0, f64::max)
+        };
+        let here = likeliest(0.5, 0.5);
+        if here > 0.0 { here } else { likeliest(1.5, 0.5).max(likeliest(0.5, 1.5)) }
+    };
+    let due: Vec<f64> = states(&model)
+        .into_iter()
+        .map(|State { heading, row, column }| {
+            let is_admissible = model.is_admissible(column, row);
+            let point = model.grid.centre(column, row);
+            if is_admissible { density(model.grid.heading_rad(heading), point) } else { 0.0 }
+        })
+        .collect();
+    let sum: f64 = due.iter().sum();
+    let due: Vec<f64> = due.into_iter().map(|density| density / sum).collect();
+    let found = probabilities(&model, &Belief::resampled(&model, &other, coarse));
+    assert!(total_variation(&found, &due) < 1e-6, "{}", total_variation(&found, &due));
+}
+
+#[test]
 fn a_selective_update_stays_close_to_the_full_one() {
     let selective = model(fine());
     let full = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
