@@ -3,7 +3,7 @@
 //! Smirnov 1997, "Sensor-Based Planning with the Freespace Assumption").
 
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
-use super::laser_scan::smoothed;
+use super::laser_scan::{is_seen, points_in_base, smoothed};
 use super::learned_map::{Evidence, Grain, LearnedMap};
 use super::manner::Manner;
 use super::navigation::{NavigationEvent, NavigationInput, NavigationOutput, turn_to};
@@ -69,7 +69,10 @@ pub struct MaplessNavigation {
     targets: Vec<Target>,
     now_s: f64,
     seen: LearnedMap,
-    memory: ObstacleMemory,
+    /// What was heard and felt lately.
+    heard: ObstacleMemory,
+    /// What the laser saw lately.
+    scanned: ObstacleMemory,
     window: DynamicWindow,
     plan: Option<Plan>,
     next_look_s: f64,
@@ -123,7 +126,8 @@ impl MaplessNavigation {
             targets,
             now_s: self.now_s,
             seen: std::mem::take(&mut self.seen),
-            memory: std::mem::take(&mut self.memory),
+            heard: std::mem::take(&mut self.heard),
+            scanned: std::mem::take(&mut self.scanned),
             next_look_s: self.now_s,
             progress: Progress { at_s: self.now_s, ..Progress::default() },
             ..Self::default()
@@ -164,10 +168,11 @@ impl MaplessNavigation {
         let (here, sonar_m) = (input.odometry_in_odom, input.sonar_m);
         let smooth_m = input.laser_m.map(smoothed);
         let laser_m = smooth_m.as_deref();
-        self.memory.update(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
+        self.heard.update(here, sonar_m, None, limits.sonar_max_range_m, limits.step_s);
+        self.scanned.update(here, None, laser_m, limits.sonar_max_range_m, limits.step_s);
         self.seen.observe(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
         if input.bumped {
-            self.memory.feel(here, limits.robot_radius_m);
+            self.heard.feel(here, limits.robot_radius_m);
             self.seen.feel(here, limits.robot_radius_m);
         }
         let passed = self.drop_reached(here.point());
@@ -176,6 +181,7 @@ impl MaplessNavigation {
             Phase::Turning => self.turn(limits, input),
             Phase::LookingAround { left_s } => self.look_around(limits, left_s),
             Phase::Driving => {
+                let input = &NavigationInput { laser_m, ..*input };
                 let mut output = self.drive(limits, input, speed_limit_mps);
                 if passed {
                     output.event = output.event.or(Some(NavigationEvent::TargetReached));
@@ -254,8 +260,7 @@ impl MaplessNavigation {
         {
             self.phase = Phase::Turning;
         }
-        let mut obstacles_in_base = Vec::new();
-        self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        let obstacles_in_base = self.obstacles_in_base(input);
         let speed_limit_mps = speed_limit_mps.min(self.manner().speed_in_gap_mps(limits, &obstacles_in_base));
         let choice = self.window.step(
             limits,
@@ -269,6 +274,19 @@ impl MaplessNavigation {
             },
         );
         self.output(choice.speeds, None)
+    }
+
+    /// What the laser sees, and what is remembered of the surfaces it does not see now: a reading a
+    /// little short of a surface would close a narrow gap for as long as it is remembered.
+    fn obstacles_in_base(&self, input: &NavigationInput<'_>) -> Vec<Point> {
+        let mut obstacles_in_base = Vec::new();
+        self.scanned.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        if let Some(laser_m) = input.laser_m {
+            obstacles_in_base.retain(|&point| !is_seen(laser_m, point));
+            obstacles_in_base.extend(points_in_base(laser_m));
+        }
+        self.heard.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        obstacles_in_base
     }
 
     fn remaining_m(&self, here: Point) -> f64 {
@@ -365,7 +383,8 @@ impl MaplessNavigation {
     /// What holds the robot up may be an echo long gone.
     fn begin_anew(&mut self, here: Point) {
         self.progress.anew = true;
-        self.memory = ObstacleMemory::default();
+        self.heard = ObstacleMemory::default();
+        self.scanned = ObstacleMemory::default();
         self.window = DynamicWindow::default();
         self.seen.doubt_around(here, DOUBT_M);
         self.plan = None;
