@@ -34,6 +34,10 @@ pub struct DriveLimits {
     pub step_s: f64,
     /// A sonar reading of so much saw nothing.
     pub sonar_max_range_m: f64,
+    /// Air kept between the robot's disc and an obstacle point when it stands.
+    pub margin_m: f64,
+    /// Air kept besides for each metre per second.
+    pub margin_s: f64,
     /// Speed in a hallway.
     pub hallway_mps: f64,
     /// Speed among furniture.
@@ -52,7 +56,9 @@ impl Default for DriveLimits {
             rotation_acceleration_radps2: 1.5,
             step_s: 0.05,
             sonar_max_range_m: 5.0,
-            hallway_mps: 0.65,
+            margin_m: 0.02,
+            margin_s: 0.1,
+            hallway_mps: 0.68,
             office_mps: 0.35,
             doorway_mps: 0.3,
         }
@@ -98,7 +104,7 @@ impl DriveLimits {
     /// How near the middle of the robot may come to an obstacle point at a speed: the disc and a
     /// margin that grows with the speed.
     pub fn safe_radius_m(&self, translation_mps: f64) -> f64 {
-        self.robot_radius_m + 0.02 + 0.1 * translation_mps
+        self.robot_radius_m + self.margin_m + self.margin_s * translation_mps
     }
 
     /// The least distance of an obstacle point that is still approached at all.

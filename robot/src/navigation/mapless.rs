@@ -3,7 +3,9 @@
 //! Smirnov 1997, "Sensor-Based Planning with the Freespace Assumption").
 
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
+use super::laser_scan::{is_seen, points_in_base, smoothed};
 use super::learned_map::{Evidence, Grain, LearnedMap};
+use super::manner::Manner;
 use super::navigation::{NavigationEvent, NavigationInput, NavigationOutput, turn_to};
 use super::obstacle_memory::{ObstacleMemory, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
@@ -67,7 +69,10 @@ pub struct MaplessNavigation {
     targets: Vec<Target>,
     now_s: f64,
     seen: LearnedMap,
-    memory: ObstacleMemory,
+    /// What was heard and felt lately.
+    heard: ObstacleMemory,
+    /// What the laser saw lately.
+    scanned: ObstacleMemory,
     window: DynamicWindow,
     plan: Option<Plan>,
     next_look_s: f64,
@@ -84,12 +89,8 @@ const ARRIVAL_M: f64 = 0.15;
 /// counts as reached from here.
 const CROWDED_ARRIVAL_M: f64 = 0.3;
 const CROWDED_S: f64 = 5.0;
-/// How far along the way the point lies that the collision avoidance heads for.
-const LOOKAHEAD_M: f64 = 1.5;
 /// The way ahead is looked at so often.
 const LOOK_S: f64 = 0.5;
-/// A way is planned anew after so long even if nothing obstructs it: there may be a better one.
-const PLAN_S: f64 = 5.0;
 /// What is so near to the robot does not obstruct its way: it is there already.
 const HERE_M: f64 = 0.4;
 /// Ways lead at most so far around what has been seen.
@@ -111,17 +112,6 @@ const DOUBT_M: f64 = 1.5;
 const LOOK_RADPS: f64 = 0.6;
 const LOOK_AROUND_S: f64 = std::f64::consts::TAU / LOOK_RADPS;
 
-/// How fast the robot goes beside what it nearly touches, and how much faster for each metre of air.
-const GAP_MPS: f64 = 0.2;
-const GAP_PER_S: f64 = 4.0;
-
-/// The window looks at a fixed number of speeds: below a low limit they lie as close together as a
-/// narrow gap needs.
-fn speed_in_gap_mps(limits: &DriveLimits, obstacles_in_base: &[Point]) -> f64 {
-    let nearest_m = obstacles_in_base.iter().map(|point| point.coords.norm()).fold(f64::INFINITY, f64::min);
-    GAP_MPS + GAP_PER_S * (nearest_m - limits.robot_radius_m).max(0.0)
-}
-
 impl MaplessNavigation {
     /// Nothing has been seen, and there is nothing to do.
     pub fn new(grain: Grain) -> Self {
@@ -136,7 +126,8 @@ impl MaplessNavigation {
             targets,
             now_s: self.now_s,
             seen: std::mem::take(&mut self.seen),
-            memory: std::mem::take(&mut self.memory),
+            heard: std::mem::take(&mut self.heard),
+            scanned: std::mem::take(&mut self.scanned),
             next_look_s: self.now_s,
             progress: Progress { at_s: self.now_s, ..Progress::default() },
             ..Self::default()
@@ -173,11 +164,15 @@ impl MaplessNavigation {
         speed_limit_mps: f64,
     ) -> NavigationOutput {
         self.now_s += limits.step_s;
-        let (here, sonar_m, laser_m) = (input.odometry_in_odom, input.sonar_m, input.laser_m);
-        self.memory.update(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
+        let limits = &self.manner().limits(limits);
+        let (here, sonar_m) = (input.odometry_in_odom, input.sonar_m);
+        let smooth_m = input.laser_m.map(smoothed);
+        let laser_m = smooth_m.as_deref();
+        self.heard.update(here, sonar_m, None, limits.sonar_max_range_m, limits.step_s, |_| None);
+        self.scanned.update(here, None, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
         self.seen.observe(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
         if input.bumped {
-            self.memory.feel(here, limits.robot_radius_m);
+            self.heard.feel(here, limits.robot_radius_m);
             self.seen.feel(here, limits.robot_radius_m);
         }
         let passed = self.drop_reached(here.point());
@@ -186,6 +181,7 @@ impl MaplessNavigation {
             Phase::Turning => self.turn(limits, input),
             Phase::LookingAround { left_s } => self.look_around(limits, left_s),
             Phase::Driving => {
+                let input = &NavigationInput { laser_m, ..*input };
                 let mut output = self.drive(limits, input, speed_limit_mps);
                 if passed {
                     output.event = output.event.or(Some(NavigationEvent::TargetReached));
@@ -193,6 +189,10 @@ impl MaplessNavigation {
                 output
             }
         }
+    }
+
+    fn manner(&self) -> Manner {
+        Manner::with(self.seen.grain())
     }
 
     fn output(&self, speeds: Speeds, event: Option<NavigationEvent>) -> NavigationOutput {
@@ -247,7 +247,8 @@ impl MaplessNavigation {
         let Some(target) = self.targets.first().copied() else { return self.finish(NavigationEvent::Arrived) };
         self.look_at_way(limits, here, target.point_in_map);
         let field = self.field(limits);
-        let Some(towards_in_odom) = field.as_ref().and_then(|field| field.lookahead(here, LOOKAHEAD_M)) else {
+        let lookahead_m = self.manner().lookahead_m;
+        let Some(towards_in_odom) = field.as_ref().and_then(|field| field.lookahead(here, lookahead_m)) else {
             return self.without_way(here);
         };
         if self.has_stalled(field.and_then(|field| field.cost_m(here)), here) {
@@ -259,9 +260,8 @@ impl MaplessNavigation {
         {
             self.phase = Phase::Turning;
         }
-        let mut obstacles_in_base = Vec::new();
-        self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
-        let speed_limit_mps = speed_limit_mps.min(speed_in_gap_mps(limits, &obstacles_in_base));
+        let obstacles_in_base = self.obstacles_in_base(input);
+        let speed_limit_mps = speed_limit_mps.min(self.manner().speed_in_gap_mps(limits, &obstacles_in_base));
         let choice = self.window.step(
             limits,
             &WindowInput {
@@ -274,6 +274,19 @@ impl MaplessNavigation {
             },
         );
         self.output(choice.speeds, None)
+    }
+
+    /// What the laser sees, and what is remembered of the surfaces it does not see now: a reading a
+    /// little short of a surface would close a narrow gap for as long as it is remembered.
+    fn obstacles_in_base(&self, input: &NavigationInput<'_>) -> Vec<Point> {
+        let mut obstacles_in_base = Vec::new();
+        self.scanned.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        if let Some(laser_m) = input.laser_m {
+            obstacles_in_base.retain(|&point| !is_seen(laser_m, point));
+            obstacles_in_base.extend(points_in_base(laser_m));
+        }
+        self.heard.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        obstacles_in_base
     }
 
     fn remaining_m(&self, here: Point) -> f64 {
@@ -305,7 +318,8 @@ impl MaplessNavigation {
             return;
         }
         self.next_look_s = self.now_s + LOOK_S;
-        let is_kept = |plan: &Plan| plan.target_in_odom == target_in_odom && self.now_s - plan.at_s < PLAN_S;
+        let plan_s = self.manner().plan_s;
+        let is_kept = |plan: &Plan| plan.target_in_odom == target_in_odom && self.now_s - plan.at_s < plan_s;
         if self.plan.as_ref().is_some_and(is_kept) && !self.is_way_obstructed(limits, here) {
             return;
         }
@@ -331,11 +345,13 @@ impl MaplessNavigation {
     }
 
     fn field(&mut self, limits: &DriveLimits) -> Option<Arc<ValueField>> {
+        let manner = self.manner();
         let Plan { target_in_odom, from_in_odom, seen, evidence, .. } = self.plan.as_ref()?;
         let field = self.cache.0.get_or_insert_with(|| {
             let grid = seen.grid(&[*from_in_odom, *target_in_odom], MARGIN_M, FARTHEST_M, *evidence);
             let parameters = PlannerParameters {
                 robot_radius_m: seen.planning_radius_m(limits.robot_radius_m),
+                comfortable_distance_m: manner.comfortable_distance_m,
                 ..PlannerParameters::default()
             };
             Arc::new(PlannerModel::new(&grid, parameters).value_field(*target_in_odom))
@@ -367,7 +383,8 @@ impl MaplessNavigation {
     /// What holds the robot up may be an echo long gone.
     fn begin_anew(&mut self, here: Point) {
         self.progress.anew = true;
-        self.memory = ObstacleMemory::default();
+        self.heard = ObstacleMemory::default();
+        self.scanned = ObstacleMemory::default();
         self.window = DynamicWindow::default();
         self.seen.doubt_around(here, DOUBT_M);
         self.plan = None;

@@ -5,9 +5,9 @@
 //! sensors saw lately), `sonar_views` (where the sound passed), `alignment` (where that fits the map), `doorways` (which doors were found
 //! closed), `clearance` (how far an arc is free), `dynamic_window` (safe speeds), `topological`
 //! (target points through doors and corridors), `navigation` (the state machine that drives them),
-//! `drive` (following and wandering without a map); `learned_map` and `mapless` (the same without a
-//! map: what the sensors have seen, and driving by it). Nothing here knows the plan language or the
-//! simulator.
+//! `drive` (following and wandering without a map); `laser_scan` (what a scan shows of surfaces),
+//! `learned_map`, `manner` and `mapless` (driving without a map by what the sensors have seen). Nothing
+//! here knows the plan language or the simulator.
 
 pub mod alignment;
 pub mod clearance;
@@ -15,7 +15,9 @@ pub mod distance;
 pub mod doorways;
 pub mod drive;
 pub mod dynamic_window;
+mod laser_scan;
 pub mod learned_map;
+mod manner;
 pub mod mapless;
 #[allow(clippy::module_inception)]
 pub mod navigation;

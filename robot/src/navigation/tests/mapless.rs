@@ -14,9 +14,13 @@ const LATEST_US: u64 = 1_200_000_000;
 
 impl<'s> Stranger<'s> {
     fn new(scene: &'s Scene, start: Pose, goal: Point, seed: u64) -> Self {
+        Self::with(Grain::Sonar, scene, start, goal, seed)
+    }
+
+    fn with(grain: Grain, scene: &'s Scene, start: Pose, goal: Point, seed: u64) -> Self {
         let mut state = scene.simulator.start(seed);
         scene.simulator.teleport(&mut state, start).expect("a free start");
-        let mut navigation = MaplessNavigation::default();
+        let mut navigation = MaplessNavigation::new(grain);
         navigation.start(vec![Target::through(start.inverse().transform(goal))]);
         Self { scene, state, navigation, commands: Commands { sonars_on: true, ..Commands::default() } }
     }
@@ -134,10 +138,28 @@ fn a_laser_alone_finds_the_way_as_well() {
     let mut scene = hall_with(DEAD_END);
     let settings = SimulatorSettings { laser: true, ..without_drift() };
     scene.simulator = SimulatorModel::new(scene.world.clone(), settings);
-    let mut robot = Stranger::new(&scene, scene.world.start_in_map, Point::new(11.5, 5.0), 1);
+    let mut robot = Stranger::with(Grain::Laser, &scene, scene.world.start_in_map, Point::new(11.5, 5.0), 1);
     robot.commands.sonars_on = false;
     let outcome = robot.until_event();
     assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "{outcome:?}");
+}
+
+/// The robot is 53 cm wide, a reading off by 1 cm.
+#[test]
+fn a_laser_finds_through_a_gap_of_sixty_centimetres() {
+    let mut scene = hall_with(
+        "[[wall]]\nline = [[6.0, 0.1], [6.0, 5.1]]\nthickness = 0.2\n\
+         [[wall]]\nline = [[6.0, 5.9], [6.0, 9.9]]\nthickness = 0.2\n",
+    );
+    let settings = SimulatorSettings { laser: true, laser_noise_m: 0.01, ..without_drift() };
+    scene.simulator = SimulatorModel::new(scene.world.clone(), settings);
+    for seed in 0..4 {
+        let mut robot = Stranger::with(Grain::Laser, &scene, scene.world.start_in_map, Point::new(9.0, 5.0), seed);
+        robot.commands.sonars_on = false;
+        let outcome = robot.until_event();
+        assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "seed {seed}: {outcome:?}");
+        assert!(outcome.time_s < 20.0, "seed {seed}: {outcome:?}");
+    }
 }
 
 #[test]
