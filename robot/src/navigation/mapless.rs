@@ -248,7 +248,7 @@ impl MaplessNavigation {
         self.look_at_way(limits, here, target.point_in_map);
         let field = self.field(limits);
         let lookahead_m = self.manner().lookahead_m;
-        let Some(towards_in_odom) = field.as_ref().and_then(|field| field.lookahead(here, lookahead_m)) else {
+        let Some(towards_in_odom) = field.as_ref().and_then(|field| field.lookahead(here, 0.0, lookahead_m)) else {
             return self.without_way(here);
         };
         if self.has_stalled(field.and_then(|field| field.cost_m(here)), here) {
@@ -324,7 +324,8 @@ impl MaplessNavigation {
             return;
         }
         self.plan_on(limits, here, target_in_odom, Evidence::Likely);
-        let has_way = |field: Option<Arc<ValueField>>| field.is_some_and(|field| field.lookahead(here, 0.0).is_some());
+        let has_way =
+            |field: Option<Arc<ValueField>>| field.is_some_and(|field| field.lookahead(here, 0.0, 0.0).is_some());
         if !has_way(self.field(limits)) {
             self.plan_on(limits, here, target_in_odom, Evidence::Certain);
         }

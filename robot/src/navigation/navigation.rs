@@ -228,6 +228,8 @@ const LEFT_AGAIN_M: f64 = 0.4;
 const HEADING_TOLERANCE_RAD: f64 = 0.1;
 /// How far along the way the point lies that the collision avoidance heads for.
 const LOOKAHEAD_M: f64 = 2.0;
+/// And no nearer than this: towards a corner at its side the robot would turn to and fro.
+const AT_HAND_M: f64 = 0.3;
 /// So long without getting nearer is blocked.
 const BLOCKED_S: f64 = 20.0;
 /// To look for a way around blockages there is so much time, and for the detour at this speed besides.
@@ -476,23 +478,23 @@ impl Navigation {
     /// headed for instead. Without any way the blockages are forgotten, for some may have gone. If
     /// there still is none, doors found closed are tried: somebody may open them.
     fn towards(&mut self, model: &NavigationModel, here: Point, target: Target) -> Option<(Target, Point)> {
-        let towards = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M);
+        let towards = self.fields(model, target).around.lookahead(here, AT_HAND_M, LOOKAHEAD_M);
         if towards.is_some() || (self.blockages.is_empty() && self.avoided_doors().is_empty()) {
             return Some((target, towards?));
         }
         if let [_, next, ..] = self.targets[..]
-            && let Some(towards) = self.fields(model, next).around.lookahead(here, LOOKAHEAD_M)
+            && let Some(towards) = self.fields(model, next).around.lookahead(here, AT_HAND_M, LOOKAHEAD_M)
         {
             self.targets.remove(0);
             self.progress.least_cost_m = None;
             return Some((next, towards));
         }
         self.trust_map();
-        if let Some(towards) = self.fields(model, target).around.lookahead(here, LOOKAHEAD_M) {
+        if let Some(towards) = self.fields(model, target).around.lookahead(here, AT_HAND_M, LOOKAHEAD_M) {
             return Some((target, towards));
         }
         self.trying_doors_until_s = self.now_s + TRUSTING_MAP_S;
-        Some((target, self.fields(model, target).around.lookahead(here, LOOKAHEAD_M)?))
+        Some((target, self.fields(model, target).around.lookahead(here, AT_HAND_M, LOOKAHEAD_M)?))
     }
 
     fn trust_map(&mut self) {

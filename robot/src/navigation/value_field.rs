@@ -74,13 +74,12 @@ impl ValueField {
     }
 
     /// The farthest point of the way from a point that can be reached in a straight line and lies at
-    /// most `reach_m` along it; a little beyond the next corner if that is at hand. Cheap: looks only
-    /// that far ahead.
-    pub fn lookahead(&self, from_in_map: Point, reach_m: f64) -> Option<Point> {
-        const AT_HAND_M: f64 = 0.3;
+    /// most `reach_m` along it; beyond the next corner if that is nearer than `least_m`. Cheap: looks
+    /// only that far ahead.
+    pub fn lookahead(&self, from_in_map: Point, least_m: f64, reach_m: f64) -> Option<Point> {
         let (escape, cells) = self.approach(from_in_map, reach_m)?;
         let corner = if escape.is_empty() { farthest_straight(&self.grid, &cells, 0) } else { 0 };
-        let beyond = cells[corner..].iter().find(|&&cell| distance_m(from_in_map, cell) >= AT_HAND_M);
+        let beyond = cells[corner..].iter().find(|&&cell| distance_m(from_in_map, cell) >= least_m);
         beyond.or(cells.last()).copied()
     }
 
