@@ -139,8 +139,8 @@ struct Progress {
     around: AroundProgress,
     /// When either was shortened last.
     moved_at_s: f64,
-    /// Whether the robot has forgotten what it saw and begun anew since then.
-    anew: bool,
+    /// When that was, or when the robot forgot what it saw and began anew since.
+    begun_at_s: f64,
 }
 
 /// Progress on the way around the blockages, which changes with each that is found.
@@ -171,7 +171,7 @@ impl AroundProgress {
 
 impl Progress {
     fn from(at_s: f64) -> Self {
-        Self { at_s, moved_at_s: at_s, ..Self::default() }
+        Self { at_s, moved_at_s: at_s, begun_at_s: at_s, ..Self::default() }
     }
 }
 
@@ -231,7 +231,9 @@ const LOOKAHEAD_M: f64 = 2.0;
 /// And no nearer than this: towards a corner at its side the robot would turn to and fro.
 const AT_HAND_M: f64 = 0.3;
 /// So long without getting nearer is blocked.
-const BLOCKED_S: f64 = 20.0;
+const BLOCKED_S: f64 = 30.0;
+/// Every so long meanwhile the robot forgets what it saw and begins anew.
+const PATIENCE_S: f64 = 10.0;
 /// To look for a way around blockages there is so much time, and for the detour at this speed besides.
 const SEARCH_S: f64 = 60.0;
 const DETOUR_MPS: f64 = 0.15;
@@ -552,15 +554,15 @@ impl Navigation {
         if progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
             progress.least_cost_m = Some(cost_m);
             progress.around = AroundProgress::default();
-            (progress.at_s, progress.moved_at_s, progress.anew) = (now_s, now_s, false);
+            (progress.at_s, progress.moved_at_s, progress.begun_at_s) = (now_s, now_s, now_s);
         }
         if let Some(around_m) = fields.around.cost_m(here) {
             progress.around.detour_m = progress.around.detour_m.max(around_m - cost_m);
             if progress.around.shorten(around_m) {
-                (progress.moved_at_s, progress.anew) = (now_s, false);
+                (progress.moved_at_s, progress.begun_at_s) = (now_s, now_s);
             }
         }
-        if now_s - progress.moved_at_s > BLOCKED_S / 2.0 && !progress.anew {
+        if now_s - progress.begun_at_s > PATIENCE_S {
             self.begin_anew();
         }
         let around_s = SEARCH_S + self.progress.around.detour_m / DETOUR_MPS;
@@ -578,7 +580,7 @@ impl Navigation {
 
     /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
     fn begin_anew(&mut self) {
-        self.progress.anew = true;
+        self.progress.begun_at_s = self.now_s;
         self.memory = ObstacleMemory::default();
         self.window = DynamicWindow::default();
         self.trust_map();

@@ -46,7 +46,7 @@ fn a_closed_door_is_tried_if_there_is_no_other() {
     assert_eq!(plan, plan_to(&scene, "corner", scene.world.start_in_map, &[]));
 }
 
-/// The robot, which came to the door after nine seconds, gives up after thirty.
+/// The robot comes to the door after nine seconds and gives up after forty.
 #[test]
 fn a_door_opened_while_the_robot_waits_is_gone_through() {
     let scene = Scene::new(World::builtin("test-room").expect("a built-in world"));
