@@ -105,6 +105,11 @@ impl Drive {
         Self { task, memory: ObstacleMemory::default(), window: DynamicWindow::default() }
     }
 
+    /// What held the robot up on one path says nothing against the next.
+    pub fn forget_being_held_up(&mut self) {
+        self.window = DynamicWindow::default();
+    }
+
     /// One step of `limits.step_s`.
     pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, speed_limit_mps: f64) -> DriveOutput {
         let (sonar_m, laser_m) = (input.sonar_m, input.laser_m);

@@ -187,6 +187,7 @@ impl Board {
         if let Some(choice) = active.last_choice()
             && Some(choice.target_in_base) != chosen_before
         {
+            self.drive.forget_being_held_up();
             let target = choice.target_in_base;
             outbox.events.push((
                 "localization action".into(),

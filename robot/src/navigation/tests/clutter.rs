@@ -100,3 +100,30 @@ fn a_robot_boxed_in_stands_turning_and_gets_out_when_it_can() {
     let (contacts, way_m) = drive_about(hall(&pen, SeenBy { sonar: true, laser: true }), Sensors::Sonar, 2);
     assert!(contacts.caused == 0 && way_m > 2.0, "{way_m}");
 }
+
+/// Else a robot that got stuck on one path would be stuck on the next before it has begun.
+#[test]
+fn what_held_the_robot_up_on_one_path_says_nothing_against_the_next() {
+    let pen: Vec<(f64, f64, f64, bool)> = (0..16)
+        .map(|step| f64::from(step) * std::f64::consts::PI / 8.0)
+        .map(|angle| (3.5 + 0.75 * libm::cos(angle), 3.5 + 0.75 * libm::sin(angle), 0.16, true))
+        .collect();
+    let world = hall(&pen, SeenBy { sonar: true, laser: false });
+    let simulator = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
+    let mut state = simulator.start(1);
+    let mut drive = Drive::follow(vec![Point::new(3.0, 0.0)]);
+    let mut commands = Commands { sonars_on: true, ..Commands::default() };
+    let mut status = DriveStatus::Driving;
+    for _ in 0..1200 {
+        let percept = simulator.step(&mut state, &commands);
+        let output = drive.step(&DriveLimits::default(), &input(&percept), 0.3);
+        (commands.translation_mps, commands.rotation_radps) =
+            (output.speeds.translation_mps, output.speeds.rotation_radps);
+        status = output.status;
+    }
+    assert_eq!(status, DriveStatus::Stuck);
+    drive.task = DriveTask::Follow { path_in_odom: vec![Point::new(0.0, 3.0)] };
+    drive.forget_being_held_up();
+    let percept = simulator.step(&mut state, &commands);
+    assert_eq!(drive.step(&DriveLimits::default(), &input(&percept), 0.3).status, DriveStatus::Driving);
+}
