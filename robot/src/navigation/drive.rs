@@ -114,9 +114,7 @@ impl Drive {
     pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, speed_limit_mps: f64) -> DriveOutput {
         let (sonar_m, laser_m) = (input.sonar_m, input.laser_m);
         self.memory.update(input.odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
-        if input.bumped {
-            self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
-        }
+        self.memory.feel(input.odometry_in_odom, limits.robot_radius_m, input.bumped);
         let mut obstacles_in_base = Vec::new();
         self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
         if let DriveTask::SpinAndBackUp { elapsed_s } = &mut self.task {

@@ -171,8 +171,7 @@ impl MaplessNavigation {
         self.heard.update(here, sonar_m, None, limits.sonar_max_range_m, limits.step_s, |_| None);
         self.scanned.update(here, None, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
         self.seen.observe(here, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s);
-        if input.bumped {
-            self.heard.feel(here, limits.robot_radius_m);
+        if self.heard.feel(here, limits.robot_radius_m, input.bumped) {
             self.seen.feel(here, limits.robot_radius_m);
         }
         let passed = self.drop_reached(here.point());
@@ -384,8 +383,8 @@ impl MaplessNavigation {
     /// What holds the robot up may be an echo long gone.
     fn begin_anew(&mut self, here: Point) {
         self.progress.anew = true;
-        self.heard = ObstacleMemory::default();
-        self.scanned = ObstacleMemory::default();
+        self.heard.forget();
+        self.scanned.forget();
         self.window = DynamicWindow::default();
         self.seen.doubt_around(here, DOUBT_M);
         self.plan = None;

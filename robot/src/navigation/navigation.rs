@@ -339,9 +339,7 @@ impl Navigation {
             limits.step_s,
             off_map_m,
         );
-        if input.bumped {
-            self.memory.feel(input.odometry_in_odom, limits.robot_radius_m);
-        }
+        self.memory.feel(input.odometry_in_odom, limits.robot_radius_m, input.bumped);
         if input.bumped || self.window.is_held_up() {
             self.sonars_until_s = self.now_s + LOOK_AROUND_S;
         } else if mode == TravelMode::Doorway && self.now_s < self.sonars_until_s {
@@ -581,7 +579,7 @@ impl Navigation {
     /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
     fn begin_anew(&mut self) {
         self.progress.begun_at_s = self.now_s;
-        self.memory = ObstacleMemory::default();
+        self.memory.forget();
         self.window = DynamicWindow::default();
         self.trust_map();
         self.sonars_until_s = self.now_s + LOOK_AROUND_S;

@@ -74,6 +74,7 @@ pub struct ObstacleMemory {
     /// Time with sonars, and with the laser.
     now_s: [f64; 2],
     views: SonarViews,
+    is_touched: bool,
     /// Sorted by cell and sensor.
     points: Vec<RememberedPoint>,
 }
@@ -136,13 +137,26 @@ impl ObstacleMemory {
         self.forget_oldest();
     }
 
-    /// Remembers an obstacle felt, not seen: the robot drives forward only, so it is at the front.
-    pub fn feel(&mut self, odometry_in_odom: Pose, robot_radius_m: f64) {
+    /// Remembers what the robot has run into, if it was not touched before; tells whether it was not.
+    /// It drives forward only, so that is at its front; where it is later, as long as it is touched,
+    /// depends on how the robot has turned.
+    pub fn feel(&mut self, odometry_in_odom: Pose, robot_radius_m: f64, bumped: bool) -> bool {
+        let is_new = bumped && !self.is_touched;
+        self.is_touched = bumped;
+        if !is_new {
+            return false;
+        }
         for direction_rad in [-0.7, 0.0, 0.7] {
             for point in arc_in_odom(odometry_in_odom, direction_rad, robot_radius_m + 0.01) {
                 self.remember(point, Sensor::Sonar, robot_radius_m);
             }
         }
+        true
+    }
+
+    /// Forgets all points.
+    pub fn forget(&mut self) {
+        *self = Self { is_touched: self.is_touched, ..Self::default() };
     }
 
     /// The points, in `odom`.

@@ -5,7 +5,7 @@ use super::people::PERSON_RADIUS_M;
 use super::percept::Commands;
 use super::state::SimulatorState;
 use crate::geometry::{Point, Pose};
-use crate::world::SeenBy;
+use crate::world::{Origin, SeenBy};
 
 /// How far a body may reach into another: the rounding of the bisection below.
 pub(super) const PENETRATION_M: f64 = 1e-9;
@@ -31,6 +31,8 @@ pub fn drive_arc(pose: Pose, way_m: f64, turn_rad: f64) -> Pose {
 struct Nearest {
     distance_m: f64,
     seen_by: SeenBy,
+    /// Whether it is of a kind that can come up from one moment to the next.
+    may_be_sudden: bool,
 }
 
 /// What the robot really did in one step.
@@ -83,7 +85,7 @@ impl SimulatorModel {
         state.translation_mps = 0.0;
         if !state.touching {
             state.touching = true;
-            self.attribute(state, nearest.seen_by);
+            self.attribute(state, nearest);
         }
         Driven { way_m: share * way_m, turn_rad }
     }
@@ -103,9 +105,12 @@ impl SimulatorModel {
         free
     }
 
-    fn attribute(&self, state: &mut SimulatorState, seen_by: SeenBy) {
+    fn attribute(&self, state: &mut SimulatorState, touched: Nearest) {
         let sonar_works = state.time_us >= state.sonars_fail_until_us;
-        if seen_by.sonar && sonar_works || seen_by.laser && self.settings.laser {
+        let Nearest { seen_by, may_be_sudden, .. } = touched;
+        if may_be_sudden && state.time_us < state.sudden_until_us {
+            state.contacts.run_into += 1;
+        } else if seen_by.sonar && sonar_works || seen_by.laser && self.settings.laser {
             state.contacts.caused += 1;
         } else {
             state.contacts.unseen += 1;
@@ -114,24 +119,26 @@ impl SimulatorModel {
 
     /// The body nearest to a point that is in none, as far as the robot could touch it.
     fn nearest(&self, state: &SimulatorState, point: Point) -> Nearest {
-        let mut nearest = Nearest { distance_m: f64::INFINITY, seen_by: SeenBy { sonar: true, laser: true } };
-        let mut consider = |distance_m: f64, seen_by: SeenBy| {
+        let everything_sees = SeenBy { sonar: true, laser: true };
+        let mut nearest = Nearest { distance_m: f64::INFINITY, seen_by: everything_sees, may_be_sudden: false };
+        let mut consider = |distance_m: f64, seen_by: SeenBy, may_be_sudden: bool| {
             if distance_m < nearest.distance_m {
-                nearest = Nearest { distance_m, seen_by };
+                nearest = Nearest { distance_m, seen_by, may_be_sudden };
             }
         };
         for index in self.candidates.touchable(point) {
             let surface = &self.surfaces[*index as usize];
             if state.is_there(surface.origin) {
-                consider(surface.form.distance_m(point), surface.seen_by);
+                let is_door = matches!(surface.origin, Origin::Door(_));
+                consider(surface.form.distance_m(point), surface.seen_by, is_door);
             }
         }
         for object in &state.objects_added {
-            consider(object.outline().distance_m(point), object.seen_by);
+            consider(object.outline().distance_m(point), object.seen_by, true);
         }
         let person2 = state.people.iter().map(|person| (person.at_in_map - point).norm_squared()).reduce(f64::min);
         if let Some(distance2) = person2 {
-            consider(distance2.sqrt() - PERSON_RADIUS_M, SeenBy { sonar: true, laser: true });
+            consider(distance2.sqrt() - PERSON_RADIUS_M, everything_sees, false);
         }
         nearest
     }

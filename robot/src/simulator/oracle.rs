@@ -149,10 +149,24 @@ impl SimulatorModel {
             let outline = Outline::of_rect(door.leaf());
             self.nobody_in(state, &outline, || format!("the door of `{room}`"))?;
         }
-        for (index, _) in doors() {
+        for (index, door) in doors() {
             state.doors_open[index] = false;
+            self.notice_sudden(state, &Outline::of_rect(door.leaf()));
         }
         Ok(())
+    }
+
+    /// Remembers if a body that is there now is so near before the moving robot that it cannot stop
+    /// in time: a step to see it, two until a command takes effect, then braking.
+    fn notice_sudden(&self, state: &mut SimulatorState, outline: &Outline) {
+        const SUDDEN_US: u64 = 1_000_000;
+        let speed_mps = state.translation_mps.abs();
+        let braking_m = speed_mps * speed_mps / (2.0 * self.settings.translation_deceleration_mps2);
+        let stopping_m = 3.0 * speed_mps * self.settings.step_s() + braking_m;
+        let gap_m = outline.distance_m(state.robot_in_map.point()) - self.settings.robot_radius_m;
+        if gap_m <= stopping_m {
+            state.sudden_until_us = state.time_us + SUDDEN_US;
+        }
     }
 
     /// Puts an object into the world.
@@ -166,6 +180,7 @@ impl SimulatorModel {
             return Err(OracleError::SameName(object.name));
         }
         self.nobody_in(state, &object.outline(), || format!("`{}`", object.name))?;
+        self.notice_sudden(state, &object.outline());
         state.objects_added.push(object);
         Ok(())
     }

@@ -31,7 +31,8 @@ pub struct Contacts {
     pub caused: u32,
     /// The robot moved into something none of its sensors could see, or its sonars had failed.
     pub unseen: u32,
-    /// A person ran into the robot.
+    /// A person ran into the robot, or shut a door or put something so near before it that it could
+    /// not stop.
     pub run_into: u32,
 }
 
@@ -67,6 +68,8 @@ pub struct SimulatorState {
     pub(super) messages_given: usize,
     /// The sonars have failed until this time.
     pub sonars_fail_until_us: u64,
+    /// Until then a touch of a door, or of what was put into the world, is not the robot's doing.
+    pub(super) sudden_until_us: u64,
     /// Whether the body rests against something.
     pub touching: bool,
     /// Touches so far.
@@ -101,6 +104,7 @@ impl SimulatorModel {
             messages: Vec::new(),
             messages_given: 0,
             sonars_fail_until_us: 0,
+            sudden_until_us: 0,
             touching: false,
             contacts: Contacts::default(),
             distance_driven_m: 0.0,

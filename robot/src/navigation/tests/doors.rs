@@ -65,3 +65,30 @@ fn a_door_opened_while_the_robot_waits_is_gone_through() {
         assert_eq!(journey.navigation.closed_doors(), [], "it was seen open");
     }
 }
+
+/// While it turns away from the leaf it still touches it, and must not take that for something new
+/// wherever it looks.
+#[test]
+fn a_robot_that_a_door_was_shut_on_gets_away_from_it() {
+    let scene = Scene::new(World::builtin("test-room").expect("a built-in world"));
+    for seed in 0..4 {
+        let mut journey = Journey::new(&scene, scene.simulator.start(seed), Vec::new());
+        let plan = plan_to(&scene, "corner", journey.state.true_pose(), &[]);
+        journey.navigation.start(plan.targets);
+        let door = scene.world.doors.iter().find(|door| door.room == "east").expect("a door").at;
+        while (journey.state.true_pose().x_m - door.x).abs() > 0.32 {
+            assert_eq!(journey.step(), None);
+        }
+        scene.simulator.close_door(&mut journey.state, "east").expect("nobody is in the door");
+        for _ in 0..20 {
+            journey.step();
+        }
+        assert!(journey.state.contacts().run_into == 1, "seed {seed}: {:?}", journey.state.contacts());
+        let mut touched_s = 0.0;
+        while scene.simulator.step(&mut journey.state.clone(), &Commands::default()).bumped {
+            journey.step();
+            touched_s += 0.05;
+            assert!(touched_s < 15.0, "seed {seed}");
+        }
+    }
+}

@@ -57,6 +57,24 @@ fn a_touch_stops_the_robot_and_counts_once() {
     assert_eq!(state.contacts().caused, 2);
 }
 
+/// The leaf is 2 m east of the start. At 0.3 m/s the robot stops within 9 cm of seeing it.
+#[test]
+fn a_door_shut_right_before_the_robot_is_not_its_fault() {
+    let model = model("test-room", SimulatorSettings::exact());
+    let contacts_when_shut_at = |gap_m: f64| {
+        let mut state = model.start(1);
+        model.teleport(&mut state, Pose::new(3.0, 3.0, 0.0)).expect("free");
+        while state.true_pose().x_m < 4.98 - 0.265 - gap_m {
+            steps(&model, &mut state, &drive(0.3, 0.0), 1);
+        }
+        model.close_door(&mut state, "east").expect("nobody is in the door");
+        steps(&model, &mut state, &drive(0.3, 0.0), 60);
+        state.contacts()
+    };
+    assert_eq!(contacts_when_shut_at(0.05), Contacts { run_into: 1, ..Contacts::default() });
+    assert_eq!(contacts_when_shut_at(0.2), Contacts { caused: 1, ..Contacts::default() });
+}
+
 #[test]
 fn a_touch_is_over_when_the_thing_is_gone() {
     let model = hall(SimulatorSettings::exact(), "[[object]]\nname = \"bin\"\ncircle = [6.0, 3.0, 0.2]");
