@@ -58,7 +58,7 @@ impl Default for DriveLimits {
             sonar_max_range_m: 5.0,
             margin_m: 0.02,
             margin_s: 0.1,
-            hallway_mps: 0.68,
+            hallway_mps: 0.7,
             office_mps: 0.35,
             doorway_mps: 0.3,
         }
