@@ -50,7 +50,7 @@ fn the_position_is_the_odometrys_and_never_lost() {
 #[test]
 fn a_point_inside_a_wall_is_a_failure_a_plan_can_handle() {
     let plan = "(with-failure-handling (((unreachable blocked) (f) (failure-class f))) (go-to-point -2.5 0))";
-    let outcome = outcome(plan, 600.0);
+    let outcome = outcome(plan, 1800.0);
     assert!(["=> unreachable", "=> blocked"].contains(&outcome.as_str()), "{outcome}");
 }
 
