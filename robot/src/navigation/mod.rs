@@ -2,12 +2,13 @@
 //!
 //! Read in this order: `distance` (how far the obstacles are), `planner` (what each cell costs),
 //! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
-//! sensors saw lately), `sonar_views` (where the sound passed), `alignment` (where that fits the map), `doorways` (which doors were found
-//! closed), `clearance` (how far an arc is free), `dynamic_window` (safe speeds), `topological`
-//! (target points through doors and corridors), `navigation` (the state machine that drives them),
+//! sensors saw lately), `sonar_views` (where the sound passed), `alignment` (where that fits the
+//! map), `doorways` (which doors were found closed), `clearance` (how far an arc is free),
+//! `dynamic_window` (safe speeds), `topological` (target points through doors and corridors),
+//! `progress` (whether the robot gets on), `navigation` (the state machine that drives them),
 //! `drive` (following and wandering without a map); `laser_scan` (what a scan shows of surfaces),
-//! `learned_map`, `manner` and `mapless` (driving without a map by what the sensors have seen). Nothing
-//! here knows the plan language or the simulator.
+//! `learned_map`, `manner` and `mapless` (driving without a map by what the sensors have seen).
+//! Nothing here knows the plan language or the simulator.
 
 pub mod alignment;
 pub mod clearance;
@@ -23,6 +24,7 @@ pub mod mapless;
 pub mod navigation;
 pub mod obstacle_memory;
 pub mod planner;
+mod progress;
 mod sonar_views;
 pub mod topological;
 pub mod value_field;

@@ -5,6 +5,7 @@ use super::doorways::{DoorMemory, Doorway, barriers};
 use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
 use super::obstacle_memory::{ObstacleMemory, RememberedPoint, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
+use super::progress::Progress;
 use super::topological::{Target, is_passed};
 use super::value_field::{ValueField, path_length_m};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
@@ -126,55 +127,6 @@ pub struct Navigation {
     cache: FieldCache,
 }
 
-/// The nearest the robot has come, by the cost of the way left.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Progress {
-    /// By the way the map shows.
-    least_cost_m: Option<f64>,
-    /// The doors that way leads around: costs of other ways do not compare.
-    avoided_doors: Vec<usize>,
-    /// When that way was shortened last.
-    at_s: f64,
-    /// By the way around the blockages, since.
-    around: AroundProgress,
-    /// When either was shortened last.
-    moved_at_s: f64,
-    /// When that was, or when the robot forgot what it saw and began anew since.
-    begun_at_s: f64,
-}
-
-/// Progress on the way around the blockages, which changes with each that is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct AroundProgress {
-    least_cost_m: Option<f64>,
-    /// A step ago.
-    cost_m: Option<f64>,
-    /// The most it has been longer than the way by the map.
-    detour_m: f64,
-}
-
-impl AroundProgress {
-    /// Whether the way left is shorter than ever. A cost that leaps is another way's: what was gained
-    /// on the way before is carried over to it.
-    fn shorten(&mut self, cost_m: f64) -> bool {
-        let before_m = self.cost_m.replace(cost_m).unwrap_or(cost_m);
-        if (cost_m - before_m).abs() > LEAP_M {
-            self.least_cost_m = self.least_cost_m.map(|least_m| least_m + cost_m - before_m);
-        }
-        let is_shorter = self.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M);
-        if is_shorter {
-            self.least_cost_m = Some(cost_m);
-        }
-        is_shorter
-    }
-}
-
-impl Progress {
-    fn from(at_s: f64) -> Self {
-        Self { at_s, moved_at_s: at_s, begun_at_s: at_s, ..Self::default() }
-    }
-}
-
 #[derive(Clone, Debug, Default)]
 struct FieldCache(Option<CachedFields>);
 
@@ -230,17 +182,6 @@ const HEADING_TOLERANCE_RAD: f64 = 0.1;
 const LOOKAHEAD_M: f64 = 2.0;
 /// And no nearer than this: towards a corner at its side the robot would turn to and fro.
 const AT_HAND_M: f64 = 0.3;
-/// So long without getting nearer is blocked.
-const BLOCKED_S: f64 = 30.0;
-/// Every so long meanwhile the robot forgets what it saw and begins anew.
-const PATIENCE_S: f64 = 10.0;
-/// To look for a way around blockages there is so much time, and for the detour at this speed besides.
-const SEARCH_S: f64 = 60.0;
-const DETOUR_MPS: f64 = 0.15;
-/// Getting nearer means by so much.
-const PROGRESS_M: f64 = 0.1;
-/// No step changes the cost of the way left by so much.
-const LEAP_M: f64 = 0.2;
 /// So long without a way in the map is unreachable; the estimate may be wrong for a moment.
 const UNREACHABLE_S: f64 = 1.0;
 /// The way ahead is checked for unmapped obstacles this often.
@@ -383,7 +324,7 @@ impl Navigation {
                 self.blockages.clear();
                 self.doors = DoorMemory::default();
                 self.window = DynamicWindow::default();
-                self.progress.least_cost_m = None;
+                self.progress.measure_other_way();
                 self.next_look_s = self.now_s;
             }
         }
@@ -399,7 +340,7 @@ impl Navigation {
                 break;
             }
             self.targets.remove(0);
-            self.progress.least_cost_m = None;
+            self.progress.measure_other_way();
         }
         if let [last] = self.targets[..] {
             let away_m = distance_m(here, last.point_in_map);
@@ -449,7 +390,7 @@ impl Navigation {
         }
         if self.targets.len() == 1
             && distance_m(here, target.point_in_map) <= CROWDED_ARRIVAL_M
-            && self.now_s - self.progress.at_s > CROWDED_S
+            && self.progress.since_s(self.now_s) > CROWDED_S
         {
             self.phase = Phase::Turning;
         }
@@ -486,7 +427,7 @@ impl Navigation {
             && let Some(towards) = self.fields(model, next).around.lookahead(here, AT_HAND_M, LOOKAHEAD_M)
         {
             self.targets.remove(0);
-            self.progress.least_cost_m = None;
+            self.progress.measure_other_way();
             return Some((next, towards));
         }
         self.trust_map();
@@ -539,46 +480,22 @@ impl Navigation {
         path_length_m(&points)
     }
 
-    /// Whether the robot has not come nearer for long. Coming nearer on a way around blockages counts
-    /// too, but not for ever: the robot may be going to and fro between two of them.
+    /// Whether the robot has not come nearer for long. If so for a while, it begins anew.
     fn has_stalled(&mut self, model: &NavigationModel, here: Point, target: Target) -> bool {
         let fields = self.fields(model, target);
-        let now_s = self.now_s;
-        let Some(cost_m) = fields.mapped.cost_m(here) else {
-            return now_s - self.progress.at_s > BLOCKED_S;
-        };
-        self.measure_same_way(cost_m);
-        let progress = &mut self.progress;
-        if progress.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
-            progress.least_cost_m = Some(cost_m);
-            progress.around = AroundProgress::default();
-            (progress.at_s, progress.moved_at_s, progress.begun_at_s) = (now_s, now_s, now_s);
-        }
-        if let Some(around_m) = fields.around.cost_m(here) {
-            progress.around.detour_m = progress.around.detour_m.max(around_m - cost_m);
-            if progress.around.shorten(around_m) {
-                (progress.moved_at_s, progress.begun_at_s) = (now_s, now_s);
+        if let Some(cost_m) = fields.mapped.cost_m(here) {
+            let avoided_doors = self.avoided_doors();
+            self.progress.measure(self.now_s, cost_m, avoided_doors, fields.around.cost_m(here));
+            if self.progress.is_patience_at_end(self.now_s) {
+                self.begin_anew();
             }
         }
-        if now_s - progress.begun_at_s > PATIENCE_S {
-            self.begin_anew();
-        }
-        let around_s = SEARCH_S + self.progress.around.detour_m / DETOUR_MPS;
-        now_s - self.progress.moved_at_s > BLOCKED_S || now_s - self.progress.at_s > around_s
-    }
-
-    /// Around other doors than before, what is nearest is counted from here; the time goes on.
-    fn measure_same_way(&mut self, cost_m: f64) {
-        let avoided_doors = self.avoided_doors();
-        if self.progress.avoided_doors != avoided_doors {
-            self.progress.avoided_doors = avoided_doors;
-            self.progress.least_cost_m = self.progress.least_cost_m.map(|_| cost_m);
-        }
+        self.progress.has_stalled(self.now_s)
     }
 
     /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
     fn begin_anew(&mut self) {
-        self.progress.begun_at_s = self.now_s;
+        self.progress.begin_anew(self.now_s);
         self.memory.forget();
         self.window = DynamicWindow::default();
         self.trust_map();
