@@ -73,6 +73,7 @@ struct Passage {
     /// As an index into the world's doors.
     door: usize,
     at: Point,
+    width_m: f64,
     /// Across the wall, of unit length, from the first area to the second.
     through: Vector,
     areas: [Area; 2],
@@ -144,8 +145,14 @@ impl TopologicalModel {
         around.copied().reduce(|best, region| if region.mode > best.mode { region } else { best })
     }
 
+    /// A doorway is of the corridor if it leads there, else of the room on this side.
     fn area_at(&self, point_in_map: Point) -> Area {
-        self.rooms.iter().position(|room| room.rect.contains(point_in_map)).map_or(Area::Corridor, Area::Room)
+        let room = self.rooms.iter().position(|room| room.rect.contains(point_in_map));
+        let between_rooms = || {
+            let passages = self.passages.iter().filter(|passage| !passage.areas.contains(&Area::Corridor));
+            passages.filter_map(|passage| passage.side_of(point_in_map)).next()
+        };
+        room.map(Area::Room).or_else(between_rooms).unwrap_or(Area::Corridor)
     }
 
     fn passage(&self, index: usize, door: &Door) -> Passage {
@@ -154,7 +161,7 @@ impl TopologicalModel {
             Axis::Y => Vector::new(1.0, 0.0),
         };
         let areas = [-1.0, 1.0].map(|side| self.area_at(door.at + normal * (side * DOOR_APPROACH_M * 0.5)));
-        Passage { door: index, at: door.at, through: normal, areas }
+        Passage { door: index, at: door.at, width_m: door.width_m, through: normal, areas }
     }
 
     fn no_chain(&self, to: Area) -> Unreachable {
@@ -282,6 +289,15 @@ impl TopologicalModel {
 impl Passage {
     fn reversed(self) -> Self {
         Self { through: -self.through, areas: [self.areas[1], self.areas[0]], ..self }
+    }
+
+    /// The area on the side of the leaf on which a point in the doorway lies.
+    fn side_of(&self, point_in_map: Point) -> Option<Area> {
+        let offset = point_in_map - self.at;
+        let (across_m, along_m) =
+            (offset.dot(&self.through), offset.dot(&Vector::new(-self.through.y, self.through.x)));
+        let is_inside = across_m.abs() <= DOOR_APPROACH_M * 0.5 && along_m.abs() <= self.width_m / 2.0;
+        is_inside.then(|| self.areas[usize::from(across_m > 0.0)])
     }
 }
 

@@ -101,3 +101,16 @@ fn closed_doors_are_not_used() {
     let planned = scene.topology.plan(&scene.model.planner, scene.world.start_in_map, &goal, &[]);
     assert!(planned.is_err_and(|unreachable| unreachable.reason.contains("room B")));
 }
+
+#[test]
+fn a_robot_in_the_doorway_between_two_rooms_has_a_way_to_both() {
+    let scene = Scene::new(World::builtin("gallery").expect("built in"));
+    let door = scene.world.doors.iter().find(|door| distance_m(door.at, Point::new(4.2, 8.2)) < 0.1).expect("a door");
+    for (dx_m, dy_m) in [(0.0, 0.0), (0.05, -0.05), (-0.05, 0.05)] {
+        let start = Pose::new(door.at.x + dx_m, door.at.y + dy_m, 0.0);
+        for place in &scene.world.places {
+            let plan = scene.topology.plan(&scene.model.planner, start, place, &[]);
+            assert!(plan.is_ok(), "({dx_m}, {dy_m}) {}: {plan:?}", place.name);
+        }
+    }
+}
