@@ -11,8 +11,12 @@ use rpl_tests::mission::{Mission, Run, is, run_until};
 const ELSEWHERE: Pose = Pose { x_m: 6.5, y_m: 3.0, heading_rad: 0.0 };
 
 fn believes_to_be_elsewhere(robot: &mut OfficeRobot) {
+    believes_to_be_about(robot, Spread::default());
+}
+
+fn believes_to_be_about(robot: &mut OfficeRobot, spread: Spread) {
     let map = robot.model.map.as_ref().expect("the robot has a map");
-    robot.board.localization = Some(Localization::start_at(&map.localization, ELSEWHERE, Spread::default()));
+    robot.board.localization = Some(Localization::start_at(&map.localization, ELSEWHERE, spread));
 }
 
 #[test]
@@ -42,6 +46,21 @@ fn at_the_first_attempt_a_contradiction_reaches_the_caller() {
     let run = Run::of(system);
     assert_eq!(run.outcome(), "=> 0.0");
     assert_eq!(run.count(|event| is(event, Robot, &[("what", "position doubted")])), 0);
+}
+
+/// It may have been called away from the search for its position.
+#[test]
+fn a_contradiction_to_a_position_that_is_not_quite_sure_is_a_wrong_position() {
+    let mission = Mission::new(closed_room(), "(go-to 'table-side)");
+    let mut robot = mission.robot(1);
+    believes_to_be_about(&mut robot, Spread { position_m: 0.27, heading_rad: 5_f64.to_radians() });
+    let certainty = robot.estimate().certainty;
+    assert!(certainty > 0.8 && certainty < 0.9, "{certainty}");
+    let mut system = mission.start_with(robot, 1);
+    system.run_until(400_000_000);
+    let run = Run::of(system);
+    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position doubted")])), 1, "{}", run.trace());
+    assert!(run.outcome().starts_with("=>"), "{}\n{}", run.outcome(), run.trace());
 }
 
 #[test]
