@@ -1,5 +1,6 @@
 //! What a laser scan shows of the surfaces it meets.
 
+use super::obstacle_memory::laser_bearing_rad;
 use crate::geometry::Point;
 
 /// Readings to each side that a reading is averaged with.
@@ -51,7 +52,7 @@ pub(super) fn is_seen(laser_m: &[f32], point_in_base: Point) -> bool {
 pub(super) fn points_in_base(laser_m: &[f32]) -> impl Iterator<Item = Point> {
     laser_m.iter().enumerate().filter_map(|(beam, &reading_m)| {
         let reading_m = f64::from(reading_m);
-        let (sin, cos) = libm::sincos((beam as f64 - (laser_m.len() as f64 - 1.0) / 2.0).to_radians());
+        let (sin, cos) = libm::sincos(laser_bearing_rad(laser_m, beam));
         (reading_m > 0.0 && reading_m < NEAR_M).then(|| Point::new(reading_m * cos, reading_m * sin))
     })
 }

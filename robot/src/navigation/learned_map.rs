@@ -9,7 +9,7 @@
 //! Konolige keeps the poses a cell was seen from to recognize walls that throw the sound away. Here
 //! silence counts little, and what is heard or not from nearly the same place counts once.
 
-use super::obstacle_memory::direction_rad;
+use super::obstacle_memory::{direction_rad, laser_bearing_rad};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use crate::localization::SONARS;
 use crate::occupancy::{Cell, OccupancyGrid};
@@ -340,8 +340,8 @@ impl LearnedMap {
         let mut beams = vec![Beam::Misses; (side * side) as usize];
         let index = |at: At| ((at.row - middle.row + reach) * side + at.column - middle.column + reach) as usize;
         for (beam, &reading_m) in laser_m.iter().enumerate() {
-            let bearing_rad = (beam as f64 - (laser_m.len() as f64 - 1.0) / 2.0).to_radians();
-            let (sin, cos) = libm::sincos(odometry_in_odom.heading_rad + bearing_rad);
+            let bearing_rad = odometry_in_odom.heading_rad + laser_bearing_rad(laser_m, beam);
+            let (sin, cos) = libm::sincos(bearing_rad);
             let reading_m = f64::from(reading_m);
             if reading_m.is_nan() || reading_m < 0.0 {
                 continue;

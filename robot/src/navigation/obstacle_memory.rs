@@ -267,7 +267,8 @@ fn doubts_of_laser(laser_m: &[f32], bearing_rad: f64, away_m: f64) -> u8 {
     2 * u8::from(passes)
 }
 
-fn laser_bearing_rad(laser_m: &[f32], beam: usize) -> f64 {
+/// Where a reading of the laser was taken, from straight ahead.
+pub(super) fn laser_bearing_rad(laser_m: &[f32], beam: usize) -> f64 {
     (beam as f64 - (laser_m.len() as f64 - 1.0) / 2.0).to_radians()
 }
 
