@@ -258,7 +258,7 @@ fn path(points_in_map: &[Point], sheet: Sheet, class: &str) -> Polyline {
 }
 
 /// A disc of the robot's size with its heading; filled white where it really is, hollow and dashed
-/// where it only believes to be.
+/// where it only believes itself to be.
 fn robot(marker: &Marker<'_>, sheet: Sheet) -> Group {
     let pose = marker.pose_in_map;
     let nose = pose.transform(Point::new(ROBOT_RADIUS_M, 0.0));

@@ -240,7 +240,7 @@ pub const NATIVES: &[Native] = &[
         "The first number divided by all others, an integer if that is exact; the reciprocal of a single number.",
         |call| unfold(call, 1, divide),
     ),
-    pure("1+", "number", "The number and one.", |call| value(add(number(call, 0)?, Number::Int(1))?.value())),
+    pure("1+", "number", "The number plus one.", |call| value(add(number(call, 0)?, Number::Int(1))?.value())),
     pure("1-", "number", "The number less one.", |call| value(subtract(number(call, 0)?, Number::Int(1))?.value())),
     pure(
         "=",

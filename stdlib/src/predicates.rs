@@ -31,7 +31,9 @@ pub const NATIVES: &[Native] = &[
     pure("listp", "value", "Whether the value is a list.", |call| {
         is(call, |value| matches!(value, Value::Cons(_) | Value::Nil))
     }),
-    pure("atom", "value", "Whether the value is no pair.", |call| is(call, |value| !matches!(value, Value::Cons(_)))),
+    pure("atom", "value", "Whether the value is not a pair.", |call| {
+        is(call, |value| !matches!(value, Value::Cons(_)))
+    }),
     pure("symbolp", "value", "Whether the value is a symbol; nil, t and keywords are.", |call| {
         is(call, |value| matches!(value, Value::Symbol(_) | Value::Keyword(_) | Value::Nil | Value::True))
     }),

@@ -161,17 +161,17 @@ pub const NATIVES: &[Native] = &[
     pure("string<", "string &rest strings", "Whether each string comes before the next.", |call| {
         chain(call, Ordering::is_lt)
     }),
-    pure("string>", "string &rest strings", "Whether each string comes behind the next.", |call| {
+    pure("string>", "string &rest strings", "Whether each string comes after the next.", |call| {
         chain(call, Ordering::is_gt)
     }),
-    pure("string<=", "string &rest strings", "Whether no string comes behind the next.", |call| {
+    pure("string<=", "string &rest strings", "Whether no string comes after the next.", |call| {
         chain(call, Ordering::is_le)
     }),
     pure("string>=", "string &rest strings", "Whether no string comes before the next.", |call| {
         chain(call, Ordering::is_ge)
     }),
     pure("string-upcase", "string", "The string in capitals.", upcase),
-    pure("string-downcase", "string", "The string in small letters.", downcase),
+    pure("string-downcase", "string", "The string in lower case.", downcase),
     pure(
         "substring",
         "string start &optional end",
@@ -205,6 +205,6 @@ pub const NATIVES: &[Native] = &[
         trim,
     ),
     pure("string-replace", "string old new", "The string with a new part in place of each old one.", replace),
-    pure("string-repeat", "string times", "The string so many times in a row.", repeat),
+    pure("string-repeat", "string times", "The string repeated TIMES times.", repeat),
     pure("string->list", "string", "The characters of the string, each a string.", to_characters),
 ];

@@ -52,7 +52,7 @@ fn gensym(call: &mut Call<'_, '_>) -> Answer {
 /// Symbols and keywords.
 pub const NATIVES: &[Native] = &[
     pure("symbol-name", "symbol", "The name of a symbol, or of a keyword without its colon.", symbol_name),
-    pure("intern", "name", "The symbol of this name, in small letters.", intern),
-    pure("make-keyword", "name", "The keyword of this name, in small letters.", make_keyword),
+    pure("intern", "name", "The symbol of this name, in lower case.", intern),
+    pure("make-keyword", "name", "The keyword of this name, in lower case.", make_keyword),
     pure("gensym", "&optional stem", "A new symbol that no text can name.", gensym),
 ];

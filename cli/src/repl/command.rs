@@ -91,7 +91,7 @@ pub const COMMANDS: &[Entry] = &[
     entry(":task", "PATH", "one task: its form, its calls, its variables", Verb::Task),
     entry(":fluents", "[WORD]", "the fluents and their values", Verb::Fluents),
     entry(":valves", "", "the valves, who holds them and who waits", Verb::Valves),
-    entry(":map", "", "the world, the robot, and where it believes to be", Verb::Map),
+    entry(":map", "", "the world, the robot, and where it believes itself to be", Verb::Map),
     entry(":trace", "[WORD...]", "the last events, those that hold all the words", Verb::Trace),
     entry(":doc", "[NAME]", "documents a name", Verb::Doc),
     entry(":help", "", "this list", Verb::Help),

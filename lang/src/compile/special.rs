@@ -150,7 +150,7 @@ const TABLE: &[(Special, SpecialForm)] = forms! {
     Defvar ["defvar"] "(defvar NAME [VALUE [\"DOC\"]])" "Defines a variable." "";
     Defconstant ["defconstant"] "(defconstant NAME VALUE [\"DOC\"])" "Defines a name that is never assigned." "";
     Defun ["defun"] "(defun NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a function." "";
-    Defmacro ["defmacro"] "(defmacro NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a form that is written out as what its body gives." "";
+    Defmacro ["defmacro"] "(defmacro NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a form that is replaced by what its body returns." "";
     DefPlan ["def-plan", "def-interp-proc"] "(def-plan NAME (PARAMETER...) [\"DOC\"] FORM...)" "Defines a plan: called like a function, and each call is a node of the task tree." "(def-plan wash (number)\n  \"Washes cups, one after the other.\"\n  (n-times number (wait-time 20)))";
     DefGoal ["def-goal"] "(def-goal (achieve (NAME PARAMETER...)) FORM...)" "Defines how goals of this name are achieved, by `(achieve (NAME ARGUMENT...))`. Several definitions of one goal are methods, tried in their order." "(def-goal (achieve (clean room))\n  (print room))\n(achieve (clean 'hall))";
     DefFluent ["def-fluent", "global-fluent"] "(def-fluent NAME VALUE [\"DOC\"])" "Defines a fluent: a value that changes over time and wakes tasks." "(def-fluent cups 0 \"How many cups are washed.\")\n(par (wait-for (>= cups 1))\n     (setf (value cups) 1))";

@@ -66,7 +66,7 @@ pub const FLUENTS: &[FluentSpec] = &[
     FluentSpec { name: "navigation-active?*", doc: "True while a navigation plan is executed." },
     FluentSpec { name: "nr-of-nav-goals*", doc: "Target points not yet reached." },
     FluentSpec { name: "travel-mode*", doc: "How the robot drives: hallway, office or doorway." },
-    FluentSpec { name: "region*", doc: "The travel mode of the region the robot believes to be in, or nil." },
+    FluentSpec { name: "region*", doc: "The travel mode of the region the robot believes itself to be in, or nil." },
     FluentSpec { name: "speed*", doc: "Measured speed ahead, in metres a second." },
     FluentSpec { name: "bumped?*", doc: "Whether something touches the robot." },
     FluentSpec { name: "holding*", doc: "The thing in the gripper, or nil." },

@@ -207,13 +207,13 @@ impl OfficeRobot {
         self.host.state.true_pose()
     }
 
-    /// Where it believes to be, and how certain it is. Without a map: where its odometry says it is,
+    /// Where it believes itself to be, and how certain it is. Without a map: where its odometry says it is,
     /// in `odom`.
     pub fn estimate(&self) -> Estimate {
         self.board.estimate(&self.model)
     }
 
-    /// Where it believes to be, also without a map: then by its odometry from the start of the world.
+    /// Where it believes itself to be, also without a map: then by its odometry from the start of the world.
     pub fn estimated_pose_in_map(&self) -> Pose {
         let Estimate { pose_in_map, .. } = self.estimate();
         if self.model.map.is_some() { pose_in_map } else { self.model.world.start_in_map.compose(pose_in_map) }

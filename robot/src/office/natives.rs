@@ -23,7 +23,7 @@ pub fn natives() -> Vec<Native> {
         look(
             "at-destination?",
             "place",
-            "Whether the robot believes to stand at a place; wakes a condition.",
+            "Whether the robot believes itself to be at a place; wakes a condition.",
             at_destination as _,
         ),
         look(
@@ -54,7 +54,7 @@ pub fn natives() -> Vec<Native> {
         act(
             "doubt-position",
             "",
-            "Gives up all of the belief about the position, in the next step: the estimate leads to a contradiction.",
+            "Discards the whole belief about the position in the next step: for when the estimate leads to a contradiction.",
             doubt_position as _,
         ),
         act("read-message", "", "The oldest message nobody has read, a list of symbols, or nil.", read_message as _),
