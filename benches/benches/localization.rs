@@ -4,10 +4,10 @@
 //! headings of a cell side by side, two look-ups and a multiplication a state and beam.
 
 use rpl_benches::{Question, Report, least_ms};
+use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::localization::{Belief, Instructions, LocalizationModel, LocalizationParameters, SONARS, Spread, State};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
-use rpl_robot::random::Stream;
 use std::hint::black_box;
 
 const RUNS: usize = 25;

@@ -5,6 +5,7 @@
 
 use rpl_benches::{Question, Report, least_ms};
 use rpl_lang::compile::NoFiles;
+use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::localization::DistanceField;
 use rpl_robot::navigation::clearance::open_distance_m;
@@ -15,7 +16,6 @@ use rpl_robot::navigation::{
 };
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
-use rpl_robot::random::Stream;
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState, drive_arc};
 use rpl_robot::world::{TravelMode, World};
 use rpl_runtime::library::Library;
@@ -480,11 +480,10 @@ fn run_rotated(seed: u64) {
         Err(rejected) => panic!("{}", rejected.render(false)),
     };
     let turn = include_str!("../../examples/experiments/rotated.rpl");
-    let mut scenario = match scenario_library.load("rotated.rpl", turn, &mut NoFiles) {
-        Ok(loaded) => System::new(scenario_library, loaded, oracle),
+    let scenario = match scenario_library.load("rotated.rpl", turn, &mut NoFiles) {
+        Ok(loaded) => System::new(scenario_library, loaded, oracle, seed),
         Err(rejected) => panic!("{}", rejected.render(false)),
     };
-    scenario.machine.seed_random(seed);
     let host = SimulatedHost::new(model.simulator.clone(), seed, Some(scenario));
     let robot = OfficeRobot::new(model, host, seed);
     let plans = [prelude, ("robot", office::PLANS)];
@@ -494,10 +493,9 @@ fn run_rotated(seed: u64) {
     };
     let delivery = include_str!("../../examples/delivery.rpl");
     let mut system = match library.load("delivery.rpl", delivery, &mut NoFiles) {
-        Ok(loaded) => System::new(library, loaded, robot),
+        Ok(loaded) => System::new(library, loaded, robot, seed),
         Err(rejected) => panic!("{}", rejected.render(false)),
     };
-    system.machine.seed_random(seed);
     system.run_until(1_800_000_000);
     let robot = &system.outside;
     let away_m = robot.true_pose_in_map().distance_m(goal);

@@ -5,9 +5,9 @@
 
 use rpl_benches::{Question, Report, processor_ns, processor_ns_lately, resident_bytes};
 use rpl_lang::compile::NoFiles;
+use rpl_random::Stream;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
-use rpl_robot::random::Stream;
 use rpl_robot::world::World;
 use rpl_runtime::library::Library;
 use rpl_runtime::stepping::Stop;
@@ -59,10 +59,7 @@ fn mission(start_known: bool) -> System<OfficeRobot> {
     let texts = [("prelude", rpl_stdlib::PRELUDE), ("robot", office::PLANS)];
     let library =
         Library::new(natives, &texts, &robot, &[]).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
-    let mut system =
-        System::session(&Arc::new(library), robot).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
-    system.machine.seed_random(1);
-    system
+    System::session(&Arc::new(library), robot, 1).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
 }
 
 /// Runs the mission, tells each instant, and gives the seconds it took.

@@ -110,7 +110,7 @@ fn library() -> Arc<Library> {
 
 /// A run of a text up to the first moment at which every task is blocked.
 fn settled(library: &Arc<Library>, text: &str) -> System<NoRobot> {
-    match System::without_robot(library, "bench.rpl", text) {
+    match System::without_robot(library, "bench.rpl", text, 0) {
         Ok(mut system) => {
             system.settle();
             system

@@ -47,8 +47,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             return Ok(Status::Wrong);
         }
     };
-    let mut system = System::new(site.library.clone(), loaded, site.robot(seed));
-    system.machine.seed_random(seed);
+    let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
     let ending = drive(&mut system, Pace::default(), console, &mut Records::default())?;
     match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => {

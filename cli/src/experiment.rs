@@ -206,8 +206,7 @@ fn all_trials(
     let bar = progress(seeds.len() as u64, console);
     bar.set_message(name.to_string());
     let one = |seed: u64| -> Result<Trial> {
-        let mut system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
-        system.machine.seed_random(seed);
+        let system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed), seed);
         one_trial(system, seed, arguments.until, goal)
     };
     let trials = run_all(&seeds, jobs(arguments), one, || bar.inc(1));

@@ -131,9 +131,7 @@ impl Site {
         let Some(office) = &self.office else { return Robot::Absent(NoRobot) };
         let scenario = self.scenario.as_ref().map(|scenario| {
             let oracle = Oracle::new(office.simulator.clone(), seed);
-            let mut system = System::new(scenario.library.clone(), scenario.loaded.clone(), oracle);
-            system.machine.seed_random(seed);
-            system
+            System::new(scenario.library.clone(), scenario.loaded.clone(), oracle, seed)
         });
         let host = SimulatedHost::new(office.simulator.clone(), seed, scenario);
         Robot::Office(Box::new(OfficeRobot::new(office.clone(), host, seed)))

@@ -90,12 +90,12 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let scenes = arguments.figures.is_some().then(Vec::new);
     let mut records = Records { trace: create_trace(arguments)?, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
-    let (library, robot) = (site.library.clone(), site.robot(arguments.setting.seed));
+    let seed = arguments.setting.seed;
+    let (library, robot) = (site.library.clone(), site.robot(seed));
     let mut system = match wants_events {
-        true => System::traced(library, loaded, robot),
-        false => System::new(library, loaded, robot),
+        true => System::traced(library, loaded, robot, seed),
+        false => System::new(library, loaded, robot, seed),
     };
-    system.machine.seed_random(arguments.setting.seed);
     if let Some(steps) = arguments.max_steps {
         system.machine.limits.steps = steps;
     }

@@ -209,8 +209,7 @@ impl Session<'_> {
         };
         let seed = test.options.seed.unwrap_or(self.arguments.seed);
         let until_us = test.options.until_s.map_or(self.arguments.until, |until_s| (until_s * 1e6).round() as u64);
-        let mut system = System::new(site.library.clone(), loaded, site.robot(seed));
-        system.machine.seed_random(seed);
+        let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
         let mut output = Console::keeping();
         let pace = Pace { until_us: Some(until_us), factor: None };
         let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;

@@ -14,7 +14,6 @@ pub mod localization;
 pub mod navigation;
 pub mod occupancy;
 pub mod office;
-pub mod random;
 pub mod recording;
 pub mod simulator;
 pub mod world;

@@ -108,6 +108,11 @@ pub trait Outside: Any {
     /// Stops a behaviour.
     fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox);
 
+    /// The name of the stream of random numbers that plans draw from in front of this.
+    fn stream(&self) -> &'static str {
+        "plan"
+    }
+
     /// Microseconds between two steps; none if there is no robot.
     fn period_us(&self) -> Option<u64> {
         None

@@ -18,6 +18,7 @@ use crate::valve::Valve;
 use rpl_lang::code::{Constant, GlobalKind, Program};
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::symbol::{Symbol, Symbols};
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -149,7 +150,7 @@ pub struct Machine {
     /// Limits.
     pub limits: Limits,
     /// What `random` draws from.
-    pub(crate) random: rand_pcg::Pcg64Mcg,
+    pub(crate) random: Stream,
     #[serde(skip)]
     pub(crate) scratch: Scratch,
 }
@@ -159,7 +160,7 @@ pub(crate) const SCRATCH_TASK: u32 = 0;
 
 impl Machine {
     /// A machine at time 0 for a program, before its first step.
-    pub fn new(program: &Program, symbols: Symbols) -> Self {
+    pub fn new(program: &Program, symbols: Symbols, random: Stream) -> Self {
         let mut machine = Self {
             symbols,
             heap: Heap::new(),
@@ -182,7 +183,7 @@ impl Machine {
             trace: Trace::default(),
             output: Vec::new(),
             limits: Limits::default(),
-            random: random_stream(0),
+            random,
             scratch: Scratch::default(),
         };
         let name = machine.symbols.intern("network");
@@ -233,11 +234,6 @@ impl Machine {
                 self.heap.list_with_tail(&values, tail)
             }
         }
-    }
-
-    /// Begins the stream of `random` anew.
-    pub fn seed_random(&mut self, seed: u64) {
-        self.random = random_stream(seed);
     }
 
     /// Gives a global of the robot its fluent.
@@ -344,14 +340,4 @@ impl Machine {
             other => Err(self.wrong_type("the argument", "a task", other)),
         }
     }
-}
-
-/// The stream of a seed, past its first draws, in which neighbouring seeds are still alike.
-fn random_stream(seed: u64) -> rand_pcg::Pcg64Mcg {
-    use rand_core::Rng;
-    let mut stream = rand_pcg::Pcg64Mcg::new((u128::from(seed) << 64) | 0xcafe_f00d_d15e_a5e5);
-    for _ in 0..4 {
-        stream.next_u64();
-    }
-    stream
 }

@@ -11,6 +11,7 @@ use rpl_lang::compile::{MacroHost, NativeSignature};
 use rpl_lang::diagnostic::Diagnostic;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, Tree};
+use rpl_random::Stream;
 use std::sync::Arc;
 
 /// Steps one expansion may take.
@@ -32,7 +33,7 @@ pub struct MacroMachine {
 impl MacroMachine {
     /// A machine for the macros of a program.
     pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
-        let mut machine = Machine::new(program, Symbols::default());
+        let mut machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"));
         machine.limits.steps = MAX_STEPS;
         Self { machine, steps: 0, natives, signatures }
     }

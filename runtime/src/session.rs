@@ -81,9 +81,9 @@ impl<O: Outside> System<O> {
     ///
     /// # Errors
     /// The session's own text does not fit the library, which is a fault of the library.
-    pub fn session(library: &Arc<Library>, outside: O) -> Result<Self, Rejected> {
+    pub fn session(library: &Arc<Library>, outside: O, seed: u64) -> Result<Self, Rejected> {
         let loaded = library.load("session", SESSION, &mut NoFiles)?;
-        let mut system = Self::traced(library.clone(), loaded, outside);
+        let mut system = Self::traced(library.clone(), loaded, outside, seed);
         system.settle();
         Ok(system)
     }

@@ -15,6 +15,7 @@ use rpl_lang::code::Program;
 use rpl_lang::pretty;
 use rpl_lang::source::{SourceId, Span};
 use rpl_lang::syntax::Tree;
+use rpl_random::Stream;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -66,19 +67,20 @@ const PLAN_WIDTH: usize = 100;
 const MAX_SHARED_TEXT: usize = 1 << 16;
 
 impl<O: Outside> System<O> {
-    /// A run at its start: the robot has made one step, no form has run.
-    pub fn new(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
-        Self::start(library, loaded, outside, false)
+    /// A run at its start: the robot has made one step, no form has run. All that its plans leave to
+    /// chance follows from the seed.
+    pub fn new(library: Arc<Library>, loaded: Loaded, outside: O, seed: u64) -> Self {
+        Self::start(library, loaded, outside, seed, false)
     }
 
     /// The same with the trace switched on from the first event.
-    pub fn traced(library: Arc<Library>, loaded: Loaded, outside: O) -> Self {
-        Self::start(library, loaded, outside, true)
+    pub fn traced(library: Arc<Library>, loaded: Loaded, outside: O, seed: u64) -> Self {
+        Self::start(library, loaded, outside, seed, true)
     }
 
-    fn start(library: Arc<Library>, loaded: Loaded, outside: O, traced: bool) -> Self {
+    fn start(library: Arc<Library>, loaded: Loaded, outside: O, seed: u64, traced: bool) -> Self {
         let Loaded { program, symbols, main, .. } = loaded;
-        let mut machine = Machine::new(&program, symbols);
+        let mut machine = Machine::new(&program, symbols, Stream::new(seed, outside.stream()));
         machine.trace.enabled = traced;
         for fluent in outside.fluents() {
             let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
@@ -336,8 +338,13 @@ impl System<NoRobot> {
     ///
     /// # Errors
     /// The findings in the text.
-    pub fn without_robot(library: &Arc<Library>, name: &str, text: &str) -> Result<Self, crate::library::Rejected> {
+    pub fn without_robot(
+        library: &Arc<Library>,
+        name: &str,
+        text: &str,
+        seed: u64,
+    ) -> Result<Self, crate::library::Rejected> {
         let loaded = library.load(name, text, &mut rpl_lang::compile::NoFiles)?;
-        Ok(Self::new(library.clone(), loaded, NoRobot))
+        Ok(Self::new(library.clone(), loaded, NoRobot, seed))
     }
 }

@@ -21,9 +21,12 @@ pub fn library() -> &'static Arc<Library> {
     })
 }
 
+/// The seed of every run without a robot.
+const SEED: u64 = 0;
+
 /// A run of a text without a robot, at its start.
 pub fn system(text: &str) -> System<NoRobot> {
-    match System::without_robot(library(), "test.rpl", text) {
+    match System::without_robot(library(), "test.rpl", text, SEED) {
         Ok(system) => system,
         Err(rejected) => panic!("{}", rejected.render(false)),
     }
@@ -31,7 +34,7 @@ pub fn system(text: &str) -> System<NoRobot> {
 
 /// What a text does, in lines: its output, then its value or failure.
 pub fn run(text: &str) -> String {
-    let mut system = match System::without_robot(library(), "test.rpl", text) {
+    let mut system = match System::without_robot(library(), "test.rpl", text, SEED) {
         Ok(system) => system,
         Err(rejected) => return rejected.render(false),
     };

@@ -122,9 +122,7 @@ impl Mission {
     pub fn robot(&self, seed: u64) -> OfficeRobot {
         let scenario = self.scenario.clone().map(|loaded| {
             let oracle = Oracle::new(self.model.simulator.clone(), seed);
-            let mut scenario = System::new(scenario_library(), loaded, oracle);
-            scenario.machine.seed_random(seed);
-            scenario
+            System::new(scenario_library(), loaded, oracle, seed)
         });
         let host = SimulatedHost::new(self.model.simulator.clone(), seed, scenario);
         OfficeRobot::new(self.model.clone(), host, seed)
@@ -137,8 +135,7 @@ impl Mission {
 
     /// The run at its start, with a robot that was changed.
     pub fn start_with(&self, robot: OfficeRobot, seed: u64) -> System<OfficeRobot> {
-        let mut system = System::new(robot_library(), self.plan.clone(), robot);
-        system.machine.seed_random(seed);
+        let mut system = System::new(robot_library(), self.plan.clone(), robot, seed);
         system.machine.trace.enabled = true;
         system.machine.trace.quiet = CONTINUOUS_FLUENTS
             .iter()

@@ -11,7 +11,7 @@ fn outcomes(text: &str) -> Vec<(String, String)> {
     let run = |test: rpl_lang::compile::Test| {
         let mut loaded = loaded.clone();
         loaded.main = test.code;
-        let mut system = System::new(rpl_tests::library().clone(), loaded, NoRobot);
+        let mut system = System::new(rpl_tests::library().clone(), loaded, NoRobot, 0);
         while system.advance() != Progress::Ended {}
         (test.name.to_string(), rpl_tests::transcript(&mut system))
     };

@@ -10,7 +10,7 @@ use rpl_runtime::value::Value;
 use rpl_tests::library;
 
 fn session() -> System<NoRobot> {
-    System::session(library(), NoRobot).unwrap_or_else(|found| panic!("{}", found.render(false)))
+    System::session(library(), NoRobot, 0).unwrap_or_else(|found| panic!("{}", found.render(false)))
 }
 
 fn run(system: &mut System<NoRobot>, text: &str) -> Answer {

@@ -20,7 +20,7 @@ const PLAN: &str = "
   (fill))";
 
 fn session() -> System<NoRobot> {
-    System::session(library(), NoRobot).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
+    System::session(library(), NoRobot, 0).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
 }
 
 /// A run of so many instants, its history, and what each instant was at its end.
@@ -104,7 +104,7 @@ fn what_was_handed_in_is_never_given_up() {
 fn rest() -> Timeline<OfficeRobot> {
     let model = test_room();
     let robot = OfficeRobot::new(model.clone(), SimulatedHost::new(model.simulator.clone(), 1, None), 1);
-    let session = System::session(&robot_library(), robot);
+    let session = System::session(&robot_library(), robot, 1);
     let mut system = session.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let mut timeline = Timeline::new(&system, OfficeRobot::bytes_apart);
     let text = "(seq (wait-time 60) (setf (value travel-mode*) 'office))";

@@ -85,7 +85,7 @@ fn a_run_is_a_sequence_of_instants() {
 fn a_failure_carries_place_task_calls_and_parts() {
     let text =
         "(def-plan inner (x) (par (map (lambda (y) (+ y 'a)) (list x))))\n(def-plan outer () (inner 1))\n(outer)";
-    let mut system = System::without_robot(library(), "test.rpl", text).expect("it compiles");
+    let mut system = System::without_robot(library(), "test.rpl", text, 0).expect("it compiles");
     while system.advance() == Progress::Running {}
     let Some(Outcome::Failed(Value::Failure(failure))) = system.outcome() else { panic!("it does not fail") };
     let record = &system.machine.heap.failures[failure];
@@ -95,7 +95,7 @@ fn a_failure_carries_place_task_calls_and_parts() {
     assert_eq!(&text[span.start as usize..span.end as usize], "(+ y 'a)");
     // Inside the library the place is that of the call.
     let text = "(def-plan p () (wait-time 1) (list (map 1+ 3)))\n(p)";
-    let mut system = System::without_robot(library(), "test.rpl", text).expect("it compiles");
+    let mut system = System::without_robot(library(), "test.rpl", text, 0).expect("it compiles");
     while system.advance() == Progress::Running {}
     let Some(Outcome::Failed(Value::Failure(failure))) = system.outcome() else { panic!("it does not fail") };
     let span = system.machine.heap.failures[failure].span.expect("a place");

@@ -47,8 +47,7 @@ pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) 
             Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
         };
         for seed in seeds(arguments) {
-            let mut system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed));
-            system.machine.seed_random(seed);
+            let mut system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed), seed);
             let mut records = Records { choices: Some(Vec::new()), ..Records::default() };
             let pace = Pace { until_us: Some(arguments.until), factor: None };
             drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;

@@ -12,10 +12,10 @@ use crate::status::Status;
 use anyhow::{Context, Result, bail};
 use rpl_lang::compile::NoFiles;
 use rpl_lang::suggest::suggest;
+use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
 use rpl_robot::office::{OfficeRobot, OfficeSettings};
-use rpl_robot::random::Stream;
 use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
 use rpl_runtime::system::System;
 
@@ -86,8 +86,7 @@ fn drives(arguments: &Arguments, console: &Console, name: &str) -> Result<Vec<Tr
             Ok(loaded) => loaded,
             Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
         };
-        let mut system = System::traced(site.library.clone(), loaded, Robot::Office(Box::new(errand.robot)));
-        system.machine.seed_random(seed);
+        let system = System::traced(site.library.clone(), loaded, Robot::Office(Box::new(errand.robot)), seed);
         let mut trial = one_trial(system, seed, arguments.until, Some(errand.destination.pose_in_map))?;
         let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
         trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / errand.optimum_m)));

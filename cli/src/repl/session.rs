@@ -110,9 +110,8 @@ impl Session {
     /// # Errors
     /// The session's own text does not compile.
     pub fn new(site: &Site, seed: u64) -> Result<Self> {
-        let mut system = System::session(&site.library, site.robot(seed))
+        let mut system = System::session(&site.library, site.robot(seed), seed)
             .map_err(|rejected: Rejected| anyhow!("the session cannot start\n{}", rejected.render(false)))?;
-        system.machine.seed_random(seed);
         let quiet: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| fluent_named(&system, name)).collect();
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();

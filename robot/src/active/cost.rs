@@ -91,7 +91,7 @@ impl CostField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
+    use rpl_random::Stream;
 
     /// Eq. (8) iterated until nothing changes.
     fn value_iteration(grid: ActionGrid, occupancy: &[f32], parameters: &ActiveParameters) -> Vec<f64> {

@@ -200,7 +200,7 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
+    use rpl_random::Stream;
 
     fn random_map(seed: u64) -> OccupancyGrid {
         let mut stream = Stream::new(seed, "map");

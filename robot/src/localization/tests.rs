@@ -4,9 +4,9 @@ use super::sensor::mixture;
 use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::occupancy::{Cell, OccupancyGrid};
-use crate::random::Stream;
 use crate::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use crate::world::World;
+use rpl_random::Stream;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 

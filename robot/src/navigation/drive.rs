@@ -7,7 +7,7 @@ use super::navigation::NavigationInput;
 use super::obstacle_memory::{ObstacleMemory, Transform, direction_rad};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use crate::localization::SONARS;
-use crate::random::Stream;
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// What is to be done.

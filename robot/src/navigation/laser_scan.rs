@@ -60,7 +60,7 @@ pub(super) fn points_in_base(laser_m: &[f32]) -> impl Iterator<Item = Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
+    use rpl_random::Stream;
 
     /// A wall 0.5 m to the left of the robot, parallel to it, up to 2 m ahead, and nothing beyond.
     fn wall_m(beam: usize) -> f32 {

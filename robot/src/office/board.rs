@@ -13,10 +13,10 @@ use crate::navigation::{
     Drive, DriveStatus, DriveTask, Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationInput, Speeds,
     Target,
 };
-use crate::random::Stream;
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use crate::world::TravelMode;
 use rpl_lang::symbol::Symbol;
+use rpl_random::Stream;
 use rpl_runtime::behaviour::{Ending, Outbox, Phase, Reading, Stop};
 use rpl_runtime::failure::Raise;
 use rpl_runtime::machine::Machine;

@@ -81,6 +81,10 @@ impl Outside for Oracle {
 
     fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
 
+    fn stream(&self) -> &'static str {
+        "scenario"
+    }
+
     fn period_us(&self) -> Option<u64> {
         Some(self.model.settings.step_us)
     }

@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::localization::{DistanceField, LocalizationModel, LocalizationParameters};
 use crate::occupancy::{Cell, OccupancyGrid};
-use crate::random::Stream;
+use rpl_random::Stream;
 use std::f64::consts::{PI, TAU};
 
 /// 8 m by 5 m with a pillar and a niche, so that no pose looks like another one.

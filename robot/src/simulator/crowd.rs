@@ -3,8 +3,8 @@
 use super::people::PERSON_RADIUS_M;
 use crate::geometry::{Point, distance_m};
 use crate::navigation::{PlannerModel, PlannerParameters, ValueField};
-use crate::random::Stream;
 use crate::world::{Rect, TravelMode, World};
+use rpl_random::Stream;
 
 /// Edge of a cell of the floor.
 const CELL_M: f64 = 0.1;

@@ -2,8 +2,8 @@
 
 use super::settings::SimulatorSettings;
 use crate::geometry::{Point, Pose, distance_m};
-use crate::random::Stream;
 use crate::world;
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// What the gripper is asked to begin. It can be repeated while the gripper moves.

@@ -3,7 +3,7 @@
 use super::motion::drive_arc;
 use super::settings::SimulatorSettings;
 use crate::geometry::Pose;
-use crate::random::Stream;
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// The constant errors of one robot, drawn at the start.

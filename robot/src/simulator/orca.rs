@@ -210,7 +210,7 @@ fn no_more_violated(other: &HalfPlane, half_plane: &HalfPlane) -> Option<HalfPla
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Stream;
+    use rpl_random::Stream;
 
     const LIMIT_MPS: f64 = 1.2;
 

@@ -5,8 +5,8 @@ use super::orca::{self, Disc, HalfPlane};
 use super::state::SimulatorState;
 use super::surface::forms_of;
 use crate::geometry::{Point, Vector, distance_m};
-use crate::random::Stream;
 use crate::world::{Origin, Person, Solid};
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// A person is a disc of this radius.

@@ -5,8 +5,8 @@ use super::model::SimulatorModel;
 use super::odometry::OdometryBias;
 use super::people::Walker;
 use crate::geometry::Pose;
-use crate::random::Stream;
 use crate::world::{Object, Origin};
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// One random stream per consumer.

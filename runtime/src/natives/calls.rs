@@ -4,7 +4,6 @@ use crate::failure::Raise;
 use crate::machine::{MAX_WAITING_OUTPUT, Machine, Output};
 use crate::native::{Call, Effect, Native, Reply};
 use crate::value::Value;
-use rand_core::Rng;
 
 pub(super) const NATIVES: &[Native] = &[
     Native {
@@ -62,8 +61,7 @@ fn apply(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let draw = call.machine.random.next_u64();
-    let share = (draw >> 11) as f64 / (1u64 << 53) as f64;
+    let share = call.machine.random.uniform();
     match call.argument(0) {
         Value::Int(limit) if limit > 0 => Ok(Reply::Value(Value::Int(((share * limit as f64) as i64).min(limit - 1)))),
         Value::Float(limit) if limit > 0.0 && limit.is_finite() => Ok(Reply::Value(Value::Float(share * limit))),

@@ -76,7 +76,7 @@ fn dig(text: &str) -> (String, Digger) {
     let library = Arc::new(library.unwrap_or_else(|rejected| panic!("{}", rejected.render(false))));
     let loaded = library.load("test", text, &mut NoFiles);
     let loaded = loaded.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
-    let mut system = System::new(library, loaded, Digger::default());
+    let mut system = System::new(library, loaded, Digger::default(), 0);
     while system.advance() == Progress::Running {}
     let shown = system.with_machine(|machine, around| machine.show(around.program, machine.tasks[machine.main].value));
     (shown, system.outside)

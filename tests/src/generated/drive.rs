@@ -130,7 +130,7 @@ pub fn said(panic: &(dyn std::any::Any + Send)) -> String {
 
 fn start(loaded: &Loaded, period_us: Option<u64>) -> System<Whim> {
     let robot = Whim { period_us, ..Whim::default() };
-    let mut system = System::traced(library().clone(), loaded.clone(), robot);
+    let mut system = System::traced(library().clone(), loaded.clone(), robot, 0);
     system.machine.limits = Limits { steps: 300, frames: 60, ..Limits::default() };
     system
 }

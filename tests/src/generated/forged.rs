@@ -29,7 +29,7 @@ pub fn judge(seed: u64, forgeries: usize, tally: &mut Tally) -> Result<(), Strin
     let mut dice = Dice::new(seed);
     let text = grammar::program(seed);
     let Ok(loaded) = library().load("generated.rpl", &text, &mut NoFiles) else { return Ok(()) };
-    let mut system = System::new(library().clone(), loaded.clone(), Whim::default());
+    let mut system = System::new(library().clone(), loaded.clone(), Whim::default(), 0);
     system.machine.limits = Limits { steps: 300, frames: 60, ..Limits::default() };
     for _ in 0..dice.below(24) {
         if system.outcome().is_none() && !system.step_task() {

@@ -1,6 +1,6 @@
 //! Same program, world and seed: the same trace, byte for byte.
 
-use rpl_tests::mission::{Mission, Run, test_room};
+use rpl_tests::mission::{Mission, Run, detail, test_room};
 
 /// A cup is fetched and brought while somebody turns the robot.
 pub const ERRAND: &str = "(deliver 'cup 'table-side 'corner)";
@@ -46,6 +46,29 @@ fn another_seed_gives_another_trace() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     assert_eq!(in_pool(1, SEED), in_pool(2, SEED));
+}
+
+/// r[determinism.streams]
+#[test]
+fn plan_and_scenario_draw_from_streams_of_their_own() {
+    const DRAW: &str = "(dotimes (i 20) (print (random 1000000)))";
+    for seed in 0..4 {
+        let run = Mission::new(test_room(), &format!("{DRAW} (wait-time 1)"))
+            .with_scenario(&format!("(wait-time 0.5) {DRAW}"))
+            .run(seed, 10.0);
+        let scenario: Vec<&str> = run
+            .events
+            .iter()
+            .filter(|event| detail(event, "what") == "scenario")
+            .map(|event| detail(event, "text"))
+            .collect();
+        assert_eq!((run.output.len(), scenario.len()), (20, 20), "{}", run.trace());
+        let alike = run.output.iter().zip(&scenario).filter(|(plan, scenario)| plan == *scenario).count();
+        assert_eq!(alike, 0, "seed {seed}: {:?} and {scenario:?}", run.output);
+        // What the scenario draws leaves alone what the plan does.
+        let alone = Mission::new(test_room(), DRAW).run(seed, 10.0);
+        assert_eq!(alone.output, run.output);
+    }
 }
 
 /// CRC-32 of the trace of the errand with this seed, as a release build writes it. After a change that

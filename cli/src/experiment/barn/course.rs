@@ -1,8 +1,8 @@
 //! The courses: fields of posts grown by a cellular automaton, in a walled lane.
 
+use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
-use rpl_robot::random::Stream;
 use rpl_robot::world::{Object, ROBOT_RADIUS_M, SeenBy, Shape, World};
 
 /// As many as in the paper's data set: 25 of each of twelve kinds.

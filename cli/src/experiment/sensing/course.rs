@@ -3,10 +3,10 @@
 use super::shuttle::Shuttle;
 use super::{Policy, Sensors, Setting};
 use anyhow::{Context, Result};
+use rpl_random::Stream;
 use rpl_robot::active::{Direction, SensingModel};
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::localization::{Belief, LocalizationModel, LocalizationParameters, OdometryError, SensorParameters};
-use rpl_robot::random::Stream;
 use rpl_robot::simulator::{
     Commands, LASER_READINGS, Percept, SimulatorModel, SimulatorSettings, laser_direction_rad, sonar_direction_rad,
 };

@@ -1,7 +1,7 @@
 //! The experimenter who moves the robot up and down the corridor, and sees where it is.
 
+use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, wrap_angle_rad};
-use rpl_robot::random::Stream;
 use rpl_robot::simulator::Commands;
 
 /// The paper's speed.

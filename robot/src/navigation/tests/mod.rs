@@ -9,9 +9,9 @@ mod plans;
 
 use super::*;
 use crate::geometry::{Point, Pose, distance_m};
-use crate::random::Stream;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings, SimulatorState};
 use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
+use rpl_random::Stream;
 use std::sync::Arc;
 
 struct Scene {

@@ -6,8 +6,8 @@ mod whole;
 
 use super::*;
 use crate::geometry::{Point, Pose};
-use crate::random::Stream;
 use crate::world::{Object, Rect, SeenBy, Shape, World};
+use rpl_random::Stream;
 use std::sync::Arc;
 
 fn model(world: &str, settings: SimulatorSettings) -> SimulatorModel {

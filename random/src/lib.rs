@@ -1,5 +1,7 @@
 //! Seeded random streams: one for each consumer, found by name, so that a new consumer never
-//! changes what an old one draws.
+//! changes what an old one draws, and no two draw the same numbers.
+//!
+//! This is the only place where a stream is made of a seed.
 
 use rand_core::Rng;
 use rand_pcg::Pcg64Mcg;
