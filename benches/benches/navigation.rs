@@ -392,10 +392,11 @@ struct Errand {
 impl Errand {
     fn new() -> Self {
         let Some(world) = World::builtin("dept").map(Arc::new) else { panic!("`dept` is built in") };
+        let navigation = NavigationModel::new(&world, DriveLimits::default());
         Self {
             simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
-            topology: TopologicalModel::new(&world),
-            navigation: NavigationModel::new(&world, DriveLimits::default()),
+            topology: TopologicalModel::new(&world, &navigation.planner),
+            navigation,
             world,
         }
     }

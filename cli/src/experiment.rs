@@ -42,10 +42,10 @@ pub struct Arguments {
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
-    #[arg(long, value_name = "N", default_value = "20")]
+    #[arg(long, value_name = "N", default_value = "20", value_parser = runs)]
     runs: NonZero<u32>,
     /// How many runs at a time; as many as there are cores without
-    #[arg(long, value_name = "J")]
+    #[arg(long, value_name = "J", value_parser = jobs_at_a_time)]
     jobs: Option<NonZero<usize>>,
     /// The first seed
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -65,6 +65,21 @@ pub struct Arguments {
     /// A run that takes longer, in the plan's time, counts as failed
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
     until: u64,
+}
+
+/// More runs than this do not fit into a table, and more jobs than this are more than any machine has
+/// cores.
+const MOST_RUNS: u32 = 10_000_000;
+const MOST_JOBS: usize = 1_024;
+
+fn runs(text: &str) -> Result<NonZero<u32>, String> {
+    let runs = text.parse().ok().filter(|runs: &NonZero<u32>| runs.get() <= MOST_RUNS);
+    runs.ok_or_else(|| format!("a whole number from 1 to {MOST_RUNS} is expected"))
+}
+
+fn jobs_at_a_time(text: &str) -> Result<NonZero<usize>, String> {
+    let jobs = text.parse().ok().filter(|jobs: &NonZero<usize>| jobs.get() <= MOST_JOBS);
+    jobs.ok_or_else(|| format!("a whole number from 1 to {MOST_JOBS} is expected"))
 }
 
 /// Runs the experiment.

@@ -5,13 +5,19 @@ use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
 use rpl_robot::occupancy::OccupancyGrid;
-use rpl_robot::world::{GreyImage, RosMap};
+use rpl_robot::world::{GreyImage, Greys, RosMap};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
 /// A longer text is refused: places in a text are counted in 32 bits, and no plan is that long.
 const MAX_BYTES: u64 = 64 << 20;
+
+/// A world file may not be longer; the department of the papers takes 8 KiB.
+const WORLD_BYTES: u64 = 2 << 20;
+
+/// Nor a file with seven keys, or with the parameters of the filter.
+const SHORT_BYTES: u64 = 64 << 10;
 
 /// A plan text and where it came from.
 #[derive(Clone, Debug)]
@@ -96,7 +102,7 @@ pub struct MapFile {
     /// The map.
     pub grid: OccupancyGrid,
     /// To be shown to the user.
-    pub warning: Option<String>,
+    pub warnings: Vec<String>,
 }
 
 /// The map in a folder that is named instead of its file.
@@ -107,22 +113,48 @@ pub const MAP_FILE: &str = "map.yaml";
 /// # Errors
 /// One clause that says why not.
 pub fn read_text(path: &Path) -> Result<String, String> {
-    text_of(read_bytes(path)?)
+    text_of(read_bytes(path, MAX_BYTES)?)
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+/// The text of a world file.
+///
+/// # Errors
+/// One clause that says why not.
+pub fn world_text(path: &Path) -> Result<String, String> {
+    text_of(read_bytes(path, WORLD_BYTES)?)
+}
+
+/// The text of a file that is short by its nature.
+///
+/// # Errors
+/// One clause that says why not.
+pub fn short_text(path: &Path) -> Result<String, String> {
+    text_of(read_bytes(path, SHORT_BYTES)?)
+}
+
+/// A file or a pipe to read from.
+///
+/// # Errors
+/// One clause that says why not.
+pub fn open(path: &Path) -> Result<File, String> {
     let file = File::open(path).map_err(|error| reason(&error))?;
     if file.metadata().is_ok_and(|known| known.is_dir()) {
         return Err("it is a folder; name a file in it".to_string());
     }
-    let mut bytes = Vec::new();
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
-    within_limit(bytes)
+    Ok(file)
 }
 
-fn within_limit(bytes: Vec<u8>) -> Result<Vec<u8>, String> {
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(format!("it is longer than {} MiB", MAX_BYTES >> 20));
+/// What is read may be a pipe or a device without an end.
+fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    open(path)?.take(most + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
+    within_limit(bytes, most)
+}
+
+fn within_limit(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, String> {
+    if bytes.len() as u64 > most {
+        let most = if most < 1 << 20 { format!("{} KiB", most >> 10) } else { format!("{} MiB", most >> 20) };
+        return Err(format!("it is longer than {most}"));
     }
     Ok(bytes)
 }
@@ -134,16 +166,18 @@ fn within_limit(bytes: Vec<u8>) -> Result<Vec<u8>, String> {
 pub fn ros_map(name: &Path) -> Result<MapFile> {
     let path = if name.is_dir() { name.join(MAP_FILE) } else { name.to_path_buf() };
     let shown = path.display();
-    let text = read_text(&path).map_err(|reason| anyhow!("cannot read the map `{shown}`: {reason}"))?;
+    let text = short_text(&path).map_err(|reason| anyhow!("cannot read the map `{shown}`: {reason}"))?;
     let map =
         RosMap::parse(&text, &shown.to_string()).map_err(|error| anyhow!("the map `{shown}` has faults\n{error}"))?;
     let image_path = path.parent().unwrap_or(Path::new(".")).join(&map.image);
     let image_name = image_path.display();
-    let bytes = read_bytes(&image_path)
+    let bytes = read_bytes(&image_path, MAX_BYTES)
         .map_err(|reason| anyhow!("cannot read `{image_name}`, the image of the map `{shown}`: {reason}"))?;
     let image = GreyImage::decode(&bytes).map_err(|error| anyhow!("cannot use `{image_name}`: {error}"))?;
-    let warning = map.warning(&image).map(|warning| format!("warning: {shown}: {warning}"));
-    Ok(MapFile { grid: map.grid(&image), warning })
+    map.check_size(&image).map_err(|error| anyhow!("the map `{shown}` cannot be used: {error}"))?;
+    let warnings = Greys::of(&map, &image).warnings();
+    let warnings = warnings.into_iter().map(|warning| format!("warning: {shown}: {warning}")).collect();
+    Ok(MapFile { grid: map.grid(&image), warnings })
 }
 
 /// All of standard input as text.
@@ -153,7 +187,7 @@ pub fn ros_map(name: &Path) -> Result<MapFile> {
 pub fn standard_input() -> Result<String> {
     let mut bytes = Vec::new();
     io::stdin().take(MAX_BYTES + 1).read_to_end(&mut bytes).context("cannot read standard input")?;
-    text_of(bytes).map_err(|reason| anyhow!("cannot read standard input: {reason}"))
+    within_limit(bytes, MAX_BYTES).and_then(text_of).map_err(|reason| anyhow!("cannot read standard input: {reason}"))
 }
 
 /// Bytes as text.
@@ -161,7 +195,7 @@ pub fn standard_input() -> Result<String> {
 /// # Errors
 /// One clause that says why not.
 pub fn text_of(bytes: Vec<u8>) -> Result<String, String> {
-    String::from_utf8(within_limit(bytes)?).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
         format!("it is not a text in UTF-8 (byte {at}, line {line}); a plan is a text file")

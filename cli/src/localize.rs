@@ -8,8 +8,9 @@ use crate::console::Console;
 use crate::files::{self, MapFile};
 use crate::status::Status;
 use anyhow::{Context, Result, anyhow, bail};
-pub use arguments::Arguments;
+pub use arguments::{Arguments, positive};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rpl_robot::geometry::Vector;
 use rpl_robot::localization::{LocalizationModel, LocalizationParameters};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::recording::{BeamChoice, Recording, Start, Trial, Window, fit_odometry, fit_sensor, localize};
@@ -34,8 +35,8 @@ struct Timed {
 /// A file that is missing or has faults, a log that does not belong to the map, a grid that does not
 /// fit into memory, no beams or windows, a result that cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let MapFile { grid, warning } = files::ros_map(&arguments.map)?;
-    if let Some(warning) = warning {
+    let MapFile { grid, warnings } = files::ros_map(&arguments.map)?;
+    for warning in warnings {
         console.note(&warning);
     }
     let map = grid.around_free();
@@ -43,7 +44,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     check_on_map(&recording, &map, arguments)?;
     let beams = BeamChoice::spread(&recording.geometry, arguments.beams)?;
     let parameters = LocalizationParameters { beams_deg: beams.bearings_deg.clone(), ..parameters(arguments)? };
-    let needed = LocalizationModel::needed_bytes(&map, &parameters);
+    parameters.check().map_err(|error| anyhow!("{error}"))?;
+    let size_m = Vector::new(map.columns as f64, map.rows as f64) * map.resolution_m;
+    let needed = LocalizationModel::needed_bytes(size_m, &parameters);
     let allowed = (arguments.memory * f64::from(1 << 30)) as u64;
     if needed > allowed {
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
@@ -114,7 +117,7 @@ fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Argument
 fn parameters(arguments: &Arguments) -> Result<LocalizationParameters> {
     let Some(path) = &arguments.parameters else { return Ok(LocalizationParameters::laser()) };
     let name = path.display();
-    let text = files::read_text(path).map_err(|reason| anyhow!("cannot read the parameters `{name}`: {reason}"))?;
+    let text = files::short_text(path).map_err(|reason| anyhow!("cannot read the parameters `{name}`: {reason}"))?;
     serde_json::from_str(&text)
         .with_context(|| format!("`{name}` is no file of parameters; write one with `rpl localize --fit {name}`"))
 }
@@ -124,7 +127,7 @@ fn start(arguments: &Arguments) -> Start {
 }
 
 fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Window>> {
-    let count = arguments.windows.map(|count| count.get() as usize);
+    let count = arguments.windows.map(|count| count as usize);
     match (start(arguments), count) {
         (Start::FromTruth, None) => Ok(vec![Window::whole(recording)]),
         (_, count) => {

@@ -6,9 +6,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::{Point, Pose, Vector};
+use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::office::{
-    self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SimulatedHost, VALVES,
+    self, BEHAVIOURS, Cost, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SimulatedHost,
+    VALVES,
 };
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
@@ -51,6 +53,12 @@ const RESERVED_NAMES: &[&str] = &[
 /// Fluents that change with every step of the robot: a trace that told each change would tell
 /// nothing else.
 pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*", "battery*"];
+
+/// Memory for the models of a world, if nobody says how much.
+pub const MEMORY_GIB: f64 = 4.0;
+
+/// Whoever waits longer for the first step is told.
+const LONG_S: f64 = 5.0;
 
 /// Everything that is the same in all runs of a mission: library, world and scenario.
 #[derive(Clone)]
@@ -106,14 +114,28 @@ impl Site {
     /// A site with the robot in a world; none is a site without a robot.
     ///
     /// # Errors
-    /// The scenario's text is wrong, or the world cannot be localized in.
+    /// The scenario's text is wrong, or the world is too large or cannot be localized in.
     pub fn new(world: Option<World>, scenario: Option<PlanText>, settings: OfficeSettings) -> Result<Self> {
+        Self::within(world, scenario, settings, MEMORY_GIB)
+    }
+
+    /// The same, with so much memory for the models of the world.
+    ///
+    /// # Errors
+    /// As for a new site.
+    pub fn within(
+        world: Option<World>,
+        scenario: Option<PlanText>,
+        settings: OfficeSettings,
+        memory_gib: f64,
+    ) -> Result<Self> {
         let Some(world) = world else {
             if let Some(scenario) = scenario {
                 bail!("the scenario `{}` needs a robot; add `--world dept`", scenario.name);
             }
             return Self::without_robot();
         };
+        afford(&world, &settings, memory_gib)?;
         let name = world.name.clone();
         let office = OfficeModel::new(world, settings)
             .with_context(|| format!("the robot cannot be put into the world `{name}`"))?;
@@ -147,6 +169,55 @@ impl Scenario {
             Err(rejected) => bail!("the scenario `{name}` is wrong\n{}", rejected.render(false).trim_end()),
         }
     }
+}
+
+/// Says what a large world costs before anything is built from it.
+///
+/// # Errors
+/// It costs more memory than it may.
+fn afford(world: &World, settings: &OfficeSettings, memory_gib: f64) -> Result<()> {
+    let cost = OfficeModel::cost(world, settings);
+    if gib(cost) > memory_gib {
+        bail!("{}", too_large(world, settings, memory_gib));
+    }
+    if cost.seconds > LONG_S {
+        console::note(&format!("the world `{}` is large: {}", world.name, costs(cost)));
+    }
+    Ok(())
+}
+
+/// Why a world cannot be used, and what to do.
+pub fn too_large(world: &World, settings: &OfficeSettings, memory_gib: f64) -> String {
+    let coarse = OfficeSettings { localization: LocalizationParameters::coarse(), ..settings.clone() };
+    let mapless = OfficeSettings { map_known: false, ..settings.clone() };
+    let takes = |settings: &OfficeSettings| gib(OfficeModel::cost(world, settings));
+    let mut advice = vec!["crop it to what is used".to_string()];
+    if settings.map_known {
+        advice.push(format!("take a coarser grid with `--grid coarse`, {:.1} GiB", takes(&coarse)));
+        advice.push(format!("drive without a map with `--map none`, {:.1} GiB", takes(&mapless)));
+    }
+    format!(
+        "the world `{}` of {:.0} m by {:.0} m is too large: {}, and {memory_gib} GiB are allowed\n\
+         to use it, allow more with `--memory GIB`; or {}",
+        world.name,
+        world.size_m.x,
+        world.size_m.y,
+        costs(OfficeModel::cost(world, settings)),
+        advice.join("; or ")
+    )
+}
+
+fn gib(cost: Cost) -> f64 {
+    cost.bytes / f64::from(1 << 30)
+}
+
+fn costs(cost: Cost) -> String {
+    let time = if cost.seconds < 90.0 {
+        format!("{:.0} s", cost.seconds.max(1.0))
+    } else {
+        format!("{:.0} min", cost.seconds / 60.0)
+    };
+    format!("its map and belief take about {:.1} GiB of memory and {time} before the first step", gib(cost))
 }
 
 /// The robot of a run, if it has one.
@@ -386,14 +457,14 @@ pub fn world(name: &str) -> Result<World> {
         return Ok(world);
     }
     let path = Path::new(name);
-    let is_map = path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml");
-    if is_map || path.join(files::MAP_FILE).is_file() {
+    if is_map(path) {
         let title = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
         let map = read_map(path)?;
         return World::from_map(&title, map).with_context(|| format!("the map `{name}` is no world"));
     }
-    if path.extension().is_some_and(|extension| extension == "toml") || path.is_file() {
-        let text = files::read_text(path).map_err(|reason| anyhow!("cannot read the world `{name}`: {reason}"))?;
+    let is_there = path.metadata().is_ok_and(|known| !known.is_dir());
+    if path.extension().is_some_and(|extension| extension == "toml") || is_there {
+        let text = world_text(name)?;
         let beside = path.parent().unwrap_or(Path::new("."));
         let load_map = |map: &str| read_map(&beside.join(map)).map_err(|error| format!("{error:#}"));
         return World::parse_with_map(&text, name, load_map)
@@ -411,9 +482,34 @@ pub fn world(name: &str) -> Result<World> {
     }
 }
 
+/// What a world file is called in messages about it; none for a recorded map, which has no text.
+pub fn world_file(name: &str) -> Option<String> {
+    if World::builtin_text(name).is_some() {
+        return Some(format!("{name}.toml"));
+    }
+    let path = Path::new(name);
+    (!is_map(path)).then(|| name.to_string())
+}
+
+fn is_map(path: &Path) -> bool {
+    let is_yaml = path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml");
+    is_yaml || path.join(files::MAP_FILE).is_file()
+}
+
+/// The text of a world file, or of a built-in world.
+///
+/// # Errors
+/// It cannot be read.
+pub fn world_text(name: &str) -> Result<String> {
+    if let Some(text) = World::builtin_text(name) {
+        return Ok(text.to_string());
+    }
+    files::world_text(Path::new(name)).map_err(|reason| anyhow!("cannot read the world `{name}`: {reason}"))
+}
+
 fn read_map(path: &Path) -> Result<OccupancyGrid> {
-    let MapFile { grid, warning } = files::ros_map(path)?;
-    if let Some(warning) = warning {
+    let MapFile { grid, warnings } = files::ros_map(path)?;
+    for warning in warnings {
         console::note(&warning);
     }
     Ok(grid)

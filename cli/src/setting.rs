@@ -1,8 +1,10 @@
 //! What a plan is run in, as the command line names it: the world, what happens there, and the seed.
 
 use crate::files;
-use crate::mission::{self, Site};
+use crate::localize::positive;
+use crate::mission::{self, MEMORY_GIB, Site};
 use anyhow::Result;
+use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 
@@ -22,6 +24,20 @@ pub struct Setting {
         hide_possible_values = true
     )]
     pub map: Map,
+    /// How fine the grid of the robot's belief is: 15 cm and 2° (`fine`), or, for larger worlds,
+    /// 30 cm and 6° (`coarse`)
+    #[arg(
+        long,
+        value_name = "G",
+        value_enum,
+        default_value_t = Grid::Fine,
+        requires = "world",
+        hide_possible_values = true
+    )]
+    pub grid: Grid,
+    /// The memory that the map and the belief of a world may take, in GiB
+    #[arg(long, value_name = "GIB", requires = "world", default_value_t = MEMORY_GIB, value_parser = positive)]
+    pub memory: f64,
     /// Seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -39,6 +55,15 @@ pub enum Map {
     None,
 }
 
+/// How fine the grid of the belief is.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// 15 cm and 2°
+    Fine,
+    /// 30 cm and 6°
+    Coarse,
+}
+
 impl Setting {
     /// The site, and the world of its robot if there is one.
     ///
@@ -47,8 +72,12 @@ impl Setting {
     pub fn site(&self) -> Result<(Site, Option<World>)> {
         let world = self.world.as_deref().map(mission::world).transpose()?;
         let scenario = self.scenario.as_deref().map(files::scenario).transpose()?;
-        let settings = OfficeSettings { map_known: self.map == Map::World, ..OfficeSettings::default() };
-        let site = Site::new(world.clone(), scenario, settings)?;
+        let localization = match self.grid {
+            Grid::Fine => LocalizationParameters::default(),
+            Grid::Coarse => LocalizationParameters::coarse(),
+        };
+        let settings = OfficeSettings { map_known: self.map == Map::World, localization, ..OfficeSettings::default() };
+        let site = Site::within(world.clone(), scenario, settings, self.memory)?;
         Ok((site, world))
     }
 }

@@ -2,19 +2,24 @@
 
 use crate::console::Console;
 use crate::figures::{self, Figure};
-use crate::mission;
+use crate::mission::{self, MEMORY_GIB};
 use crate::status::Status;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
+use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::simulator::PERSON_RADIUS_M;
 use rpl_robot::world::{ROBOT_RADIUS_M, World};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Edge of a cell in drawings of a world; a pixel of an image.
 const RESOLUTION_M: f64 = 0.05;
+
+/// A larger drawing would fill the memory.
+const MOST_PIXELS: f64 = 67e6;
 
 /// Arguments of `rpl worlds`.
 #[derive(clap::Args, Clone, Debug)]
@@ -44,15 +49,51 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     };
     let world = mission::world(name)?;
     console.print(&describe(&world))?;
+    for warning in warnings(name, &world)? {
+        console.note(&format!("warning: {warning}"));
+    }
+    if arguments.svg.is_some() || arguments.png.is_some() {
+        draw(arguments, &world)?;
+    }
+    Ok(Status::Succeeded)
+}
+
+fn draw(arguments: &Arguments, world: &World) -> Result<()> {
+    let pixels = world.size_m.x * world.size_m.y / (RESOLUTION_M * RESOLUTION_M);
+    if pixels > MOST_PIXELS {
+        bail!(
+            "a drawing of the world `{}` at {RESOLUTION_M} m a pixel would have {:.0} million pixels, and at most {:.0} million are drawn; \
+             crop the world to what is used",
+            world.name,
+            pixels / 1e6,
+            MOST_PIXELS / 1e6
+        );
+    }
     let map = world.map(RESOLUTION_M);
     if let Some(path) = &arguments.svg {
         let drawing = figures::draw(&Figure::of_map(&world.name, &map, &world.rooms));
         std::fs::write(path, drawing).with_context(|| cannot_draw(path))?;
     }
     if let Some(path) = &arguments.png {
-        write_png(path, &world, &map).with_context(|| cannot_draw(path))?;
+        write_png(path, world, &map).with_context(|| cannot_draw(path))?;
     }
-    Ok(Status::Succeeded)
+    Ok(())
+}
+
+/// What is probably not meant as it stands in a world, with its place in the file if there is one.
+fn warnings(name: &str, world: &World) -> Result<Vec<String>> {
+    let settings = OfficeSettings::default();
+    let cost = OfficeModel::cost(world, &settings);
+    if cost.bytes > MEMORY_GIB * f64::from(1 << 30) {
+        let unseen = "it has not been looked over for places the robot cannot get to";
+        return Ok(vec![format!("{}\n{unseen}", mission::too_large(world, &settings, MEMORY_GIB))]);
+    }
+    let concerns = OfficeModel::survey(&Arc::new(world.clone()), &settings);
+    let Some(file) = mission::world_file(name) else {
+        return Ok(concerns.into_iter().map(|concern| format!("{}: {}", world.name, concern.message)).collect());
+    };
+    let text = if concerns.is_empty() { String::new() } else { mission::world_text(name)? };
+    Ok(concerns.iter().map(|concern| concern.in_file(&file, &text).to_string()).collect())
 }
 
 fn cannot_draw(path: &Path) -> String {
@@ -114,6 +155,7 @@ fn describe(world: &World) -> String {
         format!("{}: {:.1} m by {:.1} m", world.name, world.size_m.x, world.size_m.y),
         format!("start   ({:.2}, {:.2}), heading {:.0}°", start.x_m, start.y_m, start.heading_rad.to_degrees()),
     ];
+    lines.extend(world.recorded.as_ref().map(describe_map));
     lines.push("rooms".to_string());
     for room in &world.rooms {
         let (min, max) = (room.rect.min, room.rect.max);
@@ -138,6 +180,21 @@ fn describe(world: &World) -> String {
         world.people.len() + world.crowd
     ));
     lines.join("\n")
+}
+
+/// How large a recorded map is, and what it knows.
+fn describe_map(map: &OccupancyGrid) -> String {
+    let share =
+        |kind: Cell| 100.0 * map.cells.iter().filter(|&&cell| cell == kind).count() as f64 / map.cells.len() as f64;
+    format!(
+        "map     {} by {} cells of {} m: {:.1} % free, {:.1} % occupied, {:.1} % unknown",
+        map.columns,
+        map.rows,
+        map.resolution_m,
+        share(Cell::Free),
+        share(Cell::Occupied),
+        share(Cell::Unknown)
+    )
 }
 
 #[cfg(test)]

@@ -83,6 +83,15 @@ impl OccupancyGrid {
         self.cells[row * self.columns + column]
     }
 
+    /// The cells to the west, south, east and north of one, those that are on the grid.
+    pub fn beside(&self, column: usize, row: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let west = column.checked_sub(1).map(|column| (column, row));
+        let south = row.checked_sub(1).map(|row| (column, row));
+        let east = (column + 1 < self.columns).then_some((column + 1, row));
+        let north = (row + 1 < self.rows).then_some((column, row + 1));
+        [west, south, east, north].into_iter().flatten()
+    }
+
     /// Overwrites one cell.
     pub fn set(&mut self, column: usize, row: usize, cell: Cell) {
         self.cells[row * self.columns + column] = cell;

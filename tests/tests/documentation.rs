@@ -3,7 +3,7 @@
 
 use rpl_lang::check::RULES;
 use rpl_lang::compile::NoFiles;
-use rpl_robot::office::{self, BEHAVIOURS, FLUENTS, Oracle, PLANS, ROBOT_NAMES, VALVES};
+use rpl_robot::office::{self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeSettings, Oracle, PLANS, ROBOT_NAMES, VALVES};
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
@@ -212,7 +212,9 @@ fn scenarios_compile() {
 
 #[test]
 fn worlds_are_read() {
-    each_block(&["toml"], |_, block, _| World::parse(&block.text, "lab.toml").err().map(|error| error.to_string()));
+    each_block(&["toml", "toml warning"], |_, block, _| {
+        World::parse(&block.text, "lab.toml").err().map(|error| error.to_string())
+    });
 }
 
 #[test]
@@ -231,6 +233,16 @@ fn faults_of_worlds_are_shown() {
 }
 
 #[test]
+fn warnings_of_worlds_are_shown() {
+    each_block(&["toml warning"], |_, block, shown| {
+        let world = Arc::new(World::parse(&block.text, "lab.toml").ok()?);
+        let concerns = OfficeModel::survey(&world, &OfficeSettings::default());
+        let told = concerns.iter().map(|concern| format!("warning: {}", concern.in_file("lab.toml", &block.text)));
+        differs(&told.collect::<Vec<_>>().join("\n"), shown)
+    });
+}
+
+#[test]
 fn every_block_is_of_a_kind_that_is_checked() {
     // The sessions at the prompt and in the terminal are typed by the tests of the command.
     let known = [
@@ -243,6 +255,7 @@ fn every_block_is_of_a_kind_that_is_checked() {
         "terminal",
         "toml",
         "toml error",
+        "toml warning",
         "json",
         "text",
         "sh",

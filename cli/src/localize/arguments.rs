@@ -1,7 +1,6 @@
 //! The arguments of `rpl localize`.
 
 use rpl_robot::geometry::Pose;
-use std::num::NonZero;
 use std::path::PathBuf;
 
 /// Windows, if nobody says how many.
@@ -21,8 +20,8 @@ pub struct Arguments {
     pub beams: usize,
     /// How many windows, their starts spread over the drive [default: 20; with --from-truth one, the
     /// whole drive]
-    #[arg(long, value_name = "K")]
-    pub windows: Option<NonZero<u32>>,
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub windows: Option<u32>,
     /// Length of a window, in metres
     #[arg(long, value_name = "M", default_value_t = 25.0, value_parser = positive)]
     pub window_length: f64,
@@ -64,7 +63,11 @@ fn number(text: &str) -> Result<f64, String> {
     if number.is_finite() { Ok(number) } else { Err("it must be finite".to_string()) }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// A number above 0.
+///
+/// # Errors
+/// What would be right.
+pub fn positive(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("it must be above 0".to_string()) })
 }
 

@@ -1,16 +1,17 @@
 //! Reading a trace file, line by line, as far as it goes.
 
 use super::file::{Header, VERSION};
+use crate::files;
 use anyhow::{Result, anyhow, bail};
 use rpl_runtime::trace::{Event, EventKind};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::Value;
 use std::fmt;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
 
 /// A longer line is no event.
-const MAX_LINE_BYTES: u64 = 64 << 20;
+const MAX_LINE_BYTES: u64 = 8 << 20;
 
 /// Times above this would not be exact to the microsecond.
 const MAX_TIME_S: f64 = 9e9;
@@ -49,7 +50,7 @@ impl TraceReader {
         let input: Box<dyn BufRead> = match name {
             "-" => Box::new(BufReader::new(io::stdin())),
             _ => Box::new(BufReader::new(
-                File::open(name).map_err(|error| anyhow!("cannot read the trace `{name}`: {error}"))?,
+                files::open(Path::new(name)).map_err(|reason| anyhow!("cannot read the trace `{name}`: {reason}"))?,
             )),
         };
         let mut reader = Self { name: name.to_string(), header: None, damage: None, input, number: 0, first: None };
@@ -94,6 +95,9 @@ impl TraceReader {
         let bytes = self.next_bytes().map_err(|error| format!("cannot be read: {error}"))?;
         if bytes.is_empty() {
             return Ok(None);
+        }
+        if bytes.len() as u64 == MAX_LINE_BYTES {
+            return Err(format!("is longer than {} MiB", MAX_LINE_BYTES >> 20));
         }
         let is_whole = bytes.ends_with(b"\n");
         let text = String::from_utf8(bytes).map_err(|_| "is not text".to_string())?;

@@ -29,6 +29,18 @@ pub enum ModelError {
     /// The robot fits nowhere.
     #[error("the map has no free cell the robot could stand in")]
     NoFreeCell,
+    /// A parameter that describes nothing there is.
+    #[error("the parameter `{name}` must be from {least} to {most}, found {found}")]
+    Parameter {
+        /// Its name, as in a file of parameters.
+        name: &'static str,
+        /// The least it may be.
+        least: String,
+        /// The most it may be.
+        most: String,
+        /// What it is.
+        found: String,
+    },
 }
 
 /// The map as localization needs it: cells that can be stood in, expected distances, and the
@@ -63,6 +75,7 @@ impl LocalizationModel {
     /// # Errors
     /// When the parameters do not describe a grid, or the robot fits nowhere in the map.
     pub fn new(map: &OccupancyGrid, parameters: LocalizationParameters) -> Result<Self, ModelError> {
+        parameters.check()?;
         let step_deg = parameters.angle_step_deg;
         if step_deg == 0 || !360u32.is_multiple_of(step_deg) {
             return Err(ModelError::AngleStep(step_deg));
@@ -125,14 +138,16 @@ impl LocalizationModel {
         model
     }
 
-    /// Memory that the tables and a belief on this map will take, without building them: two copies
-    /// of the belief, because noise is spread from one into the other.
-    pub fn needed_bytes(map: &OccupancyGrid, parameters: &LocalizationParameters) -> u64 {
-        let along = |cells: usize| libm::ceil(cells as f64 * map.resolution_m / parameters.cell_m).max(1.0);
-        let cells = along(map.columns) * along(map.rows);
+    /// Memory that the tables and a belief over a map of this size will take, without building them:
+    /// two copies of the belief, because noise is spread from one into the other.
+    pub fn needed_bytes(size_m: Vector, parameters: &LocalizationParameters) -> u64 {
+        let along = |length_m: f64| libm::ceil(length_m / parameters.cell_m).max(1.0);
+        let cells = along(size_m.x) * along(size_m.y);
         let headings = 360.0 / f64::from(parameters.angle_step_deg.max(1));
         // Whole degrees are the finest table of directions.
-        (cells * (headings * 2.0 * size_of::<f32>() as f64 + 360.0)) as u64
+        let own = (cells * (headings * 2.0 * size_of::<f32>() as f64 + 360.0)) as u64;
+        let watch = parameters.of_watch().map_or(0, |coarse| Self::needed_bytes(size_m, &coarse));
+        own.saturating_add(watch)
     }
 
     /// Cells of (x, y) the robot can stand in.

@@ -1,6 +1,7 @@
 //! What can be set about the filter.
 
 use super::calibration::Calibration;
+use super::model::ModelError;
 use serde::{Deserialize, Serialize};
 
 /// Sonars around the robot; sonar `i` points `i · 15°` to the left of straight ahead.
@@ -116,6 +117,62 @@ impl LocalizationParameters {
             update_distance_m: 0.0,
             update_angle_rad: 0.0,
             ..Self::default()
+        }
+    }
+
+    /// Looks whether each parameter is one that a filter can work with.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), ModelError> {
+        let (sensor, odometry) = (&self.sensor, &self.odometry);
+        let mut ranges = vec![
+            ("cell_m", self.cell_m, 0.01, 100.0),
+            ("clearance_m", self.clearance_m, 0.0, 10.0),
+            ("tempering", self.tempering, 1e-6, 1.0),
+            ("mixing", self.mixing, 0.0, 1.0),
+            ("activity_threshold", self.activity_threshold, 0.0, 1.0),
+            ("update_distance_m", self.update_distance_m, 0.0, 100.0),
+            ("update_angle_rad", self.update_angle_rad, 0.0, 7.0),
+            ("sensor.max_range_m", sensor.max_range_m, 0.1, 1000.0),
+            ("sensor.mount_radius_m", sensor.mount_radius_m, 0.0, 10.0),
+            ("sensor.cone_deg", f64::from(sensor.cone_deg), 0.0, 180.0),
+            ("sensor.wall_depth_m", sensor.wall_depth_m, -10.0, 10.0),
+            ("sensor.sigma_m", sensor.sigma_m, 1e-4, 100.0),
+            ("sensor.sigma_per_m", sensor.sigma_per_m, 0.0, 10.0),
+            ("sensor.hit", sensor.hit, 0.0, 1.0),
+            ("sensor.uniform", sensor.uniform, 1e-6, 1.0),
+            ("sensor.short", sensor.short, 0.0, 1.0),
+            ("sensor.short_mean_m", sensor.short_mean_m, 1e-3, 1000.0),
+            ("sensor.missed", sensor.missed, 1e-6, 1.0),
+            ("odometry.forward_m", odometry.forward_m, 0.0, 10.0),
+            ("odometry.sideward_m", odometry.sideward_m, 0.0, 10.0),
+            ("odometry.turn_per_metre_rad", odometry.turn_per_metre_rad, 0.0, 7.0),
+            ("odometry.turn_per_radian_rad", odometry.turn_per_radian_rad, 0.0, 7.0),
+        ];
+        if let Some(gating) = &self.gating {
+            ranges.push(("gating.margin_m", gating.margin_m, 0.0, 1000.0));
+            ranges.push(("gating.min_certainty", gating.min_certainty, 0.0, 1.0));
+        }
+        if let Some(watch) = &self.watch {
+            ranges.extend([
+                ("watch.cell_m", watch.cell_m, 0.01, 100.0),
+                ("watch.sigma_m", watch.sigma_m, 1e-4, 100.0),
+                ("watch.tempering", watch.tempering, 1e-6, 1.0),
+                ("watch.mixing", watch.mixing, 0.0, 1.0),
+                ("watch.near_m", watch.near_m, 0.0, 1000.0),
+                ("watch.near_rad", watch.near_rad, 0.0, 7.0),
+                ("watch.agreement", watch.agreement, 0.0, 1.0),
+            ]);
+        }
+        match ranges.into_iter().find(|(_, found, least, most)| !(least..=most).contains(&found)) {
+            None => Ok(()),
+            Some((name, found, least, most)) => Err(ModelError::Parameter {
+                name,
+                least: least.to_string(),
+                most: most.to_string(),
+                found: found.to_string(),
+            }),
         }
     }
 

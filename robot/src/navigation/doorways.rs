@@ -2,7 +2,7 @@
 //! planned around where there is another way.
 
 use crate::geometry::{Point, Vector, distance_m};
-use crate::world::{Axis, World};
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 /// A doorway is judged from up to so far, by what is remembered of it.
@@ -40,14 +40,8 @@ impl Doorway {
     /// The doors of a world that its map shows open.
     pub fn all(world: &World) -> Vec<Self> {
         let open = world.doors.iter().enumerate().filter(|(_, door)| door.mapped_open);
-        open.map(|(index, door)| {
-            let along = match door.axis {
-                Axis::X => Vector::new(1.0, 0.0),
-                Axis::Y => Vector::new(0.0, 1.0),
-            };
-            Self { door: index, at: door.at, along, width_m: door.width_m }
-        })
-        .collect()
+        open.map(|(index, door)| Self { door: index, at: door.at, along: door.along(), width_m: door.width_m })
+            .collect()
     }
 
     /// The widest gap that is left between these points and the jambs, echoes of the jambs aside.

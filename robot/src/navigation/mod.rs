@@ -4,13 +4,16 @@
 //! `value_field` (the value of every cell for a target, and paths), `obstacle_memory` (what the
 //! sensors saw lately), `sonar_views` (where the sound passed), `alignment` (where that fits the
 //! map), `doorways` (which doors were found closed), `clearance` (how far an arc is free),
-//! `dynamic_window` (safe speeds), `topological` (target points through doors and corridors),
-//! `progress` (whether the robot gets on), `navigation` (the state machine that drives them),
+//! `dynamic_window` (safe speeds), `areas` (the floor, cut along the edges of rooms), `topological`
+//! (target points through doors and corridors), `between` (what keeps two points apart), `survey`
+//! (what of a world cannot be got to), `progress` (whether the robot gets on), `navigation` (the state machine that drives them),
 //! `drive` (following and wandering without a map); `laser_scan` (what a scan shows of surfaces),
 //! `learned_map`, `manner` and `mapless` (driving without a map by what the sensors have seen).
 //! Nothing here knows the plan language or the simulator.
 
 pub mod alignment;
+mod areas;
+mod between;
 pub mod clearance;
 pub mod distance;
 pub mod doorways;
@@ -26,6 +29,7 @@ pub mod obstacle_memory;
 pub mod planner;
 mod progress;
 mod sonar_views;
+mod survey;
 pub mod topological;
 pub mod value_field;
 
@@ -40,5 +44,6 @@ pub use mapless::MaplessNavigation;
 pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
 pub use obstacle_memory::ObstacleMemory;
 pub use planner::{PlannerModel, PlannerParameters};
+pub use survey::Concern;
 pub use topological::{NavigationPlan, Target, TopologicalModel, Unreachable};
 pub use value_field::{ValueField, path_length_m};

@@ -26,10 +26,12 @@ pub struct NavigationModel {
 }
 
 impl NavigationModel {
+    /// Edge of a cell of the planner's map.
+    pub const CELL_M: f64 = 0.1;
+
     /// The map of a world at 10 cm, and its doors.
     pub fn new(world: &World, limits: DriveLimits) -> Self {
-        const CELL_M: f64 = 0.1;
-        let planner = PlannerModel::new(&world.map(CELL_M), PlannerParameters::default());
+        let planner = PlannerModel::new(&world.map(Self::CELL_M), PlannerParameters::default());
         Self { planner, doorways: Doorway::all(world), limits }
     }
 }

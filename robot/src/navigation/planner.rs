@@ -24,6 +24,9 @@ impl Default for PlannerParameters {
     }
 }
 
+/// A target that the robot does not fit at may be moved so far.
+pub(super) const TARGET_REACH_M: f64 = 0.3;
+
 /// What was seen and is in no map is kept clear of by so much more: it is known as points on arcs, and
 /// the collision avoidance does not get through a gap that the robot just fits into.
 const SEEN_MARGIN_M: f64 = 0.08;
@@ -109,7 +112,7 @@ impl CostGrid {
     }
 
     /// Cells whose centres lie within `reach_m` of a point, with their distances, in row order.
-    fn disc(&self, centre_in_map: Point, reach_m: f64) -> Vec<(usize, f64)> {
+    pub fn disc(&self, centre_in_map: Point, reach_m: f64) -> Vec<(usize, f64)> {
         let reach = libm::ceil(reach_m / self.resolution_m) as i64 + 1;
         let Some(middle) = self.cell_at(centre_in_map) else { return Vec::new() };
         let (column, row) = ((middle % self.stride) as i64, (middle / self.stride) as i64);
@@ -235,6 +238,11 @@ impl PlannerModel {
         Self { parameters, grid: Arc::new(grid), obstacle_distances_m }
     }
 
+    /// How far the robot reaches around its middle.
+    pub fn robot_radius_m(&self) -> f64 {
+        self.parameters.robot_radius_m
+    }
+
     /// Distance from the middle of the cell around a point to the edge of the nearest obstacle cell
     /// (half a cell less than to its centre); 0 outside the map.
     pub fn obstacle_distance_m(&self, point_in_map: Point) -> f64 {
@@ -325,7 +333,7 @@ impl PlannerModel {
     }
 
     fn field_on(&self, grid: Arc<CostGrid>, target_in_map: Point) -> ValueField {
-        let target = self.nearest_traversable(&grid, target_in_map, 0.3);
+        let target = self.nearest_traversable(&grid, target_in_map, TARGET_REACH_M);
         ValueField::new(grid, target)
     }
 

@@ -2,13 +2,21 @@
 //! orthogonally and along the corridor past no other office (Beetz, Burgard, Fox, Cremers 1998,
 //! Sect. 3.1, Fig. 12).
 
-use super::planner::PlannerModel;
+use super::areas::{Area, Areas, Opening, is_in_doorway};
+use super::planner::{PlannerModel, TARGET_REACH_M};
+use super::value_field::ESCAPE_REACH_M;
 use crate::geometry::{Point, Pose, Vector, distance_m};
-use crate::world::{Axis, Door, Place, Rect, Region, Room, TravelMode, World};
+use crate::world::{Door, Place, Rect, Region, TravelMode, World};
 use serde::{Deserialize, Serialize};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::sync::Arc;
 
 /// How far before and behind a door its target points lie.
-const DOOR_APPROACH_M: f64 = 0.75;
+pub(super) const DOOR_APPROACH_M: f64 = 0.75;
+
+/// A gap without a door that leaves the robot's middle no more than this is gone through like a door.
+const NARROW_M: f64 = 0.8;
 
 /// How far from the robot's line the last point may be for it to count as passed.
 const PASSING_WIDTH_M: f64 = 0.3;
@@ -58,60 +66,45 @@ pub struct Unreachable {
     pub reason: String,
 }
 
-/// Where a point is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Area {
-    /// In a room, by its index.
-    Room(usize),
-    /// Outside all rooms.
-    Corridor,
-}
-
-/// An open door with the areas on its two sides and the line through it.
+/// A way from one area into another: a door the map shows open, or a gap in a wall without one.
 #[derive(Clone, Copy, Debug)]
-struct Passage {
+pub(super) struct Passage {
     /// As an index into the world's doors.
-    door: usize,
+    pub door: Option<usize>,
     at: Point,
-    width_m: f64,
+    /// So narrow that it is gone through straight.
+    is_narrow: bool,
     /// Across the wall, of unit length, from the first area to the second.
     through: Vector,
-    areas: [Area; 2],
+    /// On its two sides.
+    pub areas: [Area; 2],
 }
 
-/// Rooms, doors and regions of a world as the map shows them. Immutable; share it.
+/// Areas, passages and regions of a world as its map shows them. Immutable; share it.
 #[derive(Clone, Debug)]
 pub struct TopologicalModel {
-    rooms: Vec<Room>,
-    passages: Vec<Passage>,
-    closed_doors: Vec<String>,
-    regions: Vec<Region>,
+    pub(super) world: Arc<World>,
+    pub(super) areas: Areas,
+    /// Doors first, in their order.
+    pub(super) passages: Vec<Passage>,
 }
 
 impl TopologicalModel {
-    /// Takes rooms, regions and the doors that are open in the map.
-    pub fn new(world: &World) -> Self {
-        let mut model = Self {
-            rooms: world.rooms.clone(),
-            passages: Vec::new(),
-            closed_doors: Vec::new(),
-            regions: world.regions.clone(),
-        };
-        for (index, door) in world.doors.iter().enumerate() {
-            if door.mapped_open {
-                let passage = model.passage(index, door);
-                model.passages.push(passage);
-            } else {
-                model.closed_doors.push(door.room.clone());
-            }
-        }
-        model
+    /// Finds the areas of the map and the passages between them. O(cells of the map).
+    pub fn new(world: &Arc<World>, planner: &PlannerModel) -> Self {
+        let areas = Areas::new(planner, &world.rooms);
+        let openings = areas.openings(planner);
+        let mut passages: Vec<Passage> = openings.into_iter().map(|opening| passage(world, opening)).collect();
+        passages.sort_by_key(|passage| passage.door.unwrap_or(usize::MAX));
+        Self { world: world.clone(), areas, passages }
     }
 
-    /// The plan from a pose to a place. Doors found closed, given as indices into the world's doors,
-    /// are gone through only if there is no other way. `Unreachable` if no chain of open doors joins
-    /// them, or if the map leaves no way between two of its targets. Cost: a value field for each
-    /// target.
+    /// The plan from a pose to a place: through doors orthogonally, past no other office. Doors found
+    /// closed, given as indices into the world's doors, are gone through only if there is no other
+    /// way. Cost: a value field for each target.
+    ///
+    /// # Errors
+    /// The map leaves no way; the error says what is in between.
     pub fn plan(
         &self,
         planner: &PlannerModel,
@@ -121,17 +114,10 @@ impl TopologicalModel {
     ) -> Result<NavigationPlan, Unreachable> {
         let goal = Target::at(destination.pose_in_map);
         let start = start_in_map.point();
-        let (from, to) = (self.area_at(start), self.area_at(goal.point_in_map));
-        let chain = self
-            .chain(start, from, goal.point_in_map, to, closed_doors)
-            .or_else(|| self.chain(start, from, goal.point_in_map, to, &[]))
-            .ok_or_else(|| self.no_chain(to))?;
-        let beside_doors = |passage: &Passage| [-1.0, 1.0].map(|side| clear_point_on_axis(planner, passage, side));
-        let mut points: Vec<Point> = chain.iter().flat_map(beside_doors).collect();
-        points.push(goal.point_in_map);
-        merge_near_points(&mut points);
-        drop_passed(planner, &mut points, start);
-        let points = self.joined(planner, start, &points, destination)?;
+        let points = self
+            .points_through_doors(planner, start, goal.point_in_map, closed_doors)
+            .or_else(|| planner.value_field(goal.point_in_map).path(start).map(|_| vec![goal.point_in_map]))
+            .ok_or_else(|| Unreachable { reason: self.what_is_between(planner, start, goal.point_in_map) })?;
         let regions = self.regions_along(start, &points);
         let (_, through) = points.split_last().unwrap_or((&goal.point_in_map, &[]));
         let mut targets: Vec<Target> = through.iter().copied().map(Target::through).collect();
@@ -141,74 +127,75 @@ impl TopologicalModel {
 
     /// The region around a point: of several the one with the stricter mode.
     pub fn region_at(&self, point_in_map: Point) -> Option<Region> {
-        let around = self.regions.iter().filter(|region| region.rect.contains(point_in_map));
+        let around = self.world.regions.iter().filter(|region| region.rect.contains(point_in_map));
         around.copied().reduce(|best, region| if region.mode > best.mode { region } else { best })
     }
 
-    /// A doorway is of the corridor if it leads there, else of the room on this side.
-    fn area_at(&self, point_in_map: Point) -> Area {
-        let room = self.rooms.iter().position(|room| room.rect.contains(point_in_map));
-        let between_rooms = || {
-            let passages = self.passages.iter().filter(|passage| !passage.areas.contains(&Area::Corridor));
-            passages.filter_map(|passage| passage.side_of(point_in_map)).next()
-        };
-        room.map(Area::Room).or_else(between_rooms).unwrap_or(Area::Corridor)
+    /// Target points beside the doors on the way, and the goal; none where they cannot be joined.
+    fn points_through_doors(
+        &self,
+        planner: &PlannerModel,
+        start: Point,
+        goal: Point,
+        closed_doors: &[usize],
+    ) -> Option<Vec<Point>> {
+        let from = self.areas.near(planner, start, ESCAPE_REACH_M)?;
+        let to = self.areas.near(planner, goal, TARGET_REACH_M)?;
+        let chain =
+            self.chain(start, from, goal, to, closed_doors).or_else(|| self.chain(start, from, goal, to, &[]))?;
+        let narrow = one_of_each(chain.into_iter().filter(|passage| passage.is_narrow).collect());
+        let beside = |passage, side| clear_point_on_axis(planner, passage, side);
+        let mut points: Vec<Point> = narrow
+            .iter()
+            .flat_map(|passage| [-1.0, 1.0].into_iter().filter_map(move |side| beside(passage, side)))
+            .collect();
+        points.push(goal);
+        merge_near_points(&mut points);
+        drop_passed(planner, &mut points, start);
+        self.joined(planner, start, &points)
     }
 
-    fn passage(&self, index: usize, door: &Door) -> Passage {
-        let normal = match door.axis {
-            Axis::X => Vector::new(0.0, 1.0),
-            Axis::Y => Vector::new(1.0, 0.0),
-        };
-        let areas = [-1.0, 1.0].map(|side| self.area_at(door.at + normal * (side * DOOR_APPROACH_M * 0.5)));
-        Passage { door: index, at: door.at, width_m: door.width_m, through: normal, areas }
-    }
-
-    fn no_chain(&self, to: Area) -> Unreachable {
-        let reason = match to {
-            Area::Room(room) => {
-                let name = &self.rooms[room].name;
-                if self.closed_doors.contains(name) {
-                    format!("the map shows no open door to room {name}")
-                } else {
-                    format!("no door of room {name} is joined to where the robot is")
-                }
-            }
-            Area::Corridor => "no open door leads out of the room the robot is in".to_owned(),
-        };
-        Unreachable { reason }
-    }
-
-    /// The doors to go through, each with the direction: the shortest chain by the distances of the
-    /// doors from each other, and what each door costs.
+    /// The passages to go through, each with the direction: the shortest chain by their distances
+    /// from each other, and what each of them costs. Cost: passages, times those of an area.
     fn chain(&self, start: Point, from: Area, goal: Point, to: Area, closed_doors: &[usize]) -> Option<Vec<Passage>> {
         if from == to {
             return Some(Vec::new());
         }
-        // A node is a door in one of its two directions; few doors, so the nearest open node is
-        // searched for linearly.
-        let open = self.passages.iter().filter(|passage| !closed_doors.contains(&passage.door));
-        let nodes: Vec<Passage> = open.flat_map(|&passage| [passage, passage.reversed()]).collect();
-        let mut length_m: Vec<f64> = nodes
-            .iter()
-            .map(|node| if node.areas[0] == from { distance_m(start, node.at) } else { f64::INFINITY })
-            .collect();
+        // A node is a passage in one of its two directions.
+        let is_open = |passage: &&Passage| passage.door.is_none_or(|door| !closed_doors.contains(&door));
+        let nodes: Vec<Passage> =
+            self.passages.iter().filter(is_open).flat_map(|&passage| [passage, passage.reversed()]).collect();
+        let mut leaving: Vec<Vec<usize>> = vec![Vec::new(); self.areas.count()];
+        for (index, node) in nodes.iter().enumerate() {
+            leaving[self.areas.index(node.areas[0])].push(index);
+        }
+        let mut length_m = vec![f64::INFINITY; nodes.len()];
         let mut before: Vec<Option<usize>> = vec![None; nodes.len()];
         let mut closed = vec![false; nodes.len()];
         let mut best: Option<(f64, usize)> = None;
-        while let Some(node) = nearest_open(&length_m, &closed) {
-            closed[node] = true;
+        // Lengths are not negative, so that their bits have their order.
+        let mut open = BinaryHeap::new();
+        for &first in &leaving[self.areas.index(from)] {
+            length_m[first] = distance_m(start, nodes[first].at);
+            open.push(Reverse((length_m[first].to_bits(), first)));
+        }
+        while let Some(Reverse((_, node))) = open.pop() {
+            if std::mem::replace(&mut closed[node], true) {
+                continue;
+            }
             if nodes[node].areas[1] == to {
                 let whole_m = length_m[node] + distance_m(nodes[node].at, goal);
                 if best.is_none_or(|(least_m, _)| whole_m < least_m) {
                     best = Some((whole_m, node));
                 }
             }
-            for next in 0..nodes.len() {
-                let through_m = length_m[node] + distance_m(nodes[node].at, nodes[next].at) + DOOR_COSTS_M;
-                if nodes[next].areas[0] == nodes[node].areas[1] && through_m < length_m[next] {
+            for &next in &leaving[self.areas.index(nodes[node].areas[1])] {
+                let costs_m = if nodes[node].is_doorway_of(&nodes[next]) { 0.0 } else { DOOR_COSTS_M };
+                let through_m = length_m[node] + distance_m(nodes[node].at, nodes[next].at) + costs_m;
+                if through_m < length_m[next] {
                     length_m[next] = through_m;
                     before[next] = Some(node);
+                    open.push(Reverse((through_m.to_bits(), next)));
                 }
             }
         }
@@ -223,21 +210,15 @@ impl TopologicalModel {
     }
 
     /// The points, and between two of them points on the centre line of the corridor wherever the
-    /// shortest way leads through an office of others.
-    fn joined(
-        &self,
-        planner: &PlannerModel,
-        start: Point,
-        points: &[Point],
-        destination: &Place,
-    ) -> Result<Vec<Point>, Unreachable> {
+    /// shortest way leads through an office of others. None if the map leaves no way between two.
+    fn joined(&self, planner: &PlannerModel, start: Point, points: &[Point]) -> Option<Vec<Point>> {
         let mut joined = Vec::new();
         let mut from = start;
         for &to in points {
             let path = if planner.is_straight_way_free(from, to) {
                 vec![from, to]
             } else {
-                planner.value_field(to).path(from).ok_or_else(|| no_way(from, to, destination))?
+                planner.value_field(to).path(from)?
             };
             if self.leads_through_others(&path) {
                 let ends = [from, to].map(|end| self.hallway_at(end).map(|hallway| on_centre_line(&hallway, end)));
@@ -246,23 +227,24 @@ impl TopologicalModel {
             joined.push(to);
             from = to;
         }
-        Ok(joined)
+        Some(joined)
     }
 
     /// Whether a way crosses rooms other than those of its two ends.
     fn leads_through_others(&self, path: &[Point]) -> bool {
         const GRAIN_M: f64 = 0.2;
+        let room_at = |point: Point| self.world.rooms.iter().position(|room| room.rect.contains(point));
         let [first, .., last] = path else { return false };
-        let ends = [Area::Corridor, self.area_at(*first), self.area_at(*last)];
+        let ends = [None, room_at(*first), room_at(*last)];
         path.windows(2).any(|leg| {
             let steps = libm::ceil(distance_m(leg[0], leg[1]) / GRAIN_M).max(1.0) as usize;
             let along = |step: usize| leg[0] + (leg[1] - leg[0]) * (step as f64 / steps as f64);
-            (0..=steps).any(|step| !ends.contains(&self.area_at(along(step))))
+            (0..=steps).any(|step| !ends.contains(&room_at(along(step))))
         })
     }
 
     fn hallway_at(&self, point_in_map: Point) -> Option<Rect> {
-        let hallways = self.regions.iter().filter(|region| region.mode == TravelMode::Hallway);
+        let hallways = self.world.regions.iter().filter(|region| region.mode == TravelMode::Hallway);
         hallways.map(|region| region.rect).find(|rect| rect.contains(point_in_map))
     }
 
@@ -286,29 +268,36 @@ impl TopologicalModel {
     }
 }
 
+/// The passage that an opening is: that of an open door if it lies in its doorway.
+fn passage(world: &World, opening: Opening) -> Passage {
+    let Opening { at, clear_m, through, areas } = opening;
+    let in_doorway = |door: &&(usize, &Door)| {
+        door.1.mapped_open && is_in_doorway(&opening, door.1.at, door.1.width_m, door.1.through())
+    };
+    let doors: Vec<(usize, &Door)> = world.doors.iter().enumerate().collect();
+    match doors.iter().find(in_doorway) {
+        Some(&(door, found)) => Passage { door: Some(door), at: found.at, is_narrow: true, through, areas },
+        None => Passage { door: None, at, is_narrow: clear_m <= NARROW_M, through, areas },
+    }
+}
+
+/// One of several that lie in one another's way: the two edges of a doorway between rooms.
+fn one_of_each(mut chain: Vec<Passage>) -> Vec<Passage> {
+    chain.dedup_by(|next, passage| passage.is_doorway_of(next));
+    chain
+}
+
 impl Passage {
     fn reversed(self) -> Self {
         Self { through: -self.through, areas: [self.areas[1], self.areas[0]], ..self }
     }
 
-    /// The area on the side of the leaf on which a point in the doorway lies.
-    fn side_of(&self, point_in_map: Point) -> Option<Area> {
-        let offset = point_in_map - self.at;
-        let (across_m, along_m) =
-            (offset.dot(&self.through), offset.dot(&Vector::new(-self.through.y, self.through.x)));
-        let is_inside = across_m.abs() <= DOOR_APPROACH_M * 0.5 && along_m.abs() <= self.width_m / 2.0;
-        is_inside.then(|| self.areas[usize::from(across_m > 0.0)])
+    /// Whether both are edges of one doorway.
+    fn is_doorway_of(&self, next: &Self) -> bool {
+        let is_same_door = self.door.is_some() && self.door == next.door;
+        let is_ahead = self.through.dot(&next.through) > 0.5 && distance_m(self.at, next.at) < DOOR_APPROACH_M;
+        is_same_door || self.door.is_none() && next.door.is_none() && is_ahead
     }
-}
-
-fn nearest_open(length_m: &[f64], closed: &[bool]) -> Option<usize> {
-    let mut nearest: Option<usize> = None;
-    for node in 0..length_m.len() {
-        if !closed[node] && length_m[node].is_finite() && nearest.is_none_or(|best| length_m[node] < length_m[best]) {
-            nearest = Some(node);
-        }
-    }
-    nearest
 }
 
 fn has_clearance(planner: &PlannerModel, point_in_map: Point) -> bool {
@@ -316,15 +305,14 @@ fn has_clearance(planner: &PlannerModel, point_in_map: Point) -> bool {
     planner.is_traversable(point_in_map) && planner.obstacle_distance_m(point_in_map) >= ROOM_TO_TURN_M
 }
 
-/// The point on the line through a door at the usual distance, or as near to that as furniture
-/// allows.
-fn clear_point_on_axis(planner: &PlannerModel, passage: &Passage, side: f64) -> Point {
+/// The point on the line through a passage at the usual distance, or as near to that as furniture
+/// allows; none if it allows none.
+fn clear_point_on_axis(planner: &PlannerModel, passage: &Passage, side: f64) -> Option<Point> {
     let at = |away_m: f64| passage.at + passage.through * (side * away_m);
     let shifts_m = (0..=10).flat_map(|step| [f64::from(step), -f64::from(step)]).map(|step| step * 0.05);
     shifts_m
         .map(|shift_m| at(DOOR_APPROACH_M + shift_m))
         .find(|&point| has_clearance(planner, point) && planner.is_straight_way_free(passage.at, point))
-        .unwrap_or_else(|| at(DOOR_APPROACH_M))
 }
 
 /// The foot of a point on the long middle axis of a corridor.
@@ -365,12 +353,4 @@ fn drop_passed(planner: &PlannerModel, points: &mut Vec<Point>, here: Point) {
     if let Some(index) = last_passed {
         points.drain(..=index);
     }
-}
-
-fn no_way(from: Point, to: Point, destination: &Place) -> Unreachable {
-    let reason = format!(
-        "the map leaves no way from ({:.2}, {:.2}) to ({:.2}, {:.2}) on the way to {}",
-        from.x, from.y, to.x, to.y, destination.name
-    );
-    Unreachable { reason }
 }

@@ -19,7 +19,7 @@ const FARTHEST: u32 = u32::MAX - 32 * STRAIGHT;
 const BUCKETS: usize = 32;
 
 /// How far a start that the robot does not fit at may be from free floor.
-const ESCAPE_REACH_M: f64 = 1.0;
+pub(super) const ESCAPE_REACH_M: f64 = 1.0;
 
 /// For every cell the cost of the cheapest way to a target by straight and diagonal moves, each
 /// move weighed with the mean price of its two cells; diagonal moves do not cut corners.

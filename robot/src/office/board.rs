@@ -251,8 +251,16 @@ impl Board {
         let ending = match output.event {
             Some(NavigationEvent::Arrived) => Ending::Success,
             Some(NavigationEvent::Unreachable) => {
-                let whose = if model.map.is_some() { "the map shows" } else { "what has been seen leaves" };
-                Ending::Failure("unreachable".into(), format!("{whose} no way to the target"))
+                let message = match (&model.map, self.navigation.remaining_targets().first()) {
+                    (Some(map), Some(target)) => {
+                        let here = self.estimate(model).pose_in_map.point();
+                        let between = map.topology.what_is_between(&map.navigation.planner, here, target.point_in_map);
+                        format!("the map shows no way to the target: {between}")
+                    }
+                    (Some(_), None) => "the map shows no way to the target".to_string(),
+                    (None, _) => "what has been seen leaves no way to the target".to_string(),
+                };
+                Ending::Failure("unreachable".into(), message)
             }
             Some(NavigationEvent::Blocked) => {
                 Ending::Failure("blocked".into(), "the way to the target stays blocked".into())

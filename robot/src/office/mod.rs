@@ -7,6 +7,7 @@
 
 mod behaviours;
 mod board;
+mod cost;
 mod host;
 mod natives;
 mod plan_text;
@@ -15,6 +16,7 @@ mod scenario;
 
 pub use behaviours::{BEHAVIOURS, FLUENTS, VALVES};
 pub use board::Board;
+pub use cost::Cost;
 pub use host::SimulatedHost;
 pub use natives::natives;
 pub use scenario::{Oracle, SCENARIO_NAMES, oracle_natives};
@@ -22,7 +24,7 @@ pub use scenario::{Oracle, SCENARIO_NAMES, oracle_natives};
 use crate::active::{ActiveParameters, Choice};
 use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, LocalizationModel, LocalizationParameters, ModelError, Spread};
-use crate::navigation::{DriveLimits, NavigationModel, TopologicalModel};
+use crate::navigation::{Concern, DriveLimits, NavigationModel, TopologicalModel};
 use crate::simulator::{Contacts, OracleError, Percept, SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Stop};
@@ -134,14 +136,13 @@ pub struct MapModel {
 }
 
 impl MapModel {
-    fn new(world: &World, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
+    fn new(world: &Arc<World>, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
         let sensor_map =
             if settings.localization.centred { World::map_centred } else { World::map }(world, SENSOR_MAP_CELL_M);
-        Ok(Self {
-            localization: LocalizationModel::new(&sensor_map, settings.localization.clone())?,
-            navigation: NavigationModel::new(world, limits),
-            topology: TopologicalModel::new(world),
-        })
+        let localization = LocalizationModel::new(&sensor_map, settings.localization.clone())?;
+        let navigation = NavigationModel::new(world, limits);
+        let topology = TopologicalModel::new(world, &navigation.planner);
+        Ok(Self { localization, navigation, topology })
     }
 }
 
@@ -167,6 +168,15 @@ impl OfficeModel {
             settings,
             world,
         })
+    }
+}
+
+impl OfficeModel {
+    /// What of a world is probably not meant as it stands, looked over without building all models.
+    pub fn survey(world: &Arc<World>, settings: &OfficeSettings) -> Vec<Concern> {
+        let navigation = NavigationModel::new(world, DriveLimits::default());
+        let topology = TopologicalModel::new(world, &navigation.planner);
+        topology.survey(&navigation.planner, settings.simulator.gripper_reach_m)
     }
 }
 

@@ -5,6 +5,7 @@ use super::board::{mode_name, no_map};
 use super::{OfficeModel, OfficeRobot, plan_text};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
+use rpl_lang::reader::fold_name;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Effect, Native, Reply};
 use rpl_runtime::value::Value;
@@ -146,7 +147,7 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
     let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors);
     plan.map(Reply::Value).map_err(|unreachable| {
-        let destination = Value::Symbol(call.machine.symbols.intern(&place.name));
+        let destination = Value::Symbol(call.machine.symbols.intern(&fold_name(&place.name)));
         Raise::New {
             class: "unreachable",
             message: format!("no way to `{}`: {}", place.name, unreachable.reason),

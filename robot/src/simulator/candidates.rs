@@ -10,9 +10,7 @@ const CELL_M: f64 = 1.0;
 /// Lists of surface indices per cell, row-major, flattened.
 #[derive(Debug)]
 pub(super) struct Candidates {
-    origin_in_map: Point,
-    columns: usize,
-    rows: usize,
+    cells: Cells,
     visible: Lists,
     touchable: Lists,
     walkable: Lists,
@@ -25,7 +23,7 @@ struct Lists {
 }
 
 impl Lists {
-    fn new(lists: impl Iterator<Item = Vec<u32>>) -> Self {
+    fn new(lists: &[Vec<u32>]) -> Self {
         let (mut starts, mut indices) = (vec![0], Vec::new());
         for list in lists {
             indices.extend(list);
@@ -39,65 +37,122 @@ impl Lists {
     }
 }
 
-impl Candidates {
-    /// Lists for sensors that reach `range_m`, a body that touches within `touch_m`, and people who
-    /// walk by within `walk_m`.
-    pub fn new(surfaces: &[Surface], bounds: Rect, range_m: f64, touch_m: f64, walk_m: f64) -> Self {
+/// Where the cells lie.
+#[derive(Clone, Copy, Debug)]
+struct Cells {
+    origin_in_map: Point,
+    columns: usize,
+    rows: usize,
+}
+
+impl Cells {
+    fn over(bounds: Rect) -> Self {
         let size_m = bounds.max - bounds.min;
-        let columns = (libm::ceil(size_m.x / CELL_M) as usize).max(1);
-        let rows = (libm::ceil(size_m.y / CELL_M) as usize).max(1);
-        let cells: Vec<Rect> = (0..rows * columns)
-            .map(|cell| {
-                let min = bounds.min + Vector::new((cell % columns) as f64 * CELL_M, (cell / columns) as f64 * CELL_M);
-                Rect { min, max: min + Vector::new(CELL_M, CELL_M) }
-            })
-            .collect();
-        let within = |cell: &Rect, reach_m: f64| -> Vec<u32> {
-            let near = surfaces.iter().enumerate().filter(|(_, surface)| may_be_within(&surface.form, cell, reach_m));
-            near.map(|(index, _)| index as u32).collect()
-        };
-        let seen_from = |cell: &Rect| -> Vec<u32> {
-            let mut near = within(cell, range_m);
-            let walls: Vec<Form> = near
-                .iter()
-                .map(|index| &surfaces[*index as usize])
-                .filter(|wall| may_hide(wall))
-                .map(|wall| wall.form)
-                .collect();
-            near.retain(|index| {
-                let form = &surfaces[*index as usize].form;
-                corners(cell).iter().any(|corner| form.faces(*corner))
-                    && !walls.iter().any(|wall| hides(wall, form, cell))
-            });
-            near
-        };
-        let visible = Lists::new(cells.iter().map(seen_from));
-        let touchable = Lists::new(cells.iter().map(|cell| within(cell, touch_m)));
-        let walkable = Lists::new(cells.iter().map(|cell| within(cell, walk_m)));
-        Self { origin_in_map: bounds.min, columns, rows, visible, touchable, walkable }
+        let count = |length_m: f64| (libm::ceil(length_m / CELL_M) as usize).max(1);
+        Self { origin_in_map: bounds.min, columns: count(size_m.x), rows: count(size_m.y) }
+    }
+
+    fn rect(&self, cell: usize) -> Rect {
+        let (column, row) = ((cell % self.columns) as f64, (cell / self.columns) as f64);
+        let min = self.origin_in_map + Vector::new(column, row) * CELL_M;
+        Rect { min, max: min + Vector::new(CELL_M, CELL_M) }
+    }
+
+    /// Column and row around a point; one outside belongs to the cell at the edge.
+    fn around(&self, point: Point) -> (usize, usize) {
+        let from_origin = (point - self.origin_in_map) / CELL_M;
+        let column = (from_origin.x.max(0.0) as usize).min(self.columns - 1);
+        let row = (from_origin.y.max(0.0) as usize).min(self.rows - 1);
+        (column, row)
+    }
+
+    fn cell(&self, point: Point) -> usize {
+        let (column, row) = self.around(point);
+        row * self.columns + column
+    }
+
+    /// The cells that may be within reach of a surface, and none far off, from the first column and
+    /// row to the last: their number does not grow with the world.
+    fn span(&self, form: &Form, reach_m: f64) -> [(usize, usize); 2] {
+        let bounds = form.bounds();
+        // A cell is within reach by its middle, see `may_be_within`.
+        let reach = Vector::new(reach_m + CELL_M, reach_m + CELL_M);
+        [self.around(bounds.min - reach), self.around(bounds.max + reach)]
+    }
+
+    fn around_form(self, form: &Form, reach_m: f64) -> impl Iterator<Item = usize> {
+        let [(first_column, first_row), (last_column, last_row)] = self.span(form, reach_m);
+        (first_row..=last_row)
+            .flat_map(move |row| (first_column..=last_column).map(move |column| row * self.columns + column))
+    }
+
+    fn count_around(&self, form: &Form, reach_m: f64) -> f64 {
+        let [(first_column, first_row), (last_column, last_row)] = self.span(form, reach_m);
+        (last_column - first_column + 1) as f64 * (last_row - first_row + 1) as f64
+    }
+
+    /// For each cell the numbers of the surfaces within reach of it, in their order.
+    fn within(self, surfaces: &[Surface], reach_m: f64) -> Vec<Vec<u32>> {
+        let mut lists = vec![Vec::new(); self.columns * self.rows];
+        for (index, surface) in surfaces.iter().enumerate() {
+            for cell in self.around_form(&surface.form, reach_m) {
+                if may_be_within(&surface.form, &self.rect(cell), reach_m) {
+                    lists[cell].push(index as u32);
+                }
+            }
+        }
+        lists
+    }
+}
+
+impl Candidates {
+    /// Lists for sensors, a body that touches, and people who walk by, that reach so far. Cost:
+    /// surfaces, times the cells around each of them.
+    pub fn new(surfaces: &[Surface], bounds: Rect, [range_m, touch_m, walk_m]: [f64; 3]) -> Self {
+        let cells = Cells::over(bounds);
+        let mut visible = cells.within(surfaces, range_m);
+        for (index, near) in visible.iter_mut().enumerate() {
+            keep_seen(near, surfaces, &cells.rect(index));
+        }
+        let lists = |reach_m: f64| Lists::new(&cells.within(surfaces, reach_m));
+        Self { cells, visible: Lists::new(&visible), touchable: lists(touch_m), walkable: lists(walk_m) }
+    }
+
+    /// How many entries the lists have at most.
+    pub fn most_entries(surfaces: impl Iterator<Item = Surface>, bounds: Rect, reaches_m: [f64; 3]) -> f64 {
+        let cells = Cells::over(bounds);
+        let around = |form: &Form| -> f64 { reaches_m.iter().map(|&reach_m| cells.count_around(form, reach_m)).sum() };
+        surfaces.map(|surface| around(&surface.form)).sum()
     }
 
     /// Surfaces that a sensor at the point may see.
     pub fn visible(&self, point: Point) -> &[u32] {
-        self.visible.of(self.cell(point))
+        self.visible.of(self.cells.cell(point))
     }
 
     /// Surfaces that the body at the point may touch.
     pub fn touchable(&self, point: Point) -> &[u32] {
-        self.touchable.of(self.cell(point))
+        self.touchable.of(self.cells.cell(point))
     }
 
     /// Surfaces that a person at the point must mind.
     pub fn walkable(&self, point: Point) -> &[u32] {
-        self.walkable.of(self.cell(point))
+        self.walkable.of(self.cells.cell(point))
     }
+}
 
-    fn cell(&self, point: Point) -> usize {
-        let from_origin = (point - self.origin_in_map) / CELL_M;
-        let column = (from_origin.x.max(0.0) as usize).min(self.columns - 1);
-        let row = (from_origin.y.max(0.0) as usize).min(self.rows - 1);
-        row * self.columns + column
-    }
+/// Leaves out what no point of a cell can see.
+fn keep_seen(near: &mut Vec<u32>, surfaces: &[Surface], cell: &Rect) {
+    let walls: Vec<Form> = near
+        .iter()
+        .map(|index| &surfaces[*index as usize])
+        .filter(|wall| may_hide(wall))
+        .map(|wall| wall.form)
+        .collect();
+    near.retain(|index| {
+        let form = &surfaces[*index as usize].form;
+        corners(cell).iter().any(|corner| form.faces(*corner)) && !walls.iter().any(|wall| hides(wall, form, cell))
+    });
 }
 
 fn corners(rect: &Rect) -> [Point; 4] {
@@ -146,4 +201,52 @@ fn crosses(from: Point, to: Point, a: Point, b: Point) -> bool {
 
 fn cross(a: Vector, b: Vector) -> f64 {
     a.x * b.y - a.y * b.x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::SeenBy;
+    use rpl_random::Stream;
+
+    fn surfaces(count: usize, bounds: Rect) -> Vec<Surface> {
+        let mut stream = Stream::new(71, "surfaces");
+        let mut draw = || {
+            // Some begin or end outside the world.
+            let a = Point::new(
+                stream.uniform_in(bounds.min.x - 1.0, bounds.max.x + 1.0),
+                stream.uniform_in(bounds.min.y - 1.0, bounds.max.y + 1.0),
+            );
+            let b = a + Vector::new(stream.uniform_in(-2.0, 2.0), stream.uniform_in(-2.0, 2.0));
+            let disc = Form::Disc { centre: a, radius_m: stream.uniform_in(0.1, 1.0) };
+            let form = if stream.chance(0.3) { disc } else { Form::Edge { a, b } };
+            Surface { form, origin: Origin::Wall, seen_by: SeenBy { sonar: true, laser: true } }
+        };
+        (0..count).map(|_| draw()).collect()
+    }
+
+    #[test]
+    fn the_lists_are_those_of_asking_every_surface_about_every_cell() {
+        let bounds = Rect { min: Point::new(-3.0, 2.0), max: Point::new(14.5, 13.2) };
+        let surfaces = surfaces(200, bounds);
+        let cells = Cells::over(bounds);
+        for reach_m in [0.35, 1.0, 5.0] {
+            for (index, list) in cells.within(&surfaces, reach_m).into_iter().enumerate() {
+                let rect = cells.rect(index);
+                let near = (0..surfaces.len()).filter(|&at| may_be_within(&surfaces[at].form, &rect, reach_m));
+                assert_eq!(list, near.map(|at| at as u32).collect::<Vec<_>>(), "cell {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_surface_is_asked_about_no_more_cells_in_a_larger_world() {
+        let wall = Form::Edge { a: Point::new(10.2, 10.2), b: Point::new(11.7, 10.2) };
+        let asked = |size_m: f64| {
+            let cells = Cells::over(Rect { min: Point::origin(), max: Point::new(size_m, size_m) });
+            cells.around_form(&wall, 5.0).count()
+        };
+        assert_eq!(asked(40.0), asked(400.0));
+        assert!(asked(40.0) <= 14 * 14, "{}", asked(40.0));
+    }
 }

@@ -3,7 +3,7 @@
 use super::people::PERSON_RADIUS_M;
 use crate::geometry::{Point, distance_m};
 use crate::navigation::{PlannerModel, PlannerParameters, ValueField};
-use crate::world::{Rect, TravelMode, World};
+use crate::world::{Rect, TravelMode, World, is_same_name};
 use rpl_random::Stream;
 
 /// Edge of a cell of the floor.
@@ -77,6 +77,13 @@ impl Crowd {
         Some(Self { destinations, rooms, bounds: world.bounds(), open_floor: open.value_field(start) })
     }
 
+    /// Memory that the ways to the destinations of a world take at most.
+    pub fn needed_bytes(world: &World) -> f64 {
+        let fields = if world.crowd == 0 { 0 } else { MOST_DESTINATIONS + 2 };
+        let cells = world.size_m.x * world.size_m.y / (CELL_M * CELL_M);
+        cells * (fields * size_of::<u32>()) as f64
+    }
+
     /// How many destinations there are; at least one.
     pub fn len(&self) -> usize {
         self.destinations.len()
@@ -143,7 +150,9 @@ fn named_spots(world: &World) -> Vec<Point> {
     let places = world.places.iter().map(|place| place.pose_in_map.point());
     let rooms = world.rooms.iter().map(|room| room.rect.centre());
     let hallways = world.regions.iter().filter(|region| region.mode == TravelMode::Hallway);
-    places.chain(rooms).chain(hallways.flat_map(|region| lattice(region.rect))).collect()
+    let Rect { min, max } = world.bounds();
+    let within = hallways.map(|region| Rect { min: region.rect.min.sup(&min), max: region.rect.max.inf(&max) });
+    places.chain(rooms).chain(within.flat_map(lattice)).collect()
 }
 
 /// Spots all over a rectangle, off its edges.
@@ -161,5 +170,5 @@ fn lattice(rect: Rect) -> impl Iterator<Item = Point> {
 fn doors_of(world: &World, room: Option<usize>) -> Vec<usize> {
     let Some(room) = room.map(|room| &world.rooms[room]) else { return Vec::new() };
     let doors = world.doors.iter().enumerate();
-    doors.filter(|(_, door)| door.room == room.name).map(|(index, _)| index).collect()
+    doors.filter(|(_, door)| is_same_name(&door.room, &room.name)).map(|(index, _)| index).collect()
 }

@@ -34,10 +34,7 @@ impl SimulatorModel {
     pub fn new(world: Arc<World>, settings: SimulatorSettings) -> Self {
         let solids = world.solids();
         let surfaces: Vec<Surface> = solids.iter().flat_map(surfaces_of).chain(world_edge(world.bounds())).collect();
-        let laser_m = if settings.laser { settings.laser_max_range_m } else { 0.0 };
-        let range_m = settings.sonar_max_range_m.max(laser_m);
-        let touch_m = settings.robot_radius_m + 2.0 * settings.max_translation_mps * settings.step_s();
-        let candidates = Candidates::new(&surfaces, world.bounds(), range_m, touch_m, FARTHEST_WALL_M);
+        let candidates = Candidates::new(&surfaces, world.bounds(), reaches_m(&settings));
         let direction = |angle_rad: f64| {
             let (sin, cos) = libm::sincos(angle_rad);
             Vector::new(cos, sin)
@@ -55,6 +52,23 @@ impl SimulatorModel {
             candidates,
         }
     }
+}
+
+impl SimulatorModel {
+    /// Memory that the model of a world takes at most, without building it. Cost: the number of
+    /// bodies.
+    pub fn needed_bytes(world: &World, settings: &SimulatorSettings) -> f64 {
+        let surfaces = world.solids().into_iter().flat_map(|solid| surfaces_of(&solid).collect::<Vec<_>>());
+        let lists = Candidates::most_entries(surfaces, world.bounds(), reaches_m(settings)) * size_of::<u32>() as f64;
+        lists * 2.0 + Crowd::needed_bytes(world)
+    }
+}
+
+/// How far sensors see, from where something may be touched, and how far people mind walls.
+fn reaches_m(settings: &SimulatorSettings) -> [f64; 3] {
+    let laser_m = if settings.laser { settings.laser_max_range_m } else { 0.0 };
+    let touch_m = settings.robot_radius_m + 2.0 * settings.max_translation_mps * settings.step_s();
+    [settings.sonar_max_range_m.max(laser_m), touch_m, FARTHEST_WALL_M]
 }
 
 fn world_edge(bounds: Rect) -> impl Iterator<Item = Surface> {

@@ -5,7 +5,8 @@ use super::model::SimulatorModel;
 use super::people::PERSON_RADIUS_M;
 use super::state::{Contacts, SimulatorState};
 use crate::geometry::{Point, Pose, Vector, distance_m};
-use crate::world::{Object, Origin, Outline, Rect, UnknownName};
+use crate::world::{Object, Origin, Outline, Rect, UnknownName, is_same_name};
+use rpl_lang::reader::fold_name;
 
 /// Why the experimenter cannot do that.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -79,8 +80,9 @@ impl SimulatorState {
 
     /// Puts a thing somewhere, also one that is elsewhere or held so far.
     pub fn place_item(&mut self, name: &str, point_in_map: Point) {
+        let name = fold_name(name);
         self.gripper.items.retain(|item| item.name != name);
-        self.gripper.items.push(Item { name: name.to_owned(), at: ItemPlace::Point(point_in_map), put_down: 0 });
+        self.gripper.items.push(Item { name: name.into_owned(), at: ItemPlace::Point(point_in_map), put_down: 0 });
     }
 }
 
@@ -133,7 +135,7 @@ impl SimulatorModel {
     pub fn open_door(&self, state: &mut SimulatorState, room: &str) -> Result<(), OracleError> {
         self.world.door_of(room)?;
         for (open, door) in state.doors_open.iter_mut().zip(&self.world.doors) {
-            *open |= door.room == room;
+            *open |= is_same_name(&door.room, room);
         }
         Ok(())
     }
@@ -144,7 +146,7 @@ impl SimulatorModel {
     /// The room has no door, or somebody stands in one; the state is unchanged.
     pub fn close_door(&self, state: &mut SimulatorState, room: &str) -> Result<(), OracleError> {
         self.world.door_of(room)?;
-        let doors = || self.world.doors.iter().enumerate().filter(|(_, door)| door.room == room);
+        let doors = || self.world.doors.iter().enumerate().filter(|(_, door)| is_same_name(&door.room, room));
         for (_, door) in doors() {
             let outline = Outline::of_rect(door.leaf());
             self.nobody_in(state, &outline, || format!("the door of `{room}`"))?;
@@ -176,7 +178,7 @@ impl SimulatorModel {
     pub fn add_object(&self, state: &mut SimulatorState, object: Object) -> Result<(), OracleError> {
         let in_file = self.world.objects.iter().zip(&state.objects_removed);
         let mut names = in_file.filter(|(_, removed)| !**removed).map(|(object, _)| object).chain(&state.objects_added);
-        if names.any(|there| there.name == object.name) {
+        if names.any(|there| is_same_name(&there.name, &object.name)) {
             return Err(OracleError::SameName(object.name));
         }
         self.nobody_in(state, &object.outline(), || format!("`{}`", object.name))?;
@@ -191,10 +193,10 @@ impl SimulatorModel {
     /// There is none; the state is unchanged.
     pub fn remove_object(&self, state: &mut SimulatorState, name: &str) -> Result<(), OracleError> {
         let added_before = state.objects_added.len();
-        state.objects_added.retain(|object| object.name != name);
+        state.objects_added.retain(|object| !is_same_name(&object.name, name));
         let mut found = state.objects_added.len() < added_before;
         for (removed, object) in state.objects_removed.iter_mut().zip(&self.world.objects) {
-            if object.name == name && !*removed {
+            if is_same_name(&object.name, name) && !*removed {
                 *removed = true;
                 found = true;
             }

@@ -1,7 +1,7 @@
 //! Surfaces that sensors see and the robot cannot pass.
 
-use crate::geometry::{Point, distance_m};
-use crate::world::{Origin, Outline, SeenBy, Solid, distance_to_segment_m, nearest_on_segment};
+use crate::geometry::{Point, Vector, distance_m};
+use crate::world::{Origin, Outline, Rect, SeenBy, Solid, distance_to_segment_m, nearest_on_segment};
 
 /// Geometry of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +39,17 @@ impl Form {
                 let out = point - centre;
                 let length_m = out.norm_squared().sqrt();
                 if length_m > 0.0 { centre + out * (radius_m / length_m) } else { *centre }
+            }
+        }
+    }
+
+    /// The smallest rectangle around it.
+    pub fn bounds(&self) -> Rect {
+        match self {
+            Form::Edge { a, b } => Rect { min: a.inf(b), max: a.sup(b) },
+            Form::Disc { centre, radius_m } => {
+                let reach = Vector::new(*radius_m, *radius_m);
+                Rect { min: centre - reach, max: centre + reach }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! What the values of a world file must agree on with each other.
 
 use super::error::nearest;
+use super::lookup::is_same_name;
 use super::parse::Placed;
 use super::read::{Reader, Table};
 use super::solid::Origin;
@@ -18,8 +19,13 @@ pub(super) fn names(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], places:
     let named_places = places.iter().map(|place| ("place", place.value.name.as_str(), place.table.span_of("name")));
     let all: Vec<_> = named_rooms.chain(named_places).collect();
     for (index, (kind, name, span)) in all.iter().enumerate() {
-        if let Some((other, _, _)) = all[..index].iter().find(|(_, earlier, _)| earlier == name) {
-            let message = format!("the {kind} `{name}` has the name of a {other} above");
+        if let Some((other, earlier, _)) = all[..index].iter().find(|(_, earlier, _)| is_same_name(earlier, name)) {
+            let message = match earlier == name {
+                true => format!("the {kind} `{name}` has the name of a {other} above"),
+                false => format!(
+                    "the {kind} `{name}` has the name of the {other} `{earlier}` above but for capitals, and plans know no capitals"
+                ),
+            };
             reader.note(span.clone(), "name", message, "give each room and each place a name of its own");
         }
     }
@@ -32,7 +38,7 @@ pub(super) fn names(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], places:
 
 fn room_exists(reader: &mut Reader, name: &str, rooms: &[Placed<'_, '_, Room>], span: Range<usize>, owner: &str) {
     let known = || rooms.iter().map(|room| room.value.name.as_str());
-    if known().any(|room| room == name) {
+    if known().any(|room| is_same_name(room, name)) {
         return;
     }
     let help = match nearest(name, known()) {
@@ -126,7 +132,7 @@ pub(super) fn floors(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], doors:
         }
     }
     for door in doors {
-        let Some(room) = rooms.iter().find(|room| room.value.name == door.value.room) else { continue };
+        let Some(room) = rooms.iter().find(|room| is_same_name(&room.value.name, &door.value.room)) else { continue };
         let Rect { min, max } = room.value.rect;
         let at = door.value.at;
         let off_m = (at - at.sup(&min).inf(&max)).norm_squared().sqrt();
@@ -169,18 +175,13 @@ pub(super) fn people_inside(reader: &mut Reader, bounds: Rect, people: &[Placed<
     }
 }
 
-/// No two things share a name, and a plan can write each: symbols fold to lower case.
+/// No two things share a name.
 pub(super) fn item_names(reader: &mut Reader, items: &[Placed<'_, '_, Item>]) {
     for (index, item) in items.iter().enumerate() {
         let name = &item.value.name;
         if items[..index].iter().any(|earlier| earlier.value.name == *name) {
             let message = format!("the item `{name}` has the name of an item above");
             reader.note(item.table.span_of("name"), "name", message, "give each item a name of its own");
-        }
-        let folded = name.to_lowercase();
-        if folded != *name {
-            let message = format!("no plan can name the item `{name}`: plans know lower case only");
-            reader.note(item.table.span_of("name"), "name", message, format!("write \"{folded}\""));
         }
     }
 }
@@ -211,12 +212,7 @@ pub(super) fn start_is_free(reader: &mut Reader, world: &World, span: Range<usiz
         there && solid.outline.distance_m(start) < ROBOT_RADIUS_M
     });
     if let Some(solid) = in_the_way {
-        let what = match solid.origin {
-            Origin::Wall => "a wall".to_owned(),
-            Origin::Door(index) => format!("the closed door of `{}`", world.doors[index].room),
-            Origin::Object(index) => format!("the object `{}`", world.objects[index].name),
-        };
-        let message = format!("the start is in the way of {what}");
+        let message = format!("the start is in the way of {}", world.called(solid.origin));
         let help = format!("leave {ROBOT_RADIUS_M} m around the start free, that is the robot's radius");
         reader.note(span, "start", message, help);
     }

@@ -2,13 +2,55 @@
 
 use std::fmt;
 use std::ops::Range;
+use toml::Spanned;
+use toml::de::DeTable;
 
-/// A world file with faults; it holds all of them, in the order of the text.
+/// More faults of a file are counted and not shown: one that has so many is no such file.
+const MOST_SHOWN: usize = 100;
+
+/// Characters of a line of the file that are shown.
+const MOST_OF_LINE: usize = 120;
+
+/// Characters of a message.
+const MOST_OF_MESSAGE: usize = 2_000;
+
+/// A world file with faults; it holds the first of them, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}", .findings.iter().map(Finding::to_string).collect::<Vec<_>>().join("\n\n"))]
+#[error("{}{}", .findings.iter().map(Finding::to_string).collect::<Vec<_>>().join("\n\n"), and_more(*.more))]
 pub struct WorldError {
     /// At least one.
     pub findings: Vec<Finding>,
+    /// How many more there are.
+    pub more: usize,
+}
+
+fn and_more(more: usize) -> String {
+    if more == 0 { String::new() } else { format!("\n\nand {more} more") }
+}
+
+/// Faults, as they are found.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    found: Vec<Finding>,
+    more: usize,
+}
+
+impl Findings {
+    /// Adds one, which is made only if it is to be shown.
+    pub fn add(&mut self, finding: impl FnOnce() -> Finding) {
+        if self.found.len() < MOST_SHOWN { self.found.push(finding()) } else { self.more += 1 }
+    }
+
+    /// What is read, if there was no fault.
+    pub fn or_value<T>(mut self, value: Option<T>) -> Result<T, WorldError> {
+        match value {
+            Some(value) if self.found.is_empty() => Ok(value),
+            _ => {
+                self.found.sort_by_key(|finding| (finding.line, finding.column));
+                Err(WorldError { findings: self.found, more: self.more })
+            }
+        }
+    }
 }
 
 /// One fault.
@@ -26,8 +68,10 @@ pub struct Finding {
     pub message: String,
     /// What to type.
     pub help: String,
-    /// The line of the file.
+    /// The line of the file, or what is around the place in a long one.
     pub source_line: String,
+    /// How many characters of it are before the mark.
+    pub before_mark: usize,
     /// How many characters of the line are marked.
     pub marked: usize,
 }
@@ -46,16 +90,48 @@ impl Finding {
         let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
         let line_end = text[start..].find('\n').map_or(text.len(), |newline| start + newline);
         let marked = text[start..end.min(line_end)].trim_end().chars().count().max(1);
+        let column = text[line_start..start].chars().count();
+        let left_out = if column > MOST_OF_LINE / 2 { column - MOST_OF_LINE / 4 } else { 0 };
+        let source_line: String =
+            text[line_start..line_end].trim_end().chars().skip(left_out).take(MOST_OF_LINE).map(visible).collect();
         Self {
             file: file.to_owned(),
             line: text[..start].matches('\n').count() + 1,
-            column: text[line_start..start].chars().count() + 1,
+            column: column + 1,
             key: key.to_owned(),
-            message: message.into(),
-            help: help.into(),
-            source_line: text[line_start..line_end].trim_end().to_owned(),
-            marked,
+            message: told(&message.into()),
+            help: told(&help.into()),
+            marked: marked.min(MOST_OF_LINE - (column - left_out).min(MOST_OF_LINE - 1)),
+            before_mark: column - left_out,
+            source_line,
         }
+    }
+}
+
+impl Finding {
+    /// A finding about a key of a table of a world file that was read before, such as the third
+    /// `[[place]]`; at the table, or at the beginning, if the key is not there.
+    pub fn in_world_file(
+        file: &str,
+        text: &str,
+        table: Option<(&str, usize)>,
+        key: &str,
+        message: &str,
+        help: &str,
+    ) -> Self {
+        let (document, _) = DeTable::parse_recoverable(text);
+        let top = document.get_ref();
+        let span = match table {
+            None => top.get(key).map(Spanned::span),
+            Some((kind, number)) => {
+                let tables = top.get(kind).and_then(|tables| tables.get_ref().as_array());
+                tables.and_then(|tables| tables.get(number)).map(|table| {
+                    let value = table.get_ref().as_table().and_then(|table| table.get(key));
+                    value.map_or(table.span(), Spanned::span)
+                })
+            }
+        };
+        Self::new(file, text, span.unwrap_or(0..0), key, message, help)
     }
 }
 
@@ -63,14 +139,34 @@ impl fmt::Display for Finding {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(out, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
         let gutter = self.line.to_string();
-        writeln!(out, "  {gutter} | {}", self.source_line.replace('\t', " "))?;
+        writeln!(out, "  {gutter} | {}", self.source_line)?;
         let margin = 2 + gutter.len();
-        write!(out, "{:margin$} | {}{}", "", " ".repeat(self.column - 1), "^".repeat(self.marked))?;
+        write!(out, "{:margin$} | {}{}", "", " ".repeat(self.before_mark), "^".repeat(self.marked))?;
         if !self.help.is_empty() {
             write!(out, "\n{:margin$} = {}", "", self.help)?;
         }
         Ok(())
     }
+}
+
+/// A character of a file as it is shown: what steers a terminal is only pictured.
+fn visible(character: char) -> char {
+    match character {
+        '\t' => ' ',
+        '\n' => '\n',
+        '\u{0}'..='\u{1f}' => char::from_u32(0x2400 + u32::from(character)).unwrap_or(' '),
+        '\u{7f}'..='\u{9f}' => '\u{2421}',
+        _ => character,
+    }
+}
+
+/// A message with what it quotes of the file made visible, and not endless.
+fn told(message: &str) -> String {
+    let mut shown: String = message.chars().take(MOST_OF_MESSAGE).map(visible).collect();
+    if message.chars().nth(MOST_OF_MESSAGE).is_some() {
+        shown.push('…');
+    }
+    shown
 }
 
 fn floor_char_boundary(text: &str, at: usize) -> usize {
@@ -79,7 +175,13 @@ fn floor_char_boundary(text: &str, at: usize) -> usize {
 
 /// The candidate a misspelt word most likely stands for, if one is near enough.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    // No word is that long, and comparing takes the product of the lengths.
+    const LONGEST: usize = 60;
+    if word.len() > LONGEST {
+        return None;
+    }
     candidates
+        .filter(|candidate| candidate.len() <= LONGEST)
         .map(|candidate| (strsim::damerau_levenshtein(&word.to_lowercase(), &candidate.to_lowercase()), candidate))
         .filter(|(distance, candidate)| *distance <= 1 + candidate.chars().count() / 4)
         .min_by_key(|(distance, _)| *distance)

@@ -1,7 +1,11 @@
 //! Grey images of maps: PGM (plain and raw, any maximal value) and PNG.
 
-/// Pixels of an image, at most: a map of 1 km at 3 cm.
-const MOST_PIXELS: usize = 1 << 30;
+/// Pixels of an image, at most: a map of 400 m by 400 m at 5 cm. A few hundred bytes can claim to be
+/// any size.
+const MOST_PIXELS: usize = 1 << 26;
+
+/// What the decoder may allocate beside the pixels.
+const DECODER_BYTES: usize = 64 << 20;
 
 /// Why bytes are no image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -93,7 +97,9 @@ fn decode_pgm(bytes: &[u8]) -> Result<GreyImage, ImageError> {
 fn checked_pixels(columns: usize, rows: usize) -> Result<usize, ImageError> {
     match columns.checked_mul(rows) {
         Some(pixels) if pixels > 0 && pixels <= MOST_PIXELS => Ok(pixels),
-        _ => Err(wrong(format!("an image of {columns} by {rows} pixels is no map"))),
+        _ => Err(wrong(format!(
+            "an image of {columns} by {rows} pixels is no map: it has from 1 to {MOST_PIXELS} pixels; crop or shrink it"
+        ))),
     }
 }
 
@@ -126,12 +132,16 @@ fn raw_values(text: &PgmText<'_>, pixels: usize, brightest: usize) -> Result<Vec
 
 fn decode_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let broken = |error: png::DecodingError| wrong(format!("the PNG image is truncated or damaged: {error}"));
-    let limits = png::Limits { bytes: 4 * MOST_PIXELS };
+    let limits = png::Limits { bytes: DECODER_BYTES };
     let mut decoder = png::Decoder::new_with_limits(std::io::Cursor::new(bytes), limits);
+    // Neither means anything in a map, and both may inflate to gigabytes.
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::STRIP_16);
-    let mut reader = decoder.read_info().map_err(broken)?;
-    let (columns, rows) = (reader.info().width as usize, reader.info().height as usize);
+    let header = decoder.read_header_info().map_err(broken)?;
+    let (columns, rows) = (header.width as usize, header.height as usize);
     checked_pixels(columns, rows)?;
+    let mut reader = decoder.read_info().map_err(broken)?;
     let mut data = vec![0; reader.output_buffer_size().ok_or_else(|| wrong("the PNG image is too large"))?];
     let frame = reader.next_frame(&mut data).map_err(broken)?;
     let channels = frame.color_type.samples();

@@ -3,6 +3,7 @@
 use super::error::nearest;
 use super::{Door, Place, Room, TravelMode, World};
 use crate::geometry::Point;
+use rpl_lang::reader::fold_name;
 
 /// A name no place, room or door of the world has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -30,13 +31,19 @@ impl UnknownName {
     }
 }
 
+/// Whether two names are one: names in a world fold like symbols, so that a plan may write each
+/// with or without capitals.
+pub fn is_same_name(one: &str, other: &str) -> bool {
+    fold_name(one) == fold_name(other)
+}
+
 impl World {
     /// The place of a name.
     ///
     /// # Errors
     /// No place has the name; the error suggests the nearest.
     pub fn place(&self, name: &str) -> Result<&Place, UnknownName> {
-        let found = self.places.iter().find(|place| place.name == name);
+        let found = self.places.iter().find(|place| is_same_name(&place.name, name));
         found.ok_or_else(|| self.unknown("place", name, self.places.iter().map(|place| place.name.as_str())))
     }
 
@@ -45,7 +52,7 @@ impl World {
     /// # Errors
     /// No room has the name; the error suggests the nearest.
     pub fn room(&self, name: &str) -> Result<&Room, UnknownName> {
-        let found = self.rooms.iter().find(|room| room.name == name);
+        let found = self.rooms.iter().find(|room| is_same_name(&room.name, name));
         found.ok_or_else(|| self.unknown("room", name, self.rooms.iter().map(|room| room.name.as_str())))
     }
 
@@ -54,7 +61,7 @@ impl World {
     /// # Errors
     /// The room has no door, or there is no such room.
     pub fn door_of(&self, room: &str) -> Result<(usize, &Door), UnknownName> {
-        let found = self.doors.iter().enumerate().find(|(_, door)| door.room == room);
+        let found = self.doors.iter().enumerate().find(|(_, door)| is_same_name(&door.room, room));
         found.ok_or_else(|| self.unknown("door", room, self.doors.iter().map(|door| door.room.as_str())))
     }
 

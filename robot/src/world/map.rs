@@ -47,7 +47,8 @@ impl World {
         (count(self.size_m.x), count(self.size_m.y))
     }
 
-    fn is_mapped(&self, origin: Origin) -> bool {
+    /// Whether the robot's map shows a body.
+    pub(crate) fn is_mapped(&self, origin: Origin) -> bool {
         match origin {
             Origin::Wall => true,
             Origin::Door(index) => !self.doors[index].mapped_open,
@@ -93,11 +94,7 @@ impl World {
                 continue;
             }
             known[index] = true;
-            let west = column.checked_sub(1).map(|column| (column, row));
-            let south = row.checked_sub(1).map(|row| (column, row));
-            let east = (column + 1 < grid.columns).then_some((column + 1, row));
-            let north = (row + 1 < grid.rows).then_some((column, row + 1));
-            open.extend([west, south, east, north].into_iter().flatten());
+            open.extend(grid.beside(column, row));
         }
         for (cell, known) in grid.cells.iter_mut().zip(known) {
             if *cell == Cell::Free && !known {

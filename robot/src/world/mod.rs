@@ -3,6 +3,7 @@
 mod builtin;
 mod check;
 mod error;
+mod greys;
 mod image;
 mod lookup;
 mod map;
@@ -19,8 +20,9 @@ mod yaml;
 
 pub use check::ROBOT_RADIUS_M;
 pub use error::{Finding, WorldError};
+pub use greys::Greys;
 pub use image::{GreyImage, ImageError};
-pub use lookup::UnknownName;
+pub use lookup::{UnknownName, is_same_name};
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
 pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m, nearest_on_segment};
@@ -28,6 +30,12 @@ pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m, near
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::OccupancyGrid;
 use serde::{Deserialize, Serialize};
+
+/// A world may not be larger, along x or y: maps and beliefs are grids over all of it.
+pub(crate) const LARGEST_M: f64 = 1000.0;
+
+/// Nor smaller: the robot has to fit into it.
+pub(crate) const SMALLEST_M: f64 = 2.0 * ROBOT_RADIUS_M;
 
 /// An axis-parallel rectangle, in the map frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,18 +1,17 @@
 //! Reading a world file.
 
 use super::check;
+use super::error::Findings;
 use super::read::{Reader, Table};
 use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
-use super::{Rect, recorded};
+use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::OccupancyGrid;
+use rpl_lang::reader::fold_name;
 use toml::de::DeTable;
 
 /// Thickness of a wall that states none.
 const WALL_THICKNESS_M: f64 = 0.15;
-
-/// A world may not be larger, along x or y: maps and beliefs are grids over all of it.
-const LARGEST_M: f64 = 1000.0;
 
 /// The keys at the top of a world file.
 const WORLD_KEYS: [&str; 13] =
@@ -47,19 +46,14 @@ impl World {
         file_name: &str,
         load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
     ) -> Result<World, WorldError> {
-        let mut reader = Reader { file: file_name, text, findings: Vec::new() };
+        let mut reader = Reader { file: file_name, text, findings: Findings::default() };
         let (document, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
             reader.note(error.span().unwrap_or(0..0), "", error.message(), "world files are TOML, see toml.io");
         }
         let top = Table { values: document.get_ref(), span: 0..0, header: String::new() };
         let world = if errors.is_empty() { read_world(&mut reader, &top, load_map) } else { None };
-        let mut findings = reader.findings;
-        findings.sort_by_key(|finding| (finding.line, finding.column));
-        match world {
-            Some(world) if findings.is_empty() => Ok(world),
-            _ => Err(WorldError { findings }),
-        }
+        reader.findings.or_value(world)
     }
 }
 
@@ -163,11 +157,11 @@ fn read_ground<'i>(
 
 fn read_size<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<Vector> {
     let size = reader.point(top, "size", "[12.0, 8.0]")?;
-    let fine = |length_m: f64| length_m > 0.0 && length_m <= LARGEST_M;
+    let fine = |length_m: f64| (SMALLEST_M..=LARGEST_M).contains(&length_m);
     if fine(size.x) && fine(size.y) {
         return Some(size.coords);
     }
-    let message = format!("`size` must be positive and at most {LARGEST_M} m, found {} by {}", size.x, size.y);
+    let message = format!("`size` must be from {SMALLEST_M} m to {LARGEST_M} m, found {} by {}", size.x, size.y);
     reader.note(top.span_of("size"), "size", message, "write width and height in metres, like `size = [12.0, 8.0]`");
     None
 }
@@ -267,5 +261,6 @@ fn read_item<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Item>
     reader.only_keys(table, &["name", "at"]);
     let name = reader.text(table, "name", "\"mail\"");
     let at = reader.point(table, "at", "[2.0, 3.0]");
-    Some(Item { name: name?, at: at? })
+    // It comes back to plans as a symbol, which has no capitals.
+    Some(Item { name: fold_name(&name?).into_owned(), at: at? })
 }

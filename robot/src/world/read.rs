@@ -1,11 +1,20 @@
 //! Reading values out of a TOML table, noting every fault on the way instead of stopping at it.
 
-use super::error::{Finding, nearest};
+use super::error::{Finding, Findings, nearest};
 use super::{Axis, Rect, SeenBy, TravelMode};
 use crate::geometry::{Point, Pose};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// More rooms, walls, objects and so on, of each kind, are no building.
+const MOST_TABLES: usize = 5_000;
+
+/// A name may not be longer.
+const LONGEST_NAME: usize = 255;
+
+/// No coordinate, length or speed in a world is larger: 100 km.
+const LARGEST_NUMBER: f64 = 1e5;
 
 type Value<'i> = Spanned<DeValue<'i>>;
 
@@ -13,7 +22,7 @@ type Value<'i> = Spanned<DeValue<'i>>;
 pub(super) struct Reader<'i> {
     pub file: &'i str,
     pub text: &'i str,
-    pub findings: Vec<Finding>,
+    pub findings: Findings,
 }
 
 /// One table of the file, such as one `[[door]]`.
@@ -34,7 +43,8 @@ impl<'t, 'i> Table<'t, 'i> {
 
 impl<'i> Reader<'i> {
     pub fn note(&mut self, span: Range<usize>, key: &str, message: impl Into<String>, help: impl Into<String>) {
-        self.findings.push(Finding::new(self.file, self.text, span, key, message, help));
+        let (file, text) = (self.file, self.text);
+        self.findings.add(|| Finding::new(file, text, span, key, message, help));
     }
 
     fn expected(&mut self, value: &Value, key: &str, what: &str, example: &str) {
@@ -68,6 +78,11 @@ impl<'i> Reader<'i> {
             self.note(value.span(), key, message, format!("write {header} above its keys"));
             return Vec::new();
         };
+        if array.len() > MOST_TABLES {
+            let message = format!("a world has at most {MOST_TABLES} {header}, found {}", array.len());
+            self.note(value.span(), key, message, "split the building, or join what belongs together");
+            return Vec::new();
+        }
         let mut tables = Vec::new();
         for element in array.iter() {
             match element.get_ref().as_table() {
@@ -93,6 +108,14 @@ impl<'i> Reader<'i> {
         let text = value.get_ref().as_str();
         if text.is_none() || text == Some("") {
             self.expected(value, key, "a name in quotes", example);
+            return None;
+        }
+        if let Some(text) = text.filter(|text| text.chars().count() > LONGEST_NAME || text.contains(char::is_control)) {
+            let length = text.chars().count();
+            let message = format!("`{key}` is no name: it has {length} characters, or some that cannot be seen");
+            let help =
+                format!("a name is one line of at most {LONGEST_NAME} characters; {}", example_help(key, example));
+            self.note(value.span(), key, message, help);
             return None;
         }
         text.map(str::to_owned)
@@ -143,9 +166,10 @@ impl<'i> Reader<'i> {
             _ => None,
         };
         match number {
-            Some(finite) if finite.is_finite() => return Some(finite),
-            Some(_) => {
-                let message = format!("`{key}` must be a finite number");
+            Some(fine) if fine.abs() <= LARGEST_NUMBER => return Some(fine),
+            Some(number) => {
+                let what = if number.is_finite() { "a number up to 100,000" } else { "a finite number" };
+                let message = format!("`{key}` must be {what}");
                 self.note(value.span(), key, message, example_help(key, example));
             }
             None => self.expected(value, key, "a number", example),
@@ -160,7 +184,7 @@ impl<'i> Reader<'i> {
         };
         let degrees = text.trim().strip_suffix("deg").and_then(|number| number.trim().parse::<f64>().ok());
         match degrees {
-            Some(degrees) if degrees.is_finite() => Some(degrees.to_radians()),
+            Some(degrees) if degrees.abs() <= LARGEST_NUMBER => Some(degrees.to_radians()),
             _ => {
                 let message = format!("\"{text}\" is not an angle");
                 self.note(value.span(), key, message, "write degrees as \"90deg\", or radians as a plain number");

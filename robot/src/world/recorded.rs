@@ -42,18 +42,87 @@ pub(super) fn size_m(map: &OccupancyGrid) -> Vector {
     Vector::new(map.columns as f64, map.rows as f64) * map.resolution_m
 }
 
-/// Middle of the free cell that is farthest from anything occupied.
+/// An enclosed piece of floor is the building's, and one that the map ends in the outside, unless the
+/// enclosed one is smaller by this factor.
+const ENCLOSED_FACTOR: usize = 10;
+
+/// Middle of the cell with most room around it in the largest piece of floor that the robot fits on.
+/// What is not known, and the edge of the map, is no room: behind it may be anything.
 fn roomiest(map: &OccupancyGrid) -> Option<Point> {
-    let field = DistanceField::new(map);
+    let floor = Floor::new(map);
+    let mut seen = vec![false; map.cells.len()];
+    let (mut enclosed, mut open) = (Vec::new(), Vec::new());
+    for first in 0..map.cells.len() {
+        let first = (first % map.columns, first / map.columns);
+        if seen[first.1 * map.columns + first.0] || !floor.fits(first) {
+            continue;
+        }
+        let piece = floor.piece_around(first, &mut seen);
+        let largest = if piece.iter().any(|&cell| floor.is_open(cell)) { &mut open } else { &mut enclosed };
+        if piece.len() > largest.len() {
+            *largest = piece;
+        }
+    }
+    let largest = if ENCLOSED_FACTOR * enclosed.len() >= open.len() { enclosed } else { open };
     let mut best: Option<(f64, Point)> = None;
-    for index in (0..map.cells.len()).filter(|&index| map.cells[index] == Cell::Free) {
-        let centre = map.centre(index % map.columns, index / map.columns);
-        let clearance_m = field.clearance_m(centre);
-        if clearance_m > best.map_or(ROBOT_RADIUS_M, |(most_m, _)| most_m) {
-            best = Some((clearance_m, centre));
+    for (column, row) in largest {
+        let room_m = floor.clearance_m((column, row));
+        if best.is_none_or(|(most_m, _)| room_m > most_m) {
+            best = Some((room_m, map.centre(column, row)));
         }
     }
     best.map(|(_, centre)| centre)
+}
+
+/// Where the robot fits on a map.
+struct Floor<'m> {
+    map: &'m OccupancyGrid,
+    /// To what is occupied or not known.
+    distances: DistanceField,
+}
+
+impl<'m> Floor<'m> {
+    fn new(map: &'m OccupancyGrid) -> Self {
+        let mut solid = map.clone();
+        solid.cells.iter_mut().filter(|cell| **cell == Cell::Unknown).for_each(|cell| *cell = Cell::Occupied);
+        Self { map, distances: DistanceField::new(&solid) }
+    }
+
+    fn to_edge_m(&self, (column, row): (usize, usize)) -> f64 {
+        let cells = column.min(row).min(self.map.columns - 1 - column).min(self.map.rows - 1 - row);
+        cells as f64 * self.map.resolution_m
+    }
+
+    fn to_solid_m(&self, (column, row): (usize, usize)) -> f64 {
+        self.distances.clearance_m(self.map.centre(column, row))
+    }
+
+    fn clearance_m(&self, cell: (usize, usize)) -> f64 {
+        self.to_solid_m(cell).min(self.to_edge_m(cell))
+    }
+
+    fn fits(&self, cell: (usize, usize)) -> bool {
+        self.clearance_m(cell) > ROBOT_RADIUS_M
+    }
+
+    /// Whether the map ends beside the robot, and no wall.
+    fn is_open(&self, cell: (usize, usize)) -> bool {
+        let to_edge_m = self.to_edge_m(cell);
+        to_edge_m < ROBOT_RADIUS_M + 2.0 * self.map.resolution_m && self.to_solid_m(cell) > to_edge_m
+    }
+
+    /// The cells that hang together with one and have not been seen.
+    fn piece_around(&self, first: (usize, usize), seen: &mut [bool]) -> Vec<(usize, usize)> {
+        let (mut piece, mut open) = (Vec::new(), vec![first]);
+        while let Some((column, row)) = open.pop() {
+            if std::mem::replace(&mut seen[row * self.map.columns + column], true) || !self.fits((column, row)) {
+                continue;
+            }
+            piece.push((column, row));
+            open.extend(self.map.beside(column, row));
+        }
+        piece
+    }
 }
 
 /// The occupied cells as rectangles: runs along x, of which equal ones above each other are one.
@@ -70,11 +139,11 @@ pub(super) fn blocks(map: &OccupancyGrid) -> Vec<Rect> {
         for run in cells.chunk_by(|a, b| a == b) {
             let end = first + run.len();
             if run[0] == Cell::Occupied {
-                let above = below.iter().find(|(from, to, _)| (*from, *to) == (first, end));
-                let block = above.map_or(blocks.len(), |(_, _, block)| *block);
+                let above = below.binary_search_by_key(&(first, end), |(from, to, _)| (*from, *to));
+                let block = above.map_or(blocks.len(), |run| below[run].2);
                 match above {
-                    Some(_) => blocks[block].max = corner(end, row + 1),
-                    None => blocks.push(Rect { min: corner(first, row), max: corner(end, row + 1) }),
+                    Ok(_) => blocks[block].max = corner(end, row + 1),
+                    Err(_) => blocks.push(Rect { min: corner(first, row), max: corner(end, row + 1) }),
                 }
                 open.push((first, end, block));
             }

@@ -1,14 +1,15 @@
 //! Maps of the ROS map_server: a YAML file beside an image.
 
-use super::error::{Finding, WorldError, nearest};
-use super::image::GreyImage;
+use super::error::{Finding, Findings, WorldError, nearest};
+use super::image::{GreyImage, ImageError};
 use super::yaml::{self, Part, Value};
+use super::{LARGEST_M, SMALLEST_M};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::{Cell, OccupancyGrid};
 use std::ops::Range;
 
-/// The shade that map_saver writes for unknown space, 205 of 255.
-const SAVED_UNKNOWN: f32 = 205.0 / 255.0;
+/// No corner of a map is farther from the origin: a micrometre would no longer be told apart.
+const FARTHEST_M: f64 = 1e6;
 
 /// Points along each edge of a cell at which a turned map is looked at.
 const LOOKS: usize = 3;
@@ -52,31 +53,16 @@ impl RosMap {
     /// All faults at once: unknown and missing keys, and values that make no sense.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, WorldError> {
         let entries = yaml::read(file_name, text)?;
-        let mut reader = MapReader { file: file_name, text, entries: &entries, findings: Vec::new() };
+        let mut reader = MapReader { file: file_name, text, entries: &entries, findings: Findings::default() };
         reader.only_known_keys();
         let map = reader.map();
-        match map {
-            Some(map) if reader.findings.is_empty() => Ok(map),
-            _ => {
-                reader.findings.sort_by_key(|finding| (finding.line, finding.column));
-                Err(WorldError { findings: reader.findings })
-            }
-        }
+        reader.findings.or_value(map)
     }
 
     /// What a pixel means; the thresholds themselves are unknown.
-    fn cell(&self, shade: f32, is_transparent: bool) -> Cell {
-        let occupancy = match self.mode {
-            MapMode::Raw => {
-                let value = f64::from(shade) * 255.0;
-                if value > 100.5 {
-                    return Cell::Unknown;
-                }
-                libm::round(value) / 100.0
-            }
-            MapMode::Scale if is_transparent => return Cell::Unknown,
-            MapMode::Trinary | MapMode::Scale if self.negate => f64::from(shade),
-            MapMode::Trinary | MapMode::Scale => 1.0 - f64::from(shade),
+    pub(super) fn cell(&self, shade: f32, is_transparent: bool) -> Cell {
+        let Some(occupancy) = self.occupancy(shade).filter(|_| self.mode != MapMode::Scale || !is_transparent) else {
+            return Cell::Unknown;
         };
         if occupancy > self.occupied_thresh {
             Cell::Occupied
@@ -84,6 +70,18 @@ impl RosMap {
             Cell::Free
         } else {
             Cell::Unknown
+        }
+    }
+
+    /// How surely a shade is occupied, from 0 to 1; none if it says that it does not know.
+    pub(super) fn occupancy(&self, shade: f32) -> Option<f64> {
+        match self.mode {
+            MapMode::Raw => {
+                let value = f64::from(shade) * 255.0;
+                (value <= 100.5).then(|| libm::round(value) / 100.0)
+            }
+            MapMode::Trinary | MapMode::Scale if self.negate => Some(f64::from(shade)),
+            MapMode::Trinary | MapMode::Scale => Some(1.0 - f64::from(shade)),
         }
     }
 
@@ -113,19 +111,24 @@ impl RosMap {
         rows.flat_map(|row| (0..image.columns).map(move |column| pixel(row * image.columns + column))).collect()
     }
 
-    /// What may not be meant as it is written: a share of the image has the grey that map_saver
-    /// writes for unknown space, and `free_thresh` makes it free.
-    pub fn warning(&self, image: &GreyImage) -> Option<String> {
-        let is_saved_unknown = |shade: f32| (shade - SAVED_UNKNOWN).abs() < 1e-4;
-        let unknown = image.shades.iter().filter(|&&shade| is_saved_unknown(shade)).count();
-        let reads_as_free = self.mode == MapMode::Trinary && self.cell(SAVED_UNKNOWN, false) == Cell::Free;
-        (reads_as_free && unknown > 0).then(|| {
-            format!(
-                "{unknown} pixels have the grey 205 that map_saver writes for unknown space, but `free_thresh: {}` makes them free; \
-                 write `free_thresh: 0.196` if they are unknown",
-                self.free_thresh
-            )
-        })
+    /// Whether the image makes a map of a size that a robot can drive in.
+    ///
+    /// # Errors
+    /// How large the map is, and what it may be.
+    pub fn check_size(&self, image: &GreyImage) -> Result<(), ImageError> {
+        let (width_m, height_m) = (image.columns as f64 * self.resolution_m, image.rows as f64 * self.resolution_m);
+        // A turned map reaches farther.
+        let largest_m = if self.origin_in_map.heading_rad == 0.0 { LARGEST_M } else { LARGEST_M / 2.0 };
+        let fits = |length_m: f64| (SMALLEST_M..=largest_m).contains(&length_m);
+        if fits(width_m) && fits(height_m) {
+            return Ok(());
+        }
+        let message = format!(
+            "{} by {} pixels of {} m are a map of {width_m:.3} m by {height_m:.3} m; a map has from {SMALLEST_M} m to {largest_m} m \
+             along each side: set `resolution`, the edge of a pixel in metres, or crop the image",
+            image.columns, image.rows, self.resolution_m
+        );
+        Err(ImageError { message })
     }
 }
 
@@ -160,12 +163,13 @@ struct MapReader<'t> {
     file: &'t str,
     text: &'t str,
     entries: &'t [(Part, Value)],
-    findings: Vec<Finding>,
+    findings: Findings,
 }
 
 impl MapReader<'_> {
     fn note(&mut self, span: Range<usize>, key: &str, message: String, help: &str) {
-        self.findings.push(Finding::new(self.file, self.text, span, key, message, help));
+        let (file, text) = (self.file, self.text);
+        self.findings.add(|| Finding::new(file, text, span, key, message, help));
     }
 
     fn only_known_keys(&mut self) {
@@ -248,12 +252,13 @@ impl MapReader<'_> {
         };
         let numbers: Vec<f64> = parts.iter().filter_map(|part| part.text.parse().ok()).collect();
         match numbers[..] {
-            [x, y, turn] if parts.len() == 3 && numbers.iter().all(|number| number.is_finite()) => {
+            [x, y, turn] if parts.len() == 3 && numbers.iter().all(|number| number.abs() <= FARTHEST_M) => {
                 Some(Pose::new(x, y, turn))
             }
             _ => {
                 let found: Vec<&str> = parts.iter().map(|part| part.text.as_str()).collect();
-                let message = format!("`origin` must be three finite numbers, found [{}]", found.join(", "));
+                let message =
+                    format!("`origin` must be three finite numbers up to 1,000,000, found [{}]", found.join(", "));
                 self.note(self.span("origin"), "origin", message, help);
                 None
             }

@@ -1,6 +1,6 @@
 //! Maps of the ROS map_server, made here.
 
-use super::{GreyImage, MapMode, RosMap, World};
+use super::{GreyImage, Greys, MapMode, RosMap, World};
 use crate::geometry::Point;
 use crate::occupancy::Cell::{Free, Occupied, Unknown};
 use crate::occupancy::OccupancyGrid;
@@ -38,11 +38,13 @@ fn thresholds_are_strict_and_205_is_the_trap() {
     // Occupancies 1, 0.651, 0.647, 0.498, 0.19608, 0.192, 0.004, 0.
     let strict = map(YAML);
     assert_eq!(strict.grid(&image).cells, [Occupied, Occupied, Unknown, Unknown, Unknown, Free, Free, Free]);
-    assert_eq!(strict.warning(&image), None);
+    assert!(!Greys::of(&strict, &image).warnings().iter().any(|warning| warning.contains("205 that")));
     let lenient = map(&YAML.replace("0.196", "0.25"));
     assert_eq!(lenient.grid(&image).cells[4], Free);
-    assert!(lenient.warning(&image).is_some_and(|warning| warning.contains("1 pixels have the grey 205")));
-    assert_eq!(lenient.warning(&row(&[0, 254])), None);
+    let trapped = Greys::of(&lenient, &image).warnings();
+    assert!(trapped.iter().any(|warning| warning.contains("1 pixels have the grey 205")), "{trapped:?}");
+    let untrapped = Greys::of(&lenient, &row(&[0, 254, 0])).warnings();
+    assert!(!untrapped.iter().any(|warning| warning.contains("205")), "{untrapped:?}");
     let exact = map(&YAML.replace("0.65", "1.0").replace("0.196", "0.0"));
     assert_eq!(exact.grid(&row(&[0, 255])).cells, [Unknown, Unknown]);
 }
@@ -119,7 +121,7 @@ fn faults_of_a_map_file_are_told_with_their_place() {
         ("negate: 0", "negate: 2", "`negate` must be 0 or 1, found 2"),
         ("free_thresh: 0.196", "free_thresh: 0.8", "`free_thresh` is 0.8, above `occupied_thresh`, 0.65"),
         ("free_thresh: 0.196", "free_thresh: 1.8", "must be from 0 to 1, found 1.8"),
-        ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]", "`origin` must be three finite numbers, found [-1.0, 2.0]"),
+        ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]", "`origin` must be three finite numbers up to 1,000,000, found [-1.0, 2.0]"),
         ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0, 0.0", "a list that is not closed"),
         ("[-1.0, 2.0, 0.0]", "", "`origin` must be three finite numbers"),
         ("negate: 0", "mode: trinery\nnegate: 0", "unknown mode `trinery`, did you mean `trinary`?"),
@@ -203,4 +205,104 @@ fn a_world_file_may_take_its_walls_from_a_map() {
     assert!(faults(&format!("size = [1.0, 1.0]\n{text}")).contains("either `size` or `map`"));
     assert!(faults(&text.replace("-1.0, 7.0", "0.0, 0.0")).contains("reaches from (-3, 5) to (5, 9)"));
     assert!(faults(&text.replace("-1.0, 7.0", "-2.9, 7.0")).contains("the start is in the way of a wall"));
+}
+
+/// A building of 12 m by 10 m in a field of 20 m by 16 m, drawn in three greys.
+fn building(wall: u8, outside: u8, floor: u8) -> GreyImage {
+    let mut bytes = b"P5 200 160 255\n".to_vec();
+    bytes.extend((0..160 * 200).map(|index| {
+        let (column, row) = (index % 200, index / 200);
+        let is_inside = (40..160).contains(&column) && (30..130).contains(&row);
+        let is_wall = is_inside && !((42..158).contains(&column) && (32..128).contains(&row));
+        if is_wall {
+            wall
+        } else if is_inside {
+            floor
+        } else {
+            outside
+        }
+    }));
+    GreyImage::decode(&bytes).expect("a fine image")
+}
+
+fn warnings(map: &RosMap, image: &GreyImage) -> String {
+    Greys::of(map, image).warnings().join("\n")
+}
+
+#[test]
+fn greys_that_mean_something_else_are_told_with_what_to_write() {
+    let usual = map(YAML);
+    assert_eq!(warnings(&usual, &building(0, 205, 254)), "");
+    // Each pair: what is said, and the keys that mend it.
+    for (greys, said, mended) in [
+        ((100, 205, 254), "nothing in the map is occupied", "occupied_thresh: 0.4"),
+        ((0, 211, 255), "the map is free along 100 % of its edge", "free_thresh: 0.09"),
+        ((0, 60, 128), "nothing in the map is free", "free_thresh: 0.57"),
+        ((255, 128, 0), "more of the map is occupied, 35 %, than free, 3 %; if black is free", "negate: 1"),
+    ] {
+        let image = building(greys.0, greys.1, greys.2);
+        let told = warnings(&usual, &image);
+        assert!(told.contains(said) && told.contains(mended), "{greys:?}: {told}");
+        let (key, value) = mended.split_once(": ").expect("a key and a value");
+        let lines = YAML.lines().map(|line| match line.starts_with(key) {
+            true => format!("{key}: {value}\n"),
+            false => format!("{line}\n"),
+        });
+        let again = map(&lines.collect::<String>());
+        assert!(!warnings(&again, &image).contains(said), "{greys:?}: {}", warnings(&again, &image));
+    }
+    let raw = map(&format!("{YAML}mode: raw\n"));
+    assert!(warnings(&raw, &building(110, 205, 254)).contains("an ordinary map has `mode: trinary`"));
+    let legend = Greys::of(&usual, &building(0, 205, 254)).legend();
+    assert!(legend.ends_with("greys: 0 occupied, 205 unknown, 254 free"), "{legend}");
+}
+
+#[test]
+fn the_robot_starts_in_the_largest_piece_of_floor_and_off_what_is_not_known() {
+    let small = YAML.replace("0.5", "0.05").replace("-1.0, 2.0", "0, 0");
+    // Walls that are not dark enough, and a field around them that is free: the start is not in its corner.
+    for greys in [(100, 255, 255), (100, 205, 254), (0, 205, 254)] {
+        let grid = map(&small).grid(&building(greys.0, greys.1, greys.2));
+        let start = World::from_map("w", grid).expect("there is room").start_in_map.point();
+        assert!((start.x - 5.0).abs() < 3.0 && (start.y - 4.0).abs() < 2.5, "{greys:?}: {start}");
+    }
+}
+
+#[test]
+fn a_map_no_robot_can_drive_in_is_refused_with_its_size() {
+    let image = building(0, 205, 254);
+    for (resolution, part) in
+        [("1e300", "m are a map of"), ("1e-9", "map of 0.000 m by 0.000 m"), ("20", "map of 4000.000 m")]
+    {
+        let error = map(&YAML.replace("0.5", resolution)).check_size(&image).expect_err(resolution).to_string();
+        assert!(error.contains(part) && error.contains("set `resolution`"), "{error}");
+    }
+    assert_eq!(map(YAML).check_size(&image), Ok(()));
+    assert!(fault(&YAML.replace("-1.0, 2.0", "1e308, 2.0")).contains("up to 1,000,000"));
+}
+
+#[test]
+fn an_image_that_claims_more_than_it_has_takes_no_memory() {
+    let png = |columns: u32, rows: u32, color: png::ColorType, extra: Option<&[u8]>| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
+        encoder.set_color(color);
+        let mut writer = encoder.write_header().expect("a header");
+        if let Some(text) = extra {
+            writer.write_chunk(png::chunk::zTXt, text).expect("a chunk");
+        }
+        drop(writer);
+        bytes
+    };
+    for (columns, rows) in [(1_000_000_000, 1_000_000_000), (30_000, 30_000), (1, 2_000_000_000)] {
+        let error =
+            GreyImage::decode(&png(columns, rows, png::ColorType::Rgba, None)).expect_err("too large").to_string();
+        assert!(error.contains("crop or shrink it"), "{error}");
+    }
+    // Text in an image is not read, whatever it inflates to.
+    let mut bomb = b"Comment\0\0".to_vec();
+    bomb.extend([0x78, 0x9c, 0xff, 0xff]);
+    let error =
+        GreyImage::decode(&png(4, 4, png::ColorType::Grayscale, Some(&bomb))).expect_err("no pixels").to_string();
+    assert!(error.contains("truncated or damaged"), "{error}");
 }

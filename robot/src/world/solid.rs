@@ -65,16 +65,35 @@ impl World {
         });
         walls.chain(doors).chain(objects).collect()
     }
+
+    /// What a body is called in messages.
+    pub fn called(&self, origin: Origin) -> String {
+        match origin {
+            Origin::Wall => "a wall".to_owned(),
+            Origin::Door(index) => format!("the closed door of `{}`", self.doors[index].room),
+            Origin::Object(index) => format!("the object `{}`", self.objects[index].name),
+        }
+    }
 }
 
 impl Door {
     /// The floor the closed door stands on.
     pub fn leaf(&self) -> Rect {
-        let (x, y) = match self.axis {
-            Axis::X => (self.width_m / 2.0, DOOR_LEAF_M / 2.0),
-            Axis::Y => (DOOR_LEAF_M / 2.0, self.width_m / 2.0),
-        };
-        Rect { min: self.at - Vector::new(x, y), max: self.at + Vector::new(x, y) }
+        let reach = self.along() * (self.width_m / 2.0) + self.through() * (DOOR_LEAF_M / 2.0);
+        Rect { min: self.at - reach, max: self.at + reach }
+    }
+
+    /// Along its wall, of unit length.
+    pub fn along(&self) -> Vector {
+        match self.axis {
+            Axis::X => Vector::new(1.0, 0.0),
+            Axis::Y => Vector::new(0.0, 1.0),
+        }
+    }
+
+    /// Across its wall, of unit length.
+    pub fn through(&self) -> Vector {
+        Vector::new(self.along().y, self.along().x)
     }
 
     /// The part of a straight wall from `from` to `to` that the door opens, as distances from

@@ -84,10 +84,10 @@ fn values_out_of_bounds_are_faults() {
 fn names_must_fit_together() {
     let room = "[[room]]\nname = \"B\"\nrect = [0, 2, 4, 3]\n";
     let wall = "[[wall]]\nline = [[0, 2], [4, 2]]\n";
-    let door = "[[door]]\nroom = \"b\"\nat = [2.0, 2.0]\nwidth = 0.9\naxis = \"x\"\n";
+    let door = "[[door]]\nroom = \"C\"\nat = [2.0, 2.0]\nwidth = 0.9\naxis = \"x\"\n";
     let found = faults(&format!("{SMALL}{room}{wall}{door}"));
-    assert_eq!(found, ["10:8 room: the door belongs to the room `b`, which does not exist"]);
-    let found = faults(&format!("{SMALL}{room}{}", door.replace("\"b\"", "\"B\"")));
+    assert_eq!(found, ["10:8 room: the door belongs to the room `C`, which does not exist"]);
+    let found = faults(&format!("{SMALL}{room}{}", door.replace("\"C\"", "\"B\"")));
     assert_eq!(found, ["9:6 at: the door of `B` at (2, 2) stands in no wall"]);
     let place = "[[place]]\nname = \"B\"\npose = [1, 1, 0]\n";
     let found = faults(&format!("{SMALL}{room}{place}"));
@@ -99,13 +99,12 @@ fn items_lie_within_the_world_under_names_of_their_own() {
     let item = |name: &str, x: f64| format!("[[item]]\nname = \"{name}\"\nat = [{x}, 1.0]\n");
     let world = World::parse(&format!("{SMALL}{}", item("cup", 1.0)), "w.toml").expect("fine");
     assert_eq!(world.items, [Item { name: "cup".into(), at: Point::new(1.0, 1.0) }]);
-    let found = faults(&format!("{SMALL}{}{}{}", item("cup", 1.0), item("cup", 9.0), item("Key", 1.0)));
+    let found = faults(&format!("{SMALL}{}{}{}", item("cup", 1.0), item("CUP", 9.0), item("key", 1.0)));
     assert_eq!(
         found,
         [
             "8:8 name: the item `cup` has the name of an item above",
             "9:6 at: the item `cup` is at (9, 1), outside the world",
-            "11:8 name: no plan can name the item `Key`: plans know lower case only",
         ]
     );
     let found = faults(&format!("{SMALL}{}", item("cup", 1.0).replace("at =", "att =")));
@@ -351,4 +350,55 @@ fn the_corridor_for_sensing_is_symmetric_to_the_laser_and_has_a_box_for_the_sona
     // The box is 1.0 x 0.5 m.
     assert_eq!(differ.len(), 200);
     assert!(differ.iter().all(|&index| sonar.cells[index] == Cell::Occupied));
+}
+
+#[test]
+fn names_fold_like_symbols() {
+    let place = |name: &str| format!("[[place]]\nname = \"{name}\"\npose = [1, 1, 0]\n");
+    let room = "[[room]]\nname = \"Lab\"\nrect = [0, 2, 4, 3]\n[[wall]]\nline = [[0, 2], [4, 2]]\n";
+    let door = "[[door]]\nroom = \"lab\"\nat = [2.0, 2.0]\nwidth = 0.9\naxis = \"x\"\n";
+    let item = "[[item]]\nname = \"Cup\"\nat = [1, 1]\n";
+    let text = format!("{SMALL}{}{room}{door}{item}", place("Stove"));
+    let world = World::parse(&text, "w.toml").unwrap_or_else(|error| panic!("{error}"));
+    for name in ["stove", "Stove", "STOVE"] {
+        assert_eq!(world.place(name).map(|place| place.name.as_str()), Ok("Stove"));
+    }
+    assert!(world.room("lab").is_ok() && world.door_of("LAB").is_ok());
+    assert_eq!(world.items[0].name, "cup", "it comes back to plans as a symbol");
+    let found = faults(&format!("{SMALL}{}{}", place("Stove"), place("stove")));
+    assert_eq!(found.len(), 1);
+    assert!(found[0].starts_with("8:8 name: the place `stove` has the name of the place `Stove` above"), "{found:?}");
+}
+
+#[test]
+fn numbers_and_names_no_world_has_are_faults() {
+    let one = |text: &str| {
+        let found = faults(&format!("{SMALL}{text}"));
+        assert_eq!(found.len(), 1, "{found:?}");
+        found[0].clone()
+    };
+    for number in ["1e308", "-1e308", "1e6"] {
+        assert!(one(&format!("[[wall]]\nline = [[0, {number}], [4, 2]]")).contains("a number up to 100,000"));
+    }
+    assert!(one("[[region]]\nmode = \"hallway\"\nrect = [0, 0, inf, 1]").contains("a finite number"));
+    assert!(one("[[place]]\nname = \"a\\u001b[2Jb\"\npose = [1, 1, 0]").contains("some that cannot be seen"));
+    assert!(one(&format!("[[place]]\nname = \"{}\"\npose = [1, 1, 0]", "x".repeat(300))).contains("300 characters"));
+    let found = faults("name = \"w\"\nsize = [1e-9, 4]\nstart = [0, 0, 0]\n");
+    assert!(found.iter().any(|fault| fault.contains("`size` must be from 0.53 m to 1000 m")), "{found:?}");
+}
+
+#[test]
+fn a_file_full_of_faults_shows_the_first_and_counts_the_others() {
+    let text = format!("{SMALL}{}", "[[place]]\n".repeat(3_000));
+    let error = World::parse(&text, "w.toml").expect_err("no place has a name");
+    assert_eq!((error.findings.len(), error.more), (100, 5_900));
+    assert!(error.to_string().ends_with("\n\nand 5900 more"));
+    let text = format!("{SMALL}{}", "[[place]]\n".repeat(6_000));
+    assert!(
+        World::parse(&text, "w.toml").expect_err("too many").to_string().contains("at most 5000 [[place]], found 6000")
+    );
+    // A line of a megabyte is shown around the place.
+    let long = format!("{SMALL}x = \"{}\"", "y".repeat(1 << 20));
+    let shown = World::parse(&long, "w.toml").expect_err("an unknown key").to_string();
+    assert!(shown.len() < 1_000, "{} bytes", shown.len());
 }

@@ -32,7 +32,7 @@ impl Value {
 pub(super) fn read(file: &str, text: &str) -> Result<Vec<(Part, Value)>, WorldError> {
     let fault = |span: Range<usize>, message: &str| {
         let help = "map files are flat: write each key as `key: value`, and lists as `[1.0, 2.0, 0.0]`";
-        WorldError { findings: vec![Finding::new(file, text, span, "", message, help)] }
+        WorldError { findings: vec![Finding::new(file, text, span, "", message, help)], more: 0 }
     };
     let mut entries: Vec<(Part, Value)> = Vec::new();
     let mut lines = text.split_inclusive('\n').scan(0, |at, line| {

@@ -6,6 +6,7 @@ mod drives;
 mod mapless;
 mod octile;
 mod plans;
+mod ways;
 
 use super::*;
 use crate::geometry::{Point, Pose, distance_m};
@@ -34,12 +35,13 @@ impl Scene {
         let length_only =
             PlannerParameters { robot_radius_m: 0.3, closeness_weight: 0.0, ..PlannerParameters::default() };
         let shortest = PlannerModel::new(&real_map, length_only);
+        let model = NavigationModel::new(&world, DriveLimits::default());
         Self {
             reachable: shortest.value_field(world.start_in_map.point()),
             shortest,
             simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
-            topology: TopologicalModel::new(&world),
-            model: NavigationModel::new(&world, DriveLimits::default()),
+            topology: TopologicalModel::new(&world, &model.planner),
+            model,
             world,
         }
     }

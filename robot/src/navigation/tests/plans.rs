@@ -99,7 +99,7 @@ fn closed_doors_are_not_used() {
     }
     let scene = Scene::new(world);
     let planned = scene.topology.plan(&scene.model.planner, scene.world.start_in_map, &goal, &[]);
-    assert!(planned.is_err_and(|unreachable| unreachable.reason.contains("room B")));
+    assert!(planned.is_err_and(|unreachable| unreachable.reason.contains("room `B`")));
 }
 
 #[test]

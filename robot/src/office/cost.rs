@@ -1,0 +1,47 @@
+//! What a world takes in memory and time, before anything is built from it.
+
+use super::{OfficeModel, OfficeSettings, SENSOR_MAP_CELL_M};
+use crate::localization::LocalizationModel;
+use crate::navigation::NavigationModel;
+use crate::simulator::SimulatorModel;
+use crate::world::World;
+
+/// Bytes that a cell of the sensors' map takes at most: the map, what is connected, distances and
+/// their squares.
+const SENSOR_MAP_BYTES: f64 = 24.0;
+
+/// Bytes that a cell of the planner's map takes at most.
+const PLANNER_BYTES: f64 = 44.0;
+
+/// Time to cast the expected distances of a square metre at 15 cm and 2 degrees, on two cores.
+const CASTING_S_PER_M2: f64 = 0.55e-3;
+
+/// Time to fill a byte of the simulator's lists and of its people's ways.
+const FILLING_S_PER_BYTE: f64 = 4e-9;
+
+/// What has to be there before the first step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Memory, at its peak.
+    pub bytes: f64,
+    /// Time, roughly.
+    pub seconds: f64,
+}
+
+impl OfficeModel {
+    /// What the models of a world and the robot's state will take. Cost: the number of bodies.
+    pub fn cost(world: &World, settings: &OfficeSettings) -> Cost {
+        let area_m2 = world.size_m.x * world.size_m.y;
+        let simulator_bytes = SimulatorModel::needed_bytes(world, &settings.simulator);
+        let filling_s = FILLING_S_PER_BYTE * simulator_bytes;
+        if !settings.map_known {
+            return Cost { bytes: simulator_bytes, seconds: filling_s };
+        }
+        let cells = |cell_m: f64| area_m2 / (cell_m * cell_m);
+        let localization = &settings.localization;
+        let belief_bytes = LocalizationModel::needed_bytes(world.size_m, localization) as f64;
+        let maps_bytes = cells(SENSOR_MAP_CELL_M) * SENSOR_MAP_BYTES + cells(NavigationModel::CELL_M) * PLANNER_BYTES;
+        let casting_s = CASTING_S_PER_M2 * area_m2 * (0.15 / localization.cell_m) * (0.15 / localization.cell_m);
+        Cost { bytes: simulator_bytes + belief_bytes + maps_bytes, seconds: casting_s + filling_s }
+    }
+}
