@@ -15,6 +15,7 @@ pub mod source;
 pub mod suggest;
 pub mod symbol;
 pub mod syntax;
+pub mod visible;
 
 pub mod check;
 pub mod code;
