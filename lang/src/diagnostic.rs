@@ -1,7 +1,7 @@
 //! Errors and warnings about plan text, as values.
 
 use crate::source::{BYTE_ORDER_MARK, LINE_ENDS, SourceId, Sources, Span, line_end, line_start};
-use crate::visible::{is_invisible, pictured, visible, visible_lines};
+use crate::visible::{is_invisible, pictured, visible, visible_lines, with_short_words};
 use ariadne::{Color, Config, Fmt, IndexType, Label, Report, ReportKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -41,9 +41,9 @@ impl Diagnostic {
         Self {
             code,
             severity: Severity::Error,
-            message: message.into(),
+            message: with_short_words(message.into()),
             span,
-            label: label.into(),
+            label: with_short_words(label.into()),
             related: Vec::new(),
             help: None,
         }
@@ -56,13 +56,13 @@ impl Diagnostic {
 
     /// The same with advice.
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(with_short_words(help.into()));
         self
     }
 
     /// The same with one more place.
     pub fn related(mut self, span: Span, note: impl Into<String>) -> Self {
-        self.related.push((span, note.into()));
+        self.related.push((span, with_short_words(note.into())));
         self
     }
 }
@@ -91,7 +91,7 @@ fn render_one(diagnostic: &Diagnostic, sources: &Sources, texts: &mut Texts<'_>,
     let drawn =
         if places.all(|span| is_drawable(span, sources)) { draw(diagnostic, main_colour, texts, colour) } else { None };
     let body = drawn.unwrap_or_else(|| excerpts(diagnostic, sources));
-    format!("{head} {}\n{body}", visible_lines(&diagnostic.message))
+    format!("{head} {}\n{body}", shown(&diagnostic.message))
 }
 
 /// The marked lines and the help; None if the drawing library gives up.
@@ -102,13 +102,13 @@ fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colo
     marks.extend(diagnostic.related.iter().map(|(span, note)| (*span, note, Color::Cyan)));
     // The library draws neighbouring lines together only if they come in order.
     marks.sort_by_key(|&(span, ..)| (span.source != diagnostic.span.source, span));
-    let labels = marks.into_iter().map(|(span, note, colour)| {
-        Label::new(drawn_span(span, sources)).with_message(visible_lines(note)).with_color(colour)
-    });
+    let labels = marks
+        .into_iter()
+        .map(|(span, note, colour)| Label::new(drawn_span(span, sources)).with_message(shown(note)).with_color(colour));
     let mut report =
         Report::build(ReportKind::Error, drawn_span(diagnostic.span, sources)).with_config(config).with_labels(labels);
     if let Some(help) = &diagnostic.help {
-        report = report.with_help(visible_lines(help));
+        report = report.with_help(shown(help));
     }
     let mut drawn = Vec::new();
     report.finish().write(texts, &mut drawn).ok()?;
@@ -116,6 +116,11 @@ fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colo
     // The library's own heading knows no code in the form the command line promises.
     let (_, body) = drawn.split_once('\n')?;
     Some(body.lines().fold(String::with_capacity(body.len()), |text, line| text + line.trim_end() + "\n"))
+}
+
+/// A sentence as it is shown.
+fn shown(text: &str) -> String {
+    with_short_words(visible_lines(text).into_owned())
 }
 
 /// What is drawn as it stands: lines of a length a terminal can show.
@@ -151,15 +156,10 @@ fn excerpts(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let places = std::iter::once((diagnostic.span, &diagnostic.label));
     for (span, label) in places.chain(diagnostic.related.iter().map(|(span, note)| (*span, note))) {
         let (excerpt, column) = excerpt(span, sources);
-        text += &format!(
-            "   ╭─[ {} ]\n   │{excerpt}\n   │{:column$}╰─ {}\n",
-            sources.place(span),
-            "",
-            visible_lines(label)
-        );
+        text += &format!("   ╭─[ {} ]\n   │{excerpt}\n   │{:column$}╰─ {}\n", sources.place(span), "", shown(label));
     }
     if let Some(help) = &diagnostic.help {
-        text += &format!("   │Help: {}\n", visible_lines(help));
+        text += &format!("   │Help: {}\n", shown(help));
     }
     text
 }

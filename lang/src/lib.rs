@@ -6,6 +6,7 @@
 pub mod diagnostic;
 pub mod formatter;
 pub mod indentation;
+pub mod kind;
 pub mod lexer;
 mod nesting;
 pub mod number;

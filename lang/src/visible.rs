@@ -4,6 +4,7 @@
 //! – but for what a plan prints itself – such characters stand there as `\u{…}`, so that no text
 //! looks like another, and none moves the cursor or changes the colours.
 
+use crate::pretty::quote_string;
 use std::borrow::Cow;
 
 /// Ranges of characters that leave no mark: control and format characters, spaces other than the
@@ -142,6 +143,50 @@ fn escaped(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
+/// A name or number in a message: what is not seen is written out, and of very long ones the middle is
+/// left out.
+pub fn shortened(text: &str) -> String {
+    let shown = visible(text);
+    let length = shown.chars().count();
+    if length <= LONGEST_SHOWN {
+        return shown.into_owned();
+    }
+    let head: String = shown.chars().take(SHOWN_OF_LONG).collect();
+    let tail: String = shown.chars().skip(length - SHOWN_OF_LONG).collect();
+    format!("{head}… ({} characters) …{tail}", length - 2 * SHOWN_OF_LONG)
+}
+
+/// A string in a message, in quotes.
+pub fn quoted(text: &str) -> String {
+    // Of a string of megabytes no more is written out than is shown.
+    match text.char_indices().nth(LONGEST_SHOWN) {
+        None => quote_string(text),
+        Some(_) => {
+            let end = text.char_indices().nth(SHOWN_OF_LONG).map_or(text.len(), |(end, _)| end);
+            format!("{}… ({} characters)", quote_string(&text[..end]), text.chars().count())
+        }
+    }
+}
+
+/// A message without words that nobody can read: the middle of each that is very long is left out.
+pub fn with_short_words(message: String) -> String {
+    let is_long = |word: &str| word.len() > LONGEST_WORD_BYTES;
+    if message.len() <= LONGEST_WORD_BYTES || !message.split(char::is_whitespace).any(is_long) {
+        return message;
+    }
+    let words = message.split_inclusive(char::is_whitespace);
+    words.map(|word| if is_long(word) { Cow::Owned(shortened(word)) } else { Cow::Borrowed(word) }).collect()
+}
+
+/// A name, number or string of more characters than this is cut in messages.
+const LONGEST_SHOWN: usize = 60;
+
+/// So many characters are shown of each end then.
+const SHOWN_OF_LONG: usize = 24;
+
+/// Longer words of a message are cut, whatever they are.
+const LONGEST_WORD_BYTES: usize = 240;
+
 /// Writes a character as the escape a string literal has for it.
 pub(crate) fn push_escape(text: &mut String, character: char) {
     match character {
@@ -203,6 +248,19 @@ mod tests {
                 assert!(matches!(character, '\u{115f}' | '\u{1160}' | '\u{3164}' | '\u{ffa0}'), "{character:?}");
             }
         }
+    }
+
+    #[test]
+    fn what_is_long_is_cut_in_a_readable_way() {
+        let digits = "1234567890".repeat(100_000);
+        assert_eq!(shortened("wheels"), "wheels");
+        assert_eq!(shortened(&digits), "123456789012345678901234… (999952 characters) …789012345678901234567890");
+        assert_eq!(quoted("a\"b\u{1b}"), "\"a\\\"b\\u{1b}\"");
+        assert_eq!(quoted(&digits), "\"123456789012345678901234\"… (1000000 characters)");
+        let message = format!("`{digits}` is no number, and wheels is a name");
+        let short = with_short_words(message);
+        assert!(short.len() < 150 && short.ends_with("` is no number, and wheels is a name"), "{short}");
+        assert_eq!(with_short_words("two words".repeat(1000)), "two words".repeat(1000));
     }
 
     #[test]
