@@ -2,18 +2,20 @@
 
 use crate::console::Console;
 use crate::files::{self, PlanText};
-use crate::mission::Site;
+use crate::mission::{self, Site};
 use crate::status::Status;
 use anyhow::Result;
+use rpl_lang::check::KnownPlaces;
 use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
 use std::sync::Arc;
 
-/// Checks every file.
+/// Checks every file; the places they name are looked up in the world, if one is given.
 ///
 /// # Errors
-/// Standard output is closed.
-pub fn run(names: &[String], are_scenarios: bool, console: &mut Console) -> Result<Status> {
+/// There is no such world, or standard output is closed.
+pub fn run(names: &[String], are_scenarios: bool, world: Option<&str>, console: &mut Console) -> Result<Status> {
+    let places = world.map(places_of).transpose()?;
     let sites = match are_scenarios {
         true => vec![Site::for_checking_scenarios()?],
         false => vec![Site::without_robot()?, Site::for_checking()?],
@@ -22,7 +24,7 @@ pub fn run(names: &[String], are_scenarios: bool, console: &mut Console) -> Resu
     for name in names {
         match if are_scenarios { files::scenario(name) } else { files::plan(name) } {
             Ok(plan) => {
-                let (findings, program) = findings(&sites, &plan);
+                let (findings, program) = findings(&sites, &plan, places.as_ref());
                 if tell(&plan.name, &findings, &program, console)? {
                     status = Status::Wrong;
                 }
@@ -37,12 +39,17 @@ pub fn run(names: &[String], are_scenarios: bool, console: &mut Console) -> Resu
     Ok(status)
 }
 
+fn places_of(world: &str) -> Result<KnownPlaces> {
+    let world = mission::world(world)?;
+    Ok(KnownPlaces { names: world.places.iter().map(|place| place.name.clone()).collect(), world: world.name })
+}
+
 /// What is found in a plan at the first site that has all it needs, or at the last one: a plan that
 /// names nothing of the robot's may give the robot's names meanings of its own.
-fn findings(sites: &[Site], plan: &PlanText) -> (Vec<Diagnostic>, Arc<Program>) {
+fn findings(sites: &[Site], plan: &PlanText, places: Option<&KnownPlaces>) -> (Vec<Diagnostic>, Arc<Program>) {
     let mut found = (Vec::new(), Arc::default());
     for site in sites {
-        found = site.library.check(&plan.name, &plan.text, &mut plan.folder.clone());
+        found = site.library.check(&plan.name, &plan.text, places, &mut plan.folder.clone());
         if found.0.iter().all(|finding| finding.code != "needs-a-world") {
             break;
         }

@@ -3,6 +3,7 @@
 use crate::layout;
 use crate::status_line::StatusLine;
 use ::console::Term;
+use rpl_lang::visible::visible_coloured;
 use std::io::{self, IsTerminal, Write};
 
 /// Where lines go.
@@ -126,6 +127,7 @@ impl Console {
     /// # Errors
     /// The pipe is closed, or the disk is full.
     pub fn explain_hanging(&mut self, text: &str, hanging: usize) -> io::Result<()> {
+        let text = &*visible_coloured(text);
         match columns(&Term::stdout()) {
             Some(width) => self.print(&layout::within(text, width, hanging)),
             None => self.print(text),
@@ -141,8 +143,8 @@ impl Console {
     }
 
     /// Lines on standard error; a terminal gets them laid out for its width. Nobody is left to be
-    /// told if that is closed.
     pub fn note(&mut self, text: &str) {
+        let text = &*visible_coloured(text);
         let laid_out = columns(&Term::stderr()).map(|width| layout::within(text, width, layout::HANGING));
         let text = laid_out.as_deref().unwrap_or(text);
         match (&mut self.sink, &self.status) {
@@ -165,7 +167,7 @@ fn columns(terminal: &Term) -> Option<usize> {
 
 /// A line on standard error, before there is a console.
 pub fn note(text: &str) {
-    writeln!(io::stderr(), "{text}").ok();
+    writeln!(io::stderr(), "{}", visible_coloured(text)).ok();
 }
 
 /// Whether a stream is a terminal and nobody asked for no colours.

@@ -1,6 +1,7 @@
 //! An event as a line that a person reads.
 
 use crate::events::{detail, report};
+use rpl_lang::visible::visible;
 use rpl_runtime::trace::{Event, EventKind};
 
 /// What a task's name is where an event belongs to none.
@@ -13,11 +14,11 @@ pub fn event_line(event: &Event, colour: bool) -> String {
         Some(code) => format!("\x1b[{code}m{kind}\x1b[0m"),
         None => kind,
     };
-    let path = if event.path.is_empty() { ROBOT } else { &event.path };
+    let path = if event.path.is_empty() { ROBOT.into() } else { visible(&event.path) };
     let time_s = event.time_us as f64 / 1e6;
     match what(event) {
         what if what.is_empty() => format!("{time_s:10.3}  {kind}  {path}"),
-        what => format!("{time_s:10.3}  {kind}  {path}  {}", what.replace('\n', "\\n")),
+        what => format!("{time_s:10.3}  {kind}  {path}  {}", visible(&what)),
     }
 }
 

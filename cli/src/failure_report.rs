@@ -3,6 +3,7 @@
 use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, render};
 use rpl_lang::source::Span;
+use rpl_lang::visible::{visible, visible_lines};
 use rpl_runtime::failure::Failure;
 use rpl_runtime::machine::Machine;
 use rpl_runtime::value::Value;
@@ -27,6 +28,15 @@ pub struct FailureRecord {
     calls: Vec<CallRecord>,
     causes: Vec<FailureRecord>,
     while_cleaning_up: Vec<FailureRecord>,
+}
+
+impl FailureRecord {
+    /// Whether it may have come about because there was no robot: one was missing, or what only a
+    /// robot changes was waited for.
+    pub fn may_miss_robot(&self) -> bool {
+        matches!(self.class.as_str(), "no-robot" | "deadlock")
+            || self.causes.iter().chain(&self.while_cleaning_up).any(Self::may_miss_robot)
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -100,14 +110,14 @@ impl<'a> Reporter<'a> {
 
     fn write(&self, text: &mut String, value: Value, heading: &str, depth: usize) {
         let Some(failure) = self.failure(value) else { return };
-        let class = self.machine.symbols.name(failure.class);
+        let class = visible(self.machine.symbols.name(failure.class));
         let margin = "  ".repeat(depth);
-        let mut lines = format!("{heading}{}: {}\n", self.emphasised(class), failure.message);
+        let mut lines = format!("{heading}{}: {}\n", self.emphasised(&class), visible_lines(&failure.message));
         if let Some(span) = failure.span {
             lines += &self.marked(span);
         }
         for &(plan, span) in &failure.calls {
-            let name = self.machine.symbols.name(plan);
+            let name = visible(self.machine.symbols.name(plan));
             let place = span.map_or(String::new(), |span| format!(", called at {}", self.program.sources.place(span)));
             lines += &format!("in {name}{place}\n");
         }

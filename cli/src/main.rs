@@ -79,6 +79,9 @@ enum Command {
         /// The files are scenarios: plans with hands in the world
         #[arg(long)]
         scenario: bool,
+        /// The world they are for: places they name must be there
+        #[arg(long, value_name = "WORLD", conflicts_with = "scenario")]
+        world: Option<String>,
     },
     /// Runs the tests in plans
     Test(test::Arguments),
@@ -143,7 +146,7 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
         Command::Repl(arguments) => repl::run(arguments, false, console),
         Command::Step(arguments) => repl::run(arguments, true, console),
         Command::Trace(arguments) => trace::run(arguments, console),
-        Command::Check { files, scenario } => check::run(files, *scenario, console),
+        Command::Check { files, scenario, world } => check::run(files, *scenario, world.as_deref(), console),
         Command::Test(arguments) => test::run(arguments, console),
         Command::Fmt(arguments) => fmt::run(arguments, console),
         Command::Eval(arguments) => eval::run(arguments, console),

@@ -42,7 +42,15 @@ impl Override {
             bail!("`--set {argument}` needs one expression after the `=`, found {}", roots.len());
         }
         let name = fold_name(name.trim()).into_owned();
-        Ok(Self { name, expression: expression.trim().to_string(), used: false })
+        // The datum alone: a comment behind it would swallow what follows it in the plan.
+        let expression = sources.text_of(tree.span(roots[0])).to_string();
+        Ok(Self { name, expression, used: false })
+    }
+}
+
+impl Override {
+    fn shown(&self) -> String {
+        format!("{} #| by --set |#", self.expression)
     }
 }
 
@@ -60,11 +68,17 @@ impl Overrides {
     /// # Errors
     /// One of them is wrong.
     pub fn parse(arguments: &[String]) -> Result<Self> {
-        let list = arguments.iter().map(|argument| Override::parse(argument)).collect::<Result<_>>()?;
+        let list = arguments.iter().map(|argument| Override::parse(argument)).collect::<Result<Vec<_>>>()?;
+        for (at, given) in list.iter().enumerate() {
+            if let Some(before) = list[..at].iter().find(|before| before.name == given.name) {
+                let (name, first, second) = (&given.name, &before.expression, &given.expression);
+                bail!("`{name}` is given twice: `--set {name}={first}` and `--set {name}={second}`; leave one away");
+            }
+        }
         Ok(Self { list, definitions: Vec::new() })
     }
 
-    /// The text with its definitions exchanged.
+    /// The text with its definitions exchanged. Where it is shown it says that a value was given.
     pub fn apply(&mut self, text: String) -> String {
         if self.list.is_empty() {
             return text;
@@ -81,11 +95,11 @@ impl Overrides {
             match value {
                 Some(value) => {
                     let span = tree.span(value);
-                    changed.replace_range(span.start as usize..span.end as usize, &given.expression);
+                    changed.replace_range(span.start as usize..span.end as usize, &given.shown());
                 }
                 None => {
                     let end = tree.span(root).end as usize - 1;
-                    changed.insert_str(end, &format!(" {}", given.expression));
+                    changed.insert_str(end, &format!(" {}", given.shown()));
                 }
             }
         }
@@ -148,7 +162,10 @@ mod tests {
     fn first_values_are_exchanged_and_nothing_else() {
         let plan = "(defvar speed 1 \"how fast\") (def-fluent goal)\n(print speed) (defvar other (+ speed 1))";
         let (text, overrides) = overridden(plan, &["SPEED=(+ 1 2)", "goal='home", "other=7"]);
-        assert_eq!(text, "(defvar speed (+ 1 2) \"how fast\") (def-fluent goal 'home)\n(print speed) (defvar other 7)");
+        assert_eq!(
+            text,
+            "(defvar speed (+ 1 2) #| by --set |# \"how fast\") (def-fluent goal 'home #| by --set |#)\n(print speed) (defvar other 7 #| by --set |#)"
+        );
         assert!(overrides.check_all_used().is_ok());
     }
 
@@ -157,6 +174,15 @@ mod tests {
         let (_, overrides) = overridden("(defvar speed 1)", &["sped=2"]);
         let error = overrides.check_all_used().expect_err("`sped` is not there");
         assert!(error.to_string().contains("did you mean `speed`?"));
+    }
+
+    #[test]
+    fn a_name_is_given_once_and_a_comment_swallows_nothing() {
+        let twice = Overrides::parse(&["speed=1".into(), "other=2".into(), "SPEED=(+ 1 1)".into()]);
+        let error = twice.expect_err("`speed` is given twice").to_string();
+        assert!(error.contains("`speed` is given twice: `--set speed=1` and `--set speed=(+ 1 1)`"), "{error}");
+        let (text, _) = overridden("(defvar speed 1) (print speed)", &["speed=2 ; faster"]);
+        assert_eq!(text, "(defvar speed 2 #| by --set |#) (print speed)");
     }
 
     #[test]

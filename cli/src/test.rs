@@ -14,6 +14,7 @@ use rpl_lang::diagnostic::render;
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::library::{Loaded, Rejected};
 use rpl_runtime::system::{Outcome, System};
+use rpl_runtime::time::{LAST_INSTANT_US, microseconds};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
@@ -208,14 +209,18 @@ impl Session<'_> {
             (sources.get(test.span.source).name.to_string(), sources.line_column(test.span))
         };
         let seed = test.options.seed.unwrap_or(self.arguments.seed);
-        let until_us = test.options.until_s.map_or(self.arguments.until, |until_s| (until_s * 1e6).round() as u64);
+        let until_us = match test.options.until_s {
+            // The clock goes no further.
+            Some(until_s) => microseconds(until_s).unwrap_or(LAST_INSTANT_US),
+            None => self.arguments.until,
+        };
         let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
         let mut output = Console::keeping();
         let pace = Pace { until_us: Some(until_us), factor: None };
         let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;
         let (outcome, failure, reason) = self.judge(&system, ending, until_us);
         let reason = match world {
-            None if site.lacks_world && outcome != "succeeded" => {
+            None if site.lacks_world && failure.as_ref().is_some_and(FailureRecord::may_miss_robot) => {
                 format!(
                     "{reason}\nit ran without a robot: write `:world \"dept\"` behind its name, or add `--world dept`"
                 )

@@ -1,6 +1,7 @@
 //! Times on the command line: `90s`, `5min`, `120`.
 
 use rpl_lang::number::{Number, parse_number};
+use rpl_runtime::time::{LAST_INSTANT_US, microseconds};
 
 /// Units of time among the units of the language.
 const UNITS: &[&str] = &["ms", "s", "min", "h"];
@@ -21,7 +22,7 @@ pub fn parse_duration_us(text: &str) -> Result<u64, String> {
         Ok(Number::Float(value)) => value,
         Err(_) => return Err(EXPECTED.to_string()),
     };
-    Ok((seconds * 1e6).round() as u64)
+    microseconds(seconds).ok_or_else(|| format!("the clock ends at {} s, after 285 years", LAST_INSTANT_US / 1_000_000))
 }
 
 #[cfg(test)]
@@ -35,7 +36,7 @@ mod tests {
         assert_eq!(parse_duration_us("120"), Ok(120_000_000));
         assert_eq!(parse_duration_us("1.5"), Ok(1_500_000));
         assert_eq!(parse_duration_us("250ms"), Ok(250_000));
-        for wrong in ["", "s", "-5s", "5m", "5 apples", "1e400", "soon"] {
+        for wrong in ["", "s", "-5s", "5m", "5 apples", "1e400", "soon", "10000000000s", "99999999999999999999.0"] {
             assert!(parse_duration_us(wrong).is_err(), "{wrong}");
         }
     }

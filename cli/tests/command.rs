@@ -471,3 +471,104 @@ fn a_test_runs_in_the_world_it_names() {
     assert_eq!(words.len(), 2, "{}", stdout(&found));
     assert!(stdout(&found).contains("it ran without a robot"), "{}", stdout(&found));
 }
+
+/// The line of a finding as it is drawn.
+fn drawn_line(told: &str) -> &str {
+    let place = told.split("╭─[ ").nth(1).expect("a place is drawn").split(" ]").next().expect("it ends");
+    place.rsplit(':').nth(1).expect("it has a line")
+}
+
+#[test]
+fn a_line_has_one_number_wherever_it_is_told() {
+    let folder = folder("lines");
+    // Only line feeds and carriage returns end lines; the failing form stands in the seventh.
+    let text =
+        "; a\u{b}b\u{c}c\u{85}d\u{2028}e\u{2029}f\r; g\r\n(defvar x 1)\u{c}\n\u{b}\r\r\n; h\n(/ x 0) ; the seventh\r";
+    let plan = plan(&folder, "lines.rpl", text);
+    let told = output(&["run", &plan]);
+    let json = output(&["run", "--json", &plan]);
+    let record: Value = serde_json::from_str(stdout(&json).lines().last().expect("a record")).expect("it is JSON");
+    assert_eq!((drawn_line(stderr(&told)), record["failure"]["line"].as_u64()), ("7", Some(7)), "{}", stderr(&told));
+    let fault = self::plan(&folder, "fault.rpl", &text.replace("(/ x 0)", "(/ y 0)"));
+    assert_eq!(drawn_line(stderr(&output(&["run", &fault]))), "7");
+    let trace = folder.join("lines.jsonl");
+    let trace = trace.to_str().expect("a path");
+    fs::remove_file(trace).ok();
+    output(&["run", "--trace", trace, &plan]);
+    assert!(fs::read_to_string(trace).expect("the trace is there").contains("lines.rpl:7:1"));
+    let formatted = output(&["fmt", &plan]);
+    assert_eq!(status(&formatted), 0, "{}", stderr(&formatted));
+    let formatted = fs::read_to_string(&plan).expect("the plan is there");
+    assert!(!formatted.contains('\r') && formatted.contains("; g\n(defvar x 1)\n"), "{formatted:?}");
+}
+
+#[test]
+fn nothing_of_a_plan_reaches_the_terminal_as_a_command_but_what_it_prints() {
+    let folder = folder("escapes");
+    let text = "(defvar name (intern \"a\\u{1b}[31mb\\0c\\u{202e}d\"))
+                (print \"\\u{1b}[1mplan\")
+                (execute-plan `(process ,name (fail \"red \\u{1b}[31m and \\u{7} bell\")))";
+    let plan = plan(&folder, "escapes.rpl", text);
+    let trace = folder.join("escapes.jsonl");
+    let trace = trace.to_str().expect("a path");
+    fs::remove_file(trace).ok();
+    let found = output(&["run", "--trace", trace, &plan]);
+    assert!(stdout(&found).starts_with("\u{1b}[1mplan\n"), "what a plan prints is its own");
+    let shown = output(&["trace", trace]);
+    for (what, told) in [("stderr", stderr(&found)), ("trace", stdout(&shown))] {
+        let raw = told.chars().find(|&c| (c.is_control() && c != '\n') || c == '\u{202e}');
+        assert_eq!(raw, None, "{what}\n{told:?}");
+        assert!(told.contains("a\\u{1b}[31mb\\0c\\u{202e}d"), "{what}\n{told}");
+    }
+    assert!(stderr(&found).contains("red \\u{1b}[31m and \\u{7} bell"), "{}", stderr(&found));
+}
+
+#[test]
+fn a_first_value_that_fails_is_shown_as_given_by_set() {
+    let folder = folder("set-fails");
+    let plan = plan(&folder, "speed.rpl", "(defvar speed 1 \"how fast\")\n(print speed)");
+    let found = output(&["run", &plan, "--set", "speed=(/ 1 0)"]);
+    assert!(stderr(&found).contains("(defvar speed (/ 1 0) #| by --set |# \"how fast\")"), "{}", stderr(&found));
+    let twice = output(&["run", &plan, "--set", "speed=1", "--set", "speed=2"]);
+    assert_eq!(status(&twice), 2);
+    assert!(
+        stderr(&twice).contains("`speed` is given twice: `--set speed=1` and `--set speed=2`"),
+        "{}",
+        stderr(&twice)
+    );
+}
+
+#[test]
+fn a_test_that_fails_for_itself_is_not_told_to_look_for_a_robot() {
+    let folder = folder("no-robot");
+    let text = "(def-plan patrol () (go-to 'kitchen))
+                (deftest of-itself (assert (= 1 2)))
+                (deftest of-the-robot (patrol))";
+    let plan = plan(&folder, "robot.rpl", text);
+    let found = output(&["test", &plan]);
+    let told = stdout(&found);
+    let (itself, robot) = told.split_once("of-the-robot").expect("both tests are told");
+    assert!(!itself.contains(":world") && itself.contains("this should be true"), "{told}");
+    assert!(robot.contains(":world \"dept\""), "{told}");
+}
+
+#[test]
+fn places_are_looked_up_in_the_world_that_is_named() {
+    let folder = folder("check-world");
+    let text = "(go-to 'a-118)\n(deliver 'mail 'mailroom 'nowhere)\n(print (distance-to 'start))\n(print 'nowhere)";
+    let plan = plan(&folder, "places.rpl", text);
+    let unknown = output(&["check", &plan]);
+    assert_eq!((stderr(&unknown), status(&unknown)), ("", 0), "without a world no place is wrong");
+    let found = output(&["check", "--world", "dept", &plan]);
+    let names: Vec<&str> = stderr(&found)
+        .lines()
+        .filter_map(|line| line.strip_prefix("warning[unknown-place]: there is no place `"))
+        .filter_map(|line| line.split('`').next())
+        .collect();
+    let world = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../robot/worlds/dept.toml"));
+    let world = world.expect("the world is there");
+    let missing = |name: &&str| !world.contains(&format!("name = \"{name}\""));
+    let expected: Vec<&str> = ["a-118", "mailroom", "nowhere", "start"].into_iter().filter(missing).collect();
+    assert_eq!(names, expected, "{}", stderr(&found));
+    assert_eq!(status(&output(&["check", "--world", "nosuch", &plan])), 2);
+}

@@ -1,6 +1,7 @@
 //! Errors and warnings about plan text, as values.
 
-use crate::source::{SourceId, Sources, Span};
+use crate::source::{BYTE_ORDER_MARK, LINE_ENDS, SourceId, Sources, Span, line_end, line_start};
+use crate::visible::{is_invisible, pictured, visible, visible_lines, with_short_words};
 use ariadne::{Color, Config, Fmt, IndexType, Label, Report, ReportKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -40,9 +41,9 @@ impl Diagnostic {
         Self {
             code,
             severity: Severity::Error,
-            message: message.into(),
+            message: with_short_words(message.into()),
             span,
-            label: label.into(),
+            label: with_short_words(label.into()),
             related: Vec::new(),
             help: None,
         }
@@ -55,13 +56,13 @@ impl Diagnostic {
 
     /// The same with advice.
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(with_short_words(help.into()));
         self
     }
 
     /// The same with one more place.
     pub fn related(mut self, span: Span, note: impl Into<String>) -> Self {
-        self.related.push((span, note.into()));
+        self.related.push((span, with_short_words(note.into())));
         self
     }
 }
@@ -90,12 +91,12 @@ fn render_one(diagnostic: &Diagnostic, sources: &Sources, texts: &mut Texts<'_>,
     let drawn =
         if places.all(|span| is_drawable(span, sources)) { draw(diagnostic, main_colour, texts, colour) } else { None };
     let body = drawn.unwrap_or_else(|| excerpts(diagnostic, sources));
-    format!("{head} {}\n{body}", diagnostic.message)
+    format!("{head} {}\n{body}", shown(&diagnostic.message))
 }
 
 /// The marked lines and the help; None if the drawing library gives up.
 fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colour: bool) -> Option<String> {
-    let config = Config::new().with_index_type(IndexType::Byte).with_compact(true).with_color(colour);
+    let config = Config::new().with_index_type(IndexType::Char).with_compact(true).with_color(colour);
     let sources = texts.sources;
     let mut marks = vec![(diagnostic.span, &diagnostic.label, main_colour)];
     marks.extend(diagnostic.related.iter().map(|(span, note)| (*span, note, Color::Cyan)));
@@ -103,11 +104,11 @@ fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colo
     marks.sort_by_key(|&(span, ..)| (span.source != diagnostic.span.source, span));
     let labels = marks
         .into_iter()
-        .map(|(span, note, colour)| Label::new(drawn_span(span, sources)).with_message(note).with_color(colour));
+        .map(|(span, note, colour)| Label::new(drawn_span(span, sources)).with_message(shown(note)).with_color(colour));
     let mut report =
         Report::build(ReportKind::Error, drawn_span(diagnostic.span, sources)).with_config(config).with_labels(labels);
     if let Some(help) = &diagnostic.help {
-        report = report.with_help(help);
+        report = report.with_help(shown(help));
     }
     let mut drawn = Vec::new();
     report.finish().write(texts, &mut drawn).ok()?;
@@ -117,23 +118,36 @@ fn draw(diagnostic: &Diagnostic, main_colour: Color, texts: &mut Texts<'_>, colo
     Some(body.lines().fold(String::with_capacity(body.len()), |text, line| text + line.trim_end() + "\n"))
 }
 
+/// A sentence as it is shown.
+fn shown(text: &str) -> String {
+    with_short_words(visible_lines(text).into_owned())
+}
+
 /// What is drawn as it stands: lines of a length a terminal can show.
 fn is_drawable(span: Span, sources: &Sources) -> bool {
     let text = &sources.get(span.source).text;
     let start = text.floor_char_boundary(span.start as usize);
     let end = text.floor_char_boundary((span.end as usize).max(start));
-    let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
-    let line_end = text[end..].find('\n').map_or(text.len(), |newline| end + newline);
-    text[line_start..line_end].split('\n').all(|line| line.len() <= MAX_LINE_BYTES)
+    text[line_start(text, start)..line_end(text, end)].split(LINE_ENDS).all(|line| line.len() <= MAX_LINE_BYTES)
 }
 
-/// The drawing library wants a span within the text, on character borders, that does not end
+/// The characters of a span in the drawn text. The drawing library wants a span that does not end
 /// behind a line.
 fn drawn_span(span: Span, sources: &Sources) -> (SourceId, Range<usize>) {
     let text = &sources.get(span.source).text;
-    let start = text.floor_char_boundary(span.start as usize);
-    let covered = sources.text_of(span).trim_end().len();
+    let before = &text[..text.floor_char_boundary(span.start as usize)];
+    let start = before.strip_prefix(BYTE_ORDER_MARK).unwrap_or(before).chars().count();
+    let covered = sources.text_of(span).trim_end_matches([' ', '\t', '\n', '\r']).chars().count();
     (span.source, start..start + covered)
+}
+
+/// A text as it is drawn, without a mark at its start. The drawing library takes more characters for
+/// line ends than there are, and has none of them left then.
+fn drawn_text(text: &Arc<str>) -> Arc<str> {
+    if text.chars().all(|character| !is_invisible(character) || LINE_ENDS.contains(&character)) {
+        return text.clone();
+    }
+    pictured(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)).into()
 }
 
 /// The place without its whole line, in the drawing library's manner.
@@ -142,10 +156,10 @@ fn excerpts(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let places = std::iter::once((diagnostic.span, &diagnostic.label));
     for (span, label) in places.chain(diagnostic.related.iter().map(|(span, note)| (*span, note))) {
         let (excerpt, column) = excerpt(span, sources);
-        text += &format!("   ╭─[ {} ]\n   │{excerpt}\n   │{:column$}╰─ {label}\n", sources.place(span), "");
+        text += &format!("   ╭─[ {} ]\n   │{excerpt}\n   │{:column$}╰─ {}\n", sources.place(span), "", shown(label));
     }
     if let Some(help) = &diagnostic.help {
-        text += &format!("   │Help: {help}\n");
+        text += &format!("   │Help: {}\n", shown(help));
     }
     text
 }
@@ -156,13 +170,12 @@ fn excerpt(span: Span, sources: &Sources) -> (String, usize) {
     let text = &sources.get(span.source).text;
     let start = text.floor_char_boundary(span.start as usize);
     let before = &text[..start];
-    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    let before: Vec<char> = before[line_start..].chars().rev().take(AROUND).collect();
+    let before: Vec<char> = before[line_start(text, start)..].chars().rev().take(AROUND).collect();
     let cut = if before.len() == AROUND { "… " } else { "" };
-    let after = text[start..].chars().take_while(|&c| c != '\n').take(AROUND);
+    let after = text[start..].chars().take_while(|c| !LINE_ENDS.contains(c)).take(AROUND);
     let column = cut.chars().count() + before.len();
-    let shown: String = before.into_iter().rev().chain(after).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    (format!("{cut}{shown}"), column)
+    let shown: String = before.into_iter().rev().chain(after).map(|c| if c == '\t' { ' ' } else { c }).collect();
+    (format!("{cut}{}", pictured(&shown)), column)
 }
 
 /// The texts in the form of the drawing library, each cut into lines once.
@@ -176,11 +189,11 @@ impl ariadne::Cache<SourceId> for &mut Texts<'_> {
 
     fn fetch(&mut self, id: &SourceId) -> Result<&ariadne::Source<Arc<str>>, impl std::fmt::Debug> {
         let sources = self.sources;
-        let source = self.drawn.entry(*id).or_insert_with(|| ariadne::Source::from(sources.get(*id).text.clone()));
+        let source = self.drawn.entry(*id).or_insert_with(|| ariadne::Source::from(drawn_text(&sources.get(*id).text)));
         Ok::<_, std::convert::Infallible>(source)
     }
 
     fn display<'a>(&self, id: &'a SourceId) -> Option<impl std::fmt::Display + 'a> {
-        Some(self.sources.get(*id).name.to_string())
+        Some(visible(&self.sources.get(*id).name).into_owned())
     }
 }

@@ -17,13 +17,14 @@ use crate::symbol::Symbols;
 use crate::syntax::Tree;
 use concrete::{Concrete, Mark, Node, Piece};
 use lines::Lines;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Breaking a long line can make a comment or a list stand elsewhere and so leave another line to
 /// break; texts are at rest after two rounds, made-up ones after a few more.
 const MOST_ROUNDS: usize = 8;
 
-/// The text laid out anew, until laying it out changes nothing. Cost: linear, but for the
+/// The text laid out anew, until laying it out changes nothing; its lines end in line feeds. Cost: linear, but for the
 /// indentation of very deep texts.
 ///
 /// # Errors
@@ -33,7 +34,7 @@ pub fn format(text: &str, source: SourceId) -> Result<String, Vec<Diagnostic>> {
     if found.iter().any(|finding| finding.severity == Severity::Error) {
         return Err(found);
     }
-    let mut laid_out = lay_out(text, source);
+    let mut laid_out = lay_out(&with_line_feeds(text), source);
     for _ in 1..MOST_ROUNDS {
         let again = lay_out(&laid_out, source);
         if again == laid_out {
@@ -42,6 +43,15 @@ pub fn format(text: &str, source: SourceId) -> Result<String, Vec<Diagnostic>> {
         laid_out = again;
     }
     Ok(laid_out)
+}
+
+/// Line feeds in the place of all other line ends, also within strings and comments: a string reads
+/// the same with either.
+fn with_line_feeds(text: &str) -> Cow<'_, str> {
+    match text.contains('\r') {
+        true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
+        false => Cow::Borrowed(text),
+    }
 }
 
 fn lay_out(text: &str, source: SourceId) -> String {

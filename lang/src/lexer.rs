@@ -5,7 +5,8 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::number::{Number, begins_like_number, parse_number};
-use crate::source::{SourceId, Sources, Span};
+use crate::source::{BYTE_ORDER_MARK, SourceId, Sources, Span, holds_code};
+use crate::visible::{is_invisible, named, reorders, visible};
 use logos::{FilterResult, Logos};
 
 /// The marks that stand before a datum.
@@ -26,7 +27,7 @@ pub enum Prefix {
 /// The kinds of token; what a token says is the text of its span.
 #[derive(Logos, Clone, Copy, Debug, PartialEq)]
 #[logos(extras = Scan)]
-#[logos(skip r"\p{White_Space}+")]
+#[logos(skip r"[\t\n\x0b\x0c\r ]+")]
 pub enum Token {
     /// `(`
     #[token("(")]
@@ -61,7 +62,7 @@ pub enum Token {
     /// `.` alone, the dot of a dotted pair.
     Dot,
     /// `; …` up to the end of the line.
-    #[regex(r";[^\n]*", allow_greedy = true)]
+    #[regex(r";[^\n\r]*", allow_greedy = true)]
     LineComment,
     /// `#| … |#`, nested.
     #[token("#|", block_comment)]
@@ -69,7 +70,7 @@ pub enum Token {
     /// A string or block comment without an end: it takes the rest of the text.
     Unterminated,
     /// Something already reported.
-    #[regex(r"#<[^>\n]*>", unknown_hash)]
+    #[regex(r"#<[^>\n\r]*>", unknown_hash)]
     #[regex(r##"#[^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|]*"##, unknown_hash)]
     Error,
 }
@@ -104,8 +105,8 @@ pub fn lex(text: &str, source: SourceId) -> (Vec<(Token, Span)>, Vec<Diagnostic>
         return (Vec::new(), vec![refusal]);
     }
     let mut lexer = Lexer::with_extras(text, Scan { source, found: Vec::new(), suspect: None });
-    if text.starts_with('\u{feff}') {
-        lexer.bump('\u{feff}'.len_utf8());
+    if text.starts_with(BYTE_ORDER_MARK) {
+        lexer.bump(BYTE_ORDER_MARK.len_utf8());
     }
     // A guess that spares most of the growing: a token and its space are rarely below four bytes.
     let mut tokens = Vec::with_capacity(text.len() / 4);
@@ -128,6 +129,7 @@ pub fn lex(text: &str, source: SourceId) -> (Vec<(Token, Span)>, Vec<Diagnostic>
     }
     let mut found = lexer.extras.found;
     found.extend(invalid.map(|run| invalid_characters(text, run)));
+    found.extend(reordered(text, &tokens));
     found.sort_by_key(|diagnostic| diagnostic.span.start);
     (tokens, found)
 }
@@ -164,14 +166,58 @@ fn invalid_characters(text: &str, run: Span) -> Diagnostic {
     let (shown, help) = match first {
         '[' | ']' | '{' | '}' => (format!("`{first}`"), "lists are written with `(` and `)`"),
         '|' => ("`|`".to_string(), "a block comment is written `#| … |#`"),
-        _ => (format!("the control character U+{:04X}", first as u32), "remove it; inside a string write `\\u{…}`"),
+        _ => return invisible_character(first, run),
     };
     Diagnostic::error("invalid-character", run, format!("{shown} has no meaning here"), "not part of the language")
         .help(help)
 }
 
+/// A character nobody sees, where it would make one name look like another, or a name like a space.
+fn invisible_character(character: char, place: Span) -> Diagnostic {
+    let message = format!("here stands {}, which cannot be seen", named(character));
+    let help = match character.is_whitespace() {
+        true => "put a common space in its place",
+        false => "remove it; in a string it may stand, or be written `\\u{…}`",
+    };
+    Diagnostic::error("invisible-character", place, message, "it has no meaning outside of strings and comments")
+        .help(help)
+}
+
+/// Strings and comments that are shown in another order than they are read, so that code can look
+/// like a part of them.
+fn reordered(text: &str, tokens: &[(Token, Span)]) -> Vec<Diagnostic> {
+    // All these characters begin with this byte, and most texts have none.
+    if !text.as_bytes().contains(&0xe2) {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for &(token, span) in tokens.iter().filter(|(token, _)| token.is_comment() || *token == Token::Str) {
+        let written = &text[span.start as usize..span.end as usize];
+        let Some((at, character)) = written.char_indices().find(|&(_, character)| reorders(character)) else {
+            continue;
+        };
+        let start = span.start + at as u32;
+        let place = Span { start, end: start + character.len_utf8() as u32, ..span };
+        let message = format!("{} makes what follows look different from what it says", named(character));
+        let help = match token {
+            Token::Str => format!("remove it, or write `\\u{{{:x}}}`", character as u32),
+            _ => "remove it".to_string(),
+        };
+        let label = "changes the order in which the text is shown";
+        found.push(Diagnostic::error("invisible-character", place, message, label).help(help));
+    }
+    found
+}
+
 fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     let text = lexer.slice();
+    if let Some((at, character)) = text.char_indices().find(|&(_, character)| is_invisible(character)) {
+        let all = span_of(lexer);
+        let start = all.start + at as u32;
+        let place = Span { start, end: start + character.len_utf8() as u32, ..all };
+        lexer.extras.found.push(invisible_character(character, place));
+        return FilterResult::Emit(Token::Error);
+    }
     let token = match text {
         "." => Token::Dot,
         ":" => {
@@ -210,7 +256,7 @@ fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
         ("a name made by `gensym` cannot be read".to_string(), "no text can name it; give it a name of your own")
     } else {
         (
-            format!("`{text}` has no meaning"),
+            format!("`{}` has no meaning", visible(text)),
             "after `#` stands `'`, `;` or `|`: `#'function`, `#;datum`, `#| comment |#`",
         )
     };
@@ -233,7 +279,7 @@ fn string(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
         }));
     }
     lexer.bump(body_len + 1);
-    if body.contains("\n(") && lexer.extras.suspect.is_none() {
+    if holds_code(body) && lexer.extras.suspect.is_none() {
         lexer.extras.suspect = Some(span_of(lexer));
     }
     FilterResult::Emit(Token::Str)
@@ -303,14 +349,15 @@ fn unterminated_comment(lexer: &mut Lexer<'_>, depth: usize) -> Token {
 /// An escape that is none: its bytes `start..end` in the body, and what is wrong.
 pub type EscapeFault = (usize, usize, String);
 
-/// The string a body (the text between the quotes) stands for. An unknown escape stands for itself
-/// and is told beside.
+/// The string a body (the text between the quotes) stands for: a line end of any kind is a line feed,
+/// so that a plan does not depend on how its file was copied. An unknown escape stands for itself and
+/// is told beside.
 pub fn unescape(body: &str) -> (String, Vec<EscapeFault>) {
     let mut value = String::with_capacity(body.len());
     let mut faults = Vec::new();
     let mut rest = body;
     while let Some(at) = rest.find('\\') {
-        value.push_str(&rest[..at]);
+        push_with_line_feeds(&mut value, &rest[..at]);
         let escape = &rest[at..];
         let (character, len) = match unescape_one(escape) {
             Ok((character, len)) => (character, len),
@@ -324,8 +371,18 @@ pub fn unescape(body: &str) -> (String, Vec<EscapeFault>) {
         value.extend(character);
         rest = &escape[len..];
     }
-    value.push_str(rest);
+    push_with_line_feeds(&mut value, rest);
     (value, faults)
+}
+
+fn push_with_line_feeds(value: &mut String, text: &str) {
+    let mut rest = text;
+    while let Some((line, after)) = rest.split_once('\r') {
+        value.push_str(line);
+        value.push('\n');
+        rest = after.strip_prefix('\n').unwrap_or(after);
+    }
+    value.push_str(rest);
 }
 
 /// The character of an escape and its length in bytes; a line's end after a backslash stands for
@@ -338,9 +395,10 @@ fn unescape_one(escape: &str) -> Result<(Option<char>, usize), (usize, String)> 
         Some('0') => '\0',
         Some('\\') => '\\',
         Some('"') => '"',
-        Some('\n') => return Ok((None, 2)),
+        Some('\r') if escape[2..].starts_with('\n') => return Ok((None, 3)),
+        Some('\n' | '\r') => return Ok((None, 2)),
         Some('u') => return unescape_unicode(escape),
-        Some(other) => return Err((1 + other.len_utf8(), format!("`\\{other}` is no escape"))),
+        Some(other) => return Err((1 + other.len_utf8(), format!("`\\{}` is no escape", visible(&other.to_string())))),
         None => return Err((1, "a backslash at the end of a string".to_string())),
     };
     Ok((Some(character), 2))

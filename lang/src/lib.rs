@@ -6,6 +6,7 @@
 pub mod diagnostic;
 pub mod formatter;
 pub mod indentation;
+pub mod kind;
 pub mod lexer;
 mod nesting;
 pub mod number;
@@ -15,6 +16,7 @@ pub mod source;
 pub mod suggest;
 pub mod symbol;
 pub mod syntax;
+pub mod visible;
 
 pub mod check;
 pub mod code;

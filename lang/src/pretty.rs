@@ -7,6 +7,7 @@ use crate::number::format_float;
 use crate::source::{SourceId, Span};
 use crate::symbol::Symbols;
 use crate::syntax::{Kind, NodeId, Tree};
+use crate::visible::{is_invisible, push_escape};
 
 /// The datum on one line, such that reading it gives the same datum – but for run-time objects and
 /// names made by `gensym`, which no text can name.
@@ -36,16 +37,9 @@ pub fn quote_string(value: &str) -> String {
     text.push('"');
     for character in value.chars() {
         match character {
-            '\n' => text.push_str("\\n"),
-            '\t' => text.push_str("\\t"),
-            '\r' => text.push_str("\\r"),
-            '\0' => text.push_str("\\0"),
             '"' => text.push_str("\\\""),
             '\\' => text.push_str("\\\\"),
-            // A byte order mark or a line separator would be there and not be seen.
-            c if c.is_control() || matches!(c, '\u{feff}' | '\u{2028}' | '\u{2029}') => {
-                text.push_str(&format!("\\u{{{:x}}}", c as u32));
-            }
+            c if is_invisible(c) => push_escape(&mut text, c),
             c => text.push(c),
         }
     }

@@ -1,5 +1,6 @@
 //! Texts by number, and places in them.
 
+use crate::visible::visible;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -65,15 +66,18 @@ impl Sources {
     /// Line and column of the span's start, both from 1, the column in characters.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         let text = &self.get(span.source).text;
-        let before = &text[..text.floor_char_boundary(span.start as usize)];
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+        let start = text.floor_char_boundary(span.start as usize);
+        let line = line_starts(text).take_while(|&line| line <= start).count();
+        let before = &text[line_start(text, start)..start];
+        // A mark at the start of the text is no part of it.
+        let mark = usize::from(before.starts_with(BYTE_ORDER_MARK));
+        (line, before.chars().count() - mark + 1)
     }
 
     /// `file:line:column` of the span's start.
     pub fn place(&self, span: Span) -> String {
         let (line, column) = self.line_column(span);
-        format!("{}:{line}:{column}", self.get(span.source).name)
+        format!("{}:{line}:{column}", visible(&self.get(span.source).name))
     }
 
     /// The text the span covers.
@@ -81,5 +85,82 @@ impl Sources {
         let text = &self.get(span.source).text;
         let start = text.floor_char_boundary(span.start as usize);
         &text[start..text.floor_char_boundary((span.end as usize).max(start))]
+    }
+}
+
+/// May stand at the start of a text, and says nothing.
+pub const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// What ends a line: line feed, carriage return, or both in this order. Nothing else does, in the
+/// reader, in what errors show, in breakpoints and in what is laid out anew alike.
+pub const LINE_ENDS: [char; 2] = ['\n', '\r'];
+
+/// The first byte of each line; a text has one more line than it has line ends.
+pub fn line_starts(text: &str) -> impl Iterator<Item = usize> {
+    let bytes = text.as_bytes();
+    let is_end = |at: usize| match bytes[at] {
+        b'\n' => true,
+        b'\r' => bytes.get(at + 1) != Some(&b'\n'),
+        _ => false,
+    };
+    std::iter::once(0).chain((0..bytes.len()).filter(move |&at| is_end(at)).map(|at| at + 1))
+}
+
+/// The first byte of the line a byte stands in.
+pub fn line_start(text: &str, at: usize) -> usize {
+    // A line feed belongs to the carriage return before it.
+    let from =
+        if text.as_bytes()[..at].ends_with(b"\r") && text.as_bytes().get(at) == Some(&b'\n') { at - 1 } else { at };
+    text[..from].rfind(LINE_ENDS).map_or(0, |end| end + 1)
+}
+
+/// The byte behind the last one of the line a byte stands in, its line end not counted.
+pub fn line_end(text: &str, at: usize) -> usize {
+    text[at..].find(LINE_ENDS).map_or(text.len(), |end| at + end)
+}
+
+/// The lines of a text, each with its first byte and without its line end. The end of the last line
+/// begins no further one.
+pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    line_starts(text).filter(|&start| start < text.len()).map(|start| (start, &text[start..line_end(text, start)]))
+}
+
+/// Whether a line of a string but its first begins with `(`: it may have swallowed code.
+pub(crate) fn holds_code(string: &str) -> bool {
+    line_starts(string).skip(1).any(|start| string[start..].starts_with('('))
+}
+
+/// How many line ends a text has.
+pub fn count_line_ends(text: &str) -> usize {
+    line_starts(text).count() - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_in_line_feed_or_carriage_return_or_both() {
+        let text = "a\nb\r\nc\rd\u{b}\u{c}\u{85}\u{2028}e\n\r";
+        let found: Vec<&str> = lines(text).map(|(_, line)| line).collect();
+        assert_eq!(found, ["a", "b", "c", "d\u{b}\u{c}\u{85}\u{2028}e", ""]);
+        assert_eq!(count_line_ends(text), 5);
+        for (start, line) in lines(text) {
+            for at in (start..=start + line.len()).filter(|&at| text.is_char_boundary(at)) {
+                assert_eq!((line_start(text, at), line_end(text, at)), (start, start + line.len()), "{at}");
+            }
+        }
+        // Between the two characters of one end the line has not ended.
+        assert_eq!(line_start(text, 4), 2);
+        assert_eq!(lines("").count(), 0);
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        let mut sources = Sources::default();
+        let source = sources.add("t", "\u{feff}aß(\r\n\té(");
+        let at = |start| sources.line_column(Span { source, start, end: start });
+        assert_eq!((at(0), at(3), at(6)), ((1, 1), (1, 1), (1, 3)));
+        assert_eq!(at(12), (2, 3));
     }
 }

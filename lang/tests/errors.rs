@@ -70,6 +70,12 @@ cases! {
     wide_characters_before_the_place: "(print \"Fußgänger 机器人\" 3d)";
     several_independent: "(seq 3d 'ok (. x) \"\\q\")\n(par (look)\n(drive))\n) (stop";
     windows_line_ends: "(look)\r\n(drive 3d)\r\n";
+    no_break_space: "(look\u{a0}here)";
+    zero_width_space_in_a_name: "(look)\n(dri\u{200b}ve 3)";
+    byte_order_mark_within: "\u{feff}(look)\n(\u{feff}drive)";
+    direction_marks: "(print \"a\u{202e}b\") ; \u{2066} (stop)\n(look \u{200f}left)";
+    lines_of_old_files: "(look)\r(drive 3d)\r; more\r(drive 4d)";
+    form_feed_is_no_line_end: "(look)\u{c}\n\u{b}(drive 3d) ; a\u{2028}b\n(drive 4d)";
     empty_in_parentheses_only: "(";
 }
 

@@ -48,6 +48,16 @@ fn becomes(text: &str, expected: &str) {
 }
 
 #[test]
+fn lines_end_in_line_feeds() {
+    for end in ["\r\n", "\r"] {
+        let text = ["(seq ; first", "   (print \"two", "lines\")", "", "", "#| a", "b |#", "(look))"].join(end);
+        let laid_out = "(seq ; first\n  (print \"two\nlines\")\n\n  #| a\nb |#\n  (look))\n";
+        assert_eq!(formatted(&text), laid_out);
+        assert_eq!(content(&text).0, content(&check(laid_out)).0);
+    }
+}
+
+#[test]
 fn what_is_formatted_stays_as_it_is() {
     for text in [
         "",

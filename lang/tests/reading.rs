@@ -52,6 +52,41 @@ fn a_plan_as_printed_in_the_papers_reads_as_it_stands() {
     );
 }
 
+/// r[read.line]
+#[test]
+fn line_feed_carriage_return_and_both_end_a_line() {
+    for end in ["\n", "\r\n", "\r"] {
+        reads_as(&format!("; a{end}b ; c{end}d"), &["b", "d"]);
+        reads_as(
+            &format!("\"two{end}lines, of which the \\{end}second is broken\""),
+            &["\"two\\nlines, of which the second is broken\""],
+        );
+    }
+    for no_end in ['\u{b}', '\u{c}', '\u{85}', '\u{2028}', '\u{2029}'] {
+        reads_as(&format!("a ; b{no_end} c"), &["a"]);
+    }
+}
+
+/// r[read.invisible]
+#[test]
+fn what_cannot_be_seen_stands_in_strings_and_comments_only() {
+    for invisible in
+        ['\u{a0}', '\u{ad}', '\u{200b}', '\u{200e}', '\u{202e}', '\u{2028}', '\u{3000}', '\u{feff}', '\u{85}', ESCAPE]
+    {
+        let (read, found) = read_all(&format!("(a b{invisible}c d)"));
+        assert_eq!(found.len(), 1, "{invisible:?}: {found:?}");
+        assert_eq!((found[0].code, found[0].span.start, read.len()), ("invisible-character", 4, 1), "{invisible:?}");
+        assert!(found[0].message.contains(&format!("U+{:04X}", invisible as u32)), "{found:?}");
+        let within = format!("\"b{invisible}c\" ; b{invisible}c");
+        let reorders = invisible == '\u{202e}';
+        assert_eq!(read_all(&within).1.len(), if reorders { 2 } else { 0 }, "{invisible:?}");
+        // What is read is written so that it is seen, and read again.
+        reads_as(&format!("\"b\\u{{{:x}}}c\"", invisible as u32), &[&format!("\"b\\u{{{:x}}}c\"", invisible as u32)]);
+    }
+    reads_as("\u{feff}a", &["a"]);
+    reads_as("\u{c}a\u{b}b\tc", &["a", "b", "c"]);
+}
+
 /// r[read.comment]
 #[test]
 fn comments_are_no_data() {

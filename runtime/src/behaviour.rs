@@ -143,7 +143,7 @@ impl Outside for NoRobot {
     }
 
     fn start(&mut self, _: &Machine, _: u16, _: &[(Symbol, Value)], _: &mut Outbox) -> Result<(), Raise> {
-        Err(Raise::new("behaviour-failure", "there is no robot"))
+        Err(Raise::new("no-robot", "there is no robot; add `--world dept`"))
     }
 
     fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
@@ -268,13 +268,6 @@ impl Machine {
             self.activations.resize(at + 1, Activation::default());
         }
         &mut self.activations[at]
-    }
-
-    pub(crate) fn behaviour_argument(&self, value: Value) -> Result<u16, Raise> {
-        match value {
-            Value::Behaviour(behaviour) => Ok(behaviour),
-            other => Err(self.wrong_type("the argument", "a behaviour", other)),
-        }
     }
 
     /// `(activate B :key V...)` by the current task.

@@ -6,6 +6,7 @@ use crate::scheduler::Alarm;
 use crate::task::{Children, Decision, Held, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
+use rpl_lang::kind::Kind;
 
 impl Machine {
     /// A task for code, with the values it captures from registers of the current frame.
@@ -78,7 +79,18 @@ impl Machine {
             Some(elements) => self.heap.length(elements).unwrap_or(0),
             None => construct.children.len(),
         };
-        let seconds = self.construct_argument(construct, base)?;
+        let argument =
+            (construct.argument != NO_REG).then(|| self.scratch.stack[base + usize::from(construct.argument)]);
+        let number = match argument {
+            Some(number) if construct.with_priority => Some(self.priority_argument(number)?),
+            _ => None,
+        };
+        let due_us = match argument {
+            Some(seconds) if construct.rule == Rule::Timeout => {
+                Some(self.instant_after(seconds, || "the time of `with-timeout`".into())?)
+            }
+            _ => None,
+        };
         let occurrence = self.count_use(parent, construct.name);
         if total == 0 {
             return self.empty_construct(construct.rule);
@@ -97,7 +109,7 @@ impl Machine {
             failures: Vec::new(),
             order: sorted(&construct.order),
             held: Vec::new(),
-            seconds: seconds.unwrap_or(0.0),
+            seconds: argument.and_then(Value::as_f64).unwrap_or(0.0),
             timer: 0,
             expired: false,
         };
@@ -114,7 +126,7 @@ impl Machine {
                 }
                 _ => (&construct.children[position], None),
             };
-            let priority = self.child_priority(construct, parent, position, seconds);
+            let priority = self.child_priority(construct, parent, position, number);
             let task = self.child_task(around, child, argument, base, priority);
             let index = self.place_task(child, task, base);
             self.name_child(index, child, construct, position, occurrence);
@@ -129,8 +141,8 @@ impl Machine {
         if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
             children.held = held;
         }
-        if construct.rule == Rule::Timeout {
-            self.set_deadline(parent, scope, seconds.unwrap_or(0.0));
+        if let Some(due_us) = due_us {
+            self.set_deadline(parent, scope, due_us);
         }
         Ok(None)
     }
@@ -183,17 +195,13 @@ impl Machine {
         record.occurrence = occurrence;
     }
 
-    fn construct_argument(&self, construct: &Construct, base: usize) -> Result<Option<f64>, Raise> {
-        if construct.argument == NO_REG {
-            return Ok(None);
-        }
-        let value = self.scratch.stack[base + usize::from(construct.argument)];
-        match value.as_f64() {
-            Some(number) if number.is_finite() => Ok(Some(number)),
-            _ => {
-                let what = if construct.with_priority { "a priority" } else { "a time" };
-                Err(self.wrong_type(what, "a number", value))
-            }
+    /// The number `with-priority` appends.
+    fn priority_argument(&self, value: Value) -> Result<i64, Raise> {
+        match value {
+            Value::Int(number) => Ok(number),
+            // A float counts as its integer, which must be exact.
+            Value::Float(number) if libm::trunc(number) == number && number.abs() < 2f64.powi(53) => Ok(number as i64),
+            _ => Err(self.wrong_type("the priority of `with-priority`", Kind::Integer.noun(), value)),
         }
     }
 
@@ -202,20 +210,19 @@ impl Machine {
         construct: &Construct,
         parent: u32,
         position: usize,
-        argument: Option<f64>,
+        number: Option<i64>,
     ) -> (u32, u16) {
         let (priority, depth) = (self.tasks[parent].priority, self.tasks[parent].priority_depth);
         let appended = match construct.rule {
             Rule::Policy => i64::from(position == 0),
-            Rule::Single if construct.with_priority => argument.unwrap_or(0.0) as i64,
+            Rule::Single if construct.with_priority => number.unwrap_or(0),
             _ => return (priority, depth),
         };
         (self.priorities.appended(priority, usize::from(depth), appended), depth + 1)
     }
 
-    fn set_deadline(&mut self, parent: u32, scope: u32, seconds: f64) {
-        let deadline = self.now_us.saturating_add(microseconds(seconds));
-        let timer = self.timers.set(deadline, self.tasks.reference(parent), Alarm::Deadline);
+    fn set_deadline(&mut self, parent: u32, scope: u32, due_us: u64) {
+        let timer = self.timers.set(due_us, self.tasks.reference(parent), Alarm::Deadline);
         if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
             children.timer = timer;
         }
@@ -477,9 +484,4 @@ fn verdict(children: &mut Children, state: State, result: Value, position: u32) 
         (Rule::Single | Rule::Timeout, State::Evaporated) => Some(Decision::Succeed(Value::Nil)),
         _ => None,
     }
-}
-
-/// Seconds of a plan as microseconds of virtual time, to the nearest.
-pub(crate) fn microseconds(seconds: f64) -> u64 {
-    libm::round(seconds.max(0.0) * 1e6).min(1e18) as u64
 }

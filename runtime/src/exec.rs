@@ -11,6 +11,7 @@ use crate::value::{TaskRef, Value};
 use crate::waiting::form_in_plan;
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
 use rpl_lang::compile::NativeSignature;
+use rpl_lang::kind::Kind;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -493,11 +494,11 @@ impl Machine {
     #[inline(never)]
     fn wrong_operands(&self, operation: &str, left: Value, right: Value) -> Raise {
         let culprit = if left.as_f64().is_none() { left } else { right };
-        self.wrong_type(&format!("an operand of `{operation}`"), "a number", culprit)
+        self.wrong_type(&format!("an operand of `{operation}`"), Kind::Number.noun(), culprit)
     }
 
     fn not_a_function(&self, value: Value) -> Raise {
-        self.wrong_type("what is called", "a function", value)
+        self.wrong_type("what is called", Kind::Function.noun(), value)
     }
 
     #[cold]
@@ -803,12 +804,12 @@ impl Machine {
                     Op::Car(a, b) => match &r!(b) {
                         &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
                         Value::Nil => r!(a) = Value::Nil,
-                        &other => fail!(self.wrong_type("the argument of `car`", "a list", other)),
+                        &other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
                     },
                     Op::Cdr(a, b) => match &r!(b) {
                         &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
                         Value::Nil => r!(a) = Value::Nil,
-                        &other => fail!(self.wrong_type("the argument of `cdr`", "a list", other)),
+                        &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
                     },
                     Op::Jump(distance) => jump!(distance),
                     Op::JumpIfNil(a, distance) => {
@@ -1146,8 +1147,8 @@ impl Machine {
                         let list = r!(list);
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
-                        if let Err(found) = self.heap.length(list) {
-                            fail!(self.wrong_type("what is mapped over", "a list", found));
+                        if self.heap.length(list).is_err() {
+                            fail!(self.wrong_type("what is mapped over", Kind::List.noun(), list));
                         }
                         let construct = &code.constructs[number as usize];
                         match self.start_construct(around, construct, Some(list), a, base)? {
@@ -1236,7 +1237,7 @@ impl Machine {
                         let value = r!(a);
                         attempt!(self.refuse_in_network("a valve cannot be requested"));
                         let Value::Valve(valve) = value else {
-                            fail!(self.wrong_type("what is held", "a valve", value));
+                            fail!(self.wrong_type("what is held", Kind::Valve.noun(), value));
                         };
                         save!();
                         let task = self.current;
@@ -1263,7 +1264,9 @@ impl Machine {
                     Op::PushSuspended(a) => {
                         let value = r!(a);
                         attempt!(self.refuse_in_network("a task cannot be suspended"));
-                        let other = attempt!(self.task_argument(value));
+                        let Value::Task(other) = value else {
+                            fail!(self.wrong_type("what is suspended", Kind::Task.noun(), value));
+                        };
                         save!();
                         self.push_scope(ScopeKind::Suspended(other));
                         if let Some(other) = self.tasks.find_alive(other) {
@@ -1279,7 +1282,7 @@ impl Machine {
                         let value = r!(a);
                         attempt!(self.refuse_in_network("a fluent cannot be watched"));
                         let Value::Fluent(fluent) = value else {
-                            fail!(self.wrong_type("the condition of `whenever`", "a fluent", value));
+                            fail!(self.wrong_type("the condition of `whenever`", Kind::Fluent.noun(), value));
                         };
                         let task = self.current;
                         if owned {
@@ -1343,7 +1346,7 @@ impl Machine {
                             other => {
                                 let other = *other;
                                 attempt!(self.refuse_in_network("nothing can be waited for"));
-                                fail!(self.wrong_type("the condition of `wait-for`", "a fluent", other));
+                                fail!(self.wrong_type("the condition of `wait-for`", Kind::Fluent.noun(), other));
                             }
                         };
                         r!(condition) = Value::Nil;
@@ -1469,11 +1472,12 @@ impl Machine {
     }
 
     fn call_native(&mut self, around: &mut Surroundings<'_>, native: u16, arguments: &[Value]) -> Result<Reply, Raise> {
-        let entry = &around.natives[usize::from(native)];
+        let natives = around.natives;
+        let entry = &natives[usize::from(native)];
         if entry.effect.acts() && self.current == SCRATCH_TASK {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
-        (entry.code)(&mut NativeCall { machine: self, around, arguments })
+        (entry.code)(&mut NativeCall { machine: self, around, native: entry, arguments })
     }
 
     /// Calls any function value. On return `place` tells where to go on; an exit if the task stops.
@@ -1625,10 +1629,8 @@ impl Machine {
 
     /// Waits for a fluent to be true: the value at once, or none if the task waits now.
     fn wait_for(&mut self, fluent: u32, timeout: Option<Value>, owned: bool) -> Result<Option<Value>, Raise> {
-        let seconds = match timeout {
-            Some(value) => Some(value.as_f64().ok_or_else(|| self.wrong_type("`:timeout`", "a number", value))?),
-            None => None,
-        };
+        let due_us =
+            timeout.map(|seconds| self.instant_after(seconds, || "`:timeout` of `wait-for`".into())).transpose()?;
         let task = self.current;
         let entry = &mut self.fluents[fluent];
         if let Some(failure) = entry.failure {
@@ -1641,19 +1643,18 @@ impl Machine {
             }
             return Ok(Some(value));
         }
-        self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: seconds.is_some() };
+        self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: due_us.is_some() };
         entry.waiters.push_back(&mut self.tasks, task);
-        if let Some(seconds) = seconds {
-            self.set_wake_timer(task, seconds);
+        if let Some(due_us) = due_us {
+            self.set_wake_timer(task, due_us);
         }
         Ok(None)
     }
 
     /// Sets the timer that ends the current wait of a task.
-    pub(crate) fn set_wake_timer(&mut self, task: u32, seconds: f64) {
-        let deadline = self.now_us.saturating_add(crate::construct::microseconds(seconds));
+    pub(crate) fn set_wake_timer(&mut self, task: u32, due_us: u64) {
         let number = self.tasks[task].wait_number;
         let reference = self.tasks.reference(task);
-        self.timers.set(deadline, reference, crate::scheduler::Alarm::Wake(number));
+        self.timers.set(due_us, reference, crate::scheduler::Alarm::Wake(number));
     }
 }

@@ -170,7 +170,7 @@ impl Machine {
         value: Value,
     ) -> Result<(), Raise> {
         let Value::Fluent(fluent) = fluent else {
-            return Err(self.wrong_type("what is assigned", "a fluent", fluent));
+            return Err(self.wrong_type("what is assigned", rpl_lang::kind::Kind::Fluent.noun(), fluent));
         };
         match self.fluents[fluent].origin {
             Origin::Plan => {}

@@ -34,6 +34,7 @@ pub mod stall;
 pub mod stepping;
 pub mod system;
 pub mod task;
+pub mod time;
 pub mod timeline;
 pub mod trace;
 mod tree;

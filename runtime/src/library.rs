@@ -4,7 +4,7 @@ use crate::behaviour::{BehaviourSpec, Outside};
 use crate::failure::base_classes;
 use crate::macro_host::MacroMachine;
 use crate::native::Native;
-use rpl_lang::check::{self, BehaviourSignature, Subject};
+use rpl_lang::check::{self, BehaviourSignature, KnownPlaces, Subject};
 use rpl_lang::code::{Global, GlobalKind, Program};
 use rpl_lang::compile::{self, Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose, Resolved, Test};
 use rpl_lang::diagnostic::{Diagnostic, Severity};
@@ -145,8 +145,14 @@ impl Library {
     }
 
     /// All that is found in a file without running it, in order of place, and the texts it was found
-    /// in.
-    pub fn check(&self, name: &str, text: &str, loader: &mut dyn Loader) -> (Vec<Diagnostic>, Arc<Program>) {
+    /// in. With the places of a world those that are named are looked up.
+    pub fn check(
+        &self,
+        name: &str,
+        text: &str,
+        places: Option<&KnownPlaces>,
+        loader: &mut dyn Loader,
+    ) -> (Vec<Diagnostic>, Arc<Program>) {
         let mut program = self.program.clone();
         let mut symbols = self.symbols.clone();
         let source = program.sources.add(name, text);
@@ -157,6 +163,7 @@ impl Library {
             symbols: &symbols,
             natives: &self.signatures,
             behaviours: &self.behaviours,
+            places,
             library: &self.resolved,
             text: &compiled.resolved,
         };

@@ -17,7 +17,10 @@ use crate::value::{TaskRef, Value};
 use crate::valve::Valve;
 use rpl_lang::code::{Constant, GlobalKind, Program};
 use rpl_lang::compile::NativeSignature;
+use rpl_lang::kind::{Kind, time_in_string};
+use rpl_lang::number::format_float;
 use rpl_lang::symbol::{Symbol, Symbols};
+use rpl_lang::visible::{quoted, shortened, with_short_words};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -273,14 +276,43 @@ impl Machine {
 
     /// A `type-error` about something that was found where something else was expected.
     pub fn wrong_type(&self, what: &str, expected: &str, found: Value) -> Raise {
-        let mut message = format!("{what} must be {expected}, and it is {}", found.type_name());
-        if let Value::Fluent(fluent) = found
-            && expected != "a fluent"
-        {
-            let name = self.fluent_name(fluent);
-            message.push_str(&format!("; write `(value {name})` for the fluent's value"));
+        let message = match (found, self.heap.length(found)) {
+            (Value::Cons(_), Err(Value::Cons(_))) => {
+                format!("{what} must be {expected}, and it is a list that runs in a circle")
+            }
+            (Value::Cons(_), Err(end)) => format!(
+                "{what} must be {expected}, and it is a list that ends in {} instead of nil",
+                self.described(end)
+            ),
+            _ => format!("{what} must be {expected}, and it is {}", self.described(found)),
+        };
+        Raise::type_error(match found {
+            Value::Fluent(fluent) if expected != Kind::Fluent.noun() => {
+                format!("{message}; write `(value {})` for the fluent's value", self.fluent_name(fluent))
+            }
+            Value::Str(text) if expected == Kind::Seconds.noun() => match time_in_string(&self.heap.strings[text]) {
+                Some(time) => format!("{message}; write `{time}`, without quotes"),
+                None => message,
+            },
+            _ => message,
+        })
+    }
+
+    /// A value in a message: its type, and what it is where that is short.
+    pub fn described(&self, value: Value) -> String {
+        match value {
+            Value::Int(number) => format!("the integer {number}"),
+            Value::Float(number) if number.is_nan() => "+nan.0, which is no number".to_string(),
+            Value::Float(number) => format!("the float {}", format_float(number)),
+            Value::Symbol(name) => format!("the symbol {}", shortened(self.symbols.name(name))),
+            Value::Keyword(name) => format!("the keyword :{}", shortened(self.symbols.name(name))),
+            Value::Str(text) => format!("the string {}", quoted(&self.heap.strings[text])),
+            Value::Fluent(fluent) if self.fluents[fluent].name.is_some() => {
+                format!("the fluent `{}`", self.fluent_name(fluent))
+            }
+            Value::Valve(valve) => format!("the valve `{}`", self.valve_name(valve)),
+            other => other.type_name().to_string(),
         }
-        Raise::type_error(message)
     }
 
     /// Makes a failure object.
@@ -290,7 +322,7 @@ impl Machine {
             Raise::New { class, message, slots } => {
                 let class = self.symbols.intern(class);
                 let slots = slots.into_iter().map(|(name, value)| (self.symbols.intern(name), value)).collect();
-                self.new_failure(class, message, slots)
+                self.new_failure(class, with_short_words(message), slots)
             }
         }
     }
@@ -331,13 +363,5 @@ impl Machine {
     /// Whether no task is ready.
     pub fn is_idle(&self) -> bool {
         self.priorities.is_idle()
-    }
-
-    /// The living task a reference names, with an error for what is no task.
-    pub(crate) fn task_argument(&self, value: Value) -> Result<TaskRef, Raise> {
-        match value {
-            Value::Task(task) => Ok(task),
-            other => Err(self.wrong_type("the argument", "a task", other)),
-        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::value::{TaskRef, Value};
+use rpl_lang::kind::Kind;
 
 /// What a native function answers.
 pub enum Reply {
@@ -24,6 +25,8 @@ pub struct Call<'c, 's> {
     pub machine: &'c mut Machine,
     /// Program, natives and the robot.
     pub around: &'c mut Surroundings<'s>,
+    /// The function that is called.
+    pub native: &'c Native,
     /// The arguments.
     pub arguments: &'c [Value],
 }
@@ -46,7 +49,7 @@ impl Call<'_, '_> {
     pub fn integer(&self, at: usize) -> Result<i64, Raise> {
         match self.argument(at) {
             Value::Int(value) => Ok(value),
-            other => Err(self.wrong_type(at, "an integer", other)),
+            _ => Err(self.wrong_type(at)),
         }
     }
 
@@ -55,7 +58,7 @@ impl Call<'_, '_> {
     /// # Errors
     /// A `type-error` if it is none.
     pub fn number(&self, at: usize) -> Result<f64, Raise> {
-        self.argument(at).as_f64().ok_or_else(|| self.wrong_type(at, "a number", self.argument(at)))
+        self.argument(at).as_f64().ok_or_else(|| self.wrong_type(at))
     }
 
     /// The argument at a position as a string.
@@ -65,7 +68,7 @@ impl Call<'_, '_> {
     pub fn text(&self, at: usize) -> Result<std::sync::Arc<str>, Raise> {
         match self.argument(at) {
             Value::Str(index) => Ok(self.machine.heap.strings[index].clone()),
-            other => Err(self.wrong_type(at, "a string", other)),
+            _ => Err(self.wrong_type(at)),
         }
     }
 
@@ -75,7 +78,7 @@ impl Call<'_, '_> {
     /// A `type-error` if it is no proper list.
     pub fn list(&mut self, at: usize) -> Result<Vec<Value>, Raise> {
         let elements = self.machine.heap.elements(self.argument(at));
-        let elements = elements.map_err(|found| self.wrong_type(at, "a list", found))?;
+        let elements = elements.map_err(|_| self.wrong_type(at))?;
         self.burn(elements.len());
         Ok(elements)
     }
@@ -94,7 +97,29 @@ impl Call<'_, '_> {
     pub fn fluent(&self, at: usize) -> Result<u32, Raise> {
         match self.argument(at) {
             Value::Fluent(fluent) => Ok(fluent),
-            other => Err(self.wrong_type(at, "a fluent", other)),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The argument at a position as a task, which may be dead.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn named_task(&self, at: usize) -> Result<TaskRef, Raise> {
+        match self.argument(at) {
+            Value::Task(task) => Ok(task),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The argument at a position as a behaviour, by its number.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn behaviour(&self, at: usize) -> Result<u16, Raise> {
+        match self.argument(at) {
+            Value::Behaviour(behaviour) => Ok(behaviour),
+            _ => Err(self.wrong_type(at)),
         }
     }
 
@@ -106,13 +131,24 @@ impl Call<'_, '_> {
         match self.argument(at) {
             Value::Symbol(symbol) | Value::Keyword(symbol) => Ok(self.machine.symbols.name(symbol).to_string()),
             Value::Str(index) => Ok(self.machine.heap.strings[index].to_string()),
-            other => Err(self.wrong_type(at, "a name", other)),
+            _ => Err(self.wrong_type(at)),
         }
     }
 
-    /// A `type-error` about the argument at a position.
-    pub fn wrong_type(&self, at: usize, expected: &str, found: Value) -> Raise {
-        self.machine.wrong_type(&format!("argument {}", at + 1), expected, found)
+    /// A `type-error`: the argument at a position is not of the kind that the function declares.
+    pub fn wrong_type(&self, at: usize) -> Raise {
+        self.machine.wrong_type(&self.which(at), self.native.kind(at).noun(), self.argument(at))
+    }
+
+    /// The argument at a position, as messages name it.
+    pub fn which(&self, at: usize) -> String {
+        // What begins so is written by forms of the library: `(setf (nth …) …)`, `(format …)`.
+        let name = self.native.name;
+        match (name.strip_prefix("%set-"), name.strip_prefix('%')) {
+            (Some(accessor), _) => format!("argument {} of `(setf {accessor})`", at + 1),
+            (None, Some(form)) => format!("argument {} of `{form}`", at + 1),
+            (None, None) => format!("argument {} of `{name}`", at + 1),
+        }
     }
 }
 
@@ -124,7 +160,8 @@ pub type NativeCode = fn(&mut Call<'_, '_>) -> Result<Reply, Raise>;
 pub struct Native {
     /// Its name.
     pub name: &'static str,
-    /// Its parameters, as documentation shows them: `"list &optional start"`.
+    /// Its parameters, as documentation shows them: `"list &optional start"`. Their words say what
+    /// kind of argument each takes; see [`Kind::of_parameter`].
     pub parameters: &'static str,
     /// What it does, in one sentence.
     pub doc: &'static str,
@@ -156,6 +193,28 @@ impl Effect {
 }
 
 impl Native {
+    /// The kind of the argument at a position.
+    pub fn kind(&self, at: usize) -> Kind {
+        let (kinds, rest) = self.kinds();
+        kinds.get(at).copied().or(rest).unwrap_or(Kind::Any)
+    }
+
+    /// The kinds of the parameters, and of the arguments behind them.
+    fn kinds(&self) -> (Vec<Kind>, Option<Kind>) {
+        let mut kinds = Vec::new();
+        let mut words = self.parameters.split_whitespace();
+        let kind = |word| Kind::of_parameter(word).unwrap_or(Kind::Any);
+        while let Some(word) = words.next() {
+            match word {
+                "&optional" => {}
+                "&rest" => return (kinds, words.next().map(kind)),
+                "&key" => return (kinds, Some(Kind::Any)),
+                word => kinds.push(kind(word)),
+            }
+        }
+        (kinds, None)
+    }
+
     /// Fewest and most arguments, read off the parameters.
     pub fn arity(&self) -> (u8, Option<u8>) {
         let (mut min, mut max, mut optional, mut rest) = (0, 0, false, false);
@@ -177,6 +236,7 @@ impl Native {
     /// What the compiler needs to know.
     pub fn signature(&self) -> rpl_lang::compile::NativeSignature {
         let (min, max) = self.arity();
+        let (kinds, rest) = self.kinds();
         rpl_lang::compile::NativeSignature {
             name: self.name.to_string(),
             min,
@@ -184,6 +244,8 @@ impl Native {
             effect: self.effect.acts(),
             waits: self.effect == Effect::Waits,
             calls: self.effect == Effect::Calls,
+            kinds,
+            rest,
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::value::Value;
 use rpl_lang::code::Program;
 use rpl_lang::number::format_float;
 use rpl_lang::pretty::quote_string;
+use rpl_lang::visible::visible;
 use std::fmt::Write;
 
 /// Text longer than this is cut, so that a circular list prints.
@@ -65,8 +66,8 @@ pub fn readable(machine: &Machine, program: &Program, value: Value) -> String {
 }
 
 fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
-    let name = |symbol| machine.symbols.name(symbol);
-    let code_name = |code: u32| program.codes.get(code as usize).map_or("?", |code| name(code.name));
+    let name = |symbol| visible(machine.symbols.name(symbol));
+    let code_name = |code: u32| program.codes.get(code as usize).map_or("?".into(), |code| name(code.name));
     let written = match value {
         Value::Nil => write!(text, "nil"),
         Value::True => write!(text, "t"),

@@ -3,7 +3,8 @@
 
 use crate::behaviour::Phase;
 use crate::machine::{Machine, Output, Surroundings};
-use crate::task::{NONE, ScopeKind, State, Waiting};
+use crate::task::{NONE, ScopeKind, State};
+use crate::tree::is_current;
 use rpl_lang::code::{Program, Rule};
 use serde::{Deserialize, Serialize};
 
@@ -67,13 +68,12 @@ impl Machine {
             .any(|(activation, spec)| activation.phase == Phase::Active && spec.valve.is_some())
     }
 
-    /// Whether a task that is no policy goes on at a known time.
+    /// Whether a task that is no policy goes on at a known time: a wait ends, or a deadline comes.
     fn awaits_time(&self) -> bool {
-        self.tasks.iter().any(|(index, task)| {
-            task.waiting == Waiting::Time
-                && task.state == State::Blocked
-                && !task.is_held()
-                && !self.belongs_to_policy(index)
+        self.timers.iter().any(|timer| {
+            is_current(&self.tasks, timer)
+                && !self.tasks[timer.task.index].is_held()
+                && !self.belongs_to_policy(timer.task.index)
         })
     }
 

@@ -6,6 +6,7 @@ use crate::trace::EventKind;
 use crate::value::Value;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
+use rpl_lang::visible::visible;
 
 /// Names a path shows at most; what is deeper shows its innermost ones.
 const MAX_SEGMENTS: usize = 64;
@@ -141,8 +142,8 @@ impl Machine {
     }
 
     fn counted(&self, name: Symbol, occurrence: u32) -> String {
-        let name = self.symbols.name(name);
-        if occurrence > 1 { format!("{name}.{occurrence}") } else { name.to_string() }
+        let name = visible(self.symbols.name(name));
+        if occurrence > 1 { format!("{name}.{occurrence}") } else { name.into_owned() }
     }
 
     /// The plan calls around a place in a task, innermost first.

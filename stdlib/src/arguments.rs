@@ -75,7 +75,7 @@ pub(crate) fn given(call: &Call<'_, '_>, at: usize) -> Option<Value> {
 pub(crate) fn natural(call: &Call<'_, '_>, at: usize) -> Result<usize, Raise> {
     let number = call.integer(at)?;
     usize::try_from(number)
-        .map_err(|_| index_error(format!("argument {} must not be negative, and it is {number}", at + 1)))
+        .map_err(|_| index_error(format!("{} must not be negative, and it is {number}", call.which(at))))
 }
 
 /// The pairs of a list from the front; ends also where the list runs into a circle.
@@ -112,13 +112,7 @@ impl Iterator for Spine<'_> {
 
 /// An error unless a walk of the list in an argument has ended in nil.
 pub(crate) fn proper_end(call: &Call<'_, '_>, at: usize, end: Value) -> Result<(), Raise> {
-    let found = match (call.argument(at), end) {
-        (_, Value::Nil) => return Ok(()),
-        (Value::Cons(_), Value::Cons(_)) => "runs in a circle".to_string(),
-        (Value::Cons(_), other) => format!("ends in {}", other.type_name()),
-        (other, _) => return Err(call.wrong_type(at, "a list", other)),
-    };
-    Err(Raise::type_error(format!("argument {} must be a proper list, and it {found}", at + 1)))
+    if end == Value::Nil { Ok(()) } else { Err(call.wrong_type(at)) }
 }
 
 /// The elements of the list in an argument.
@@ -145,7 +139,7 @@ pub(crate) fn sequence(call: &mut Call<'_, '_>, at: usize) -> Result<Sequence, R
     match call.argument(at) {
         Value::Str(_) => call.text(at).map(Sequence::Text),
         Value::Nil | Value::Cons(_) => elements(call, at).map(Sequence::List),
-        other => Err(call.wrong_type(at, "a list or a string", other)),
+        _ => Err(call.wrong_type(at)),
     }
 }
 

@@ -14,10 +14,7 @@ fn length(call: &mut Call<'_, '_>) -> Answer {
     }
     let mut spine = Spine::new(&call.machine.heap, call.argument(0));
     let length = spine.by_ref().count();
-    match call.argument(0) {
-        Value::Nil | Value::Cons(_) => proper_end(call, 0, spine.rest())?,
-        other => return Err(call.wrong_type(0, "a list or a string", other)),
-    }
+    proper_end(call, 0, spine.rest())?;
     integer(length as i64)
 }
 
@@ -105,6 +102,12 @@ fn position(call: &mut Call<'_, '_>) -> Answer {
     value(found.map_or(Value::Nil, |(position, _)| Value::Int(position as i64)))
 }
 
+/// The error for an element of an association list that is no entry.
+pub(crate) fn no_pair(call: &Call<'_, '_>, at: usize, found: Value) -> Raise {
+    let found = call.machine.described(found);
+    Raise::type_error(format!("{} must be a list of pairs, and one of its elements is {found}", call.which(at)))
+}
+
 /// The entry of an association list whose half (0 key, 1 value) is `equal` to the first argument.
 fn entry(call: &Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value, Value)>, Raise> {
     let heap = &call.machine.heap;
@@ -120,10 +123,7 @@ fn entry(call: &Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value, Va
                 }
             }
             other => {
-                let found = other.type_name();
-                return Err(Raise::type_error(format!(
-                    "argument 2 must be a list of pairs, and one of its elements is {found}"
-                )));
+                return Err(no_pair(call, 1, other));
             }
         }
     }
@@ -149,10 +149,7 @@ fn halves(call: &mut Call<'_, '_>, values: bool) -> Answer {
                 found.push(if values { content } else { key });
             }
             other => {
-                let found = other.type_name();
-                return Err(Raise::type_error(format!(
-                    "argument 1 must be a list of pairs, and one of its elements is {found}"
-                )));
+                return Err(no_pair(call, 0, other));
             }
         }
     }
@@ -212,7 +209,7 @@ pub const NATIVES: &[Native] = &[
     pure("remove", "value list", "A copy of the list without the elements that are equal to the value.", remove),
     pure(
         "substitute",
-        "new old list",
+        "value former list",
         "A copy of the list with a new element in place of each that is equal to the old one.",
         substitute,
     ),

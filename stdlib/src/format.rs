@@ -1,6 +1,7 @@
 //! `format`: text with directives that stand for arguments.
 
 use crate::arguments::{Answer, pure, room_for, text};
+use rpl_lang::kind::Kind;
 use rpl_lang::number::format_float;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
@@ -65,7 +66,7 @@ fn shown(call: &Call<'_, '_>, directive: Directive, at: usize) -> Result<String,
         }
         (letter @ ('d' | 'f'), _) => {
             let name = format!("the argument of `~{letter}`");
-            return Err(call.machine.wrong_type(&name, "a number", argument));
+            return Err(call.machine.wrong_type(&name, Kind::Number.noun(), argument));
         }
         (letter, _) => {
             return Err(malformed(format!(

@@ -4,6 +4,7 @@ use crate::arguments::{
     Answer, Spine, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
 };
 use crate::numbers::{Number, number, overflow};
+use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
@@ -16,7 +17,7 @@ pub(crate) fn half(call: &Call<'_, '_>, list: Value, letter: u8) -> Result<Value
             let (car, cdr) = call.machine.heap.pair(index);
             Ok(if letter == b'a' { car } else { cdr })
         }
-        other => Err(call.wrong_type(0, "a list", other)),
+        other => Err(call.machine.wrong_type(&format!("a part of {}", call.which(0)), Kind::List.noun(), other)),
     }
 }
 
@@ -82,7 +83,7 @@ fn nth_of(call: &Call<'_, '_>, at: usize, position: usize) -> Answer {
     match tail_from(call, call.argument(at), position) {
         Value::Nil => value(Value::Nil),
         Value::Cons(index) => value(call.machine.heap.pair(index).0),
-        other => Err(proper_end(call, at, other).err().unwrap_or_else(|| call.wrong_type(at, "a list", other))),
+        _ => Err(call.wrong_type(at)),
     }
 }
 
@@ -90,7 +91,7 @@ fn nthcdr(call: &mut Call<'_, '_>) -> Answer {
     let position = natural(call, 0)?;
     match call.argument(1) {
         Value::Nil | Value::Cons(_) => value(tail_from(call, call.argument(1), position)),
-        other => Err(call.wrong_type(1, "a list", other)),
+        _ => Err(call.wrong_type(1)),
     }
 }
 
@@ -213,7 +214,7 @@ fn getf(call: &mut Call<'_, '_>) -> Answer {
 
 /// Building lists and taking them apart.
 pub const NATIVES: &[Native] = &[
-    pure("cons", "first rest", "A list of a first element and a rest.", cons),
+    pure("cons", "value rest", "A list of a first element and a rest.", cons),
     pure("car", "list", "The first element; nil of the empty list.", |call| path(call, b"a")),
     pure("cdr", "list", "The list without its first element; nil of the empty list.", |call| path(call, b"d")),
     pure("caar", "list", "The car of the car.", |call| path(call, b"aa")),
@@ -246,11 +247,11 @@ pub const NATIVES: &[Native] = &[
     pure("acons", "key value alist", "The association list with one more entry in front.", acons),
     pure(
         "range",
-        "start-or-end &optional end step",
+        "from-or-to &optional to step",
         "The numbers from a start, or 0, up to an end that is not among them.",
         range,
     ),
-    pure("iota", "count &optional start step", "So many numbers from a start, or 0.", iota),
+    pure("iota", "count &optional from step", "So many numbers from a start, or 0.", iota),
     pure("flatten", "tree", "The atoms of nested lists in one list, without nil.", flatten),
     pure("getf", "plist key &optional default", "The value that follows the key in a list of keys and values.", getf),
 ];

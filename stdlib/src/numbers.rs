@@ -39,7 +39,7 @@ pub(crate) fn number(call: &Call<'_, '_>, at: usize) -> Result<Number, Raise> {
     match call.argument(at) {
         Value::Int(value) => Ok(Number::Int(value)),
         Value::Float(value) => Ok(Number::Float(value)),
-        other => Err(call.wrong_type(at, "a number", other)),
+        _ => Err(call.wrong_type(at)),
     }
 }
 

@@ -3,6 +3,7 @@
 
 use crate::arguments::{Answer, Spine, changing, index_error, natural, value};
 use crate::lists::follow;
+use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
@@ -13,7 +14,7 @@ fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> Answer {
     let Value::Cons(index) = pair else {
         return Err(match pair {
             Value::Nil => index_error("the list is too short: there is no element to set".into()),
-            other => call.wrong_type(0, "a list", other),
+            other => call.machine.wrong_type(&format!("a part of {}", call.which(0)), Kind::List.noun(), other),
         });
     };
     let new = call.argument(1);
@@ -39,7 +40,7 @@ fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value
     }
     Err(match call.argument(list) {
         Value::Nil | Value::Cons(_) => missing(position, length),
-        other => call.wrong_type(list, "a list", other),
+        _ => call.wrong_type(list),
     })
 }
 

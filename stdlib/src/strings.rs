@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 fn pattern(call: &Call<'_, '_>, at: usize) -> Result<std::sync::Arc<str>, Raise> {
     let pattern = call.text(at)?;
     if pattern.is_empty() {
-        return Err(Raise::type_error(format!("argument {} must not be an empty string", at + 1)));
+        return Err(Raise::type_error(format!("{} must not be an empty string", call.which(at))));
     }
     Ok(pattern)
 }
@@ -155,19 +155,19 @@ pub const NATIVES: &[Native] = &[
     pure("concat", "&rest values", "The values, as they are printed, one after the other in a string.", concat),
     pure("string", "value", "The value as a string: the name of a symbol or keyword, else what is printed.", to_string),
     pure("write-to-string", "value", "The value as it could be read again.", write_to_string),
-    pure("string=", "string &rest strings", "Whether all strings, or names of symbols, are the same.", |call| {
+    pure("string=", "name &rest names", "Whether all strings, or names of symbols, are the same.", |call| {
         chain(call, Ordering::is_eq)
     }),
-    pure("string<", "string &rest strings", "Whether each string comes before the next.", |call| {
+    pure("string<", "name &rest names", "Whether each string comes before the next.", |call| {
         chain(call, Ordering::is_lt)
     }),
-    pure("string>", "string &rest strings", "Whether each string comes after the next.", |call| {
+    pure("string>", "name &rest names", "Whether each string comes after the next.", |call| {
         chain(call, Ordering::is_gt)
     }),
-    pure("string<=", "string &rest strings", "Whether no string comes after the next.", |call| {
+    pure("string<=", "name &rest names", "Whether no string comes after the next.", |call| {
         chain(call, Ordering::is_le)
     }),
-    pure("string>=", "string &rest strings", "Whether no string comes before the next.", |call| {
+    pure("string>=", "name &rest names", "Whether no string comes before the next.", |call| {
         chain(call, Ordering::is_ge)
     }),
     pure("string-upcase", "string", "The string in capitals.", upcase),
@@ -204,7 +204,12 @@ pub const NATIVES: &[Native] = &[
         "The string without spaces, or such characters, at its ends.",
         trim,
     ),
-    pure("string-replace", "string old new", "The string with a new part in place of each old one.", replace),
+    pure(
+        "string-replace",
+        "string pattern replacement",
+        "The string with a new part in place of each old one.",
+        replace,
+    ),
     pure("string-repeat", "string times", "The string repeated TIMES times.", repeat),
     pure("string->list", "string", "The characters of the string, each a string.", to_characters),
 ];

@@ -1,8 +1,9 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{Answer, elements, list, natural, pure, truth, value};
+use crate::arguments::{Answer, elements, list, natural, pure, text, truth, value};
 use rpl_lang::code::GlobalKind;
+use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
@@ -44,7 +45,9 @@ fn transpose(call: &mut Call<'_, '_>) -> Answer {
     for column in elements(call, 0)? {
         match call.machine.heap.elements(column) {
             Ok(items) => columns.push(items),
-            Err(found) => return Err(call.machine.wrong_type("each argument behind the function", "a list", found)),
+            Err(_) => {
+                return Err(call.machine.wrong_type("each argument behind the function", Kind::List.noun(), column));
+            }
         }
     }
     let length = columns.iter().map(Vec::len).min().unwrap_or(0);
@@ -63,7 +66,7 @@ fn checked_list(call: &mut Call<'_, '_>) -> Answer {
         Value::Nil | Value::Cons(_) => value(call.argument(0)),
         other => {
             let what = format!("argument {} of `{}`", call.integer(2)?, call.name(1)?);
-            Err(call.machine.wrong_type(&what, "a list", other))
+            Err(call.machine.wrong_type(&what, Kind::List.noun(), other))
         }
     }
 }
@@ -74,7 +77,7 @@ fn checked_function(call: &mut Call<'_, '_>) -> Answer {
         Value::Function(_) | Value::Closure(_) | Value::Native(_) => value(call.argument(0)),
         other => {
             let what = format!("argument {} of `{}`", call.integer(2)?, call.name(1)?);
-            Err(call.machine.wrong_type(&what, "a function", other))
+            Err(call.machine.wrong_type(&what, Kind::Function.noun(), other))
         }
     }
 }
@@ -93,6 +96,17 @@ fn names_function(call: &mut Call<'_, '_>) -> Answer {
     truth(!is_macro && (is_global || is_native()))
 }
 
+/// A value in the message of a failure, cut where it is long.
+fn brief(call: &mut Call<'_, '_>) -> Answer {
+    const LONGEST: usize = 200;
+    let written = call.machine.write(call.around.program, call.argument(0));
+    let brief = match written.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}… ({} characters)", &written[..end], written.chars().count()),
+        None => written,
+    };
+    text(call, &brief)
+}
+
 /// What a macro raises when its form is not of the right shape.
 fn malformed(call: &mut Call<'_, '_>) -> Answer {
     Err(Raise::type_error(format!("this is not of the form {}", call.text(0)?)))
@@ -103,9 +117,10 @@ pub const NATIVES: &[Native] = &[
     pure("%nreverse", "list", "The pairs of a new list in the opposite order.", reverse_in_place),
     pure("%link", "pair list", "Makes the list follow a new pair.", link),
     pure("%cut", "list count", "Cuts a new list behind so many pairs and gives the rest.", cut),
-    pure("%transpose", "lists", "Rows of columns.", transpose),
+    pure("%transpose", "columns", "Rows of columns.", transpose),
     pure("%checked-list", "value name position", "The value if it is a list, else an error.", checked_list),
     pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
     pure("%names-function", "name", "Whether a symbol is the name of a function.", names_function),
+    pure("%brief", "value", "The value as it could be read, cut where it is long.", brief),
     pure("%malformed", "form", "The error of a macro whose form is malformed.", malformed),
 ];

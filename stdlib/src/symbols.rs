@@ -3,6 +3,7 @@
 use crate::arguments::{Answer, count, pure, text, value};
 use rpl_lang::reader::fold_name;
 use rpl_lang::symbol::Symbol;
+use rpl_lang::visible::quoted;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
@@ -12,7 +13,7 @@ fn symbol_name(call: &mut Call<'_, '_>) -> Answer {
         Value::Nil => "nil".to_string(),
         Value::True => "t".to_string(),
         Value::Symbol(name) | Value::Keyword(name) => call.machine.symbols.name(name).to_string(),
-        other => return Err(call.wrong_type(0, "a symbol", other)),
+        _ => return Err(call.wrong_type(0)),
     };
     text(call, &name)
 }
@@ -23,7 +24,11 @@ fn folded(call: &mut Call<'_, '_>) -> Result<Symbol, Raise> {
     let name = fold_name(&name);
     // Names that begin so are those of `gensym`, which no text may reach.
     if name.is_empty() || name.starts_with("#:") {
-        return Err(Raise::type_error(format!("argument 1 must be the name of a symbol, and it is \"{name}\"")));
+        return Err(Raise::type_error(format!(
+            "{} must be the name of a symbol, and it is {}",
+            call.which(0),
+            quoted(&name)
+        )));
     }
     Ok(call.machine.symbols.intern(&name))
 }

@@ -1,6 +1,7 @@
 //! Hash tables: keys are compared as by `equal`, entries stand in the order of their keys.
 
 use crate::arguments::{Answer, changing, elements, integer, list, pure, truth, value};
+use crate::elements::no_pair;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::heap::{Key, Table};
 use rpl_runtime::native::{Call, Native};
@@ -10,13 +11,16 @@ use rpl_runtime::value::Value;
 fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
     match call.argument(at) {
         Value::Table(table) => Ok(table),
-        other => Err(call.wrong_type(at, "a hash table", other)),
+        _ => Err(call.wrong_type(at)),
     }
 }
 
 /// The key of the first argument.
 fn key(call: &Call<'_, '_>, of: Value) -> Result<Key, Raise> {
-    call.machine.heap.key(of).ok_or_else(|| Raise::type_error("this nests too deep to be the key of a hash table"))
+    call.machine
+        .heap
+        .key(of)
+        .ok_or_else(|| Raise::type_error("this datum is nested too deep, or too large, to be the key of a hash table"))
 }
 
 fn new_table(call: &mut Call<'_, '_>, table: Table) -> Value {
@@ -29,7 +33,10 @@ fn make_hash_table(call: &mut Call<'_, '_>) -> Answer {
     if let Some(&option) = call.arguments.first() {
         let is_test = matches!(option, Value::Keyword(name) if call.machine.symbols.name(name) == "test");
         if !is_test || call.arguments.len() != 2 {
-            return Err(Raise::new("arity-error", "`make-hash-table` takes no arguments"));
+            return Err(Raise::new(
+                "arity-error",
+                "`make-hash-table` takes no arguments but `:test`, which changes nothing",
+            ));
         }
     }
     let table = new_table(call, Table::default());
@@ -40,7 +47,7 @@ fn from_alist(call: &mut Call<'_, '_>) -> Answer {
     let mut table = Table::default();
     for item in elements(call, 0)? {
         let Value::Cons(index) = item else {
-            return Err(call.wrong_type(0, "a list of pairs", item));
+            return Err(no_pair(call, 0, item));
         };
         let (of, content) = call.machine.heap.pair(index);
         // The first entry of a key counts, as for `assoc`.

@@ -1,7 +1,7 @@
 //! The documents tell the truth: their code runs and prints what stands below it, their tables are
 //! the code's, their links lead somewhere, and each clause of the reference has a label of its own.
 
-use rpl_lang::check::RULES;
+use rpl_lang::check::{KnownPlaces, RULES};
 use rpl_lang::compile::NoFiles;
 use rpl_robot::office::{self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeSettings, Oracle, PLANS, ROBOT_NAMES, VALVES};
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
@@ -179,8 +179,11 @@ fn robot_library() -> Library {
 #[test]
 fn warnings_are_those_of_the_check() {
     let library = robot_library();
+    let world = World::builtin("dept").expect("the world is there");
+    let names = world.places.iter().map(|place| place.name.clone()).collect();
+    let places = KnownPlaces { world: world.name, names };
     each_block(&["lisp check"], |_, block, shown| {
-        let (findings, program) = library.check("plan.rpl", &block.text, &mut NoFiles);
+        let (findings, program) = library.check("plan.rpl", &block.text, Some(&places), &mut NoFiles);
         differs(rpl_lang::diagnostic::render(&findings, &program.sources, false).trim_end(), shown)
     });
 }

@@ -2,7 +2,7 @@
 //! becomes true.
 
 use crate::mission::Robot;
-use rpl_lang::source::{Source, SourceId, Span};
+use rpl_lang::source::{self, Source, SourceId, Span};
 use rpl_lang::suggest::suggest;
 use rpl_runtime::session::Condition;
 use rpl_runtime::stepping::Stop;
@@ -110,7 +110,7 @@ fn at_line(system: &System<Robot>, named: Option<&str>, line: usize, file: Optio
     let texts: Vec<&Source> = own.filter(|source| !UNTYPED.contains(&&*source.name)).collect();
     let wanted = named.or(file);
     let lines = texts.iter().filter(|source| wanted.is_none_or(|name| *source.name == *name));
-    let lines = lines.map(|source| source.text.lines().count()).max();
+    let lines = lines.map(|source| source::lines(&source.text).count()).max();
     match (lines, wanted) {
         (Some(lines), _) if (1..=lines).contains(&line) => Ok(Breakpoint::Line(named.map(str::to_string), line)),
         (Some(lines), Some(name)) => Err(format!("`{name}` has no line {line}; its last is {lines}")),

@@ -6,7 +6,8 @@ use crate::events;
 use crate::mission::Robot;
 use crate::why::{is_meant, shortened};
 use rpl_lang::code::GlobalKind;
-use rpl_lang::source::{Sources, Span};
+use rpl_lang::source::{self, Sources, Span, count_line_ends};
+use rpl_lang::visible::pictured;
 use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
 use rpl_runtime::value::Value;
@@ -178,26 +179,24 @@ fn marked(sources: &Sources, span: Span, colour: bool, width: usize) -> Vec<Stri
     let text = &sources.get(span.source).text;
     let (first, _) = sources.line_column(Span { end: span.start, ..span });
     let (start, end) = (span.start as usize, span.end as usize);
-    let last = first + text.get(start..end).map_or(0, |form| form.matches('\n').count()).min(LINES_AROUND);
+    let last = first + text.get(start..end).map_or(0, |form| count_line_ends(form)).min(LINES_AROUND);
     let mut lines = Vec::new();
-    let mut offset = 0;
-    for (index, line) in text.split_inclusive('\n').enumerate() {
-        let (number, line_start) = (index + 1, offset);
-        offset += line.len();
+    for (index, (line_start, line)) in source::lines(text).enumerate() {
+        let number = index + 1;
         if number + LINES_AROUND < first || number > last + LINES_AROUND {
             continue;
         }
-        let line = cut(line.trim_end_matches(['\n', '\r']), width.saturating_sub(MARGIN));
+        let line = cut(line, width.saturating_sub(MARGIN));
         let clamp = |at: usize| at.clamp(line_start, line_start + line.len()) - line_start;
         let (from, to) = (line.floor_char_boundary(clamp(start)), line.floor_char_boundary(clamp(end)));
         let has_mark = from < to;
         let arrow = if has_mark && number == first { '▶' } else { ' ' };
         if has_mark && colour {
-            let (before, form, after) = (&line[..from], &line[from..to], &line[to..]);
+            let (before, form, after) = (pictured(&line[..from]), pictured(&line[from..to]), pictured(&line[to..]));
             lines.push(format!("{number:>5} {arrow} {before}\x1b[7m{form}\x1b[0m{after}"));
             continue;
         }
-        lines.push(format!("{number:>5} {arrow} {line}"));
+        lines.push(format!("{number:>5} {arrow} {}", pictured(line)));
         if has_mark && number == first {
             let indent = line[..from].chars().count();
             lines.push(format!("        {}{}", " ".repeat(indent), "^".repeat(line[from..to].chars().count())));

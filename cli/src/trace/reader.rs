@@ -3,6 +3,7 @@
 use super::file::{Header, VERSION};
 use crate::files;
 use anyhow::{Result, anyhow, bail};
+use rpl_runtime::time::LAST_INSTANT_US;
 use rpl_runtime::trace::{Event, EventKind};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::Value;
@@ -13,8 +14,8 @@ use std::path::Path;
 /// A longer line is no event.
 const MAX_LINE_BYTES: u64 = 8 << 20;
 
-/// Times above this would not be exact to the microsecond.
-const MAX_TIME_S: f64 = 9e9;
+/// The end of the clock.
+const MAX_TIME_S: f64 = LAST_INSTANT_US as f64 / 1e6;
 
 /// An event, and the line it stands in.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,7 +178,7 @@ fn event_in(text: &str) -> Result<Event, String> {
             (_, value) => details.push((name, value.to_string())),
         }
     }
-    let time_s = time_s.filter(|time_s| (0.0..MAX_TIME_S).contains(time_s));
+    let time_s = time_s.filter(|time_s| (0.0..=MAX_TIME_S).contains(time_s));
     match (time_s, sequence, path, kind) {
         (Some(time_s), Some(sequence), Some(path), Some(kind)) => {
             Ok(Event { time_us: (time_s * 1e6).round() as u64, sequence, path, kind, details })

@@ -1,46 +1,13 @@
-//! What belongs where a behaviour, a valve, a fluent or a class of failure stands.
+//! What belongs to a behaviour, a fluent of the robot or a class of failure.
 
 use super::Check;
 use super::calls::unknown_keywords;
 use super::walk::each_form;
-use crate::code::{Constant, GlobalKind};
-use crate::compile::ir::{Ir, IrKind, ScopeIr};
+use crate::code::GlobalKind;
+use crate::compile::ir::{Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::suggest::suggest;
-
-/// What a place wants.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Wanted {
-    Behaviour,
-    Valve,
-    Fluent,
-    Task,
-}
-
-impl Wanted {
-    fn noun(self) -> &'static str {
-        match self {
-            Wanted::Behaviour => "a behaviour",
-            Wanted::Valve => "a valve",
-            Wanted::Fluent => "a fluent",
-            Wanted::Task => "a task",
-        }
-    }
-
-    /// What the first argument of a native must be.
-    fn by(native: &str) -> Option<Self> {
-        Some(match native {
-            "activate" | "deactivate" | "await-signal" => Wanted::Behaviour,
-            "request-valve" | "release-valve" | "holds-valve?" => Wanted::Valve,
-            "value" | "%set-value" | "pulse" | "pulsed" | "changed" | "count-pulses" => Wanted::Fluent,
-            "status" | "result" | "begin-task" | "end-task" | "evaporate" | "suspend" | "resume" | "task-path" => {
-                Wanted::Task
-            }
-            _ => return None,
-        })
-    }
-}
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     for root in check.roots() {
@@ -49,75 +16,13 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
 }
 
 fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
-    match &ir.kind {
-        IrKind::Scope(ScopeIr::Valve(valve), _) => {
-            wrong_kind(check, "with-valve", Wanted::Valve, ir.span, valve, found)
-        }
-        IrKind::Scope(ScopeIr::Suspended(task), _) => {
-            wrong_kind(check, "with-task-suspended", Wanted::Task, ir.span, task, found);
-        }
-        IrKind::WaitFor { fluent, .. } => wrong_kind(check, "wait-for", Wanted::Fluent, ir.span, fluent, found),
-        IrKind::Whenever { fluent, .. } => wrong_kind(check, "whenever", Wanted::Fluent, ir.span, fluent, found),
-        IrKind::Call(..) => {
-            let Some((name, [first, rest @ ..])) = check.native_call(ir) else { return };
-            if let Some(wanted) = Wanted::by(name) {
-                let shown = if name == "%set-value" { "setf (value …)" } else { name };
-                wrong_kind(check, shown, wanted, ir.span, first, found);
-            }
-            match name {
-                "activate" => parameters(check, first, rest, ir.span, found),
-                "pulse" | "%set-value" => robot_fluent(check, first, ir.span, found),
-                "%fail" => slots(check, first, rest, ir.span, found),
-                _ => {}
-            }
-        }
+    let Some((name, [first, rest @ ..])) = check.native_call(ir) else { return };
+    match name {
+        "activate" => parameters(check, first, rest, ir.span, found),
+        "pulse" | "%set-value" => robot_fluent(check, first, ir.span, found),
+        "%fail" => slots(check, first, rest, ir.span, found),
         _ => {}
     }
-}
-
-/// What a form visibly stands for, if that is never a task, nor anything a variable may hold.
-fn noun(check: &Check<'_>, ir: &Ir) -> Option<(&'static str, Option<Wanted>)> {
-    match ir.kind {
-        IrKind::Global(global) => match check.kind(global) {
-            GlobalKind::Function(_) => Some(("a function", None)),
-            GlobalKind::Fluent => Some(("a fluent", Some(Wanted::Fluent))),
-            GlobalKind::Valve => Some(("a valve", Some(Wanted::Valve))),
-            GlobalKind::Behaviour(_) => Some(("a behaviour", Some(Wanted::Behaviour))),
-            GlobalKind::Variable | GlobalKind::Constant => None,
-        },
-        IrKind::Int(_) => Some(("a number", None)),
-        IrKind::Const(constant) => match check.constant(constant) {
-            Constant::Symbol(_) => Some(("a symbol", None)),
-            Constant::Str(_) => Some(("a string", None)),
-            Constant::Float(_) | Constant::Int(_) => Some(("a number", None)),
-            Constant::Keyword(_) => Some(("a keyword", None)),
-            Constant::Native(_) => Some(("a function", None)),
-            Constant::List(..) | Constant::Nil | Constant::True | Constant::Object(_) => None,
-        },
-        _ => None,
-    }
-}
-
-fn wrong_kind(check: &Check<'_>, form: &str, wanted: Wanted, around: Span, ir: &Ir, found: &mut Vec<Diagnostic>) {
-    let Some((noun, is)) = noun(check, ir) else { return };
-    if is == Some(wanted) {
-        return;
-    }
-    let place = super::places::narrowed(check, around, ir);
-    let shown = match check.quoted(ir) {
-        Some(symbol) => format!("'{}", check.name(symbol)),
-        None => check.shown(ir),
-    };
-    let message = format!("`{form}` wants {}, and `{shown}` is {noun}", wanted.noun());
-    let warning = check.warning("wrong-kind", place, message, format!("not {}", wanted.noun()));
-    let named = check.quoted(ir).map(|symbol| check.name(symbol));
-    let is_defined = named
-        .and_then(|name| check.subject.symbols.find(name))
-        .is_some_and(|name| check.subject.program.names.contains_key(&name));
-    found.push(match named.filter(|_| is_defined) {
-        Some(name) => warning.help(format!("without the quote `{name}` is the thing itself")),
-        None => warning,
-    });
 }
 
 fn parameters(check: &Check<'_>, behaviour: &Ir, pairs: &[Ir], span: Span, found: &mut Vec<Diagnostic>) {

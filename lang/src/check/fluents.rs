@@ -1,51 +1,13 @@
 //! Fluents taken for their values, and what is asked of a task's state.
 
 use super::Check;
+use super::kinds::kind_of;
 use super::walk::{deep, each_form};
 use crate::code::GlobalKind;
 use crate::compile::ir::{Binary, Callee, Ir, IrKind, Unary};
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::suggest::suggest;
-
-/// Natives that compute with numbers.
-const NUMERIC: &[&str] = &[
-    "+",
-    "-",
-    "*",
-    "/",
-    "<",
-    "<=",
-    ">",
-    ">=",
-    "=",
-    "/=",
-    "1+",
-    "1-",
-    "abs",
-    "min",
-    "max",
-    "mod",
-    "rem",
-    "floor",
-    "ceiling",
-    "round",
-    "truncate",
-    "sqrt",
-    "sin",
-    "cos",
-    "tan",
-    "exp",
-    "log10",
-    "expt",
-    "signum",
-    "wait-time",
-    "at-time",
-    "zerop",
-    "plusp",
-    "minusp",
-    "evenp",
-    "oddp",
-];
 
 /// Natives that give a fluent where they do not stand in a network.
 const GIVE_FLUENTS: &[&str] =
@@ -68,11 +30,12 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
         }
         IrKind::Binary(Binary::Cons, ..) => {}
         IrKind::Binary(_, left, right) => computed_with(check, ir, [&**left, &**right].into_iter(), found),
-        IrKind::Call(Callee::Native(_), arguments) => {
+        IrKind::Call(Callee::Native(native), arguments) => {
             let name = check.native_call(ir).map_or("", |(name, _)| name);
-            if NUMERIC.contains(&name) {
-                computed_with(check, ir, arguments.iter(), found);
-            }
+            let signature = &check.subject.natives[usize::from(*native)];
+            let wants_number = |at| matches!(kind_of(signature, at), Kind::Number | Kind::Integer | Kind::Seconds);
+            let numbers = arguments.iter().enumerate().filter(|&(at, _)| wants_number(at));
+            computed_with(check, ir, numbers.map(|(_, argument)| argument), found);
             if let ("equal", [left, right]) = (name, arguments.as_slice()) {
                 compared(check, left, right, found);
                 compared(check, right, left, found);

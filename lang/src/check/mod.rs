@@ -14,8 +14,10 @@ mod conditions;
 mod effects;
 mod flow;
 mod fluents;
+mod kinds;
 mod names;
 mod places;
+mod unknown_places;
 mod unused;
 mod valve_order;
 mod valves;
@@ -29,6 +31,8 @@ use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
 use bindings::Bindings;
 use effects::Effects;
+pub use unknown_places::KnownPlaces;
+
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -48,6 +52,7 @@ pub const RULES: &[&str] = &[
     "fluent-as-value",
     "wrong-kind",
     "unknown-parameter",
+    "unknown-place",
     "unknown-slot",
     "unknown-state",
     "wrong-call",
@@ -76,6 +81,8 @@ pub struct Subject<'a> {
     pub natives: &'a [NativeSignature],
     /// The behaviours, by number.
     pub behaviours: &'a [BehaviourSignature],
+    /// The places of the world, if it is known.
+    pub places: Option<&'a KnownPlaces>,
     /// What the library was resolved to.
     pub library: &'a [Resolved],
     /// What the text was resolved to.
@@ -96,7 +103,9 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     conditions::find(&check, found);
     fluents::find(&check, found);
     calls::find(&check, found);
+    kinds::find(&check, found);
     behaviours::find(&check, found);
+    unknown_places::find(&check, found);
     valve_order::find(&check, found);
     let faulty = check.faulty(errors);
     warnings.retain(|warning| !faulty.iter().any(|&span| lies_in(warning.span, span)));

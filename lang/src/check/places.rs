@@ -3,7 +3,7 @@
 use crate::compile::ir::{Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Token;
-use crate::source::{Sources, Span};
+use crate::source::{LINE_ENDS, Sources, Span, line_end, line_start};
 
 /// What a comment begins with that takes warnings away.
 const ALLOWANCE: &str = "; check: allow ";
@@ -11,7 +11,7 @@ const ALLOWANCE: &str = "; check: allow ";
 /// The span if it stands in one line, else its head: `(loop`.
 pub(super) fn brief(sources: &Sources, span: Span) -> Span {
     let text = sources.text_of(span);
-    if !text.contains('\n') {
+    if !text.contains(LINE_ENDS) {
         return span;
     }
     let end = text.char_indices().skip(1).find(|&(_, c)| c.is_whitespace() || matches!(c, '(' | ')'));
@@ -21,7 +21,7 @@ pub(super) fn brief(sources: &Sources, span: Span) -> Span {
 /// The text of the span, shortened to one line.
 pub(super) fn one_line(sources: &Sources, span: Span) -> String {
     let text = sources.text_of(span);
-    match text.split_once('\n') {
+    match text.split_once(LINE_ENDS) {
         Some((first, _)) => format!("{} …", first.trim_end()),
         None => text.to_string(),
     }
@@ -31,11 +31,9 @@ pub(super) fn one_line(sources: &Sources, span: Span) -> String {
 pub(super) fn is_allowed(sources: &Sources, warning: &Diagnostic) -> bool {
     let text = &sources.get(warning.span.source).text;
     let start = text.floor_char_boundary(warning.span.start as usize);
-    let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
-    let line_end = text[start..].find('\n').map_or(text.len(), |newline| start + newline);
-    let above_start = text[..line_start.saturating_sub(1)].rfind('\n').map_or(0, |newline| newline + 1);
-    let above = text[above_start..line_start].trim();
-    let beside = &text[start..line_end];
+    let own_start = line_start(text, start);
+    let above = text[line_start(text, own_start.saturating_sub(1))..own_start].trim();
+    let beside = &text[start..line_end(text, start)];
     let names_rule = |line: &str| {
         line.split_once(ALLOWANCE).is_some_and(|(_, rules)| rules.split_whitespace().any(|rule| rule == warning.code))
     };

@@ -319,13 +319,17 @@ impl Compiler<'_> {
                 match self.program.globals[global as usize].kind {
                     GlobalKind::Variable => {}
                     GlobalKind::Fluent => {
+                        let is_robots = self.program.globals[global as usize].span.is_none();
                         self.error(
                             "assigns-fluent",
                             span,
                             format!("`{text}` is a fluent; `setq` would replace the fluent itself"),
                             "assigned here",
                         )
-                        .help = Some(format!("write `(setf (value {text}) …)`"));
+                        .help = Some(match is_robots {
+                            true => format!("`{text}` is set by the robot; a plan can only read it: `(value {text})`"),
+                            false => format!("write `(setf (value {text}) …)`"),
+                        });
                     }
                     _ => {
                         self.error("assigns-constant", span, format!("`{text}` cannot be assigned"), "not a variable");

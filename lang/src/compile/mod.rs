@@ -3,6 +3,7 @@
 
 mod definitions;
 mod emit;
+mod foreign;
 mod forms;
 mod goal;
 pub(crate) mod ir;
@@ -14,9 +15,11 @@ mod test_form;
 
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::source::{SourceId, Span};
 use crate::symbol::{Symbol, Symbols};
-use crate::syntax::{NodeId, Tree};
+use crate::syntax::{self, NodeId, Tree};
+pub use foreign::foreign_words;
 pub use ir::Resolved;
 use ir::{BlockId, Defined, Definition, Function, Ir, IrKind, VarId, Variable};
 use special::Special;
@@ -39,6 +42,10 @@ pub struct NativeSignature {
     pub effect: bool,
     /// Whether it may block its task.
     pub waits: bool,
+    /// The kinds of its parameters, optional ones included, but for the last of any number.
+    pub kinds: Vec<Kind>,
+    /// The kind of the arguments behind these.
+    pub rest: Option<Kind>,
     /// Whether it goes on in code of the plan, so that its value is found where a call's is.
     pub calls: bool,
 }
@@ -391,9 +398,15 @@ impl<'a> Compiler<'a> {
                 let goal = text
                     .strip_prefix(goal::PREFIX)
                     .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
-                let suggestion = self.suggestion(&text, &locals).map(|near| format!("did you mean `{near}`?"));
+                let foreign = foreign::advice(&text).map(str::to_string);
+                let unit = self.unit_apart(span, &text);
+                let is_argument = self.is_argument(span);
+                let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
+                let suggestion = self.suggestion(&text, &locals, is_argument);
+                let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
+                let help = foreign.or(unit).or(suggestion).or(goal).or(quoted);
                 self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
-                    suggestion.or(goal);
+                    help;
             }
         }
     }
@@ -430,8 +443,41 @@ impl<'a> Compiler<'a> {
             .help = Some(help);
     }
 
-    /// The nearest name a user could have meant.
-    fn suggestion(&self, text: &str, locals: &[Symbol]) -> Option<String> {
+    /// Advice on a unit that stands apart from its number.
+    fn unit_apart(&self, span: Span, text: &str) -> Option<String> {
+        if !crate::number::unit_names().any(|unit| unit == text) {
+            return None;
+        }
+        let before = self.program.sources.get(span.source).text.get(..span.start as usize)?.trim_end();
+        let number = before.rsplit(|c: char| c.is_whitespace() || c == '(').next()?;
+        let is_number = crate::number::begins_like_number(number) && number.ends_with(|c: char| c.is_ascii_digit());
+        is_number.then(|| one_word(number, text))
+    }
+
+    /// Whether a name stands where its value is asked for, not at the head of a form.
+    fn is_argument(&self, span: Span) -> bool {
+        let before = self.program.sources.get(span.source).text.get(..span.start as usize);
+        before.is_some_and(|before| !before.ends_with(['(', '\'']))
+    }
+
+    /// Tells, and gives true, if a time has one of these units, and it stands apart from its number.
+    fn refuse_unit_apart(&mut self, forms: &[NodeId], units: &[&str]) -> bool {
+        let [number, unit, ..] = *forms else { return false };
+        let is_number = matches!(self.tree.get(number).kind, syntax::Kind::Int(_) | syntax::Kind::Float(_));
+        let Some(name) = self.tree.symbol(unit).filter(|_| is_number) else { return false };
+        let text = self.symbols.name(name).to_string();
+        if !units.contains(&text.as_str()) || self.lexical(name).is_some() {
+            return false;
+        }
+        let span = self.tree.span(number).to(self.tree.span(unit));
+        let written = self.program.sources.text_of(self.tree.span(number)).to_string();
+        self.error("unit-apart", span, "a number, and a unit apart from it", "two words").help =
+            Some(one_word(&written, &text));
+        true
+    }
+
+    /// The nearest name a user could have meant; with a value, if one is needed.
+    fn suggestion(&self, text: &str, locals: &[Symbol], has_value: bool) -> Option<String> {
         // Of equally near names the text's own come first.
         let (library, own): (Vec<_>, Vec<_>) =
             self.program.names.iter().partition(|&(_, &global)| self.is_library(global));
@@ -440,7 +486,8 @@ impl<'a> Compiler<'a> {
         let specials = special::names().map(|(name, _)| name);
         let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
         let locals = locals.iter().map(|&name| self.symbols.name(name));
-        let known = locals.chain(globals).chain(natives).chain(specials).chain(macros);
+        let forms = specials.chain(macros).filter(|_| !has_value);
+        let known = locals.chain(globals).chain(natives).chain(forms);
         crate::suggest::suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text))
             .map(str::to_string)
     }
@@ -531,6 +578,10 @@ impl<'a> Compiler<'a> {
     fn nil(&self, span: Span) -> Ir {
         Ir { span, kind: IrKind::Nil }
     }
+}
+
+fn one_word(number: &str, unit: &str) -> String {
+    format!("a number and its unit are one word: write `{number}{unit}`")
 }
 
 /// A function without parameters around a body.

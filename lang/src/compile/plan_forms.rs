@@ -242,6 +242,8 @@ impl Compiler<'_> {
         let Some((&argument, body)) = rest.split_first() else {
             return self.malformed(span, &format!("`({name} NUMBER FORM...)`"));
         };
+        // What else is a unit may be a name of the plan, and the body.
+        self.refuse_unit_apart(rest, &["min"]);
         let argument = self.resolve(argument);
         let body = self.thunk(name, CodeKind::Task, body, span);
         let child = ChildIr { body, tag: None, name: None };

@@ -4,6 +4,7 @@
 use super::ir::{Binary, Callee, Ir, IrKind, Unary, VarId};
 use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW, Unknown};
 use crate::code::{CodeKind, Constant, Global, GlobalKind};
+use crate::kind::Kind as ArgumentKind;
 use crate::source::Span;
 use crate::symbol::Symbol;
 use crate::syntax::{Kind, NodeId};
@@ -261,9 +262,18 @@ impl Compiler<'_> {
         let natives = self.natives;
         let signature = &natives[usize::from(native)];
         let count = nodes.len();
+        let takes_time = signature.kinds.first() == Some(&ArgumentKind::Seconds);
+        if takes_time && self.refuse_unit_apart(nodes, &["ms", "s", "min", "h"]) {
+            return self.nil(span);
+        }
         if count < usize::from(signature.min) || signature.max.is_some_and(|max| count > usize::from(max)) {
             let expected = describe_arity(signature.min, signature.max);
-            self.arity_error(&signature.name, count, &expected, span);
+            let is_format = signature.name == "print"
+                && matches!(nodes.first().map(|&first| &self.tree.get(first).kind), Some(Kind::Str(_)));
+            let error = self.arity_error(&signature.name, count, &expected, span);
+            if is_format {
+                error.help = Some("`print` shows one value: write `(print (format \"…\" VALUE...))`".into());
+            }
             return self.nil(span);
         }
         if self.is_network() && signature.effect {

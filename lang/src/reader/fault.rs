@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token};
-use crate::source::{SourceId, Span};
+use crate::source::{SourceId, Span, holds_code, line_starts};
 use chumsky::span::SimpleSpan;
 
 /// One error of the grammar.
@@ -141,7 +141,7 @@ pub(super) struct Places<'a> {
 
 impl<'a> Places<'a> {
     pub(super) fn new(text: &'a str, source: SourceId, tokens: &'a [(Token, Span)]) -> Self {
-        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        let lines = line_starts(text).collect();
         Self { text, source, tokens, lines }
     }
 
@@ -166,7 +166,7 @@ impl<'a> Places<'a> {
         let first = self.tokens.partition_point(|(_, span)| (span.start as usize) < from);
         let within = self.tokens[first..].iter().take_while(|(_, span)| (span.start as usize) < to);
         let mut strings = within.filter(|(token, _)| *token == Token::Str).map(|&(_, span)| span);
-        let found = strings.find(|span| self.text[span.start as usize..span.end as usize].contains("\n("))?;
+        let found = strings.find(|span| holds_code(&self.text[span.start as usize..span.end as usize]))?;
         Some(Span { end: found.start + 1, ..found })
     }
 

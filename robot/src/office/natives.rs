@@ -72,7 +72,7 @@ fn robot<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut OfficeRobot, Raise> {
         .outside
         .as_any()
         .downcast_mut()
-        .ok_or_else(|| Raise::new("error", "there is no robot; add `--world dept`"))
+        .ok_or_else(|| Raise::new("no-robot", "there is no robot; add `--world dept`"))
 }
 
 fn named_place(call: &mut Call<'_, '_>) -> Result<(Arc<OfficeModel>, Place), Raise> {
@@ -111,7 +111,7 @@ fn estimated_point(call: &mut Call<'_, '_>) -> Result<Point, Raise> {
             .map(|&global| call.machine.globals[global as usize]);
         match fluent {
             Some(Value::Fluent(fluent)) => Ok(call.machine.read_fluent(fluent)?.as_f64().unwrap_or(f64::NAN)),
-            _ => Err(Raise::new("error", "there is no robot; add `--world dept`")),
+            _ => Err(Raise::new("no-robot", "there is no robot; add `--world dept`")),
         }
     };
     Ok(Point::new(read("x*")?, read("y*")?))

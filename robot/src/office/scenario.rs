@@ -134,6 +134,16 @@ pub fn oracle_natives() -> Vec<Native> {
     ]
 }
 
+/// The number of an argument, which must be finite: nothing in the world is where no number tells.
+fn finite(call: &Call<'_, '_>, at: usize) -> Result<f64, Raise> {
+    let number = call.number(at)?;
+    if number.is_finite() {
+        return Ok(number);
+    }
+    let (what, found) = (call.which(at), call.machine.described(call.argument(at)));
+    Err(Raise::new("arithmetic-error", format!("{what} must be finite, and it is {found}")))
+}
+
 fn done(oracle: &mut Oracle, what: &str, details: Vec<(&str, String)>) -> Reply {
     let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
     oracle.deeds.push((what.to_string(), details));
@@ -151,14 +161,14 @@ fn true_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn rotate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let angle_rad = call.number(0)?;
+    let angle_rad = finite(call, 0)?;
     let oracle = oracle(call)?;
     oracle.state.rotate(angle_rad);
     Ok(done(oracle, "rotated by hand", vec![("degrees", format!("{:.0}", angle_rad.to_degrees()))]))
 }
 
 fn teleport(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let pose = Pose::new(call.number(0)?, call.number(1)?, call.number(2)?);
+    let pose = Pose::new(finite(call, 0)?, finite(call, 1)?, finite(call, 2)?);
     let oracle = oracle(call)?;
     oracle.model.clone().teleport(&mut oracle.state, pose).map_err(refused)?;
     let details = vec![("x", format!("{:.2}", pose.x_m)), ("y", format!("{:.2}", pose.y_m))];
@@ -186,8 +196,8 @@ fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
 fn add_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let name = call.name(0)?;
     let rect = Rect {
-        min: crate::geometry::Point::new(call.number(1)?, call.number(2)?),
-        max: crate::geometry::Point::new(call.number(3)?, call.number(4)?),
+        min: crate::geometry::Point::new(finite(call, 1)?, finite(call, 2)?),
+        max: crate::geometry::Point::new(finite(call, 3)?, finite(call, 4)?),
     };
     let seen_by = SeenBy { sonar: true, laser: true };
     let object = Object { name: name.clone(), shape: Shape::Rect(rect), mapped: false, seen_by };
@@ -204,6 +214,7 @@ fn remove_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    call.machine.instant_after(call.argument(0), || call.which(0))?;
     let seconds = call.number(0)?;
     let oracle = oracle(call)?;
     oracle.state.drop_sonars(seconds);
@@ -212,14 +223,14 @@ fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let name = call.name(0)?;
-    let point = crate::geometry::Point::new(call.number(1)?, call.number(2)?);
+    let point = crate::geometry::Point::new(finite(call, 1)?, finite(call, 2)?);
     let oracle = oracle(call)?;
     oracle.state.place_item(&name, point);
     Ok(done(oracle, "item placed", vec![("item", name)]))
 }
 
 fn set_battery(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let charge = call.number(0)?;
+    let charge = finite(call, 0)?;
     let oracle = oracle(call)?;
     oracle.state.set_battery(charge);
     Ok(done(oracle, "battery set", vec![("charge", format!("{charge:.2}"))]))

@@ -29,7 +29,7 @@ pub(super) const NATIVES: &[Native] = &[
 ];
 
 fn activate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let behaviour = call.machine.behaviour_argument(call.argument(0))?;
+    let behaviour = call.behaviour(0)?;
     let mut arguments = Vec::new();
     for pair in call.arguments[1..].chunks(2) {
         match *pair {
@@ -45,12 +45,12 @@ fn activate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn deactivate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let behaviour = call.machine.behaviour_argument(call.argument(0))?;
+    let behaviour = call.behaviour(0)?;
     call.machine.deactivate(call.around, behaviour);
     Ok(Reply::Value(Value::Nil))
 }
 
 fn await_signal(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let behaviour = call.machine.behaviour_argument(call.argument(0))?;
+    let behaviour = call.behaviour(0)?;
     Ok(if call.machine.await_signal(behaviour)? { Reply::Value(Value::True) } else { Reply::Wait })
 }

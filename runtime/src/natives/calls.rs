@@ -65,7 +65,11 @@ fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     match call.argument(0) {
         Value::Int(limit) if limit > 0 => Ok(Reply::Value(Value::Int(((share * limit as f64) as i64).min(limit - 1)))),
         Value::Float(limit) if limit > 0.0 && limit.is_finite() => Ok(Reply::Value(Value::Float(share * limit))),
-        other => Err(call.wrong_type(0, "a number above 0", other)),
+        Value::Int(_) | Value::Float(_) => {
+            let (what, found) = (call.which(0), call.machine.described(call.argument(0)));
+            Err(Raise::new("arithmetic-error", format!("{what} must be above 0 and finite, and it is {found}")))
+        }
+        _ => Err(call.wrong_type(0)),
     }
 }
 

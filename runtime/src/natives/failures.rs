@@ -81,7 +81,7 @@ pub(super) const NATIVES: &[Native] = &[
 fn failure(call: &Call<'_, '_>) -> Result<u32, Raise> {
     match call.argument(0) {
         Value::Failure(failure) => Ok(failure),
-        other => Err(call.wrong_type(0, "a failure", other)),
+        _ => Err(call.wrong_type(0)),
     }
 }
 
@@ -90,7 +90,7 @@ fn fail(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         return Err(Raise::Again(call.argument(0)));
     }
     let Value::Symbol(class) = call.argument(0) else {
-        return Err(call.wrong_type(0, "a failure class", call.argument(0)));
+        return Err(call.wrong_type(0));
     };
     if !call.around.program.failure_classes.contains_key(&class) {
         let name = call.machine.symbols.name(class).to_string();
@@ -129,7 +129,7 @@ fn slot(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn is_of_class(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let failure = failure(call)?;
     let Value::Symbol(class) = call.argument(1) else {
-        return Err(call.wrong_type(1, "a failure class", call.argument(1)));
+        return Err(call.wrong_type(1));
     };
     let own = call.machine.heap.failures[failure].class;
     Ok(Reply::Value(Value::truth(call.around.program.is_failure_subclass(own, class))))

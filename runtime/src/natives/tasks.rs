@@ -93,7 +93,7 @@ pub(super) const NATIVES: &[Native] = &[
     },
     Native {
         name: "at-time",
-        parameters: "seconds",
+        parameters: "time",
         doc: "Blocks until the clock shows a time; not at all if that is past.",
         effect: Effect::Waits,
         code: at_time,
@@ -101,9 +101,9 @@ pub(super) const NATIVES: &[Native] = &[
 ];
 
 fn about(call: &mut Call<'_, '_>, which: impl Fn(&mut TaskFluents) -> &mut Option<u32>) -> Result<Reply, Raise> {
-    let task = call.machine.task_argument(call.argument(0))?;
+    let task = call.named_task(0)?;
     let Some(index) = call.machine.tasks.find(task) else {
-        return Err(Raise::type_error("the record of this task is gone"));
+        return Err(Raise::type_error("this task ended long ago, and nothing is known of it any more"));
     };
     if let Some(fluent) = which(&mut call.machine.tasks[index].rare().fluents) {
         return Ok(Reply::Value(Value::Fluent(*fluent)));
@@ -117,7 +117,7 @@ fn about(call: &mut Call<'_, '_>, which: impl Fn(&mut TaskFluents) -> &mut Optio
 }
 
 fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let task = call.machine.task_argument(call.argument(0))?;
+    let task = call.named_task(0)?;
     let Some(index) = call.machine.tasks.find_alive(task) else { return Ok(Reply::Value(Value::Nil)) };
     let current = call.machine.current;
     let is_own = call.machine.is_within(current, index);
@@ -136,7 +136,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let task = call.machine.task_argument(call.argument(0))?;
+    let task = call.named_task(0)?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
         call.machine.suspend(index);
         if call.machine.wait_for_rest(index) {
@@ -147,7 +147,7 @@ fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn resume(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let task = call.machine.task_argument(call.argument(0))?;
+    let task = call.named_task(0)?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
         call.machine.resume(call.around, index);
     }
@@ -175,46 +175,39 @@ fn task_at(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn task_path(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let task = call.machine.task_argument(call.argument(0))?;
+    let task = call.named_task(0)?;
     let Some(index) = call.machine.tasks.find(task) else {
-        return Err(Raise::type_error("the record of this task is gone"));
+        return Err(Raise::type_error("this task ended long ago, and nothing is known of it any more"));
     };
     let path = call.machine.path(index);
     Ok(Reply::Value(call.machine.heap.string(&path)))
 }
 
-fn seconds(call: &Call<'_, '_>) -> Result<f64, Raise> {
-    let seconds = call.number(0)?;
-    if seconds.is_nan() || seconds < 0.0 {
-        return Err(Raise::type_error(format!("a time must not be negative, and it is {seconds}")));
-    }
-    Ok(seconds)
-}
-
 fn wait_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let seconds = seconds(call)?;
+    let due_us = call.machine.instant_after(call.argument(0), || call.which(0))?;
+    let seconds = call.number(0)?;
+    if seconds < 0.0 {
+        let (what, found) = (call.which(0), call.machine.described(call.argument(0)));
+        return Err(Raise::type_error(format!("{what} must not be negative, and it is {found}")));
+    }
     let current = call.machine.current;
     call.machine.tasks[current].waiting = Waiting::Time;
     if seconds == 0.0 {
         call.machine.give_way(current);
     } else {
-        call.machine.set_wake_timer(current, seconds);
+        call.machine.set_wake_timer(current, due_us);
     }
     Ok(Reply::Wait)
 }
 
 fn at_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let time = call.number(0)?;
-    if time.is_nan() {
-        return Err(Raise::type_error("a time must be a number that can be compared"));
-    }
-    let rest = time - call.machine.now_s();
-    if rest <= 0.0 {
+    let due_us = call.machine.instant_at(call.argument(0), || call.which(0))?;
+    if due_us <= call.machine.now_us {
         return Ok(Reply::Value(Value::Nil));
     }
     let current = call.machine.current;
     debug_assert_ne!(current, NONE, "natives run in a task");
     call.machine.tasks[current].waiting = Waiting::Time;
-    call.machine.set_wake_timer(current, rest);
+    call.machine.set_wake_timer(current, due_us);
     Ok(Reply::Wait)
 }

@@ -32,7 +32,7 @@ pub(super) const NATIVES: &[Native] = &[
 fn valve(call: &Call<'_, '_>) -> Result<u32, Raise> {
     match call.argument(0) {
         Value::Valve(valve) => Ok(valve),
-        other => Err(call.wrong_type(0, "a valve", other)),
+        _ => Err(call.wrong_type(0)),
     }
 }
 

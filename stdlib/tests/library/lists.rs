@@ -141,7 +141,7 @@ fn places() {
         ("(setf (nth 2 (list 1 2)) 0)", "index-error: there is no element 2 to set: the length is 2"),
         ("(setf (car nil) 0)", "index-error: the list is too short"),
         ("(setf (third (list 1 2)) 0)", "index-error: the list is too short"),
-        ("(setf (nth 0 5) 0)", "type-error: argument 2 must be a list, and it is an integer"),
+        ("(setf (nth 0 5) 0)", "type-error: argument 2 of `(setf nth)` must be a list, and it is the integer 5"),
         ("(setf (elt \"abc\" 0) \"x\")", "type-error: a string cannot be changed"),
     ]);
 }
@@ -149,22 +149,31 @@ fn places() {
 #[test]
 fn what_is_no_list_fails() {
     check_failures(&[
-        ("(length 5)", "type-error: argument 1 must be a list or a string, and it is an integer"),
-        ("(length '(1 . 2))", "type-error: argument 1 must be a proper list, and it ends in an integer"),
-        ("(reverse 'x)", "type-error: argument 1 must be a list or a string, and it is a symbol"),
-        ("(append '(1 . 2) nil)", "type-error: argument 1 must be a proper list, and it ends in an integer"),
-        ("(map 1+ 5)", "type-error: argument 2 of `map` must be a list, and it is an integer"),
+        ("(length 5)", "type-error: argument 1 of `length` must be a list or a string, and it is the integer 5"),
+        (
+            "(length '(1 . 2))",
+            "type-error: argument 1 of `length` must be a list or a string, and it is a list that ends in the integer 2",
+        ),
+        ("(reverse 'x)", "type-error: argument 1 of `reverse` must be a list or a string, and it is the symbol x"),
+        (
+            "(append '(1 . 2) nil)",
+            "type-error: argument 1 of `append` must be a list, and it is a list that ends in the integer 2",
+        ),
+        ("(map 1+ 5)", "type-error: argument 2 of `map` must be a list, and it is the integer 5"),
         ("(sort < '(1 a))", "type-error"),
         ("(sort '(1 2) <)", "type-error: argument 1 of `sort` must be a function, and it is a list"),
-        ("(nth -1 '(1))", "index-error: argument 1 must not be negative, and it is -1"),
+        ("(nth -1 '(1))", "index-error: argument 1 of `nth` must not be negative, and it is -1"),
         ("(subseq '(1 2) 1 3)", "index-error: a part cannot reach up to 3: the length is 2"),
         ("(subseq '(1 2) 2 1)", "index-error: a part cannot begin at 2 and end at 1"),
         ("(elt '(1) 1)", "index-error: there is no element 1: the length is 1"),
-        ("(assoc 1 '(1))", "type-error: argument 2 must be a list of pairs, and one of its elements is an integer"),
+        (
+            "(assoc 1 '(1))",
+            "type-error: argument 2 of `assoc` must be a list of pairs, and one of its elements is the integer 1",
+        ),
         ("(range 0 1 0)", "index-error: the step of a range must not be 0"),
         ("(range 100000000000)", "out-of-memory"),
         ("(make-list 100000000000)", "out-of-memory"),
-        ("(map + '(1) 2)", "type-error: each argument behind the function must be a list, and it is an integer"),
+        ("(map + '(1) 2)", "type-error: each argument behind the function must be a list, and it is the integer 2"),
     ]);
 }
 

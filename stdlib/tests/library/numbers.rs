@@ -132,9 +132,9 @@ fn what_has_no_value_fails() {
         ("(asin 2)", "arithmetic-error: 2.0 has no arc sine"),
         ("(expt -8 0.5)", "arithmetic-error: -8.0 to the power 0.5 is no real number"),
         ("(clamp 1 3 2)", "arithmetic-error: the range from 3 to 2 is empty"),
-        ("(apply + '(1 x))", "type-error: argument 2 must be a number, and it is a symbol"),
-        ("(max 1 \"a\")", "type-error: argument 2 must be a number, and it is a string"),
-        ("(evenp 1.5)", "type-error: argument 1 must be an integer, and it is a float"),
+        ("(apply + '(1 x))", "type-error: argument 2 of `+` must be a number, and it is the symbol x"),
+        ("(max 1 \"a\")", "type-error: argument 2 of `max` must be a number, and it is the string \"a\""),
+        ("(evenp 1.5)", "type-error: argument 1 of `evenp` must be an integer, and it is the float 1.5"),
         ("(= 1 'a 2)", "type-error"),
     ]);
 }

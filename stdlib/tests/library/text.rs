@@ -32,9 +32,12 @@ fn strings() {
         ("(string->list \"aé\")", "(\"a\" \"é\")"),
     ]);
     check_failures(&[
-        ("(string-append \"a\" 1)", "type-error: argument 2 must be a string, and it is an integer"),
+        (
+            "(string-append \"a\" 1)",
+            "type-error: argument 2 of `string-append` must be a string, and it is the integer 1",
+        ),
         ("(substring \"abc\" 2 9)", "index-error: a part cannot reach up to 9: the length is 3"),
-        ("(string-split \"a\" \"\")", "type-error: argument 2 must not be an empty string"),
+        ("(string-split \"a\" \"\")", "type-error: argument 2 of `string-split` must not be an empty string"),
         ("(string-repeat \"ab\" 10000000000)", "out-of-memory"),
     ]);
 }
@@ -51,9 +54,9 @@ fn symbols() {
         ("(eq (intern (symbol-name 'x)) 'x)", "t"),
     ]);
     check_failures(&[
-        ("(intern (symbol-name (gensym)))", "type-error: argument 1 must be the name of a symbol"),
+        ("(intern (symbol-name (gensym)))", "type-error: argument 1 of `intern` must be the name of a symbol"),
         ("(intern \"\")", "type-error"),
-        ("(symbol-name 5)", "type-error: argument 1 must be a symbol, and it is an integer"),
+        ("(symbol-name 5)", "type-error: argument 1 of `symbol-name` must be a symbol, and it is the integer 5"),
     ]);
 }
 
@@ -127,15 +130,15 @@ fn hash_tables() {
         ),
     ]);
     check_failures(&[
-        ("(gethash 1 2)", "type-error: argument 2 must be a hash table, and it is an integer"),
+        ("(gethash 1 2)", "type-error: argument 2 of `gethash` must be a hash table, and it is the integer 2"),
         (
             "(setf (gethash (iota 5000) (make-hash-table)) 1)",
-            "type-error: this nests too deep to be the key of a hash table",
+            "type-error: this datum is nested too deep, or too large, to be the key of a hash table",
         ),
         // Sixty pairs that make a tree of 2^60 leaves.
         (
             "(let ((x (list 1))) (dotimes (i 60) (setq x (cons x x))) (gethash x (make-hash-table)))",
-            "type-error: this nests too deep",
+            "type-error: this datum is nested too deep",
         ),
         ("(make-hash-table :size 5)", "arity-error: `make-hash-table` takes no arguments"),
     ]);
@@ -158,9 +161,9 @@ fn formats() {
         ("(format \"~a\" 1 2)", "type-error: the format has 1 directives, and there are 2 values for them"),
         ("(format \"~q\" 1)", "type-error: `~q` is no directive of a format"),
         ("(format \"x~\")", "type-error: the format ends in the middle of a directive"),
-        ("(format \"~,2f\" 'x)", "type-error: the argument of `~f` must be a number, and it is a symbol"),
+        ("(format \"~,2f\" 'x)", "type-error: the argument of `~f` must be a number, and it is the symbol x"),
         ("(format \"~99999999999d\" 1)", "type-error: a width or number of decimals in a format is at most 1000"),
-        ("(format 5)", "type-error: argument 1 must be a string, and it is an integer"),
+        ("(format 5)", "type-error: argument 1 of `format` must be a string, and it is the integer 5"),
     ]);
 }
 

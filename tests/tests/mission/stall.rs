@@ -57,5 +57,13 @@ fn what_drives_waits_for_a_time_or_goes_on_is_not_stalled() {
     let twice =
         run(&format!("{NEVER} (par (wait-for never) (seq (wait-for never :timeout 150) (wait-for never)))"), 300.0);
     let times: Vec<f64> = reports(&twice).iter().map(|(time_s, _)| time_s.floor()).collect();
-    assert_eq!(times, [120.0, 270.0], "progress at 150 s begins a new count");
+    assert_eq!(times, [270.0], "until 150 s a deadline is pending; progress then begins a new count");
+    let timeout =
+        format!("{NEVER} (par (wait-for never) (ignore-failures (timeout) (with-timeout 300 (wait-for never))))");
+    let times: Vec<f64> = reports(&run(&timeout, 450.0)).iter().map(|(time_s, _)| time_s.floor()).collect();
+    assert_eq!(times, [420.0], "until 300 s a deadline is pending");
+    let policy = format!(
+        "{NEVER} (with-policy (ignore-failures (timeout) (with-timeout 500 (wait-for never))) (wait-for never))"
+    );
+    assert_eq!(reports(&run(&policy, 130.0)).len(), 1, "a deadline of a policy is nobody's progress");
 }

@@ -1,0 +1,222 @@
+//! Arguments that are not of the kind their place takes: a string for a number, a function for a task.
+
+use super::walk::{each_form, each_form_within};
+use super::{Check, places};
+use crate::code::{Constant, GlobalKind, Rule};
+use crate::compile::NativeSignature;
+use crate::compile::ir::{Binary, Callee, Ir, IrKind, ScopeIr, Unary};
+use crate::diagnostic::Diagnostic;
+use crate::kind::{Kind, time_in_string};
+use std::collections::BTreeSet;
+
+/// What a form visibly stands for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Found {
+    Nil,
+    True,
+    Integer,
+    Float,
+    Text,
+    List,
+    Symbol,
+    Keyword,
+    Function,
+    Fluent,
+    Valve,
+    Behaviour,
+}
+
+impl Found {
+    fn noun(self) -> &'static str {
+        match self {
+            Found::Nil => "nil",
+            Found::True => "t",
+            Found::Integer => "an integer",
+            Found::Float => "a float",
+            Found::Text => "a string",
+            Found::List => "a list",
+            Found::Symbol => "a symbol",
+            Found::Keyword => "a keyword",
+            Found::Function => "a function",
+            Found::Fluent => "a fluent",
+            Found::Valve => "a valve",
+            Found::Behaviour => "a behaviour",
+        }
+    }
+
+    /// Whether it may be of this kind. Of objects that no text can write, what stands for none of
+    /// them is left alone.
+    fn may_be(self, kind: Kind) -> bool {
+        match kind {
+            Kind::Any | Kind::ListOrEnd => true,
+            // A fluent as a number is told by a rule of its own.
+            Kind::Number | Kind::Seconds => matches!(self, Found::Integer | Found::Float | Found::Fluent),
+            Kind::Integer => matches!(self, Found::Integer | Found::Fluent),
+            Kind::Text => self == Found::Text,
+            Kind::List => matches!(self, Found::List | Found::Nil),
+            Kind::Sequence => matches!(self, Found::List | Found::Nil | Found::Text),
+            Kind::Symbol => matches!(self, Found::Symbol | Found::Keyword | Found::Nil | Found::True),
+            Kind::Name | Kind::Place => {
+                matches!(self, Found::Symbol | Found::Keyword | Found::Text | Found::Nil | Found::True)
+            }
+            Kind::Class => self == Found::Symbol,
+            Kind::Function => self == Found::Function,
+            Kind::Fluent => matches!(self, Found::Fluent | Found::Nil | Found::True | Found::List),
+            Kind::Valve => matches!(self, Found::Valve | Found::Nil | Found::True | Found::List),
+            Kind::Behaviour => matches!(self, Found::Behaviour | Found::Nil | Found::True | Found::List),
+            Kind::Task | Kind::Failure | Kind::Table => matches!(self, Found::Nil | Found::True | Found::List),
+        }
+    }
+}
+
+pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
+    // Who handles this very failure may want it: these forms, by their addresses.
+    let mut handled = BTreeSet::new();
+    for root in check.roots() {
+        each_form(root, &mut |ir| {
+            if let Some(body) = handles_faults(check, ir) {
+                each_form_within(body, &mut |inner| {
+                    handled.insert(std::ptr::from_ref(inner));
+                });
+            }
+            if !handled.contains(&std::ptr::from_ref(ir)) {
+                look_at(check, ir, found);
+            }
+        });
+    }
+}
+
+/// The part of a form in which a fault of the plan is handled as such.
+fn handles_faults<'a>(check: &Check<'_>, ir: &'a Ir) -> Option<&'a Ir> {
+    let IrKind::Handler { body, clauses, .. } = &ir.kind else { return None };
+    let mut classes = clauses.iter().flat_map(|clause| &clause.classes);
+    classes.any(|&class| matches!(check.name(class), "type-error" | "error")).then_some(body)
+}
+
+fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
+    let mut look = |form: &str, kind: Kind, argument: &Ir| wrong_kind(check, form, kind, ir.span, argument, found);
+    match &ir.kind {
+        IrKind::Scope(ScopeIr::Valve(valve), _) => look("with-valve", Kind::Valve, valve),
+        IrKind::Scope(ScopeIr::Suspended(task), _) => look("with-task-suspended", Kind::Task, task),
+        IrKind::WaitFor { fluent, timeout, .. } => {
+            look("wait-for", Kind::Fluent, fluent);
+            timeout.iter().for_each(|timeout| look("wait-for", Kind::Seconds, timeout));
+        }
+        IrKind::Whenever { fluent, .. } => look("whenever", Kind::Fluent, fluent),
+        IrKind::Construct(construct) => {
+            let Some(argument) = &construct.argument else { return };
+            match construct.rule {
+                Rule::Timeout => look("with-timeout", Kind::Seconds, argument),
+                _ => look("with-priority", Kind::Number, argument),
+            }
+        }
+        IrKind::Binary(operation, left, right) => {
+            let name = match operation {
+                Binary::Add => "+",
+                Binary::Sub => "-",
+                Binary::Mul => "*",
+                Binary::NumEq => "=",
+                // `>` is compiled as `<` with its operands exchanged.
+                Binary::Less | Binary::LessEq => "a comparison",
+                Binary::Eq | Binary::Cons => return,
+            };
+            look(name, Kind::Number, left);
+            look(name, Kind::Number, right);
+        }
+        IrKind::Unary(Unary::Car, list) => look("car", Kind::List, list),
+        IrKind::Unary(Unary::Cdr, list) => look("cdr", Kind::List, list),
+        IrKind::Call(Callee::Native(native), arguments) => {
+            let signature = &check.subject.natives[usize::from(*native)];
+            let form = match (signature.name.strip_prefix("%set-"), signature.name.strip_prefix('%')) {
+                (Some(accessor), _) => format!("setf ({accessor} …)"),
+                (None, Some(form)) => form.to_string(),
+                (None, None) => signature.name.clone(),
+            };
+            for (at, argument) in arguments.iter().enumerate() {
+                // What may be left out may often be nil.
+                let is_left_out = at >= usize::from(signature.min) && matches!(argument.kind, IrKind::Nil);
+                if !is_left_out {
+                    look(&form, kind_of(signature, at), argument);
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The kind of argument a native function takes at a position.
+pub(super) fn kind_of(signature: &NativeSignature, at: usize) -> Kind {
+    signature.kinds.get(at).copied().or(signature.rest).unwrap_or(Kind::Any)
+}
+
+/// What a form visibly stands for; none if it may be anything.
+fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
+    match ir.kind {
+        IrKind::Nil => Some(Found::Nil),
+        IrKind::True => Some(Found::True),
+        IrKind::Int(_) => Some(Found::Integer),
+        IrKind::Lambda(_) => Some(Found::Function),
+        IrKind::Global(global) => match check.kind(global) {
+            GlobalKind::Function(_) => Some(Found::Function),
+            GlobalKind::Fluent => Some(Found::Fluent),
+            GlobalKind::Valve => Some(Found::Valve),
+            GlobalKind::Behaviour(_) => Some(Found::Behaviour),
+            GlobalKind::Variable | GlobalKind::Constant => None,
+        },
+        IrKind::Const(constant) => match check.constant(constant) {
+            Constant::Symbol(_) => Some(Found::Symbol),
+            Constant::Str(_) => Some(Found::Text),
+            Constant::Float(_) => Some(Found::Float),
+            Constant::Int(_) => Some(Found::Integer),
+            Constant::Keyword(_) => Some(Found::Keyword),
+            Constant::Native(_) => Some(Found::Function),
+            Constant::List(..) => Some(Found::List),
+            Constant::Nil => Some(Found::Nil),
+            Constant::True => Some(Found::True),
+            Constant::Object(_) => None,
+        },
+        _ => None,
+    }
+}
+
+fn wrong_kind(
+    check: &Check<'_>,
+    form: &str,
+    kind: Kind,
+    around: crate::source::Span,
+    ir: &Ir,
+    warnings: &mut Vec<Diagnostic>,
+) {
+    let Some(found) = found_in(check, ir).filter(|found| !found.may_be(kind)) else { return };
+    let place = places::narrowed(check, around, ir);
+    let shown = match check.quoted(ir) {
+        Some(symbol) => format!("'{}", check.name(symbol)),
+        None => check.shown(ir),
+    };
+    let form = if form.contains(' ') { form.to_string() } else { format!("`{form}`") };
+    let message = format!("{form} wants {}, and `{shown}` is {}", kind.noun(), found.noun());
+    let warning = check.warning("wrong-kind", place, message, format!("not {}", kind.noun()));
+    warnings.push(match advice(check, kind, found, ir) {
+        Some(advice) => warning.help(advice),
+        None => warning,
+    });
+}
+
+fn advice(check: &Check<'_>, kind: Kind, found: Found, ir: &Ir) -> Option<String> {
+    match (kind, found) {
+        (Kind::Seconds | Kind::Number | Kind::Integer, Found::Text) => {
+            let IrKind::Const(constant) = ir.kind else { return None };
+            let Constant::Str(text) = check.constant(constant) else { return None };
+            time_in_string(text).map(|number| format!("write `{number}`, without quotes"))
+        }
+        (_, Found::Symbol) => {
+            let name = check.name(check.quoted(ir)?);
+            let is_defined = check.subject.symbols.find(name).is_some_and(|symbol| {
+                check.subject.program.names.contains_key(&symbol) || check.natives.contains_key(name)
+            });
+            is_defined.then(|| format!("without the quote `{name}` is the thing itself"))
+        }
+        (_, Found::Fluent) => Some(format!("its value is `(value {})`", check.shown(ir))),
+        _ => None,
+    }
+}

@@ -1,0 +1,172 @@
+//! The kinds of argument native functions take. The word by which a native function names a parameter
+//! says the kind: `number`, `list`, `seconds`. The run time refuses an argument by it, and `rpl check`
+//! one that is written out and can never do.
+
+/// A kind of argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Any value; also where what is taken depends on other arguments.
+    Any,
+    /// An integer or a float.
+    Number,
+    /// An integer.
+    Integer,
+    /// A time as a number.
+    Seconds,
+    /// A string.
+    Text,
+    /// A list, the empty one included.
+    List,
+    /// A list, but for one place among several, which depends on how many there are.
+    ListOrEnd,
+    /// A list or a string.
+    Sequence,
+    /// A symbol, nil and t included.
+    Symbol,
+    /// A symbol, keyword or string that spells a name.
+    Name,
+    /// The name of a place of the world.
+    Place,
+    /// The symbol of a class of failures.
+    Class,
+    /// A function, plan or native function.
+    Function,
+    /// A fluent.
+    Fluent,
+    /// A task.
+    Task,
+    /// A valve.
+    Valve,
+    /// A behaviour.
+    Behaviour,
+    /// A failure.
+    Failure,
+    /// A hash table.
+    Table,
+}
+
+/// Words for parameters, by the kind they name.
+const WORDS: &[(Kind, &[&str])] = &[
+    (
+        Kind::Any,
+        &[
+            "a",
+            "arguments",
+            "b",
+            "by-pairs",
+            "datum",
+            "default",
+            "former",
+            "form",
+            "initial",
+            "item",
+            "key",
+            "message",
+            "pair",
+            "rest",
+            "slots",
+            "test",
+            "tree",
+            "value",
+            "value-after-default",
+            "values",
+        ],
+    ),
+    (
+        Kind::Number,
+        &[
+            "angle",
+            "base",
+            "charge",
+            "degrees",
+            "divisor",
+            "exponent",
+            "from",
+            "from-or-to",
+            "heading",
+            "high",
+            "limit",
+            "low",
+            "number",
+            "numbers",
+            "radians",
+            "step",
+            "to",
+            "x",
+            "x0",
+            "x1",
+            "y",
+            "y0",
+            "y1",
+        ],
+    ),
+    (Kind::Integer, &["count", "end", "integer", "integers", "length", "position", "start", "times"]),
+    (Kind::Seconds, &["seconds", "time"]),
+    (
+        Kind::Text,
+        &[
+            "characters-or-string",
+            "pattern",
+            "prefix",
+            "replacement",
+            "separator",
+            "string",
+            "strings",
+            "suffix",
+            "template",
+        ],
+    ),
+    (Kind::List, &["alist", "columns", "elements", "list", "other", "parts", "plist"]),
+    (Kind::ListOrEnd, &["argument", "lists", "more"]),
+    (Kind::Sequence, &["list-or-string"]),
+    (Kind::Symbol, &["symbol"]),
+    (Kind::Name, &["mode", "name", "names", "path", "room", "stem", "words"]),
+    (Kind::Place, &["place"]),
+    (Kind::Class, &["class"]),
+    (Kind::Function, &["function", "less"]),
+    (Kind::Fluent, &["fluent"]),
+    (Kind::Task, &["task"]),
+    (Kind::Valve, &["valve"]),
+    (Kind::Behaviour, &["behaviour"]),
+    (Kind::Failure, &["failure"]),
+    (Kind::Table, &["table"]),
+];
+
+impl Kind {
+    /// The kind a word for a parameter names.
+    pub fn of_parameter(word: &str) -> Option<Kind> {
+        WORDS.iter().find(|(_, words)| words.contains(&word)).map(|&(kind, _)| kind)
+    }
+
+    /// What is expected, as messages say it.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Kind::Any => "a value",
+            Kind::Number => "a number",
+            Kind::Integer => "an integer",
+            Kind::Seconds => "a number of seconds",
+            Kind::Text => "a string",
+            Kind::List | Kind::ListOrEnd => "a list",
+            Kind::Sequence => "a list or a string",
+            Kind::Symbol => "a symbol",
+            Kind::Name => "a name",
+            Kind::Place => "the name of a place",
+            Kind::Class => "a failure class",
+            Kind::Function => "a function",
+            Kind::Fluent => "a fluent",
+            Kind::Task => "a task",
+            Kind::Valve => "a valve",
+            Kind::Behaviour => "a behaviour",
+            Kind::Failure => "a failure",
+            Kind::Table => "a hash table",
+        }
+    }
+}
+
+/// The time a string spells, as it is to be written: `5min` of `"5 min"`.
+pub fn time_in_string(text: &str) -> Option<String> {
+    let joined: String = text.split_whitespace().collect();
+    let unit = joined.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let is_time = unit.len() < joined.len() && matches!(unit, "" | "ms" | "s" | "min" | "h");
+    (is_time && crate::number::parse_number(&joined).is_ok()).then_some(joined)
+}
