@@ -12,7 +12,8 @@ use anyhow::{Result, bail};
 use course::{COURSES, Course};
 use rpl_robot::geometry::Point;
 use rpl_robot::navigation::{
-    Drive, DriveLimits, DriveStatus, Grain, MaplessNavigation, NavigationEvent, NavigationInput, Speeds, Target,
+    Drive, DriveLimits, DriveStatus, Grain, MaplessNavigation, NavigationEvent, NavigationInput, PATIENCE_S, Speeds,
+    Target,
 };
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use std::sync::Arc;
@@ -195,7 +196,7 @@ impl Pilot {
         match method {
             Method::Mapless => {
                 let mut navigation = MaplessNavigation::new(Grain::Laser);
-                navigation.start(vec![Target::through(goal_in_odom)]);
+                navigation.start(vec![Target::through(goal_in_odom)], PATIENCE_S);
                 Pilot::Mapless(Box::new(navigation))
             }
             Method::Window => Pilot::Window(Box::new(Drive::follow(vec![goal_in_odom]))),

@@ -6,7 +6,7 @@
 //! map), `doorways` (which doors were found closed), `clearance` (how far an arc is free),
 //! `dynamic_window` (safe speeds), `topological` (target points through doors and corridors),
 //! `progress` (whether the robot gets on), `navigation` (the state machine that drives them),
-//! `drive` (following and wandering without a map); `laser_scan` (what a scan shows of surfaces),
+//! `drive` (following and wandering without a map), `look_around` (turning on the spot); `laser_scan` (what a scan shows of surfaces),
 //! `learned_map`, `manner` and `mapless` (driving without a map by what the sensors have seen).
 //! Nothing here knows the plan language or the simulator.
 
@@ -18,6 +18,7 @@ pub mod drive;
 pub mod dynamic_window;
 mod laser_scan;
 pub mod learned_map;
+mod look_around;
 mod manner;
 pub mod mapless;
 #[allow(clippy::module_inception)]
@@ -36,8 +37,9 @@ pub use doorways::{DoorMemory, Doorway};
 pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
 pub use learned_map::{Grain, LearnedMap};
+pub use look_around::LookAround;
 pub use mapless::MaplessNavigation;
-pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
+pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput, PATIENCE_S};
 pub use obstacle_memory::ObstacleMemory;
 pub use planner::{PlannerModel, PlannerParameters};
 pub use topological::{NavigationPlan, Target, TopologicalModel, Unreachable};
