@@ -11,8 +11,8 @@ use rpl_robot::localization::DistanceField;
 use rpl_robot::navigation::clearance::open_distance_m;
 use rpl_robot::navigation::dynamic_window::{CANDIDATES, WindowInput, best_speeds};
 use rpl_robot::navigation::{
-    DriveLimits, Navigation, NavigationEvent, NavigationInput, NavigationModel, ObstacleMemory, PATIENCE_S,
-    PlannerModel, PlannerParameters, Speeds, TopologicalModel,
+    DriveLimits, Navigation, NavigationEvent, NavigationInput, NavigationModel, ObstacleMemory, PlannerModel,
+    PlannerParameters, Speeds, TopologicalModel,
 };
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
@@ -409,7 +409,7 @@ impl Errand {
                 panic!("there is a way to {}", place.name)
             };
             let mut navigation = Navigation::default();
-            navigation.start(plan.targets, PATIENCE_S);
+            navigation.start(plan.targets, Navigation::PATIENCE_S);
             self.drive(&mut state, navigation);
             let away_m = distance_m(state.robot_in_map.point(), place.pose_in_map.point());
             assert!(away_m < 0.5 && state.contacts.caused == 0, "{away_m} {:?}", state.contacts);

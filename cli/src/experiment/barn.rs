@@ -12,8 +12,7 @@ use anyhow::{Result, bail};
 use course::{COURSES, Course};
 use rpl_robot::geometry::Point;
 use rpl_robot::navigation::{
-    Drive, DriveLimits, DriveStatus, Grain, MaplessNavigation, NavigationEvent, NavigationInput, PATIENCE_S, Speeds,
-    Target,
+    Drive, DriveLimits, DriveStatus, Grain, MaplessNavigation, NavigationEvent, NavigationInput, Speeds, Target,
 };
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use std::sync::Arc;
@@ -196,7 +195,7 @@ impl Pilot {
         match method {
             Method::Mapless => {
                 let mut navigation = MaplessNavigation::new(Grain::Laser);
-                navigation.start(vec![Target::through(goal_in_odom)], PATIENCE_S);
+                navigation.start(vec![Target::through(goal_in_odom)], MaplessNavigation::PATIENCE_S);
                 Pilot::Mapless(Box::new(navigation))
             }
             Method::Window => Pilot::Window(Box::new(Drive::follow(vec![goal_in_odom]))),

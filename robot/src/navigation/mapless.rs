@@ -6,7 +6,7 @@ use super::dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowInput};
 use super::laser_scan::{is_seen, points_in_base, smoothed};
 use super::learned_map::{Evidence, Grain, LearnedMap};
 use super::manner::Manner;
-use super::navigation::{NavigationEvent, NavigationInput, NavigationOutput, PATIENCE_S, turn_to};
+use super::navigation::{NavigationEvent, NavigationInput, NavigationOutput, turn_to};
 use super::obstacle_memory::{ObstacleMemory, Transform};
 use super::planner::{PlannerModel, PlannerParameters};
 use super::topological::Target;
@@ -116,6 +116,10 @@ const LOOK_RADPS: f64 = 0.6;
 const LOOK_AROUND_S: f64 = std::f64::consts::TAU / LOOK_RADPS;
 
 impl MaplessNavigation {
+    /// How long a robot that is told nothing else goes on where it gets no nearer and sees nothing new:
+    /// without a map it knows of no door that could be opened.
+    pub const PATIENCE_S: f64 = 30.0;
+
     /// Nothing has been seen, and there is nothing to do.
     pub fn new(grain: Grain) -> Self {
         Self { seen: LearnedMap::new(grain), ..Self::default() }
@@ -141,7 +145,7 @@ impl MaplessNavigation {
 
     /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
     pub fn remove_all_targets(&mut self) {
-        self.start(Vec::new(), PATIENCE_S);
+        self.start(Vec::new(), Self::PATIENCE_S);
     }
 
     /// Targets not yet reached.

@@ -39,7 +39,7 @@ pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, Windo
 pub use learned_map::{Grain, LearnedMap};
 pub use look_around::LookAround;
 pub use mapless::MaplessNavigation;
-pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput, PATIENCE_S};
+pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
 pub use obstacle_memory::ObstacleMemory;
 pub use planner::{PlannerModel, PlannerParameters};
 pub use topological::{NavigationPlan, Target, TopologicalModel, Unreachable};

@@ -164,8 +164,6 @@ impl PartialEq for FieldCache {
     }
 }
 
-/// How long a robot that is told nothing else waits where it gets no nearer.
-pub const PATIENCE_S: f64 = 30.0;
 /// An intermediate target counts as reached from here.
 const PASSING_M: f64 = 0.3;
 /// The last target counts as reached from here.
@@ -211,6 +209,10 @@ const JUMP_RAD: f64 = 0.5;
 const MAP_SUPPORT_M: f64 = 1.2;
 
 impl Navigation {
+    /// How long a robot that is told nothing else waits where it gets no nearer: doors are closed for a
+    /// minute now and then, and people stand and talk.
+    pub const PATIENCE_S: f64 = 120.0;
+
     /// Bytes of planned ways that an earlier state does not share.
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
         self.cache.bytes_apart(&earlier.cache)
@@ -236,7 +238,7 @@ impl Navigation {
 
     /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
     pub fn remove_all_targets(&mut self) {
-        self.start(Vec::new(), PATIENCE_S);
+        self.start(Vec::new(), Self::PATIENCE_S);
     }
 
     /// Targets not yet reached.

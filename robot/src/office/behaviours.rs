@@ -25,7 +25,7 @@ pub const BEHAVIOURS: &[BehaviourSpec] = &[
     },
     BehaviourSpec {
         name: "navigation",
-        doc: "Drives to the points of `:targets`, lists (x y) or, for the last, (x y heading). Succeeds close to the last one; fails with unreachable, or with blocked if for the time of `:patience`, half a minute without it, the robot gets no nearer.",
+        doc: "Drives to the points of `:targets`, lists (x y) or, for the last, (x y heading). Succeeds close to the last one; fails with unreachable, or with blocked if for the time of `:patience`, without it two minutes, the robot gets no nearer.",
         valve: Some("wheels"),
         parameters: ":targets :patience",
     },

@@ -11,7 +11,7 @@ use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
 use crate::navigation::{
     Drive, DriveStatus, DriveTask, Grain, LookAround, MaplessNavigation, Navigation, NavigationEvent, NavigationInput,
-    PATIENCE_S, Speeds, Target,
+    Speeds, Target,
 };
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use crate::world::TravelMode;
@@ -348,8 +348,8 @@ impl Board {
             NAVIGATION => {
                 let (targets, patience_s) = navigation_arguments(machine, arguments)?;
                 match model.map {
-                    Some(_) => self.navigation.start(targets, patience_s),
-                    None => self.mapless.start(targets, patience_s),
+                    Some(_) => self.navigation.start(targets, patience_s.unwrap_or(Navigation::PATIENCE_S)),
+                    None => self.mapless.start(targets, patience_s.unwrap_or(MaplessNavigation::PATIENCE_S)),
                 }
                 self.navigation_phase = Phase::Active;
                 self.publish_navigation(outbox);
@@ -454,8 +454,8 @@ pub(super) fn mode_name(mode: TravelMode) -> &'static str {
 }
 
 /// `:targets`, a list of (x y) or (x y heading), and `:patience` in seconds.
-fn navigation_arguments(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(Vec<Target>, f64), Raise> {
-    let (mut targets, mut patience_s) = (Vec::new(), PATIENCE_S);
+fn navigation_arguments(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(Vec<Target>, Option<f64>), Raise> {
+    let (mut targets, mut patience_s) = (Vec::new(), None);
     for &(key, value) in arguments {
         match machine.symbols.name(key) {
             "targets" => targets = targets_argument(machine, value)?,
@@ -483,10 +483,11 @@ fn targets_argument(machine: &Machine, points: Value) -> Result<Vec<Target>, Rai
     machine.heap.elements(points).map_err(|_| no_targets())?.into_iter().map(target).collect()
 }
 
-/// How long the robot is to wait where it gets no nearer: seconds, at least 0.
-pub(super) fn patience_argument(value: Value) -> Result<f64, Raise> {
-    value
-        .as_f64()
-        .filter(|patience_s| *patience_s >= 0.0)
-        .ok_or_else(|| Raise::type_error("a patience is a time in seconds, at least 0, such as `:patience 2min`"))
+/// How long the robot is to wait where it gets no nearer: seconds, at least 0; nil is the usual.
+pub(super) fn patience_argument(value: Value) -> Result<Option<f64>, Raise> {
+    let wrong = || Raise::type_error("a patience is a time in seconds, at least 0, such as `:patience 2min`, or nil");
+    match value {
+        Value::Nil => Ok(None),
+        value => value.as_f64().filter(|patience_s| *patience_s >= 0.0).map(Some).ok_or_else(wrong),
+    }
 }

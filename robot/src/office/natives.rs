@@ -151,7 +151,7 @@ fn region_of(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let (model, place) = named_place(call)?;
-    let patience_s = if call.arguments.len() > 1 { Some(patience_argument(call.argument(1))?) } else { None };
+    let patience_s = if call.arguments.len() > 1 { patience_argument(call.argument(1))? } else { None };
     let robot = robot(call)?;
     let start_in_map: Pose = robot.estimate().pose_in_map;
     let closed_doors = robot.board.navigation.closed_doors();

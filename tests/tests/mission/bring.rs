@@ -49,7 +49,7 @@ fn what_was_set_down_elsewhere_is_fetched_again() {
 
 #[test]
 fn carried_away_while_it_grasps_the_robot_goes_back() {
-    let scenario = "(wait-for (< (hypot (- true-x* 13.5) (- true-y* 8.6)) 0.2)) (wait-time 2)
+    let scenario = "(wait-for (< (hypot (- true-x* 13.5) (- true-y* 8.6)) 0.5)) (wait-time 3)
                     (teleport-robot! 3.4 15.3 1.0)";
     let run = Mission::new(dept(), DELIVERY).with_scenario(scenario).run(1, 900.0);
     assert!(was_carried(&run));

@@ -14,6 +14,9 @@ use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
 use rpl_random::Stream;
 use std::sync::Arc;
 
+/// Of the robots in these tests.
+const PATIENCE_S: f64 = 30.0;
+
 struct Scene {
     world: Arc<World>,
     simulator: SimulatorModel,
