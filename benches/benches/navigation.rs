@@ -410,7 +410,7 @@ impl Errand {
                 panic!("there is a way to {}", place.name)
             };
             let mut navigation = Navigation::default();
-            navigation.start(plan.targets);
+            navigation.start(plan.targets, Navigation::PATIENCE_S);
             self.drive(&mut state, navigation);
             let away_m = distance_m(state.robot_in_map.point(), place.pose_in_map.point());
             assert!(away_m < 0.5 && state.contacts.caused == 0, "{away_m} {:?}", state.contacts);

@@ -6,6 +6,7 @@ mod catalogue;
 mod chart;
 mod choices;
 mod day;
+mod doors;
 mod sensing;
 mod statistics;
 mod trial;
@@ -23,7 +24,6 @@ use anyhow::{Context, Result, bail};
 use catalogue::{EXPERIMENTS, Experiment, Report, Row};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rpl_lang::suggest::suggest;
-use rpl_robot::geometry::Pose;
 use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::System;
@@ -31,14 +31,14 @@ use std::fs;
 use std::io::IsTerminal;
 use std::num::NonZero;
 use std::path::PathBuf;
-use trial::{Trial, one_trial};
+use trial::{Goal, Trial, one_trial};
 use trials::{comparison, raw_rows, run_all, sample_rows, table};
 
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `barn`, or a plan of your own
+    /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, or a plan of your own
     #[arg(value_name = "NAME")]
     name: String,
     /// How many seeds
@@ -98,6 +98,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     match experiment.report {
         Report::Barn => barn::run(arguments, console),
         Report::Worlds => worlds::run(arguments, console),
+        Report::Doors => doors::run(arguments, console),
         Report::Sensing => sensing::run(arguments, console),
         Report::Choices => choices::run(arguments, &chosen()?, console),
         Report::Success => {
@@ -155,9 +156,10 @@ fn trials_of(arguments: &Arguments, console: &mut Console, row: &Row) -> Result<
 }
 
 /// Where a row takes place, and where its robot must be at the end.
-fn site_of(arguments: &Arguments, row: &Row) -> Result<(Site, Option<Pose>)> {
+fn site_of(arguments: &Arguments, row: &Row) -> Result<(Site, Option<Goal<'static>>)> {
     let world = mission::world(arguments.world.as_deref().unwrap_or(row.world))?;
-    let goal = row.goal.map(|goal| world.place(goal)).transpose()?.map(|place| place.pose_in_map);
+    let place = row.goal.map(|goal| world.place(goal)).transpose()?;
+    let goal = place.map(|place| Goal { pose_in_map: place.pose_in_map, item: row.item });
     let scenario_name = row.scenario.map(|scenario| arguments.scenario.as_deref().unwrap_or(scenario));
     let scenario = scenario_name.map(files::scenario).transpose()?;
     let mut settings = OfficeSettings::default();
@@ -210,7 +212,7 @@ fn all_trials(
     console: &mut Console,
     site: &Site,
     plan: &PlanText,
-    goal: Option<Pose>,
+    goal: Option<Goal<'_>>,
     name: &str,
 ) -> Result<Vec<Trial>> {
     let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {

@@ -33,6 +33,7 @@ const RESERVED_NAMES: &[&str] = &[
     "active-localization",
     "navigation",
     "gripper",
+    "look-around",
     "wheels",
     "arm",
     "x*",
@@ -141,6 +142,15 @@ impl Site {
             .with_context(|| format!("the robot cannot be put into the world `{name}`"))?;
         let scenario = scenario.map(|plan| Scenario::compile(plan, &office)).transpose()?;
         Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario, lacks_world: false })
+    }
+
+    /// The same place with another scenario.
+    ///
+    /// # Errors
+    /// There is no robot, or the scenario's text is wrong.
+    pub fn with_scenario(&self, scenario: PlanText) -> Result<Self> {
+        let Some(office) = &self.office else { bail!("the scenario `{}` needs a robot", scenario.name) };
+        Ok(Self { scenario: Some(Scenario::compile(scenario, office)?), ..self.clone() })
     }
 
     /// What was built from the world, if there is one.

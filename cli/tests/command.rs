@@ -379,6 +379,19 @@ fn an_experiment_makes_a_table_however_many_jobs() {
 }
 
 #[test]
+fn a_door_closed_on_the_way_holds_a_delivery_up_and_no_more() {
+    let found = output(&["experiment", "doors", "--row", "flat", "--runs", "1", "--seed", "9001"]);
+    assert_eq!(status(&found), 0, "{}{}", stdout(&found), stderr(&found));
+    assert!(
+        stdout(&found).lines().any(|line| line.starts_with("flat ") && line.contains(" 1/1 ")),
+        "{}",
+        stdout(&found)
+    );
+    let unknown = output(&["experiment", "doors", "--row", "flt"]);
+    assert!(stderr(&unknown).contains("the experiment `doors` has no row `flt`, did you mean `flat`?"));
+}
+
+#[test]
 fn fmt_formats_files_in_place_and_check_only_lists_them() {
     let folder = folder("fmt");
     let ugly = plan(&folder, "ugly.rpl", "(par (wait-time 1)\n(wait-time   2) ; long\n)\n");

@@ -195,7 +195,7 @@ impl Pilot {
         match method {
             Method::Mapless => {
                 let mut navigation = MaplessNavigation::new(Grain::Laser);
-                navigation.start(vec![Target::through(goal_in_odom)]);
+                navigation.start(vec![Target::through(goal_in_odom)], MaplessNavigation::PATIENCE_S);
                 Pilot::Mapless(Box::new(navigation))
             }
             Method::Window => Pilot::Window(Box::new(Drive::follow(vec![goal_in_odom]))),

@@ -25,6 +25,8 @@ pub enum Report {
     Comparison,
     /// Drives from anywhere to any place, world by world.
     Worlds,
+    /// Deliveries on whose way a door is closed for a while, world by world.
+    Doors,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
     /// Courses nobody has mapped: no missions, and rows of its own.
@@ -46,6 +48,8 @@ pub struct Row {
     pub world: &'static str,
     /// Where the robot must really be at the end, if anywhere.
     pub goal: Option<&'static str>,
+    /// What must really lie there then, if anything.
+    pub item: Option<&'static str>,
     /// How the robot differs from the usual one.
     pub change: fn(&mut OfficeSettings),
 }
@@ -56,6 +60,7 @@ const ROTATED: Row = Row {
     scenario: Some("experiments/rotated.rpl"),
     world: "dept",
     goal: Some("wolframs-shelf"),
+    item: Some("mail"),
     change: |_| (),
 };
 
@@ -71,11 +76,12 @@ const GLOBAL: Row = Row {
     scenario: Some("experiments/global.rpl"),
     world: "dept",
     goal: Some("a-desk"),
+    item: None,
     change: |settings| settings.start_known = false,
 };
 
 const PATROL: Row =
-    Row { name: "clean department", plan: "experiments/patrol.rpl", scenario: None, goal: None, ..ROTATED };
+    Row { name: "clean department", plan: "experiments/patrol.rpl", scenario: None, goal: None, item: None, ..ROTATED };
 
 const FURNISHED: Row = Row { name: "furniture, people", world: "dept-furnished", ..PATROL };
 
@@ -85,6 +91,7 @@ const PEOPLE: Row = Row {
     scenario: None,
     world: "corridor-crowded",
     goal: None,
+    item: None,
     change: |_| (),
 };
 
@@ -182,6 +189,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment { name: "office", report: Report::Success, rows: &[OFFICE] },
     Experiment { name: "worlds", report: Report::Worlds, rows: &[] },
+    Experiment { name: "doors", report: Report::Doors, rows: &[] },
     Experiment { name: "barn", report: Report::Barn, rows: &[] },
     Experiment { name: "choices", report: Report::Choices, rows: &[GLOBAL, ABOUT_FACE] },
     Experiment { name: "sensing", report: Report::Sensing, rows: &[] },

@@ -6,7 +6,7 @@ use rpl_robot::simulator::ItemPlace;
 
 /// A thing is at a place if it lies this near to where the robot stands there: it is put down, and
 /// laid ready, within the gripper's reach.
-const AT_PLACE_M: f64 = 1.0;
+pub(super) const AT_PLACE_M: f64 = 1.0;
 
 /// The orders of a run, by the truth about the things at its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

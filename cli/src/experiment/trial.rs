@@ -1,12 +1,14 @@
 //! One run of an experiment: driven to its end, and measured.
 
-use super::day::Day;
+use super::day::{AT_PLACE_M, Day};
 use crate::console::Console;
 use crate::drive::{Ending, Mark, Pace, Records, drive};
 use crate::failure_report::Reporter;
 use crate::mission::{Robot, Sight};
 use anyhow::{Context, Result};
-use rpl_robot::geometry::{Pose, wrap_angle_rad};
+use rpl_robot::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use rpl_robot::office::OfficeRobot;
+use rpl_robot::simulator::ItemPlace;
 use rpl_runtime::system::{Outcome, System};
 
 /// How near to the goal the robot must really be.
@@ -67,11 +69,29 @@ fn is_right(sight: &Sight) -> bool {
     estimate.distance_m(truth) <= RIGHT_M && wrap_angle_rad(estimate.heading_rad - truth.heading_rad).abs() <= RIGHT_RAD
 }
 
+/// Where a run is to end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal<'n> {
+    /// Where the robot must really be ...
+    pub pose_in_map: Pose,
+    /// ... and this thing really lie, if anything.
+    pub item: Option<&'n str>,
+}
+
+/// How far from a point a thing really lies; none if it lies nowhere.
+fn item_off_m(robot: &OfficeRobot, name: &str, point: Point) -> Option<f64> {
+    let item = robot.host.state.gripper.items.iter().find(|item| item.name == name)?;
+    match item.at {
+        ItemPlace::Point(at) => Some(distance_m(at, point)),
+        ItemPlace::Held => None,
+    }
+}
+
 /// Drives a run to its end and measures it.
 ///
 /// # Errors
 /// The run cannot be driven.
-pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_map: Option<Pose>) -> Result<Trial> {
+pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Option<Goal<'_>>) -> Result<Trial> {
     let mut records = Records::default();
     let mut silent = Console::silent();
     let pace = Pace { until_us: Some(until_us), factor: None };
@@ -93,12 +113,19 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal_in_ma
             }
             measures.extend(day.measures());
         }
-        if let Some(goal_in_map) = goal_in_map {
-            let off_m = sight.robot_in_map.distance_m(goal_in_map);
+        if let Some(Goal { pose_in_map, item }) = goal {
+            let off_m = sight.robot_in_map.distance_m(pose_in_map);
             if off_m > AT_GOAL_M {
                 fault.get_or_insert_with(|| "wrong place".to_string());
             }
             measures.push(("off the goal [m]", Some(off_m)));
+            if let (Some(item), Robot::Office(robot)) = (item, &system.outside) {
+                let item_m = item_off_m(robot, item, pose_in_map.point());
+                if item_m.is_none_or(|item_m| item_m > AT_PLACE_M) {
+                    fault.get_or_insert_with(|| format!("not delivered: {item}"));
+                }
+                measures.push(("thing off [m]", item_m));
+            }
         }
     }
     let sample = |sight: &Sight| Sample {
@@ -170,4 +197,21 @@ fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str
         ("wrong recoveries", wrong),
         ("false alarms", Some(alarms.count() as f64)),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::{self, Site};
+    use rpl_robot::office::OfficeSettings;
+
+    #[test]
+    fn a_thing_is_as_far_off_as_it_lies_and_not_as_far_as_the_robot() {
+        let world = mission::world("test-room").expect("built in");
+        let site = Site::new(Some(world), None, OfficeSettings::default()).expect("a site");
+        let Robot::Office(robot) = site.robot(1) else { panic!("a world has a robot") };
+        let off_m = item_off_m(&robot, "cup", Point::new(3.0, 4.1)).expect("it lies on the table");
+        assert!((off_m - 0.55).abs() < 1e-9, "{off_m}");
+        assert_eq!(item_off_m(&robot, "saucer", Point::new(3.0, 4.1)), None);
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::catalogue::WORLDS;
 use super::statistics::{Spread, wilson_95};
-use super::trial::{Trial, one_trial};
+use super::trial::{Goal, Trial, one_trial};
 use super::trials::{failures, run_all};
 use super::{Arguments, jobs, progress, seeds, write_results};
 use crate::console::Console;
@@ -25,15 +25,41 @@ const CELL_M: f64 = 0.05;
 /// Nobody starts nearer to a wall, so that every start can be left.
 const START_CLEARANCE_M: f64 = ROBOT_RADIUS_M + 0.1;
 
+/// What cannot be drawn by then is not there.
+pub(super) const DRAWS: u32 = 2000;
+
 /// Start and goal are at least this far apart in a straight line.
 const APART_M: f64 = 3.0;
 
-/// One drive of a seed.
-struct Errand<'w> {
-    /// At its start, and told so.
-    robot: OfficeRobot,
-    destination: &'w Place,
-    optimum_m: f64,
+/// A world to drive in, and its floor.
+pub(super) struct Ground {
+    pub(super) world: World,
+    pub(super) site: Site,
+    /// What really stands there, at the price of length alone: for the shortest ways there are.
+    pub(super) floor: PlannerModel,
+}
+
+impl Ground {
+    fn new(name: &str) -> Result<Self> {
+        let world = mission::world(name)?;
+        let parameters = PlannerParameters {
+            comfortable_distance_m: ROBOT_RADIUS_M,
+            closeness_weight: 0.0,
+            ..PlannerParameters::default()
+        };
+        Ok(Self {
+            site: Site::new(Some(world.clone()), None, OfficeSettings::default())?,
+            floor: PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters),
+            world,
+        })
+    }
+}
+
+/// Where a robot is put down, and told so.
+pub(super) struct Start {
+    pub(super) at_in_map: Pose,
+    /// From there to where it is to go first.
+    pub(super) path: Vec<Point>,
 }
 
 /// Runs the drives of all worlds, or of the one that is asked for.
@@ -41,17 +67,35 @@ struct Errand<'w> {
 /// # Errors
 /// No row has the name, a run cannot be driven, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let wanted = arguments.row.as_deref().or(arguments.world.as_deref());
-    let worlds: Vec<&str> = match wanted {
-        None => WORLDS.to_vec(),
-        Some(name) => match WORLDS.iter().find(|world| **world == name) {
+    run_in(arguments, console, &WORLDS, drive)
+}
+
+/// The same for any list of worlds, and any run of a seed in one of them.
+///
+/// # Errors
+/// As for [`run`].
+pub(super) fn run_in(
+    arguments: &Arguments,
+    console: &mut Console,
+    all_worlds: &[&'static str],
+    run: fn(&Ground, &Arguments, u64) -> Result<Trial>,
+) -> Result<Status> {
+    let worlds: Vec<&str> = match arguments.row.as_deref().or(arguments.world.as_deref()) {
+        None => all_worlds.to_vec(),
+        Some(name) => match all_worlds.iter().find(|world| **world == name) {
             Some(world) => vec![world],
-            None => bail!("{}", unknown(name)),
+            None => bail!("{}", unknown(&arguments.name, name, all_worlds)),
         },
     };
     let mut rows = Vec::new();
     for name in worlds {
-        rows.push((name, drives(arguments, console, name)?));
+        let ground = Ground::new(name)?;
+        let seeds = seeds(arguments);
+        let bar = progress(seeds.len() as u64, console);
+        bar.set_message(name.to_string());
+        let trials = run_all(&seeds, jobs(arguments), |seed| run(&ground, arguments, seed), || bar.inc(1));
+        bar.finish_and_clear();
+        rows.push((name, trials.into_iter().collect::<Result<Vec<Trial>>>()?));
     }
     console.print(&table(&rows))?;
     let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded());
@@ -59,66 +103,74 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     Ok(if all_arrived { Status::Succeeded } else { Status::Failed })
 }
 
-fn unknown(name: &str) -> String {
+fn unknown(experiment: &str, name: &str, worlds: &[&str]) -> String {
     let meant =
-        suggest(name, WORLDS.iter().copied()).map_or(String::new(), |meant| format!(", did you mean `{meant}`?"));
-    format!("the experiment `worlds` has no row `{name}`{meant} (it has {})", WORLDS.join(", "))
+        suggest(name, worlds.iter().copied()).map_or(String::new(), |meant| format!(", did you mean `{meant}`?"));
+    format!("the experiment `{experiment}` has no row `{name}`{meant} (it has {})", worlds.join(", "))
 }
 
-fn drives(arguments: &Arguments, console: &Console, name: &str) -> Result<Vec<Trial>> {
-    let world = mission::world(name)?;
-    let site = Site::new(Some(world.clone()), None, OfficeSettings::default())?;
-    let parameters = PlannerParameters {
-        comfortable_distance_m: ROBOT_RADIUS_M,
-        closeness_weight: 0.0,
-        ..PlannerParameters::default()
-    };
-    let floor = PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters);
-    let seeds = seeds(arguments);
-    let bar = progress(seeds.len() as u64, console);
-    bar.set_message(name.to_string());
-    let one = |seed: u64| -> Result<Trial> {
-        let Robot::Office(robot) = site.robot(seed) else { bail!("there is no robot in `{name}`") };
-        let errand = draw(&world, &floor, &robot, seed)
-            .with_context(|| format!("no start and goal in `{name}` for seed {seed}"))?;
-        let text = format!("(go-to '{})", errand.destination.name);
-        let loaded = match site.library.load("go-to.rpl", &text, &mut NoFiles) {
-            Ok(loaded) => loaded,
-            Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
-        };
-        let system = System::traced(site.library.clone(), loaded, Robot::Office(Box::new(errand.robot)), seed);
-        let mut trial = one_trial(system, seed, arguments.until, Some(errand.destination.pose_in_map))?;
-        let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
-        trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / errand.optimum_m)));
-        Ok(trial)
-    };
-    let trials = run_all(&seeds, jobs(arguments), one, || bar.inc(1));
-    bar.finish_and_clear();
-    trials.into_iter().collect()
-}
-
-/// A start with some room around it where nobody stands, and a place that is not near, drawn from
-/// the seed; none if two thousand draws find nothing.
-fn draw<'w>(world: &'w World, floor: &PlannerModel, robot: &OfficeRobot, seed: u64) -> Option<Errand<'w>> {
+/// From anywhere to a place that is not near.
+fn drive(ground: &Ground, arguments: &Arguments, seed: u64) -> Result<Trial> {
     let mut stream = Stream::new(seed, "errand");
-    let bounds = world.bounds();
-    for _ in 0..2000 {
-        let destination = &world.places[stream.index(world.places.len().max(1))];
-        let goal = destination.pose_in_map.point();
-        let start =
-            Point::new(stream.uniform_in(bounds.min.x, bounds.max.x), stream.uniform_in(bounds.min.y, bounds.max.y));
-        let heading_rad = stream.uniform_in(-std::f64::consts::PI, std::f64::consts::PI);
-        if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < START_CLEARANCE_M {
-            continue;
-        }
-        let start_in_map = Pose::new(start.x, start.y, heading_rad);
-        if let Some(path) = floor.value_field(goal).path(start)
-            && let Ok(robot) = robot.clone().starting_at(start_in_map)
-        {
-            return Some(Errand { robot, destination, optimum_m: path_length_m(&path) });
-        }
+    let drawn = (0..DRAWS).find_map(|_| {
+        let destination = draw_place(&ground.world, &mut stream);
+        let start = draw_start(ground, destination, &mut stream)?;
+        Some((robot_at(&ground.site, seed, &start)?, start, destination))
+    });
+    let (robot, start, destination) = drawn.with_context(|| no_errand(ground, seed))?;
+    let goal = Goal { pose_in_map: destination.pose_in_map, item: None };
+    let text = format!("(go-to '{})", destination.name);
+    run_errand(ground, robot, &text, arguments, seed, goal, path_length_m(&start.path))
+}
+
+pub(super) fn no_errand(ground: &Ground, seed: u64) -> String {
+    format!("no start and goal in `{}` for seed {seed}", ground.world.name)
+}
+
+/// Runs a plan to its end and measures it; `optimum_m` is the shortest way.
+pub(super) fn run_errand(
+    ground: &Ground,
+    robot: OfficeRobot,
+    text: &str,
+    arguments: &Arguments,
+    seed: u64,
+    goal: Goal<'_>,
+    optimum_m: f64,
+) -> Result<Trial> {
+    let library = &ground.site.library;
+    let loaded = match library.load("errand.rpl", text, &mut NoFiles) {
+        Ok(loaded) => loaded,
+        Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
+    };
+    let system = System::traced(library.clone(), loaded, Robot::Office(Box::new(robot)), seed);
+    let mut trial = one_trial(system, seed, arguments.until, Some(goal))?;
+    let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
+    trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / optimum_m)));
+    Ok(trial)
+}
+
+pub(super) fn draw_place<'w>(world: &'w World, stream: &mut Stream) -> &'w Place {
+    &world.places[stream.index(world.places.len().max(1))]
+}
+
+/// A start with some room around it, from where a place that is not near can be reached.
+pub(super) fn draw_start(ground: &Ground, destination: &Place, stream: &mut Stream) -> Option<Start> {
+    let (bounds, floor) = (ground.world.bounds(), &ground.floor);
+    let goal = destination.pose_in_map.point();
+    let start =
+        Point::new(stream.uniform_in(bounds.min.x, bounds.max.x), stream.uniform_in(bounds.min.y, bounds.max.y));
+    let heading_rad = stream.uniform_in(-std::f64::consts::PI, std::f64::consts::PI);
+    if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < START_CLEARANCE_M {
+        return None;
     }
-    None
+    let path = floor.value_field(goal).path(start)?;
+    Some(Start { at_in_map: Pose::new(start.x, start.y, heading_rad), path })
+}
+
+/// The robot at a start; none if somebody stands there.
+pub(super) fn robot_at(site: &Site, seed: u64, start: &Start) -> Option<OfficeRobot> {
+    let Robot::Office(robot) = site.robot(seed) else { return None };
+    robot.starting_at(start.at_in_map).ok()
 }
 
 fn table(rows: &[(&str, Vec<Trial>)]) -> String {

@@ -113,19 +113,23 @@ pub const TOPICS: &[Topic] = &[
          string-suffix-p string->list substring string= string< string<= string> string>= symbol-name intern \
          make-keyword gensym",
     ),
-    topic("plans", "The robot's plans", "go-to go-to-point fetch pick-up put-down deliver relocalize-when-necessary"),
+    topic(
+        "plans",
+        "The robot's plans",
+        "go-to go-to-point fetch pick-up put-down bring deliver look-until-sure relocalize-when-necessary",
+    ),
     topic(
         "behaviours",
         "The robot's behaviours, valves and fluents",
         "activate deactivate await-signal run-behaviour navigation active-localization position-tracking gripper \
-         wheels arm x* y* o* pos-certainty* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
+         look-around wheels arm x* y* o* pos-certainty* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
          holding* battery* messages* read-message",
     ),
     topic(
         "robot",
         "The robot's functions",
         "place place-pose at-destination? distance-to region-of generate-navigation-plan plan-remove-all-goals \
-         set-travel-mode doubt-position belief-maxima",
+         set-travel-mode doubt-position belief-maxima odometry-pose odometry-in-map",
     ),
     topic(COMMANDS, "Commands", ""),
 ];

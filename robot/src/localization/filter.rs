@@ -212,12 +212,14 @@ impl Localization {
             return scan;
         }
         let expected = model.expected_scan(state);
-        let short = |beam: usize| f64::from(ranges_m[beam]) < model.sensor.range_m(expected[beam]) - gating.margin_m;
-        let gated: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some() && short(beam)).collect();
-        if gated.len() <= gating.max_readings {
-            for beam in gated {
-                scan[beam] = None;
-            }
+        let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
+        let beyond_m = |beam: &usize| f64::from(ranges_m[*beam]) - model.sensor.range_m(expected[*beam]);
+        let echoes = |beam: &&usize| f64::from(ranges_m[**beam]) < model.parameters.sensor.max_range_m;
+        let short = || read.iter().filter(|beam| beyond_m(beam) < -gating.margin_m);
+        let fitting = read.iter().filter(|beam| beyond_m(beam).abs() <= gating.margin_m).count();
+        let farther = read.iter().filter(echoes).filter(|beam| beyond_m(beam) > gating.margin_m).count();
+        if short().count() <= gating.max_readings || gating.is_crowd(fitting, farther) {
+            short().for_each(|&beam| scan[beam] = None);
         }
         scan
     }

@@ -67,6 +67,8 @@ pub struct MaplessNavigation {
     phase: Phase,
     /// Targets not yet reached.
     targets: Vec<Target>,
+    /// So long without getting nearer or seeing anything new is blocked.
+    patience_s: f64,
     now_s: f64,
     seen: LearnedMap,
     /// What was heard and felt lately.
@@ -97,8 +99,9 @@ const HERE_M: f64 = 0.4;
 const MARGIN_M: f64 = 3.0;
 /// Targets farther than this are out of reach.
 const FARTHEST_M: f64 = 100.0;
-/// So long without getting nearer or seeing anything new is blocked.
-const BLOCKED_S: f64 = 30.0;
+/// After so long the robot forgets what holds it up, once, and begins anew: what it forgets is new to
+/// it afterwards.
+const ANEW_S: f64 = 15.0;
 /// The time a way takes that turned out to be longer: at this speed, and at most so much.
 const DETOUR_MPS: f64 = 0.2;
 const DETOUR_S: f64 = 120.0;
@@ -113,17 +116,23 @@ const LOOK_RADPS: f64 = 0.6;
 const LOOK_AROUND_S: f64 = std::f64::consts::TAU / LOOK_RADPS;
 
 impl MaplessNavigation {
+    /// How long a robot that is told nothing else goes on where it gets no nearer and sees nothing new:
+    /// without a map it knows of no door that could be opened.
+    pub const PATIENCE_S: f64 = 30.0;
+
     /// Nothing has been seen, and there is nothing to do.
     pub fn new(grain: Grain) -> Self {
         Self { seen: LearnedMap::new(grain), ..Self::default() }
     }
 
     /// Begins to drive to these targets, in order, instead of any others. What has been seen is kept.
-    pub fn start(&mut self, targets: Vec<Target>) {
+    /// The way is blocked when for `patience_s` the robot has neither come nearer nor seen anything new.
+    pub fn start(&mut self, targets: Vec<Target>, patience_s: f64) {
         let phase = if targets.is_empty() { Phase::Idle } else { Phase::Driving };
         *self = Self {
             phase,
             targets,
+            patience_s,
             now_s: self.now_s,
             seen: std::mem::take(&mut self.seen),
             heard: std::mem::take(&mut self.heard),
@@ -136,7 +145,7 @@ impl MaplessNavigation {
 
     /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
     pub fn remove_all_targets(&mut self) {
-        self.start(Vec::new());
+        self.start(Vec::new(), Self::PATIENCE_S);
     }
 
     /// Targets not yet reached.
@@ -373,11 +382,11 @@ impl MaplessNavigation {
             self.progress = Progress { least_cost_m, seen_cells, at_s: self.now_s, ..Progress::default() };
         }
         let idle_s = self.now_s - self.progress.at_s;
-        if idle_s > BLOCKED_S / 2.0 && !self.progress.anew {
+        if idle_s > ANEW_S && !self.progress.anew {
             self.begin_anew(here);
         }
         let detour_m = cost_m.zip(self.progress.least_cost_m).map_or(0.0, |(cost_m, least_m)| cost_m - least_m);
-        idle_s > BLOCKED_S + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
+        idle_s > self.patience_s + (detour_m / DETOUR_MPS).clamp(0.0, DETOUR_S)
     }
 
     /// What holds the robot up may be an echo long gone.

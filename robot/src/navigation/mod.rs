@@ -6,8 +6,9 @@
 //! map), `doorways` (which doors were found closed), `clearance` (how far an arc is free),
 //! `dynamic_window` (safe speeds), `areas` (the floor, cut along the edges of rooms), `topological`
 //! (target points through doors and corridors), `between` (what keeps two points apart), `survey`
-//! (what of a world cannot be got to), `progress` (whether the robot gets on), `navigation` (the state machine that drives them),
-//! `drive` (following and wandering without a map); `laser_scan` (what a scan shows of surfaces),
+//! (what of a world cannot be got to), `progress` (whether the robot gets on), `navigation` (the
+//! state machine that drives them), `drive` (following and wandering without a map), `look_around`
+//! (turning on the spot); `laser_scan` (what a scan shows of surfaces),
 //! `learned_map`, `manner` and `mapless` (driving without a map by what the sensors have seen).
 //! Nothing here knows the plan language or the simulator.
 
@@ -21,6 +22,7 @@ pub mod drive;
 pub mod dynamic_window;
 mod laser_scan;
 pub mod learned_map;
+mod look_around;
 mod manner;
 pub mod mapless;
 #[allow(clippy::module_inception)]
@@ -40,6 +42,7 @@ pub use doorways::{DoorMemory, Doorway};
 pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
 pub use learned_map::{Grain, LearnedMap};
+pub use look_around::LookAround;
 pub use mapless::MaplessNavigation;
 pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
 pub use obstacle_memory::ObstacleMemory;

@@ -211,14 +211,19 @@ const JUMP_RAD: f64 = 0.5;
 const MAP_SUPPORT_M: f64 = 1.2;
 
 impl Navigation {
+    /// How long a robot that is told nothing else waits where it gets no nearer: doors are closed for a
+    /// minute now and then, and people stand and talk.
+    pub const PATIENCE_S: f64 = 120.0;
+
     /// Bytes of planned ways that an earlier state does not share.
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
         self.cache.bytes_apart(&earlier.cache)
     }
 
     /// Begins to drive to these targets, in order, instead of any others. What the sensors saw and
-    /// which doors were found closed is kept.
-    pub fn start(&mut self, targets: Vec<Target>) {
+    /// which doors were found closed is kept. The way is blocked when for `patience_s` the robot has
+    /// come no nearer.
+    pub fn start(&mut self, targets: Vec<Target>, patience_s: f64) {
         let (memory, doors) = (std::mem::take(&mut self.memory), std::mem::take(&mut self.doors));
         let phase = if targets.is_empty() { Phase::Idle } else { Phase::Driving };
         *self = Self {
@@ -228,14 +233,14 @@ impl Navigation {
             doors,
             now_s: self.now_s,
             next_look_s: self.now_s,
-            progress: Progress::from(self.now_s),
+            progress: Progress::from(self.now_s, patience_s),
             ..Self::default()
         };
     }
 
     /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
     pub fn remove_all_targets(&mut self) {
-        self.start(Vec::new());
+        self.start(Vec::new(), Self::PATIENCE_S);
     }
 
     /// Targets not yet reached.
@@ -488,7 +493,7 @@ impl Navigation {
         if let Some(cost_m) = fields.mapped.cost_m(here) {
             let avoided_doors = self.avoided_doors();
             self.progress.measure(self.now_s, cost_m, avoided_doors, fields.around.cost_m(here));
-            if self.progress.is_patience_at_end(self.now_s) {
+            if self.progress.is_time_to_begin_anew(self.now_s) {
                 self.begin_anew();
             }
         }
@@ -552,7 +557,7 @@ impl Navigation {
         let here = estimated_in_map.point();
         self.doors.look(&model.doorways, here, &points, robot_width_m, self.now_s, LOOK_S);
         if self.closed_doors() != before {
-            self.progress = Progress::from(self.now_s);
+            self.progress.start_again(self.now_s);
             self.window = DynamicWindow::default();
         }
     }

@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// So long without getting nearer is blocked.
-const BLOCKED_S: f64 = 30.0;
-/// Every so long meanwhile the robot forgets what it saw and begins anew.
-const PATIENCE_S: f64 = 10.0;
-/// To look for a way around blockages there is so much time, and for the detour at this speed besides.
-const SEARCH_S: f64 = 60.0;
+/// Every so long without getting nearer the robot forgets what it saw and begins anew.
+const ANEW_S: f64 = 10.0;
+/// To look for a way around blockages there is so many times the patience, and for the detour at this
+/// speed besides.
+const SEARCH: f64 = 2.0;
 const DETOUR_MPS: f64 = 0.15;
 /// Getting nearer means by so much.
 const PROGRESS_M: f64 = 0.1;
@@ -17,6 +16,8 @@ const LEAP_M: f64 = 0.2;
 /// The nearest the robot has come, by the cost of the way left.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Progress {
+    /// So long without getting nearer is blocked.
+    patience_s: f64,
     /// By the way the map shows.
     least_cost_m: Option<f64>,
     /// The doors that way leads around: costs of other ways do not compare.
@@ -43,8 +44,13 @@ struct AroundProgress {
 
 impl Progress {
     /// Nothing is measured yet.
-    pub fn from(at_s: f64) -> Self {
-        Self { at_s, moved_at_s: at_s, begun_at_s: at_s, ..Self::default() }
+    pub fn from(at_s: f64, patience_s: f64) -> Self {
+        Self { patience_s, at_s, moved_at_s: at_s, begun_at_s: at_s, ..Self::default() }
+    }
+
+    /// Nothing is measured yet of what is now another task; the patience is the same.
+    pub fn start_again(&mut self, at_s: f64) {
+        *self = Self::from(at_s, self.patience_s);
     }
 
     /// What is measured next is another way's cost.
@@ -73,8 +79,8 @@ impl Progress {
     }
 
     /// Whether the robot should begin anew.
-    pub fn is_patience_at_end(&self, now_s: f64) -> bool {
-        now_s - self.begun_at_s > PATIENCE_S
+    pub fn is_time_to_begin_anew(&self, now_s: f64) -> bool {
+        now_s - self.begun_at_s > ANEW_S
     }
 
     /// It does.
@@ -90,7 +96,8 @@ impl Progress {
     /// Whether the robot has not come nearer for long. Coming nearer on a way around blockages counts
     /// too, but not for ever: the robot may be going to and fro between two of them.
     pub fn has_stalled(&self, now_s: f64) -> bool {
-        now_s - self.moved_at_s > BLOCKED_S || self.since_s(now_s) > SEARCH_S + self.around.detour_m / DETOUR_MPS
+        let search_s = SEARCH * self.patience_s + self.around.detour_m / DETOUR_MPS;
+        now_s - self.moved_at_s > self.patience_s || self.since_s(now_s) > search_s
     }
 }
 
@@ -118,7 +125,7 @@ mod tests {
 
     /// When a robot has stalled, if ever, by the costs of the ways left at each time.
     fn stalls_at_s(until_s: f64, costs_m: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
-        let mut progress = Progress::from(0.0);
+        let mut progress = Progress::from(0.0, 30.0);
         let times_s = (0..(until_s / STEP_S) as u32).map(|step| f64::from(step) * STEP_S);
         times_s.into_iter().find(|&now_s| {
             let (mapped_m, around_m) = costs_m(now_s);
@@ -131,6 +138,16 @@ mod tests {
     fn who_stands_has_stalled_after_half_a_minute() {
         let stalled_s = stalls_at_s(100.0, |_| (5.0, 5.0));
         assert!(stalled_s.is_some_and(|at_s| (30.0..31.0).contains(&at_s)), "{stalled_s:?}");
+    }
+
+    #[test]
+    fn who_is_patient_stalls_later() {
+        let mut progress = Progress::from(0.0, 120.0);
+        progress.measure(0.0, 5.0, Vec::new(), Some(5.0));
+        assert!(!progress.has_stalled(119.0) && progress.has_stalled(121.0));
+        progress.start_again(100.0);
+        progress.measure(100.0, 5.0, Vec::new(), Some(5.0));
+        assert!(!progress.has_stalled(219.0) && progress.has_stalled(221.0), "another task has the same patience");
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub(super) const POSITION_TRACKING: u16 = 0;
 pub(super) const ACTIVE_LOCALIZATION: u16 = 1;
 pub(super) const NAVIGATION: u16 = 2;
 pub(super) const GRIPPER: u16 = 3;
+pub(super) const LOOK_AROUND: u16 = 4;
 
 /// The behaviours.
 pub const BEHAVIOURS: &[BehaviourSpec] = &[
@@ -24,15 +25,21 @@ pub const BEHAVIOURS: &[BehaviourSpec] = &[
     },
     BehaviourSpec {
         name: "navigation",
-        doc: "Drives to the points of `:targets`, lists (x y) or, for the last, (x y heading). Succeeds close to the last one; fails with unreachable or blocked.",
+        doc: "Drives to the points of `:targets`, lists (x y) or, for the last, (x y heading). Succeeds close to the last one; fails with unreachable, or with blocked if for the time of `:patience`, without it two minutes, the robot gets no nearer.",
         valve: Some("wheels"),
-        parameters: ":targets",
+        parameters: ":targets :patience",
     },
     BehaviourSpec {
         name: "gripper",
         doc: "Takes the thing named by `:grasp`, or lets go with `:release t`; both take time. Fails with grasp-failure.",
         valve: Some("arm"),
         parameters: ":grasp :release",
+    },
+    BehaviourSpec {
+        name: "look-around",
+        doc: "Turns a little to the left, to the right, and back, so that the sensors see more. Succeeds after that.",
+        valve: Some("wheels"),
+        parameters: "",
     },
 ];
 

@@ -3,15 +3,15 @@
 
 use super::OfficeModel;
 use super::behaviours::{
-    ACTIVE_LOCALIZATION, BATTERY, BUMPED, GRIPPER, HOLDING, MESSAGES, NAVIGATION, NAVIGATION_ACTIVE, NR_OF_NAV_GOALS,
-    O, POS_CERTAINTY, POSITION_TRACKING, REGION, SPEED, TRAVEL_MODE, X, Y,
+    ACTIVE_LOCALIZATION, BATTERY, BUMPED, GRIPPER, HOLDING, LOOK_AROUND, MESSAGES, NAVIGATION, NAVIGATION_ACTIVE,
+    NR_OF_NAV_GOALS, O, POS_CERTAINTY, POSITION_TRACKING, REGION, SPEED, TRAVEL_MODE, X, Y,
 };
 use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
 use crate::navigation::{
-    Drive, DriveStatus, DriveTask, Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationInput, Speeds,
-    Target,
+    Drive, DriveStatus, DriveTask, Grain, LookAround, MaplessNavigation, Navigation, NavigationEvent, NavigationInput,
+    Speeds, Target,
 };
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use crate::world::TravelMode;
@@ -63,6 +63,7 @@ pub struct Board {
     drive_status: DriveStatus,
     drive_request: Speeds,
     needs_sonars: bool,
+    look: Option<LookAround>,
     gripper_task: Option<GripperTask>,
     gripper_command: GripperCommand,
     was_certain: bool,
@@ -99,6 +100,7 @@ impl Board {
             drive_status: DriveStatus::Driving,
             drive_request: Speeds::default(),
             needs_sonars: true,
+            look: None,
             gripper_task: None,
             gripper_command: GripperCommand::None,
             was_certain: model.settings.start_known || model.map.is_none(),
@@ -135,6 +137,7 @@ impl Board {
         self.drive_request = Speeds::default();
         self.localize_actively(model, &percept, outbox);
         self.navigate(model, &percept, outbox);
+        self.look_around(model, &percept, outbox);
         self.grip(&percept, outbox);
         self.inbox.extend(percept.messages.iter().cloned());
         self.publish(model, &percept, outbox);
@@ -157,11 +160,13 @@ impl Board {
     pub(super) fn estimate(&self, model: &OfficeModel) -> Estimate {
         match (&model.map, &self.localization) {
             (Some(map), Some(localization)) => localization.estimate(&map.localization),
-            _ => Estimate {
-                pose_in_map: self.percept.as_ref().map_or(Pose::default(), |percept| percept.odometry_in_odom),
-                certainty: 1.0,
-            },
+            _ => Estimate { pose_in_map: self.odometry_in_odom(), certainty: 1.0 },
         }
+    }
+
+    /// Dead reckoning.
+    pub(super) fn odometry_in_odom(&self) -> Pose {
+        self.percept.as_ref().map_or(Pose::default(), |percept| percept.odometry_in_odom)
     }
 
     fn input<'p>(percept: &'p Percept) -> NavigationInput<'p> {
@@ -273,6 +278,17 @@ impl Board {
         outbox.endings.push((NAVIGATION, ending));
     }
 
+    fn look_around(&mut self, model: &OfficeModel, percept: &Percept, outbox: &mut Outbox) {
+        let Some(look) = &mut self.look else { return };
+        match look.step(&model.limits, percept.odometry_in_odom, Self::input(percept).speeds) {
+            Some(speeds) => self.drive_request = speeds,
+            None => {
+                self.look = None;
+                outbox.endings.push((LOOK_AROUND, Ending::Success));
+            }
+        }
+    }
+
     fn grip(&mut self, percept: &Percept, outbox: &mut Outbox) {
         let Some(task) = &self.gripper_task else { return };
         if percept.gripper.motion == GripperMotion::Moving || self.gripper_command != GripperCommand::None {
@@ -338,15 +354,16 @@ impl Board {
         match behaviour {
             ACTIVE_LOCALIZATION => self.start_active_localization(model, outbox)?,
             NAVIGATION => {
-                let targets = targets_argument(machine, arguments)?;
+                let (targets, patience_s) = navigation_arguments(machine, arguments)?;
                 match model.map {
-                    Some(_) => self.navigation.start(targets),
-                    None => self.mapless.start(targets),
+                    Some(_) => self.navigation.start(targets, patience_s.unwrap_or(Navigation::PATIENCE_S)),
+                    None => self.mapless.start(targets, patience_s.unwrap_or(MaplessNavigation::PATIENCE_S)),
                 }
                 self.navigation_phase = Phase::Active;
                 self.publish_navigation(outbox);
             }
             GRIPPER => self.start_gripper(machine, arguments)?,
+            LOOK_AROUND => self.look = Some(LookAround::from(self.odometry_in_odom())),
             _ => debug_assert_eq!(behaviour, POSITION_TRACKING, "it is active from the start"),
         }
         Ok(())
@@ -421,6 +438,10 @@ impl Board {
                 self.publish_navigation(outbox);
             }
             GRIPPER => self.gripper_task = None,
+            LOOK_AROUND => {
+                self.look = None;
+                self.drive_request = Speeds::default();
+            }
             _ => {}
         }
     }
@@ -440,23 +461,41 @@ pub(super) fn mode_name(mode: TravelMode) -> &'static str {
     }
 }
 
-/// `:targets`, a list of (x y) or (x y heading).
-fn targets_argument(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<Vec<Target>, Raise> {
-    let expected = || Raise::type_error("`navigation` takes `:targets`, a list of points `(x y)` or `(x y heading)`");
-    let mut targets = Vec::new();
+/// `:targets`, a list of (x y) or (x y heading), and `:patience` in seconds.
+fn navigation_arguments(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(Vec<Target>, Option<f64>), Raise> {
+    let (mut targets, mut patience_s) = (Vec::new(), None);
     for &(key, value) in arguments {
-        if machine.symbols.name(key) != "targets" {
-            return Err(expected());
-        }
-        for point in machine.heap.elements(value).map_err(|_| expected())? {
-            let numbers: Option<Vec<f64>> =
-                machine.heap.elements(point).map_err(|_| expected())?.into_iter().map(Value::as_f64).collect();
-            targets.push(match numbers.as_deref() {
-                Some(&[x_m, y_m]) => Target::through(Point::new(x_m, y_m)),
-                Some(&[x_m, y_m, heading_rad]) => Target::at(Pose::new(x_m, y_m, heading_rad)),
-                _ => return Err(expected()),
-            });
+        match machine.symbols.name(key) {
+            "targets" => targets = targets_argument(machine, value)?,
+            "patience" => patience_s = patience_argument(value)?,
+            _ => return Err(no_targets()),
         }
     }
-    if targets.is_empty() { Err(expected()) } else { Ok(targets) }
+    if targets.is_empty() { Err(no_targets()) } else { Ok((targets, patience_s)) }
+}
+
+fn no_targets() -> Raise {
+    Raise::type_error("`navigation` takes `:targets`, a list of points `(x y)` or `(x y heading)`, and `:patience`")
+}
+
+fn targets_argument(machine: &Machine, points: Value) -> Result<Vec<Target>, Raise> {
+    let target = |point: Value| {
+        let numbers: Option<Vec<f64>> =
+            machine.heap.elements(point).map_err(|_| no_targets())?.into_iter().map(Value::as_f64).collect();
+        match numbers.as_deref() {
+            Some(&[x_m, y_m]) => Ok(Target::through(Point::new(x_m, y_m))),
+            Some(&[x_m, y_m, heading_rad]) => Ok(Target::at(Pose::new(x_m, y_m, heading_rad))),
+            _ => Err(no_targets()),
+        }
+    };
+    machine.heap.elements(points).map_err(|_| no_targets())?.into_iter().map(target).collect()
+}
+
+/// How long the robot is to wait where it gets no nearer: seconds, at least 0; nil is the usual.
+pub(super) fn patience_argument(value: Value) -> Result<Option<f64>, Raise> {
+    let wrong = || Raise::type_error("a patience is a time in seconds, at least 0, such as `:patience 2min`, or nil");
+    match value {
+        Value::Nil => Ok(None),
+        value => value.as_f64().filter(|patience_s| *patience_s >= 0.0).map(Some).ok_or_else(wrong),
+    }
 }

@@ -1,7 +1,7 @@
 //! Functions of the robot that plans can call.
 
 use super::behaviours::NAVIGATION;
-use super::board::{mode_name, no_map};
+use super::board::{mode_name, no_map, patience_argument};
 use super::{OfficeModel, OfficeRobot, plan_text};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
@@ -36,8 +36,8 @@ pub fn natives() -> Vec<Native> {
         look("region-of", "place", "The travel mode of the region around a place, or nil.", region_of as _),
         look(
             "generate-navigation-plan",
-            "place",
-            "A plan, as data, that drives from the estimated position to a place, not through doors found closed if there is another way.",
+            "place &optional patience",
+            "A plan, as data, that drives from the estimated position to a place, not through doors found closed if there is another way. The patience is that of `navigation`.",
             generate as _,
         ),
         look(
@@ -45,6 +45,18 @@ pub fn natives() -> Vec<Native> {
             "&optional count",
             "Local maxima of the belief: lists (x y heading mass), the heaviest first.",
             belief_maxima as _,
+        ),
+        look(
+            "odometry-pose",
+            "",
+            "Where the robot is by its odometry: x, y in metres, heading in radians, from where it was switched on.",
+            odometry_pose as _,
+        ),
+        look(
+            "odometry-in-map",
+            "pose",
+            "Where a pose of the odometry lies in the map by what the robot believes now: x, y, heading.",
+            odometry_in_map as _,
         ),
         act(
             "plan-remove-all-goals",
@@ -96,8 +108,7 @@ fn place(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn place_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let pose = named_place(call)?.1.pose_in_map;
-    let values = [pose.x_m, pose.y_m, pose.heading_rad].map(Value::Float);
-    Ok(Reply::Value(call.machine.heap.list(&values)))
+    Ok(pose_list(call, pose))
 }
 
 /// The estimated position, read through the fluents so that a network that asks is woken.
@@ -141,11 +152,12 @@ fn region_of(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let (model, place) = named_place(call)?;
+    let patience_s = if call.arguments.len() > 1 { patience_argument(call.argument(1))? } else { None };
     let robot = robot(call)?;
     let start_in_map: Pose = robot.estimate().pose_in_map;
     let closed_doors = robot.board.navigation.closed_doors();
     let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
-    let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors);
+    let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors, patience_s);
     plan.map(Reply::Value).map_err(|unreachable| {
         let destination = Value::Symbol(call.machine.symbols.intern(&fold_name(&place.name)));
         Raise::New {
@@ -154,6 +166,27 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
             slots: vec![("destination", destination)],
         }
     })
+}
+
+fn pose_list(call: &mut Call<'_, '_>, pose: Pose) -> Reply {
+    let values = [pose.x_m, pose.y_m, pose.heading_rad].map(Value::Float);
+    Reply::Value(call.machine.heap.list(&values))
+}
+
+fn odometry_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let odometry_in_odom = robot(call)?.board.odometry_in_odom();
+    Ok(pose_list(call, odometry_in_odom))
+}
+
+fn odometry_in_map(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let expected =
+        || Raise::type_error("`odometry-in-map` takes a pose `(x y heading)`, as `(odometry-pose)` gives it");
+    let elements = call.machine.heap.elements(call.argument(0)).map_err(|_| expected())?;
+    let numbers: Option<Vec<f64>> = elements.into_iter().map(Value::as_f64).collect();
+    let Some(&[x_m, y_m, heading_rad]) = numbers.as_deref() else { return Err(expected()) };
+    let robot = robot(call)?;
+    let odom_in_map = robot.estimate().pose_in_map.compose(robot.board.odometry_in_odom().inverse());
+    Ok(pose_list(call, odom_in_map.compose(Pose::new(x_m, y_m, heading_rad))))
 }
 
 fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -9,7 +9,8 @@ use rpl_runtime::machine::Machine;
 use rpl_runtime::value::Value;
 
 /// The structured navigation plan from a pose to a place: the target points, under a policy for
-/// each kind of region on the way that sets the travel mode when the robot enters it.
+/// each kind of region on the way that sets the travel mode when the robot enters it. Without a
+/// patience it is the one navigation has by itself.
 ///
 /// # Errors
 /// If there is no way.
@@ -19,6 +20,7 @@ pub(super) fn navigation_plan(
     start_in_map: Pose,
     destination: &Place,
     closed_doors: &[usize],
+    patience_s: Option<f64>,
 ) -> Result<Value, Unreachable> {
     let plan = map.topology.plan(&map.navigation.planner, start_in_map, destination, closed_doors)?;
     let mut modes: Vec<TravelMode> = Vec::new();
@@ -30,8 +32,11 @@ pub(super) fn navigation_plan(
     let targets: Vec<Value> = plan.targets.iter().map(|target| target_datum(machine, target)).collect();
     let targets = machine.heap.list(&targets);
     let quoted = form(machine, "quote", &[targets]);
-    let (navigation, key) = (symbol(machine, "navigation"), Value::Keyword(machine.symbols.intern("targets")));
-    let drive = form(machine, "run-behaviour", &[navigation, key, quoted]);
+    let mut key = |name| Value::Keyword(machine.symbols.intern(name));
+    let mut arguments = vec![key("targets"), quoted];
+    arguments.extend(patience_s.into_iter().flat_map(|patience_s| [key("patience"), Value::Float(patience_s)]));
+    let navigation = symbol(machine, "navigation");
+    let drive = form(machine, "run-behaviour", &[&[navigation], &arguments[..]].concat());
     if modes.is_empty() {
         return Ok(drive);
     }

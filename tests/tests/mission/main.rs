@@ -1,6 +1,7 @@
 //! Plans on the simulated office robot, from text to trace.
 
 mod behaviours;
+mod bring;
 mod delivery;
 mod determinism;
 mod doubt;
@@ -8,6 +9,7 @@ mod examples;
 mod interruption;
 mod mapless;
 mod office;
+mod patience;
 mod policies;
 mod save;
 mod stall;

@@ -92,6 +92,43 @@ fn a_signal_is_kept_for_a_suspended_task() {
 
 /// r[behaviour.states]
 #[test]
+fn look_around_turns_to_both_sides_and_is_done() {
+    gripper("(signal look-around 5)", "=> none");
+    gripper(
+        "(let ((o (value o*)) (left 0) (right 0))
+           (with-valve wheels
+             (activate look-around)
+             (let ((end
+                     (pursue (seq (await-signal look-around) 'done)
+                             (loop (wait-time 0.05)
+                                   (let ((off (normalize-angle (- (value o*) o))))
+                                     (setf left (max left off))
+                                     (setf right (min right off)))))))
+               (list end (> left 20deg) (< right -20deg) (< (abs (normalize-angle (- (value o*) o))) 10deg)
+                     (signal look-around 3)))))",
+        "=> (done t t t none)",
+    );
+}
+
+/// r[behaviour.states], r[behaviour.interrupted]
+#[test]
+fn look_around_interrupted_or_deactivated_turns_no_more() {
+    gripper(
+        "(with-policy (seq (wait-time 0.5) (with-valve wheels (wait-time 5)))
+           (with-valve wheels (activate look-around) (list (signal look-around 20) (now))))",
+        "=> (interrupted 5.5)",
+    );
+    gripper(
+        "(with-valve wheels
+           (activate look-around) (wait-time 0.5) (deactivate look-around) (wait-time 1)
+           (let ((o (value o*)))
+             (list (signal look-around 3) (< (abs (normalize-angle (- (value o*) o))) 2deg))))",
+        "=> (none t)",
+    );
+}
+
+/// r[behaviour.states]
+#[test]
 fn position_tracking_is_always_active() {
     check(
         "(list (> (value pos-certainty*) 0.8)

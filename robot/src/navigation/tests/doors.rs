@@ -34,7 +34,7 @@ fn a_door_found_closed_is_planned_around_and_remembered() {
         assert_eq!(closed, [0]);
         let back = plan_to(&scene, "table-side", journey.state.true_pose(), &closed);
         assert!(goes_through(&back, 1.0) && !goes_through(&back, 3.0), "{back:?}");
-        journey.navigation.start(back.targets);
+        journey.navigation.start(back.targets, PATIENCE_S);
         assert_eq!(journey.navigation.closed_doors(), [0], "a new task forgets no door");
     }
 }
@@ -74,7 +74,7 @@ fn a_robot_that_a_door_was_shut_on_gets_away_from_it() {
     for seed in 0..4 {
         let mut journey = Journey::new(&scene, scene.simulator.start(seed), Vec::new());
         let plan = plan_to(&scene, "corner", journey.state.true_pose(), &[]);
-        journey.navigation.start(plan.targets);
+        journey.navigation.start(plan.targets, PATIENCE_S);
         let door = scene.world.doors.iter().find(|door| door.room == "east").expect("a door").at;
         while (journey.state.true_pose().x_m - door.x).abs() > 0.32 {
             assert_eq!(journey.step(), None);

@@ -43,7 +43,7 @@ fn speeds_of_a_drive(scene: &Scene, reloading: bool) -> Vec<Speeds> {
     let mut state = scene.simulator.start(5);
     let goal = Target::at(Pose::new(17.0, 9.5, 2.0));
     let mut navigation = Navigation::default();
-    navigation.start(vec![goal]);
+    navigation.start(vec![goal], PATIENCE_S);
     let mut commands = Commands { sonars_on: true, ..Commands::default() };
     let mut speeds = Vec::new();
     for _ in 0..300 {
@@ -74,7 +74,7 @@ fn a_state_saved_and_reloaded_at_every_step_drives_the_same_way() {
 fn deleting_all_targets_stops_the_robot() {
     let scene = Scene::dept();
     let mut navigation = Navigation::default();
-    navigation.start(vec![Target::through(Point::new(10.0, 10.0))]);
+    navigation.start(vec![Target::through(Point::new(10.0, 10.0))], PATIENCE_S);
     navigation.remove_all_targets();
     let input = NavigationInput {
         odometry_in_odom: Pose::default(),

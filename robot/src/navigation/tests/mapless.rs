@@ -21,7 +21,7 @@ impl<'s> Stranger<'s> {
         let mut state = scene.simulator.start(seed);
         scene.simulator.teleport(&mut state, start).expect("a free start");
         let mut navigation = MaplessNavigation::new(grain);
-        navigation.start(vec![Target::through(start.inverse().transform(goal))]);
+        navigation.start(vec![Target::through(start.inverse().transform(goal))], PATIENCE_S);
         Self { scene, state, navigation, commands: Commands { sonars_on: true, ..Commands::default() } }
     }
 

@@ -15,6 +15,9 @@ use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
 use rpl_random::Stream;
 use std::sync::Arc;
 
+/// Of the robots in these tests.
+const PATIENCE_S: f64 = 30.0;
+
 struct Scene {
     world: Arc<World>,
     simulator: SimulatorModel,
@@ -133,7 +136,7 @@ struct Journey<'s> {
 impl<'s> Journey<'s> {
     fn new(scene: &'s Scene, state: SimulatorState, targets: Vec<Target>) -> Self {
         let mut navigation = Navigation::default();
-        navigation.start(targets);
+        navigation.start(targets, PATIENCE_S);
         let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(0, "pose noise") };
         let commands = Commands { sonars_on: true, ..Commands::default() };
         Self { scene, state, navigation, noise, commands }
