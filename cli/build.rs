@@ -1,8 +1,9 @@
-//! Lists the example plans, so that the command carries them in itself.
+//! Lists the example plans, so that the command carries them in itself, and says which version it is.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn main() -> io::Result<()> {
     let folder = Path::new(&variable("CARGO_MANIFEST_DIR")?).join("../examples");
@@ -17,7 +18,31 @@ fn main() -> io::Result<()> {
         list += &format!("    ({name:?}, include_str!({:?})),\n", plan.display().to_string());
     }
     list += "]\n";
-    fs::write(Path::new(&variable("OUT_DIR")?).join("examples.rs"), list)
+    fs::write(Path::new(&variable("OUT_DIR")?).join("examples.rs"), list)?;
+    println!("cargo::rustc-env=RPL_VERSION={}", version()?);
+    Ok(())
+}
+
+/// The version; with the commit if it is built for use, and from a copy of the repository. While the
+/// program is worked on, a commit would only be that of the last build, and every new one would
+/// build it again.
+fn version() -> io::Result<String> {
+    let version = variable("CARGO_PKG_VERSION")?;
+    if variable("PROFILE")? != "release" {
+        return Ok(version);
+    }
+    if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
+        println!("cargo::rerun-if-changed={log}");
+    }
+    let commit = git(&["log", "-1", "--format=%h %cs"]);
+    Ok(commit.map_or(version.clone(), |commit| format!("{version} ({commit})")))
+}
+
+/// What git answers; without git, or without a repository, there is no answer.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok()?;
+    let answer = String::from_utf8(output.stdout).ok()?.trim().to_string();
+    (output.status.success() && !answer.is_empty()).then_some(answer)
 }
 
 fn collect(folder: &Path, plans: &mut Vec<PathBuf>) -> io::Result<()> {

@@ -1,42 +1,170 @@
 //! `rpl check FILE...`: all findings in plan texts, without running them.
 
+use crate::completion;
 use crate::console::Console;
 use crate::files::{self, PlanText};
 use crate::mission::{self, Site};
+use crate::plan_files;
 use crate::status::Status;
-use anyhow::Result;
+use anyhow::{Context, Result};
+use clap_complete::engine::ArgValueCompleter;
 use rpl_lang::check::KnownPlaces;
 use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
+use rpl_lang::source::{Sources, Span};
+use serde::Serialize;
 use std::sync::Arc;
+
+/// Arguments of `rpl check`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// Plan files, or folders with plans; `-` for standard input
+    #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plans))]
+    files: Vec<String>,
+    /// The files are scenarios: plans with hands in the world
+    #[arg(long)]
+    scenario: bool,
+    /// The world they are for: places they name must be there
+    #[arg(long, value_name = "WORLD", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::worlds))]
+    world: Option<String>,
+    /// Writes one JSON object to standard output instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` writes.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Report {
+    files: Vec<FileRecord>,
+    errors: usize,
+    warnings: usize,
+}
+
+/// What was found in a file.
+#[derive(Clone, Debug, Serialize)]
+struct FileRecord {
+    /// None where a folder could not be read.
+    file: Option<String>,
+    /// Why it could not be checked.
+    error: Option<String>,
+    findings: Vec<FindingRecord>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct FindingRecord {
+    severity: &'static str,
+    rule: &'static str,
+    message: String,
+    #[serde(flatten)]
+    place: PlaceRecord,
+    label: String,
+    help: Option<String>,
+    related: Vec<RelatedRecord>,
+}
+
+/// A stretch of a text; lines and columns count from 1, and the end is not part of it.
+#[derive(Clone, Debug, Serialize)]
+struct PlaceRecord {
+    file: String,
+    line: usize,
+    column: usize,
+    end_line: usize,
+    end_column: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct RelatedRecord {
+    message: String,
+    #[serde(flatten)]
+    place: PlaceRecord,
+}
 
 /// Checks every file; the places they name are looked up in the world, if one is given.
 ///
 /// # Errors
 /// There is no such world, or standard output is closed.
-pub fn run(names: &[String], are_scenarios: bool, world: Option<&str>, console: &mut Console) -> Result<Status> {
-    let places = world.map(places_of).transpose()?;
-    let sites = match are_scenarios {
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let places = arguments.world.as_deref().map(places_of).transpose()?;
+    let sites = match arguments.scenario {
         true => vec![Site::for_checking_scenarios()?],
         false => vec![Site::without_robot()?, Site::for_checking()?],
     };
-    let mut status = Status::Succeeded;
-    for name in names {
-        match if are_scenarios { files::scenario(name) } else { files::plan(name) } {
+    let mut report = Report::default();
+    for name in plan_files::named(&arguments.files) {
+        let plan = |name: &String| match arguments.scenario {
+            true => files::scenario(name),
+            false => files::plan(name),
+        };
+        match name.as_ref().map_err(Clone::clone).and_then(|name| plan(name).map_err(|error| format!("{error:#}"))) {
             Ok(plan) => {
                 let (findings, program) = findings(&sites, &plan, places.as_ref());
-                if tell(&plan.name, &findings, &program, console)? {
-                    status = Status::Wrong;
+                if !arguments.json {
+                    tell(&plan.name, &findings, &program, console)?;
                 }
+                report.add(FileRecord::found(&plan.name, &findings, &program.sources));
             }
             // The other files can still be checked.
             Err(error) => {
-                console.note(&format!("error: {error}"));
-                status = Status::Wrong;
+                if !arguments.json {
+                    console.note(&format!("error: {error}"));
+                }
+                report.add(FileRecord { file: name.ok(), error: Some(error), findings: Vec::new() });
             }
         }
     }
-    Ok(status)
+    if arguments.json {
+        console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
+    }
+    Ok(if report.errors == 0 { Status::Succeeded } else { Status::Wrong })
+}
+
+impl Report {
+    fn add(&mut self, file: FileRecord) {
+        let errors = file.findings.iter().filter(|finding| finding.severity == ERROR).count();
+        self.warnings += file.findings.len() - errors;
+        self.errors += errors + usize::from(file.error.is_some());
+        self.files.push(file);
+    }
+}
+
+const ERROR: &str = "error";
+
+impl FileRecord {
+    fn found(name: &str, findings: &[Diagnostic], sources: &Sources) -> Self {
+        let mut findings: Vec<&Diagnostic> = findings.iter().collect();
+        findings.sort_by_key(|finding| finding.span);
+        let findings = findings.into_iter().map(|finding| FindingRecord::of(finding, sources)).collect();
+        Self { file: Some(name.to_string()), error: None, findings }
+    }
+}
+
+impl FindingRecord {
+    fn of(finding: &Diagnostic, sources: &Sources) -> Self {
+        let related = finding
+            .related
+            .iter()
+            .map(|(span, message)| RelatedRecord { message: message.clone(), place: PlaceRecord::of(*span, sources) });
+        Self {
+            severity: match finding.severity {
+                Severity::Error => ERROR,
+                Severity::Warning => "warning",
+            },
+            rule: finding.code,
+            message: finding.message.clone(),
+            place: PlaceRecord::of(finding.span, sources),
+            label: finding.label.clone(),
+            help: finding.help.clone(),
+            related: related.collect(),
+        }
+    }
+}
+
+impl PlaceRecord {
+    fn of(span: Span, sources: &Sources) -> Self {
+        let (line, column) = sources.line_column(span);
+        let (end_line, end_column) = sources.line_column(Span { start: span.end, ..span });
+        Self { file: sources.get(span.source).name.to_string(), line, column, end_line, end_column }
+    }
 }
 
 fn places_of(world: &str) -> Result<KnownPlaces> {
@@ -57,15 +185,14 @@ fn findings(sites: &[Site], plan: &PlanText, places: Option<&KnownPlaces>) -> (V
     found
 }
 
-/// Tells the findings in a text, and whether there are errors among them.
-fn tell(name: &str, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<bool> {
+/// Tells the findings in a text.
+fn tell(name: &str, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<()> {
     if findings.is_empty() {
-        console.print(&format!("{name}: no findings"))?;
-        return Ok(false);
+        return Ok(console.print(&format!("{name}: no findings"))?);
     }
     console.note(render(findings, &program.sources, console.colour).trim_end());
     console.note(&format!("{name}: {}", count(findings)));
-    Ok(findings.iter().any(|finding| finding.severity == Severity::Error))
+    Ok(())
 }
 
 fn count(findings: &[Diagnostic]) -> String {

@@ -1,6 +1,8 @@
 //! Standard output and standard error: colour and a status line on a terminal only.
 
+use crate::colour;
 use crate::layout;
+use crate::page::Block;
 use crate::status_line::StatusLine;
 use ::console::Term;
 use rpl_lang::visible::visible_coloured;
@@ -32,7 +34,7 @@ impl Console {
     /// The console of this process.
     pub fn new(quiet: bool) -> Self {
         Self {
-            colour: takes_colour(&io::stderr()),
+            colour: colour::is_taken_by(&io::stderr()),
             quiet,
             status: None,
             sink: Sink::Streams,
@@ -92,7 +94,7 @@ impl Console {
 
     /// Whether standard output takes colours.
     pub fn out_colour(&self) -> bool {
-        takes_colour(&io::stdout())
+        colour::is_taken_by(&io::stdout())
     }
 
     /// A line on standard output.
@@ -134,6 +136,17 @@ impl Console {
         }
     }
 
+    /// A stretch of a page, on standard output; a terminal gets it laid out for its width.
+    ///
+    /// # Errors
+    /// The pipe is closed, or the disk is full.
+    pub fn block(&mut self, block: &Block) -> io::Result<()> {
+        match block {
+            Block::Lines(text) => self.explain(text),
+            Block::Table(table) => self.print(&table.text(columns(&Term::stdout()))),
+        }
+    }
+
     /// Hands over what has been printed.
     ///
     /// # Errors
@@ -165,13 +178,23 @@ fn columns(terminal: &Term) -> Option<usize> {
     terminal.size_checked().map(|(_, columns)| usize::from(columns))
 }
 
+/// What clap has to say, before there is a console: on standard error what is wrong with the command
+/// line, on standard output what was asked for. Clap lays out neither usage nor errors.
+///
+/// # Errors
+/// The pipe is closed, or the disk is full.
+pub fn answer(text: &str, is_error: bool) -> io::Result<()> {
+    let terminal = if is_error { Term::stderr() } else { Term::stdout() };
+    let laid_out = columns(&terminal).map(|width| layout::within(text, width, layout::HANGING));
+    let text = laid_out.as_deref().unwrap_or(text);
+    // Both take the colours away where none are wanted.
+    match is_error {
+        true => write!(anstream::stderr(), "{text}"),
+        false => write!(anstream::stdout(), "{text}").and_then(|()| io::stdout().flush()),
+    }
+}
+
 /// A line on standard error, before there is a console.
 pub fn note(text: &str) {
     writeln!(io::stderr(), "{}", visible_coloured(text)).ok();
-}
-
-/// Whether a stream is a terminal and nobody asked for no colours.
-pub fn takes_colour(stream: &impl IsTerminal) -> bool {
-    let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    !asked_for_none && stream.is_terminal()
 }

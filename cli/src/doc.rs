@@ -45,7 +45,7 @@ fn explanation(entry: &Entry) -> String {
 
 fn list_topic(reference: &Reference, topic: &Topic, gap: bool, console: &mut Console) -> Result<()> {
     let gap = if gap { "\n" } else { "" };
-    console.print(&format!("{gap}{}  (rpl doc {})", topic.title, topic.word))?;
+    console.explain(&format!("{gap}{}  (rpl doc {})", topic.title, topic.word))?;
     list(&reference.of_topic(topic), console)
 }
 
@@ -64,6 +64,6 @@ fn search(reference: &Reference, word: &str, console: &mut Console) -> Result<()
         let advice = if meant.is_empty() { "; `rpl doc` lists what there is" } else { &meant };
         bail!("nothing is called `{word}`{advice}");
     }
-    console.print(&format!("Nothing is called `{word}`{meant}{stop} It is mentioned by"))?;
+    console.explain(&format!("Nothing is called `{word}`{meant}{stop} It is mentioned by"))?;
     list(&found, console)
 }

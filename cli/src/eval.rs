@@ -5,13 +5,14 @@ use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
-use crate::run::status;
+use crate::run::{status, summarize};
 use crate::setting::Setting;
 use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::formatter;
 use rpl_lang::source::SourceId;
 use rpl_runtime::system::{Outcome, System};
+use std::time::Instant;
 
 /// A value that takes more columns is laid out over several lines.
 const WIDE: usize = 100;
@@ -25,6 +26,9 @@ pub struct Arguments {
     /// Where it is evaluated
     #[command(flatten)]
     setting: Setting,
+    /// Writes one JSON object to standard output instead of the value, behind what the expression prints
+    #[arg(long)]
+    json: bool,
 }
 
 /// Evaluates a text, `-` for standard input, and prints the value as it could be read.
@@ -33,6 +37,7 @@ pub struct Arguments {
 /// The world cannot be read, standard input cannot be read, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     interrupt::catch();
+    let began = Instant::now();
     let (name, text) = match arguments.expression.as_str() {
         "-" => ("<stdin>", files::standard_input()?),
         text => ("<eval>", text.to_string()),
@@ -48,8 +53,14 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
     };
     let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
-    let ending = drive(&mut system, Pace::default(), console, &mut Records::default())?;
+    let mut records = Records::default();
+    let ending = drive(&mut system, Pace::default(), console, &mut records)?;
+    if arguments.json {
+        console.print(&summarize(&system, ending, &records, seed, began).as_json()?)?;
+        console.flush()?;
+    }
     match ending {
+        Ending::Outcome(Outcome::Succeeded(_)) if arguments.json => {}
         Ending::Outcome(Outcome::Succeeded(value)) => {
             console.print(&laid_out(system.machine.write(&system.program, value)))?;
         }

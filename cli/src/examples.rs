@@ -12,6 +12,11 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     EXAMPLES.iter().map(|&(name, _)| name)
 }
 
+/// All examples, each with what it shows.
+pub fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
+    EXAMPLES.iter().map(|&(name, text)| (name, purpose(text)))
+}
+
 /// Name and text of an example, by its name with or without `.rpl`.
 pub fn find(name: &str) -> Option<(&'static str, &'static str)> {
     find_exactly(name).or_else(|| find_exactly(&format!("{name}.rpl")))
@@ -23,7 +28,7 @@ pub fn find_exactly(name: &str) -> Option<(&'static str, &'static str)> {
 }
 
 /// What an example shows: the first line of its first comment.
-fn purpose(text: &str) -> &str {
+fn purpose(text: &'static str) -> &'static str {
     let comment = text.lines().find(|line| line.starts_with(';')).unwrap_or_default();
     comment.trim_start_matches(';').trim()
 }
@@ -36,8 +41,8 @@ pub fn run(name: Option<&str>, console: &mut Console) -> Result<Status> {
     match name {
         None => {
             let width = names().map(str::len).max().unwrap_or(0);
-            for (name, text) in EXAMPLES {
-                console.print(&format!("{name:width$}  {}", purpose(text)))?;
+            for (name, purpose) in all() {
+                console.explain_hanging(&format!("{name:width$}  {purpose}"), width + 2)?;
             }
         }
         Some(name) => match find(name) {

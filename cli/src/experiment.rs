@@ -7,39 +7,48 @@ mod chart;
 mod choices;
 mod day;
 mod doors;
+mod row_result;
 mod sensing;
 mod statistics;
 mod trial;
 mod trials;
 mod worlds;
 
-pub use statistics::{Spread, wilson_95};
+pub use row_result::NOTHING;
+pub use statistics::{Share, Spread};
 
+use crate::completion;
 use crate::console::Console;
 use crate::files::{self, PlanText};
 use crate::mission::{self, Site};
+use crate::page::Block;
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use anyhow::{Context, Result, bail};
 use catalogue::{EXPERIMENTS, Experiment, Report, Row};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use row_result::{RowResult, comparison};
 use rpl_lang::suggest::suggest;
 use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::System;
+use serde_json::{Map, Value, json};
 use std::fs;
 use std::io::IsTerminal;
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trial::{Goal, Trial, one_trial};
-use trials::{comparison, raw_rows, run_all, sample_rows, table};
+use trials::{raw_rows, run_all, sample_rows};
 
 /// Arguments of `rpl experiment`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, or a plan of your own
-    #[arg(value_name = "NAME")]
+    /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, or a plan of your own; `-` for standard
+    /// input
+    #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]
     name: String,
     /// How many seeds
     #[arg(long, value_name = "N", default_value = "20", value_parser = runs)]
@@ -51,20 +60,32 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// The world, for a plan of your own
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
     /// What happens on the way: a plan with hands in the world
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     scenario: Option<String>,
     /// Only this row of the table
-    #[arg(long, value_name = "ROW")]
+    #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(completion::rows))]
     row: Option<String>,
     /// Writes every run as a line of `runs.csv`, and charts, into this folder
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     results: Option<PathBuf>,
     /// A run that takes longer, in the plan's time, counts as failed
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
     until: u64,
+    /// Writes every figure of the tables as one JSON object to standard output instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// What an experiment has found.
+struct Findings {
+    status: Status,
+    /// For people.
+    blocks: Vec<Block>,
+    /// For programs: the same figures.
+    figures: Value,
 }
 
 /// More runs than this do not fit into a table, and more jobs than this are more than any machine has
@@ -87,13 +108,30 @@ fn jobs_at_a_time(text: &str) -> Result<NonZero<usize>, String> {
 /// # Errors
 /// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let findings = find_out(arguments, console)?;
+    if arguments.json {
+        console.print(&as_json(arguments, findings.figures).to_string())?;
+    } else {
+        findings.blocks.iter().try_for_each(|block| console.block(block))?;
+    }
+    Ok(findings.status)
+}
+
+/// The figures, behind what they are of.
+fn as_json(arguments: &Arguments, figures: Value) -> Value {
+    let mut object = Map::new();
+    object.insert("experiment".to_string(), json!(arguments.name));
+    object.insert("runs".to_string(), json!(arguments.runs));
+    object.insert("seed".to_string(), json!(arguments.seed));
+    if let Value::Object(figures) = figures {
+        object.extend(figures);
+    }
+    Value::Object(object)
+}
+
+fn find_out(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == arguments.name);
-    let Some(experiment) = experiment else {
-        let trials = own_plan(arguments, console)?;
-        console.print(&table(&arguments.name, &trials))?;
-        write_results(arguments, &[(arguments.name.as_str(), trials.clone())], &[])?;
-        return Ok(status(&trials));
-    };
+    let Some(experiment) = experiment else { return own_plan(arguments, console) };
     let chosen = || rows(experiment, arguments.row.as_deref());
     match experiment.report {
         Report::Barn => barn::run(arguments, console),
@@ -103,31 +141,48 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         Report::Choices => choices::run(arguments, &chosen()?, console),
         Report::Success => {
             let rows = missions(arguments, &chosen()?, console)?;
-            let (name, first) = &rows[0];
-            console.print(&table(name, first))?;
-            console.print("")?;
-            console.print(&comparison(&rows))?;
-            write_results(arguments, &rows, &[("error.svg", chart::error_over_time(&rows))])?;
-            Ok(status(first))
+            let results = results(&rows);
+            write_results(arguments, &rows, &over_time(&rows))?;
+            let mut blocks = results[0].blocks();
+            blocks.push(Block::Lines(String::new()));
+            blocks.extend(comparison(&results));
+            Ok(Findings { status: status(&rows[0].1), blocks, figures: json!({ "rows": results }) })
         }
         Report::Comparison => {
             let rows = missions(arguments, &chosen()?, console)?;
-            console.print(&comparison(&rows))?;
+            let results = results(&rows);
             write_results(arguments, &rows, &[])?;
-            Ok(Status::Succeeded)
+            let blocks = comparison(&results);
+            Ok(Findings { status: Status::Succeeded, blocks, figures: json!({ "rows": results }) })
         }
         Report::Calibration => {
             let rows = missions(arguments, &chosen()?, console)?;
+            let results = results(&rows);
             let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
             let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
-            console.print(&calibration::table(&all, &used))?;
-            console.print("")?;
-            console.print(&comparison(&rows))?;
-            let diagram = chart::reliability(&calibration::bins(&all));
+            let reliability = calibration::Reliability::of(&all, &used);
+            let diagram = chart::reliability(&reliability.bins);
             write_results(arguments, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;
-            Ok(Status::Succeeded)
+            let mut blocks = reliability.blocks();
+            blocks.push(Block::Lines(String::new()));
+            blocks.extend(comparison(&results));
+            let figures = json!({ "reliability": reliability, "rows": results });
+            Ok(Findings { status: Status::Succeeded, blocks, figures })
         }
     }
+}
+
+fn results(rows: &[(&str, Vec<Trial>)]) -> Vec<RowResult> {
+    rows.iter().map(|(name, trials)| RowResult::of(name, trials)).collect()
+}
+
+/// The charts of missions: how many have succeeded by which time, and, where there is a robot, how
+/// far its estimate is off.
+fn over_time(rows: &[(&str, Vec<Trial>)]) -> Vec<(&'static str, String)> {
+    let has_robot = rows.iter().flat_map(|(_, trials)| trials).any(|trial| !trial.samples.is_empty());
+    let mut charts = vec![("success.svg", chart::success_over_time(rows))];
+    charts.extend(has_robot.then(|| ("error.svg", chart::error_over_time(rows))));
+    charts
 }
 
 /// The runs of each row.
@@ -144,10 +199,37 @@ fn rows(experiment: &Experiment, name: Option<&str>) -> Result<Vec<&'static Row>
     let Some(name) = name else { return Ok(experiment.rows.iter().collect()) };
     let found: Vec<&Row> = experiment.rows.iter().filter(|row| row.name == name).collect();
     if found.is_empty() {
-        let names: Vec<&str> = experiment.rows.iter().map(|row| row.name).collect();
-        bail!("the experiment `{}` has no row `{name}`; it has {}", experiment.name, names.join(", "));
+        bail!(no_row(experiment.name, name, &row_names(experiment)));
     }
     Ok(found)
+}
+
+/// What is said of a row that an experiment does not have.
+fn no_row(experiment: &str, name: &str, rows: &[&str]) -> String {
+    let meant = suggest(name, rows.iter().copied()).map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
+    let stop = if meant.is_empty() { ";" } else { "" };
+    format!("the experiment `{experiment}` has no row `{name}`{meant}{stop} it has {}", quoted(rows))
+}
+
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// What can be asked for with `--row`.
+fn row_names(experiment: &Experiment) -> Vec<&'static str> {
+    match experiment.report {
+        Report::Barn => barn::row_names(),
+        Report::Worlds => catalogue::WORLDS.to_vec(),
+        Report::Sensing => sensing::row_names(),
+        Report::Success | Report::Comparison | Report::Calibration | Report::Choices => {
+            experiment.rows.iter().map(|row| row.name).collect()
+        }
+    }
+}
+
+/// The experiments with a name, each with its rows.
+pub fn names() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
+    EXPERIMENTS.iter().map(|experiment| (experiment.name, row_names(experiment)))
 }
 
 fn trials_of(arguments: &Arguments, console: &mut Console, row: &Row) -> Result<Vec<Trial>> {
@@ -191,7 +273,10 @@ fn status(trials: &[Trial]) -> Status {
 }
 
 /// A plan of the user's own, over seeds.
-fn own_plan(arguments: &Arguments, console: &mut Console) -> Result<Vec<Trial>> {
+fn own_plan(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
+    if let Some(row) = &arguments.row {
+        bail!("`--row {row}` is for the experiments with a name; a plan of your own has one row");
+    }
     let plan = files::plan(&arguments.name).map_err(|error| {
         // Somebody may have meant an experiment and not a plan.
         match suggest(&arguments.name, EXPERIMENTS.iter().map(|known| known.name)) {
@@ -204,7 +289,14 @@ fn own_plan(arguments: &Arguments, console: &mut Console) -> Result<Vec<Trial>> 
     let world = arguments.world.as_deref().map(mission::world).transpose()?;
     let scenario = arguments.scenario.as_deref().map(files::scenario).transpose()?;
     let site = Site::new(world, scenario, OfficeSettings::default())?;
-    all_trials(arguments, console, &site, &plan, None, &arguments.name)
+    let trials = all_trials(arguments, console, &site, &plan, None, &arguments.name)?;
+    let result = RowResult::of(&arguments.name, &trials);
+    let (status, blocks) = (status(&trials), result.blocks());
+    let stem =
+        Path::new(&arguments.name).file_stem().map_or(arguments.name.as_str().into(), |stem| stem.to_string_lossy());
+    let charts = over_time(&[(&stem, trials.clone())]);
+    write_results(arguments, &[(&arguments.name, trials)], &charts)?;
+    Ok(Findings { status, blocks, figures: json!({ "rows": [result] }) })
 }
 
 fn all_trials(

@@ -9,6 +9,7 @@ use rpl_robot::world::{GreyImage, Greys, RosMap};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A longer text is refused: places in a text are counted in 32 bits, and no plan is that long.
 const MAX_BYTES: u64 = 64 << 20;
@@ -39,11 +40,19 @@ pub enum Folder {
     BuiltIn,
 }
 
-/// The plan a user names: a file from the working folder, else a built-in example.
+/// The name of standard input among files.
+pub const STANDARD_INPUT: &str = "-";
+
+/// The plan a user names: a file from the working folder, else a built-in example; `-` is standard
+/// input, whose `load` forms reach the working folder.
 ///
 /// # Errors
 /// What stands in the way of reading it, and what to type instead.
 pub fn plan(name: &str) -> Result<PlanText> {
+    if name == STANDARD_INPUT {
+        let text = standard_input()?;
+        return Ok(PlanText { name: "<stdin>".to_string(), text, folder: Folder::Disk(".".into()) });
+    }
     let path = Path::new(name);
     match path.metadata() {
         Ok(_) => {
@@ -180,11 +189,17 @@ pub fn ros_map(name: &Path) -> Result<MapFile> {
     Ok(MapFile { grid: map.grid(&image), warnings })
 }
 
+/// Whether somebody has read standard input.
+static IS_READ: AtomicBool = AtomicBool::new(false);
+
 /// All of standard input as text.
 ///
 /// # Errors
-/// Why it cannot be read.
+/// Why it cannot be read, also that it has been read: who names it twice would get nothing.
 pub fn standard_input() -> Result<String> {
+    if IS_READ.swap(true, Ordering::Relaxed) {
+        bail!("standard input can be read once only; `-` stands for it in two places");
+    }
     let mut bytes = Vec::new();
     io::stdin().take(MAX_BYTES + 1).read_to_end(&mut bytes).context("cannot read standard input")?;
     within_limit(bytes, MAX_BYTES).and_then(text_of).map_err(|reason| anyhow!("cannot read standard input: {reason}"))

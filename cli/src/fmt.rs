@@ -1,25 +1,46 @@
 //! `rpl fmt FILE...`: plan texts laid out as they should be.
 
+use crate::completion;
 use crate::console::Console;
 use crate::files;
+use crate::plan_files;
 use crate::status::Status;
 use anyhow::{Result, anyhow};
+use clap_complete::engine::ArgValueCompleter;
 use rpl_lang::diagnostic::render;
 use rpl_lang::formatter;
 use rpl_lang::source::Sources;
+use similar::TextDiff;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// Lines of a text that stand around each change in a diff.
+const AROUND: usize = 3;
+
 /// Arguments of `rpl fmt`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files; `-` for standard input, which is written to standard output
-    #[arg(value_name = "FILE", required = true)]
-    pub files: Vec<String>,
+    /// Plan files, or folders with plans; `-` for standard input, which is written to standard output
+    #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plan_files))]
+    files: Vec<String>,
     /// Changes nothing: lists the files that are not formatted, with exit status 1
+    #[arg(long, conflicts_with = "diff")]
+    check: bool,
+    /// Changes nothing: shows what would be changed, as `patch` reads it, with exit status 1
     #[arg(long)]
-    pub check: bool,
+    diff: bool,
+}
+
+/// What becomes of a text that is not formatted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Change {
+    /// It is formatted.
+    Make,
+    /// Its name is told.
+    List,
+    /// The lines that would change are shown.
+    Show,
 }
 
 /// Formats every file, or tells which ones it would change.
@@ -27,10 +48,22 @@ pub struct Arguments {
 /// # Errors
 /// Standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let change = match arguments {
+        Arguments { check: true, .. } => Change::List,
+        Arguments { diff: true, .. } => Change::Show,
+        Arguments { .. } => Change::Make,
+    };
     let mut status = Status::Succeeded;
-    for name in &arguments.files {
+    for name in plan_files::named(&arguments.files) {
+        let outcome = match name {
+            Ok(name) => format(&name, change, console)?,
+            Err(reason) => {
+                console.note(&format!("error: {reason}"));
+                Outcome::Wrong
+            }
+        };
         // What is wrong with one file is no reason to leave the others.
-        match format(name, arguments.check, console)? {
+        match outcome {
             Outcome::Clean => {}
             Outcome::Differs if status == Status::Succeeded => status = Status::Failed,
             Outcome::Differs => {}
@@ -50,8 +83,8 @@ enum Outcome {
     Wrong,
 }
 
-fn format(name: &str, only_check: bool, console: &mut Console) -> Result<Outcome> {
-    let is_stdin = name == "-";
+fn format(name: &str, change: Change, console: &mut Console) -> Result<Outcome> {
+    let is_stdin = name == files::STANDARD_INPUT;
     let shown = if is_stdin { "<stdin>" } else { name };
     let text = match if is_stdin { files::standard_input() } else { read(name) } {
         Ok(text) => text,
@@ -70,22 +103,42 @@ fn format(name: &str, only_check: bool, console: &mut Console) -> Result<Outcome
             return Ok(Outcome::Wrong);
         }
     };
-    if only_check {
-        return match formatted == text {
-            true => Ok(Outcome::Clean),
-            false => console.print(shown).map(|()| Outcome::Differs).map_err(Into::into),
-        };
-    }
-    if is_stdin {
-        console.print(formatted.trim_end_matches('\n'))?;
-    } else if formatted != text {
-        if let Err(error) = replace(Path::new(name), &formatted) {
-            console.note(&format!("error: cannot write `{name}`: {error}"));
-            return Ok(Outcome::Wrong);
+    match change {
+        Change::Make if is_stdin => console.print(formatted.trim_end_matches('\n'))?,
+        Change::Make | Change::List | Change::Show if formatted == text => {}
+        Change::List => {
+            console.print(shown)?;
+            return Ok(Outcome::Differs);
         }
-        console.note(&format!("{name}: formatted"));
+        Change::Show => {
+            console.print(diff(shown, &text, &formatted, console.out_colour()).trim_end_matches('\n'))?;
+            return Ok(Outcome::Differs);
+        }
+        Change::Make => {
+            if let Err(error) = replace(Path::new(name), &formatted) {
+                console.note(&format!("error: cannot write `{name}`: {error}"));
+                return Ok(Outcome::Wrong);
+            }
+            console.note(&format!("{name}: formatted"));
+        }
     }
     Ok(Outcome::Clean)
+}
+
+/// What changes, in the unified form.
+fn diff(name: &str, text: &str, formatted: &str, colour: bool) -> String {
+    let diff = TextDiff::from_lines(text, formatted);
+    let unified = diff.unified_diff().context_radius(AROUND).header(name, name).to_string();
+    if !colour {
+        return unified;
+    }
+    let painted = unified.split_inclusive('\n').map(|line| match (line.bytes().next(), line.trim_end_matches('\n')) {
+        (Some(b'-'), bare) => format!("\u{1b}[31m{bare}\u{1b}[0m\n"),
+        (Some(b'+'), bare) => format!("\u{1b}[32m{bare}\u{1b}[0m\n"),
+        (Some(b'@'), bare) => format!("\u{1b}[36m{bare}\u{1b}[0m\n"),
+        (Some(_) | None, _) => line.to_string(),
+    });
+    painted.collect()
 }
 
 fn read(name: &str) -> Result<String> {

@@ -5,6 +5,9 @@ use ::console::{measure_text_width, strip_ansi_codes, truncate_str};
 /// How much further in a line goes on that does not fit, where nothing else is said.
 pub const HANGING: usize = 4;
 
+/// Help is never wider, however wide the terminal.
+pub const HELP_COLUMNS: usize = 100;
+
 /// A text whose lines fit a width. A longer line goes on below, so much further in than it begins,
 /// and is broken between words, or at a `/` where one word alone is too long. A drawing is cut off.
 /// Laid out once more, nothing changes.
@@ -21,7 +24,10 @@ fn line_within(line: &str, width: usize, hanging: usize) -> String {
         return truncate_str(line, width, "…").into_owned();
     }
     let indent = line.chars().take_while(|&c| c == ' ').count();
-    let margin = " ".repeat((indent + hanging).min(width / 2));
+    // No further in than the longest word leaves room for.
+    let words = line.split_whitespace().map(measure_text_width).filter(|&columns| columns <= width);
+    let room = width - words.max().unwrap_or(0);
+    let margin = " ".repeat((indent + hanging).min(width / 2).min(room));
     let mut rows = Rows { done: String::new(), row: String::new(), margin, width };
     rows.row.push_str(&line[..indent]);
     line[indent..].split_inclusive(' ').for_each(|word| rows.add(word));
@@ -89,6 +95,12 @@ mod tests {
             "  main/greet  waits for (eq region*\n      'hallway), and the value is held\n      by somebody"
         );
         assert_eq!(within(line, 80, HANGING), line);
+    }
+
+    #[test]
+    fn a_word_is_broken_only_if_it_fits_nowhere() {
+        let line = "retry         In a clause of `with-failure-handling`: again";
+        assert_eq!(within(line, 30, 14), "retry         In a clause of\n      `with-failure-handling`:\n      again");
     }
 
     #[test]

@@ -66,8 +66,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Some(folder) = &arguments.figures {
         write_figures(folder, &map, &trials)?;
     }
-    let results = if arguments.json { table::json(&trials) } else { table::table(&trials, start(arguments)) };
-    console.print(&results)?;
+    if arguments.json {
+        console.print(&table::json(&trials))?;
+    } else {
+        table::blocks(&trials, start(arguments)).iter().try_for_each(|block| console.block(block))?;
+    }
     let all_found = trials.iter().all(|timed| timed.trial.succeeded);
     Ok(if all_found { Status::Succeeded } else { Status::Failed })
 }

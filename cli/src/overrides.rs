@@ -121,6 +121,13 @@ impl Overrides {
     }
 }
 
+/// The names in a text that can be overridden, in the order of their definitions.
+pub fn definitions(text: &str) -> Vec<String> {
+    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
+    let (roots, _) = read(text, SourceId(0), &mut symbols, &mut tree);
+    roots.iter().filter_map(|&root| Some(definition(&tree, &symbols, root)?.0.to_string())).collect()
+}
+
 /// Name and first value of a definition that can be overridden.
 fn definition<'s>(tree: &Tree, symbols: &'s Symbols, root: NodeId) -> Option<(&'s str, Option<NodeId>)> {
     let head = symbols.name(tree.head(root)?);

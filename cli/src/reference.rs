@@ -144,6 +144,11 @@ impl Reference {
         self.entries.get(name.as_ref()).or_else(|| self.entries.get(&format!("rpl {name}")))
     }
 
+    /// All entries, by name.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.values()
+    }
+
     /// All names that can stand in a plan.
     pub fn names(&self) -> impl Iterator<Item = &Entry> {
         self.entries.values().filter(|entry| entry.kind != Kind::Command)

@@ -1,5 +1,6 @@
 //! `rpl run FILE`: a mission from its first form to its end.
 
+use crate::completion;
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter};
@@ -13,6 +14,8 @@ use crate::status::Status;
 use crate::time::parse_duration_us;
 use crate::trace::{self, Header, TraceFile};
 use anyhow::{Context, Result};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
 use rpl_runtime::library::Loaded;
 use rpl_runtime::system::{Outcome, System};
 use serde::Serialize;
@@ -22,25 +25,25 @@ use std::time::Instant;
 /// Arguments of `rpl run`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file, or a built-in example
-    #[arg(value_name = "FILE")]
+    /// A plan file, or a built-in example; `-` for standard input
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub file: String,
     #[command(flatten)]
     pub setting: Setting,
     /// Another first value for a variable of the plan
-    #[arg(long, value_name = "NAME=EXPR")]
+    #[arg(long, value_name = "NAME=EXPR", add = ArgValueCompleter::new(completion::variables))]
     pub set: Vec<String>,
     /// Stops at this time of the plan, such as 90s or 5min
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
     /// Writes what happens as JSON Lines
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub trace: Option<PathBuf>,
     /// Writes one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
     /// Draws map, paths and belief as SVG into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
     /// Keeps pace with the wall clock, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
@@ -62,7 +65,7 @@ fn parse_factor(text: &str) -> Result<f64, String> {
 
 /// What `--json` writes.
 #[derive(Clone, Debug, Serialize)]
-struct Summary {
+pub struct Summary {
     outcome: &'static str,
     value: Option<String>,
     time_s: f64,
@@ -110,7 +113,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let summary = summarize(&system, ending, &records, arguments.setting.seed, began);
     report(&system, ending, &summary, console);
     if arguments.json {
-        console.print(&serde_json::to_string(&summary).context("the summary cannot be written as JSON")?)?;
+        console.print(&summary.as_json()?)?;
     }
     console.flush()?;
     Ok(status(ending))
@@ -169,7 +172,18 @@ fn reporter<'a>(system: &'a System<Robot>, console: &Console) -> Reporter<'a> {
     Reporter { machine: &system.machine, program: &system.program, colour: console.colour }
 }
 
-fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u64, began: Instant) -> Summary {
+impl Summary {
+    /// The summary as one JSON object.
+    ///
+    /// # Errors
+    /// A fault of the program.
+    pub fn as_json(&self) -> Result<String> {
+        serde_json::to_string(self).context("the summary cannot be written as JSON")
+    }
+}
+
+/// What came of a run.
+pub fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u64, began: Instant) -> Summary {
     let value = match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => Some(system.machine.write(&system.program, value)),
         _ => None,

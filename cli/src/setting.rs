@@ -1,10 +1,12 @@
 //! What a plan is run in, as the command line names it: the world, what happens there, and the seed.
 
+use crate::completion;
 use crate::files;
 use crate::localize::positive;
 use crate::mission::{self, MEMORY_GIB, Site};
 use anyhow::Result;
 use rpl_robot::localization::LocalizationParameters;
+use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 
@@ -12,7 +14,7 @@ use rpl_robot::world::World;
 #[derive(clap::Args, Clone, Debug)]
 pub struct Setting {
     /// The world the robot is in: a built-in name, or a .toml file
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     pub world: Option<String>,
     /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
     #[arg(
@@ -42,7 +44,7 @@ pub struct Setting {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     pub scenario: Option<String>,
 }
 

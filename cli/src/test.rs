@@ -1,14 +1,20 @@
 //! `rpl test FILE...`: runs the tests in plans, each in a system of its own.
 
+mod junit;
+
+use crate::completion;
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{FailureRecord, Reporter};
 use crate::files::{self, PlanText};
 use crate::interrupt;
 use crate::mission::{self, Robot, Site};
+use crate::plan_files;
 use crate::status::Status;
 use crate::time::parse_duration_us;
 use anyhow::{Context, Result, bail};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
 use rpl_lang::compile::Test;
 use rpl_lang::diagnostic::render;
 use rpl_robot::office::OfficeSettings;
@@ -17,20 +23,21 @@ use rpl_runtime::system::{Outcome, System};
 use rpl_runtime::time::{LAST_INSTANT_US, microseconds};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::{self, IsTerminal};
+use std::fs;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Arguments of `rpl test`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files with `deftest` forms
-    #[arg(value_name = "FILE", required = true)]
+    /// Plan files with `deftest` forms, or folders with plans; `-` for standard input
+    #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
     /// Runs only the tests whose name contains this
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
     /// The world of the tests that name none
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
     /// The seed of the tests that name none
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -41,6 +48,9 @@ pub struct Arguments {
     /// Writes one JSON object to standard output instead
     #[arg(long)]
     json: bool,
+    /// Writes the report as JUnit XML into a file too
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    junit: Option<PathBuf>,
 }
 
 /// What `--json` writes.
@@ -49,7 +59,16 @@ struct Report {
     tests: Vec<Record>,
     succeeded: usize,
     failed: usize,
+    /// Files that could not be read or compiled.
+    faulty_files: Vec<FaultyFile>,
     wall_s: f64,
+}
+
+/// A file whose tests could not run.
+#[derive(Clone, Debug, Serialize)]
+struct FaultyFile {
+    file: String,
+    reason: String,
 }
 
 /// How a test went.
@@ -64,9 +83,16 @@ struct Record {
     world: Option<String>,
     failure: Option<FailureRecord>,
     output: Vec<String>,
+    wall_s: f64,
     /// Why it did not succeed, for people.
     #[serde(skip)]
     reason: String,
+}
+
+impl Record {
+    fn has_succeeded(&self) -> bool {
+        self.outcome == "succeeded"
+    }
 }
 
 /// Runs the tests of all files.
@@ -76,16 +102,21 @@ struct Record {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     interrupt::catch();
     let began = Instant::now();
-    let colour = console.colour && io::stdout().is_terminal();
-    let mut session = Session { arguments, colour, sites: BTreeMap::new(), report: Report::default() };
-    let mut is_wrong = false;
-    for name in &arguments.files {
-        match files::plan(name) {
-            Ok(plan) => is_wrong |= !session.file(&plan, console)?,
+    let files = plan_files::named(&arguments.files);
+    let colour = console.out_colour();
+    let mut session =
+        Session { arguments, colour, is_one: files.len() == 1, sites: BTreeMap::new(), report: Report::default() };
+    for name in files {
+        let plan = name
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(|name| files::plan(name).map_err(|error| format!("{error:#}")));
+        match plan {
+            Ok(plan) => session.file(&plan, console)?,
             // The tests of the other files can still run.
-            Err(error) => {
-                console.note(&format!("error: {error}"));
-                is_wrong = true;
+            Err(reason) => {
+                console.note(&format!("error: {reason}"));
+                session.report.faulty_files.push(FaultyFile { file: name.unwrap_or_default(), reason });
             }
         }
         if interrupt::is_asked() {
@@ -93,12 +124,17 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
     }
     let mut report = session.report;
-    report.wall_s = (began.elapsed().as_secs_f64() * 1e3).round() / 1e3;
+    report.wall_s = to_milliseconds(began);
+    if let Some(path) = &arguments.junit {
+        fs::write(path, junit::xml(&report))
+            .with_context(|| format!("cannot write the report `{}`", path.display()))?;
+    }
     if arguments.json {
         console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
     } else if !report.tests.is_empty() {
         console.print(&summary(&report))?;
     }
+    let is_wrong = !report.faulty_files.is_empty();
     if report.tests.is_empty() && !is_wrong {
         match &arguments.filter {
             Some(filter) => bail!("no test has a name with `{filter}` in it"),
@@ -110,6 +146,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         (false, 0) => Status::Succeeded,
         (false, _) => Status::Failed,
     })
+}
+
+/// Seconds since then.
+fn to_milliseconds(began: Instant) -> f64 {
+    (began.elapsed().as_secs_f64() * 1e3).round() / 1e3
 }
 
 fn summary(report: &Report) -> String {
@@ -127,19 +168,23 @@ type Place = (Option<String>, Option<String>);
 struct Session<'a> {
     arguments: &'a Arguments,
     colour: bool,
+    /// The name of a single file need not be told.
+    is_one: bool,
     /// Building the models of a world takes longer than most tests.
     sites: BTreeMap<Place, Site>,
     report: Report,
 }
 
 impl Session<'_> {
-    /// Runs the tests of a file; false if its text is wrong.
-    fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<bool> {
+    /// Runs the tests of a file.
+    fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<()> {
         let (site, loaded) = match load_without_world(plan)? {
             Ok(found) => found,
             Err(rejected) => {
                 console.note(rejected.render(console.colour).trim_end());
-                return Ok(false);
+                let reason = rejected.render(false).trim_end().to_string();
+                self.report.faulty_files.push(FaultyFile { file: plan.name.clone(), reason });
+                return Ok(());
             }
         };
         if !loaded.warnings.is_empty() {
@@ -148,23 +193,22 @@ impl Session<'_> {
         let filter = self.arguments.filter.as_deref().unwrap_or_default();
         let tests: Vec<&Test> = loaded.tests.iter().filter(|test| test.name.contains(filter)).collect();
         let width = tests.iter().map(|test| test.name.chars().count()).max().unwrap_or(0);
-        if self.arguments.files.len() > 1 && !tests.is_empty() && !self.arguments.json {
+        if !self.is_one && !tests.is_empty() && !self.arguments.json {
             console.print(&plan.name)?;
         }
         for test in tests {
             let record = self.test(plan, test, (&site, &loaded))?;
             if interrupt::is_asked() {
-                return Ok(true);
+                return Ok(());
             }
-            let has_succeeded = record.outcome == "succeeded";
-            self.report.succeeded += usize::from(has_succeeded);
-            self.report.failed += usize::from(!has_succeeded);
+            self.report.succeeded += usize::from(record.has_succeeded());
+            self.report.failed += usize::from(!record.has_succeeded());
             if !self.arguments.json {
                 self.tell(&record, width, console)?;
             }
             self.report.tests.push(record);
         }
-        Ok(true)
+        Ok(())
     }
 
     /// Runs a test in its world, or else where its file was compiled.
@@ -216,6 +260,7 @@ impl Session<'_> {
         };
         let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
         let mut output = Console::keeping();
+        let began = Instant::now();
         let pace = Pace { until_us: Some(until_us), factor: None };
         let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;
         let (outcome, failure, reason) = self.judge(&system, ending, until_us);
@@ -237,6 +282,7 @@ impl Session<'_> {
             world,
             failure,
             output: output.take_kept(),
+            wall_s: to_milliseconds(began),
             reason,
         })
     }
@@ -260,14 +306,13 @@ impl Session<'_> {
     }
 
     fn tell(&self, record: &Record, width: usize, console: &mut Console) -> Result<()> {
-        let has_succeeded = record.outcome == "succeeded";
-        let (word, colour) = if has_succeeded { ("ok    ", 32) } else { ("FAILED", 31) };
+        let (word, colour) = if record.has_succeeded() { ("ok    ", 32) } else { ("FAILED", 31) };
         let word = if self.colour { format!("\u{1b}[{colour}m{word}\u{1b}[0m") } else { word.to_string() };
         console.print(&format!("{word}  {:width$}  {:>8.1} s", record.name, record.time_s))?;
-        if !has_succeeded {
+        if !record.has_succeeded() {
             let printed = record.output.iter().flat_map(|text| text.lines()).map(|line| format!("printed: {line}"));
             for line in record.reason.lines().map(str::to_string).chain(printed) {
-                console.print(format!("        {line}").trim_end())?;
+                console.explain(format!("        {line}").trim_end())?;
             }
         }
         Ok(console.flush()?)

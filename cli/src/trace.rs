@@ -13,6 +13,7 @@ use crate::situation::Situation;
 use crate::status::Status;
 use crate::why;
 use anyhow::{Result, bail};
+use clap::ValueHint;
 use filter::Filter;
 use reader::{Line, TraceReader};
 use std::collections::VecDeque;
@@ -22,7 +23,7 @@ use std::collections::VecDeque;
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
     /// A trace that `rpl run --trace FILE` wrote; `-` for standard input
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "FILE", required = true, value_hint = ValueHint::FilePath)]
     file: Option<String>,
     #[command(flatten)]
     filter: Filter,
@@ -44,10 +45,10 @@ enum Comparison {
     /// Names the first event that differs. Exit status: 0 the same, 1 they differ, 2 trouble
     Diff {
         /// A trace
-        #[arg(value_name = "A")]
+        #[arg(value_name = "A", value_hint = ValueHint::FilePath)]
         left: String,
         /// Another
-        #[arg(value_name = "B")]
+        #[arg(value_name = "B", value_hint = ValueHint::FilePath)]
         right: String,
     },
 }

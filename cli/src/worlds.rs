@@ -1,10 +1,13 @@
 //! `rpl worlds [NAME]`: the built-in worlds, and what is in one.
 
+use crate::completion;
 use crate::console::Console;
 use crate::figures::{self, Figure};
 use crate::mission::{self, MEMORY_GIB};
 use crate::status::Status;
 use anyhow::{Context, Result, bail};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{OfficeModel, OfficeSettings};
@@ -21,18 +24,21 @@ const RESOLUTION_M: f64 = 0.05;
 /// A larger drawing would fill the memory.
 const MOST_PIXELS: f64 = 67e6;
 
+/// Columns of the names in the list.
+const NAME_COLUMNS: usize = 16;
+
 /// Arguments of `rpl worlds`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// A built-in world, or a .toml file
-    #[arg(value_name = "NAME")]
+    #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::worlds))]
     name: Option<String>,
     /// Draws the robot's map of the world into this file
-    #[arg(long, value_name = "FILE", requires = "name")]
+    #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     svg: Option<PathBuf>,
     /// The world as an image, 5 cm a pixel: black is occupied, grey unknown, orange there but not in
     /// the map, green in the map but not there, blue people on their paths, red the robot
-    #[arg(long, value_name = "FILE", requires = "name")]
+    #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     png: Option<PathBuf>,
 }
 
@@ -43,12 +49,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(name) = &arguments.name else {
         for name in World::builtin_names() {
-            console.print(&format!("{name:16}  {}", World::builtin_purpose(name).unwrap_or_default()))?;
+            let purpose = World::builtin_purpose(name).unwrap_or_default();
+            console.explain_hanging(&format!("{name:NAME_COLUMNS$}  {purpose}"), NAME_COLUMNS + 2)?;
         }
         return Ok(Status::Succeeded);
     };
     let world = mission::world(name)?;
-    console.print(&describe(&world))?;
+    console.explain(&describe(&world))?;
     for warning in warnings(name, &world)? {
         console.note(&format!("warning: {warning}"));
     }

@@ -333,6 +333,246 @@ fn deep_nesting_is_an_error_of_the_text() {
 }
 
 #[test]
+fn what_is_mistyped_is_told_with_what_was_probably_meant() {
+    for (line, meant) in [
+        (&["rnu", "x.rpl"][..], "'run'"),
+        (&["experimnt", "rotated"], "'experiment'"),
+        (&["run", "x.rpl", "--wrold", "dept"], "'--world'"),
+        (&["test", "x.rpl", "--jnuit", "x.xml"], "'--junit'"),
+        (&["--colour", "never"], "'--color'"),
+        (&["--color", "allways"], "'always'"),
+        (&["run", "x.rpl", "--map", "nome"], "'none'"),
+        (&["completions", "bsh"], "'bash'"),
+    ] {
+        let found = output(line);
+        assert!(stderr(&found).contains("similar") && stderr(&found).contains(meant), "{line:?}: {}", stderr(&found));
+        assert_eq!((stdout(&found), status(&found)), ("", 2), "{line:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_written_is_told() {
+    let folder = folder("full");
+    let plan = plan(&folder, "plan.rpl", "(print 1)");
+    let full = || fs::OpenOptions::new().write(true).open("/dev/full").expect("it is always full");
+    for line in [
+        &["--help"][..],
+        &["--version"],
+        &["run", "--help"],
+        &["worlds"],
+        &["examples"],
+        &["doc"],
+        &["completions", "bash"],
+        &["run", &plan],
+        &["eval", "1"],
+        &["eval", "1", "--json"],
+        &["check", &plan],
+        &["check", "--json", &plan],
+        &["experiment", &plan, "--runs", "1"],
+    ] {
+        let found = rpl(line).stdout(full()).output().expect("the command runs");
+        assert_eq!(status(&found), 2, "{line:?}");
+        assert!(stderr(&found).starts_with("error: "), "{line:?}: {}", stderr(&found));
+    }
+}
+
+#[test]
+fn whoever_closes_the_pipe_has_read_enough() {
+    for line in [&["--help"][..], &["doc"], &["worlds"], &["examples", "delivery"], &["completions", "bash"]] {
+        let mut child = rpl(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+        drop(child.stdout.take());
+        let found = child.wait_with_output().expect("it ends");
+        assert_eq!((stderr(&found), status(&found)), ("", 0), "{line:?}");
+    }
+}
+
+#[test]
+fn the_version_is_told() {
+    let version = env!("CARGO_PKG_VERSION");
+    for line in ["--version", "-V"] {
+        assert!(stdout(&output(&[line])).starts_with(&format!("rpl {version}")));
+    }
+}
+
+/// A command that reads a text from standard input.
+fn with_input(arguments: &[&str], text: &str) -> Output {
+    let mut command = rpl(arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    // What refuses its arguments does not read.
+    child.stdin.take().expect("it reads").write_all(text.as_bytes()).ok();
+    child.wait_with_output().expect("it ends")
+}
+
+#[test]
+fn a_plan_comes_from_standard_input() {
+    let folder = folder("stdin");
+    plan(&folder, "loaded.rpl", "(defvar loaded 'beside)");
+    let found = with_input(&["run", "-"], "(print (+ 1 2))");
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("3\n", "", 0));
+    let found = with_input(&["run", "-", "--json"], "(fail \"no\")");
+    assert_eq!(status(&found), 1);
+    assert!(stdout(&found).contains("\"file\":\"<stdin>\""), "{}", stdout(&found));
+    let found = with_input(&["run", "-"], "(print");
+    assert!(stderr(&found).contains("<stdin>:1:1") && status(&found) == 2, "{}", stderr(&found));
+    assert!(stdout(&with_input(&["check", "-"], "(print 1)")).contains("<stdin>: no findings"));
+    assert!(stdout(&with_input(&["test", "-"], "(deftest a (assert (= 1 1)))")).contains("1 test, all ok"));
+    assert!(stdout(&with_input(&["experiment", "-", "--runs", "2"], "(wait-time 3)")).contains("succeeded 2 of 2"));
+    // Files beside are reached from the working folder.
+    let mut command = rpl(&["run", "-"]);
+    command.current_dir(&folder).stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    let text = b"(load \"loaded.rpl\") (print loaded)";
+    child.stdin.take().expect("it reads").write_all(text).expect("it takes the text");
+    assert_eq!(stdout(&child.wait_with_output().expect("it ends")), "beside\n");
+    // What is read once cannot be read again, and the prompt reads its lines there.
+    let found = with_input(&["check", "-", "-"], "(print 1)");
+    assert!(stderr(&found).contains("`-` stands for it in two places"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+    let found = with_input(&["repl", "-"], "(print 1)");
+    assert!(stderr(&found).contains("`rpl run -` runs a plan from there"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+}
+
+/// A folder with plans in folders, and with what is none.
+fn folder_of_plans(name: &str) -> PathBuf {
+    let folder = folder(name);
+    fs::remove_dir_all(&folder).expect("the folder of the last time can go");
+    for inner in ["b/deep", ".hidden", "target", "empty"] {
+        fs::create_dir_all(folder.join(inner)).expect("the folder can be made");
+    }
+    let text = "(deftest works\n  (assert (= 1 1)))\n";
+    for file in ["z.rpl", "b/a.rpl", "b/deep/c.rpl"] {
+        plan(&folder, file, text);
+    }
+    for file in [".hidden/x.rpl", "target/x.rpl", "b/.x.rpl", "b/x.txt"] {
+        plan(&folder, file, "(not a plan");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&folder, folder.join("b/up")).expect("links can be made");
+        std::os::unix::fs::symlink(folder.join("b"), folder.join("empty/around")).expect("links can be made");
+        std::os::unix::fs::symlink("nowhere.rpl", folder.join("b/dangling.rpl")).expect("links can be made");
+    }
+    folder
+}
+
+#[test]
+fn a_folder_stands_for_the_plans_below_it() {
+    let folder = folder_of_plans("folders");
+    let in_folder = |arguments: &[&str]| rpl(arguments).current_dir(&folder).output().expect("the command runs");
+    let found = in_folder(&["check", "."]);
+    assert_eq!(stdout(&found), "b/a.rpl: no findings\nb/deep/c.rpl: no findings\nz.rpl: no findings\n");
+    assert_eq!((stderr(&found), status(&found)), ("", 0));
+    // Each file once, however it is named; files that are named themselves are checked in any case.
+    let found = in_folder(&["check", "z.rpl", "b", "."]);
+    assert_eq!(stdout(&found), "z.rpl: no findings\nb/a.rpl: no findings\nb/deep/c.rpl: no findings\n");
+    assert_eq!(status(&in_folder(&["check", "b/.x.rpl"])), 2);
+    let found = in_folder(&["test", "."]);
+    assert!(stdout(&found).starts_with("b/a.rpl\nok "), "{}", stdout(&found));
+    assert!(stdout(&found).contains("3 tests, all ok"), "{}", stdout(&found));
+    let found = in_folder(&["fmt", "--check", "b"]);
+    assert_eq!((stdout(&found), status(&found)), ("", 0));
+    plan(&folder, "b/ugly.rpl", "( print   1)\n");
+    let found = in_folder(&["fmt", "--check", "."]);
+    assert_eq!((stdout(&found), status(&found)), ("b/ugly.rpl\n", 1));
+    for command in ["check", "test", "fmt"] {
+        let found = in_folder(&[command, "empty", "z.rpl"]);
+        assert!(stderr(&found).contains("there is no plan in the folder `empty`"), "{}", stderr(&found));
+        assert_eq!(status(&found), 2, "{command}");
+    }
+}
+
+#[test]
+fn fmt_shows_what_it_would_change() {
+    let folder = folder("fmt-diff");
+    let ugly = plan(&folder, "ugly.rpl", "(print 1)\n(print 2)\n(print 3)\n(print 4)\n( print 5)\n(print 6)");
+    let good = plan(&folder, "good.rpl", "(print 1)\n");
+    let found = output(&["fmt", "--diff", &ugly, &good]);
+    let expected = format!(
+        "--- {ugly}\n+++ {ugly}\n@@ -2,5 +2,5 @@\n (print 2)\n (print 3)\n (print 4)\n-( print 5)\n-(print 6)\n\\ No newline at end of file\n+(print 5)\n+(print 6)\n"
+    );
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), (expected.as_str(), "", 1));
+    assert!(text_in(&folder, "ugly.rpl").contains("( print 5)"));
+    let found = output(&["fmt", "--diff", &good]);
+    assert_eq!((stdout(&found), status(&found)), ("", 0));
+    let found = with_input(&["fmt", "--diff", "-"], "( print 1)\n");
+    assert!(stdout(&found).ends_with("-( print 1)\n+(print 1)\n"), "{}", stdout(&found));
+    assert_eq!(status(&found), 1);
+    assert_eq!(status(&output(&["fmt", "--diff", "--check", &good])), 2);
+}
+
+#[test]
+fn test_reports_as_junit() {
+    let folder = folder("junit");
+    let tests = plan(
+        &folder,
+        "a&b.rpl",
+        "(deftest good (wait-time 5))\n(deftest <bad&> (print \"x & \\u{1b}\") (fail \"1 < 2 & \\\"3\\\"\"))\n(deftest slow :until 10s (wait-time 60))\n",
+    );
+    let wrong = plan(&folder, "wrong.rpl", "(deftest a (undefined))");
+    let report = folder.join("report.xml").display().to_string();
+    let found = output(&["test", &tests, &wrong, "--junit", &report, "--seed", "4"]);
+    assert_eq!(status(&found), 2, "{}", stderr(&found));
+    assert!(stdout(&found).contains("3 tests, 2 failed"), "{}", stdout(&found));
+    let xml = text_in(&folder, "report.xml");
+    for expected in [
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"rpl test\" tests=\"4\" failures=\"2\" errors=\"1\"",
+        "a&amp;b.rpl\" tests=\"3\" failures=\"2\" errors=\"0\"",
+        "<testcase name=\"good\" classname=",
+        "<testcase name=\"&lt;bad&amp;&gt;\" classname=",
+        "line=\"1\"",
+        "<property name=\"seed\" value=\"4\"/>",
+        "<property name=\"time_s\" value=\"5\"/>",
+        "<failure type=\"plan-failure\" message=\"1 &lt; 2 &amp; &quot;3&quot;\">",
+        "<failure type=\"timeout\" message=\"it had not ended after 10 s\">",
+        "<system-out>x &amp; \\u{1b}</system-out>",
+        "<error message=\"it cannot be compiled\">error[unbound-name]",
+    ] {
+        assert!(xml.contains(expected), "{expected}\n{xml}");
+    }
+    // It is XML: every tag that is opened is closed, and nothing stands there unescaped.
+    let mut open = Vec::new();
+    for tag in xml.split('<').skip(1).map(|rest| rest.split('>').next().unwrap_or_default()) {
+        match tag.strip_prefix('/') {
+            Some(name) => assert_eq!(open.pop(), Some(name), "{xml}"),
+            None if tag.ends_with(['/', '?']) => {}
+            None => open.push(tag.split(' ').next().unwrap_or_default()),
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    assert!(xml.chars().all(|c| !c.is_control() || c == '\n'), "{xml}");
+    assert!(
+        xml.split('&')
+            .skip(1)
+            .all(|rest| ["amp;", "lt;", "gt;", "quot;", "#"].iter().any(|known| rest.starts_with(known)))
+    );
+}
+
+#[test]
+fn every_command_has_its_manual_page() {
+    let folder = folder("man").join("man1");
+    let found = output(&["man", &folder.display().to_string()]);
+    assert_eq!(status(&found), 0, "{}", stderr(&found));
+    let help = output(&["--help"]);
+    let list = stdout(&help).split("Commands:\n").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("a list");
+    let begins = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
+    let names: Vec<&str> = list.lines().filter(begins).filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.len() > 12, "{names:?}");
+    for name in names.iter().filter(|name| **name != "help") {
+        let page = text_in(&folder, &format!("rpl-{name}.1"));
+        assert!(page.contains(&format!("rpl\\-{name}")) && page.contains(".SH OPTIONS"), "{page}");
+    }
+    let page = text_in(&folder, "rpl.1");
+    assert!(page.contains(".TH rpl 1") && page.contains("Exit status"), "{page}");
+    assert!(text_in(&folder, "rpl-trace-diff.1").contains(".SH SYNOPSIS"));
+    let found = output(&["man", &plan(&folder, "file", "").as_str()]);
+    assert!(stderr(&found).contains("cannot make the folder"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
+}
+
+#[test]
 fn the_command_line_is_explained() {
     for wrong in [&["run"][..], &["rnu", "x.rpl"], &["run", "first-steps", "--until", "soon"], &["--no-such"]] {
         let found = output(wrong);
@@ -375,7 +615,71 @@ fn an_experiment_makes_a_table_however_many_jobs() {
     });
     assert_eq!(tables[0], tables[1]);
     assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
-    assert!(tables[0].contains("time [s]                  6      90.00     0.00"), "{}", tables[0]);
+    assert!(tables[0].contains("time [s]     6  90.00    0.00"), "{}", tables[0]);
+}
+
+/// The file of a folder, as text.
+fn text_in(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+#[test]
+fn an_experiment_writes_its_figures_as_json() {
+    let folder = folder("experiment-json");
+    let text = "(wait-time (random 10.0)) (when (< (now) 5) (fail \"too \\\"soon\\\"\"))";
+    let plan = plan(&folder, "coin & \"toss\".rpl", text);
+    let found = output(&["experiment", &plan, "--runs", "20", "--seed", "3", "--json"]);
+    let figures: Value = serde_json::from_str(stdout(&found)).expect("one JSON object");
+    assert_eq!(
+        (&figures["experiment"], &figures["runs"], &figures["seed"]),
+        (&plan.as_str().into(), &20.into(), &3.into())
+    );
+    let row = &figures["rows"][0];
+    let failures = row["failures"].as_array().expect("a list");
+    assert_eq!(row["succeeded"]["count"].as_u64().map(|count| count as usize), Some(20 - failures.len()));
+    assert!(!failures.is_empty() && failures.len() < 20, "{row}");
+    assert_eq!(
+        (&row["seeds"], &failures[0]["fault"]),
+        (&serde_json::json!([3, 22]), &"plan-failure: too \"soon\"".into())
+    );
+    let interval = row["succeeded"]["interval_95"].as_array().expect("two numbers");
+    let rate = row["succeeded"]["rate"].as_f64().expect("a number");
+    assert!(interval[0].as_f64() < Some(rate) && interval[1].as_f64() > Some(rate), "{row}");
+    // The same figures as in the table.
+    let time = &row["measures"][0];
+    let table = output(&["experiment", &plan, "--runs", "20", "--seed", "3"]);
+    let number = |key: &str| format!("{:.2}", time[key].as_f64().expect("a number"));
+    for key in ["mean", "half_95", "deviation", "min", "median", "max"] {
+        assert!(stdout(&table).contains(&number(key)), "{key}\n{}", stdout(&table));
+    }
+}
+
+#[test]
+fn an_experiment_on_a_plan_of_ones_own_draws_charts() {
+    let folder = folder("experiment-charts");
+    let plan = plan(&folder, "a & b.rpl", "(wait-time (random 10.0))");
+    let results = folder.join("results");
+    let found = output(&["experiment", &plan, "--runs", "3", "--results", &results.display().to_string()]);
+    assert_eq!(status(&found), 0, "{}", stderr(&found));
+    let chart = text_in(&results, "success.svg");
+    assert!(chart.contains("<polyline") && chart.contains("a &amp; b"), "{chart}");
+    assert_eq!(text_in(&results, "runs.csv").lines().count(), 4);
+    // Without a robot there is no estimate that could be off.
+    assert!(!results.join("error.svg").exists());
+}
+
+#[test]
+fn a_row_that_is_not_there_is_told_with_those_that_are() {
+    for (experiment, row, meant) in
+        [("rotated", "undisturbd", "undisturbed"), ("barn", "seen so fer", "seen so far"), ("worlds", "rign", "ring")]
+    {
+        let found = output(&["experiment", experiment, "--row", row, "--runs", "1"]);
+        assert!(stderr(&found).contains(&format!("did you mean `{meant}`?")), "{}", stderr(&found));
+        assert_eq!(status(&found), 2);
+    }
+    let found = output(&["experiment", "first-steps", "--row", "rotated"]);
+    assert!(stderr(&found).contains("a plan of your own has one row"), "{}", stderr(&found));
+    assert_eq!(status(&found), 2);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! `rpl localize` and worlds from recorded maps, on a small drive that is made here.
 
+mod keys;
+
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;
@@ -87,6 +89,7 @@ fn a_recorded_drive_is_found_fitted_and_drawn() {
     let results: Value = serde_json::from_slice(&found.stdout).expect("JSON");
     assert_eq!((&results["found"], &results["of"]), (&2.into(), &2.into()));
     assert!(results["while_found"]["position_m"]["mean"].as_f64().is_some_and(|mean_m| mean_m < 0.1), "{results}");
+    assert_eq!(keys::found(&results), keys::documented("rpl localize"));
     for (name, part) in [("paths.svg", "true-path"), ("errors.svg", "error of the heading")] {
         let drawing = fs::read_to_string(folder.join("figures").join(name)).expect("it was drawn");
         assert!(drawing.contains(part), "{name}");

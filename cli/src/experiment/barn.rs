@@ -3,11 +3,13 @@
 
 mod course;
 
-use super::statistics::wilson_95;
+use super::statistics::{Share, Spread};
 use super::trials::run_all;
-use super::{Arguments, jobs, progress, write_files};
+use super::{Arguments, Findings, NOTHING, jobs, no_row, progress, write_files};
 use crate::console::Console;
+use crate::page::Block;
 use crate::status::Status;
+use crate::table::Table;
 use anyhow::{Result, bail};
 use course::{COURSES, Course};
 use rpl_robot::geometry::Point;
@@ -15,6 +17,8 @@ use rpl_robot::navigation::{
     Drive, DriveLimits, DriveStatus, Grain, MaplessNavigation, NavigationEvent, NavigationInput, Speeds, Target,
 };
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
+use serde::Serialize;
+use serde_json::json;
 use std::sync::Arc;
 
 /// Speed of the robot.
@@ -66,65 +70,88 @@ impl Drove {
     }
 }
 
+/// What came of the drives of a row.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    name: &'static str,
+    arrived: Share,
+    score: f64,
+    touched: usize,
+    gave_up: usize,
+    time_up: usize,
+    /// Median over the drives that arrived.
+    time_by_optimum: Option<f64>,
+}
+
+impl Row {
+    fn of(name: &'static str, drives: &[Drove]) -> Self {
+        let count = |ending: Ending| drives.iter().filter(|drove| drove.ending == ending).count();
+        let arrived = drives.iter().filter(|drove| drove.ending == Ending::Arrived);
+        let ratios: Vec<f64> = arrived.map(|drove| drove.time_s / drove.optimum_s).collect();
+        Self {
+            name,
+            arrived: Share::new(count(Ending::Arrived), drives.len()),
+            score: drives.iter().map(Drove::score).sum::<f64>() / drives.len() as f64,
+            touched: count(Ending::Touched),
+            gave_up: count(Ending::GaveUp),
+            time_up: count(Ending::TimeUp),
+            time_by_optimum: Spread::of(&ratios).map(|spread| spread.median),
+        }
+    }
+}
+
 /// Drives over the courses, with each method or the one that is asked for.
 ///
 /// # Errors
 /// No row has the name, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
     let wanted = arguments.row.as_deref();
-    let rows: Vec<_> = ROWS.iter().filter(|(name, _)| wanted.is_none_or(|wanted| wanted == *name)).collect();
-    if rows.is_empty() {
-        let names = ROWS.map(|(name, _)| name);
-        bail!("the experiment `barn` has no row `{}`; it has {}", wanted.unwrap_or(""), names.join(", "));
+    let methods: Vec<_> = ROWS.iter().filter(|(name, _)| wanted.is_none_or(|wanted| wanted == *name)).collect();
+    if methods.is_empty() {
+        bail!(no_row("barn", wanted.unwrap_or_default(), &row_names()));
     }
     let courses: Vec<u64> = (0..u64::from(arguments.runs.get()))
         .map(|run| run * COURSES / u64::from(arguments.runs.get()).max(1))
         .collect();
-    let mut lines = vec![format!(
-        "{:18} {:>9} {:>15} {:>8} {:>9} {:>9} {:>9} {:>9}",
-        "barn", "arrived", "95 %", "score", "touched", "gave up", "time up", "time/opt."
-    )];
+    let mut rows = Vec::new();
     let mut raw = "row,course,ending,time_s,optimum_s,score\n".to_string();
-    for (name, method) in rows {
+    for (name, method) in methods {
         let bar = progress(courses.len() as u64, console);
         bar.set_message((*name).to_string());
         let one = |course: u64| drive(&Course::new(course, arguments.seed), *method, course, arguments.seed);
         let drives = run_all(&courses, jobs(arguments), one, || bar.inc(1));
         bar.finish_and_clear();
-        lines.push(line(name, &drives));
+        rows.push(Row::of(name, &drives));
         for drove in &drives {
             let Drove { course, ending, time_s, optimum_s } = drove;
             raw.push_str(&format!("{name},{course},{ending:?},{time_s:.2},{optimum_s:.3},{:.4}\n", drove.score()));
         }
     }
-    lines.push(
-        "score: the mean of 1[arrived] · OT / clip(AT, 2 OT, 8 OT), OT the shortest way at 2 m/s; at most 0.5.".into(),
-    );
-    console.print(&lines.join("\n"))?;
     write_files(arguments, &[("runs.csv".to_string(), raw)])?;
-    Ok(Status::Succeeded)
+    Ok(Findings { status: Status::Succeeded, blocks: blocks(&rows), figures: json!({ "rows": rows }) })
 }
 
-fn line(name: &str, drives: &[Drove]) -> String {
-    let count = |ending: Ending| drives.iter().filter(|drove| drove.ending == ending).count();
-    let arrived = count(Ending::Arrived);
-    let (low, high) = wilson_95(arrived, drives.len());
-    let mut ratios: Vec<f64> = drives
-        .iter()
-        .filter(|drove| drove.ending == Ending::Arrived)
-        .map(|drove| drove.time_s / drove.optimum_s)
-        .collect();
-    ratios.sort_by(f64::total_cmp);
-    format!(
-        "{name:18} {:>9} {:>15} {:>8.3} {:>9} {:>9} {:>9} {:>9}",
-        format!("{arrived}/{}", drives.len()),
-        format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high),
-        drives.iter().map(Drove::score).sum::<f64>() / drives.len() as f64,
-        count(Ending::Touched),
-        count(Ending::GaveUp),
-        count(Ending::TimeUp),
-        ratios.get(ratios.len() / 2).map_or("–".to_string(), |ratio| format!("{ratio:.2}")),
-    )
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    ROWS.iter().map(|(name, _)| *name).collect()
+}
+
+fn blocks(rows: &[Row]) -> Vec<Block> {
+    let mut table = Table::new(&["barn", "arrived", "95 %", "score", "touched", "gave up", "time up", "time/opt."]);
+    for row in rows {
+        table.row([
+            row.name.to_string(),
+            row.arrived.fraction(),
+            row.arrived.interval(),
+            format!("{:.3}", row.score),
+            row.touched.to_string(),
+            row.gave_up.to_string(),
+            row.time_up.to_string(),
+            row.time_by_optimum.map_or(NOTHING.to_string(), |ratio| format!("{ratio:.2}")),
+        ]);
+    }
+    let score = "score: the mean of 1[arrived] · OT / clip(AT, 2 OT, 8 OT), OT the shortest way at 2 m/s; at most 0.5.";
+    vec![Block::Table(table), Block::Lines(score.into())]
 }
 
 /// A disc with the area of the Jackal's 51 × 43 cm, its speed, and less acceleration than its

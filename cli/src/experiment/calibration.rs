@@ -1,9 +1,12 @@
 //! What the certainty is worth: of all moments at which the robot says 0.8, it should be right in
 //! 80 %.
 
-use super::statistics::wilson_95;
+use super::statistics::Share;
 use super::trial::{Sample, Trial};
+use crate::page::Block;
+use crate::table::Table;
 use rpl_robot::localization::Calibration;
+use serde::Serialize;
 
 /// Bins of the reliability diagram, all with the same number of samples.
 const BINS: usize = 10;
@@ -12,7 +15,7 @@ const BINS: usize = 10;
 const SURE: f64 = 0.99;
 
 /// Some samples of about the same certainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bin {
     /// How many.
     pub samples: usize,
@@ -23,6 +26,7 @@ pub struct Bin {
     /// Share of samples in which the estimate was right.
     pub was: f64,
     /// 95 % interval of that share, over runs: samples of one run depend on each other.
+    #[serde(rename = "interval_95")]
     pub interval: (f64, f64),
 }
 
@@ -137,58 +141,95 @@ fn pooled(pools: impl Iterator<Item = Pool>, passes: impl Fn(Pool, Pool) -> bool
     kept
 }
 
-/// The reliability table.
-pub fn table(trials: &[&Trial], used: &Calibration) -> String {
-    let all: Vec<Sample> = tagged(trials).map(|(_, sample)| sample).collect();
-    let sure: Vec<&Sample> = all.iter().filter(|sample| sample.certainty >= SURE).collect();
-    let sure_right = sure.iter().filter(|sample| sample.is_right).count();
-    let right_m: Vec<f64> = all.iter().filter(|sample| sample.is_right).map(|sample| f64::from(sample.off_m)).collect();
-    let mean_m = right_m.iter().sum::<f64>() / right_m.len().max(1) as f64;
-    let mut lines = vec![
-        format!(
-            "certainty: {} runs, {} samples, {} of them below {SURE}",
-            trials.len(),
-            all.len(),
-            all.len() - sure.len()
-        ),
-        format!(
-            "{:>9} {:>17} {:>8} {:>8} {:>8} {:>17}",
-            "samples", "certainty", "mean", "right", "error", "95 % interval"
-        ),
-    ];
-    let bins = bins(trials);
-    for bin in &bins {
-        lines.push(format!(
-            "{:>9} {:>17} {:>8.3} {:>8.3} {:>+8.3} {:>17}",
-            bin.samples,
-            format!("{:.3}–{:.3}", bin.range.0, bin.range.1),
-            bin.said,
-            bin.was,
-            bin.error(),
-            format!("{:.3}–{:.3}", bin.interval.0, bin.interval.1),
-        ));
+/// What the certainty was worth in some runs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Reliability {
+    /// How many runs.
+    runs: usize,
+    /// Moments that were looked at.
+    samples: usize,
+    /// From the least certain on; the sure ones are in none.
+    pub bins: Vec<Bin>,
+    /// The largest difference between what was said and what was right, over the bins.
+    largest_error: f64,
+    /// Sure moments, and how many of them were right.
+    sure: Sure,
+    /// Disturbed runs in which a position counted as found where it was not.
+    wrong_recoveries: Share,
+    /// How far a right estimate is off, on average.
+    right_off_m: f64,
+    /// Share of the belief and how often it is right, fitted to these samples.
+    fitted: Vec<[f64; 2]>,
+}
+
+/// Moments at which the robot is sure; neighbours depend on each other, so there is no interval.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Sure {
+    samples: usize,
+    right: usize,
+}
+
+impl Reliability {
+    /// Of some runs, whose samples were taken with `used`.
+    pub fn of(trials: &[&Trial], used: &Calibration) -> Self {
+        let all: Vec<Sample> = tagged(trials).map(|(_, sample)| sample).collect();
+        let sure: Vec<&Sample> = all.iter().filter(|sample| sample.certainty >= SURE).collect();
+        let right_m: Vec<f64> =
+            all.iter().filter(|sample| sample.is_right).map(|sample| f64::from(sample.off_m)).collect();
+        let bins = bins(trials);
+        let recovered: Vec<f64> = trials.iter().filter_map(|trial| trial.measure("wrong recoveries")).collect();
+        let wrong = recovered.iter().filter(|&&count| count > 0.0).count();
+        Self {
+            runs: trials.len(),
+            samples: all.len(),
+            largest_error: bins.iter().map(|bin| bin.error().abs()).fold(0.0, f64::max),
+            bins,
+            sure: Sure { samples: sure.len(), right: sure.iter().filter(|sample| sample.is_right).count() },
+            wrong_recoveries: Share::new(wrong, recovered.len()),
+            right_off_m: right_m.iter().sum::<f64>() / right_m.len().max(1) as f64,
+            fitted: fitted(trials, used),
+        }
     }
-    let worst = bins.iter().map(|bin| bin.error().abs()).fold(0.0, f64::max);
-    let recovered: Vec<f64> = trials.iter().filter_map(|trial| trial.measure("wrong recoveries")).collect();
-    let wrong = recovered.iter().filter(|&&count| count > 0.0).count();
-    let (low, high) = wilson_95(wrong, recovered.len());
-    lines.push(format!("largest error of a bin {worst:.3}"));
-    lines.push(format!(
-        "at {SURE} and above: {} samples, right in {:.2} %",
-        sure.len(),
-        100.0 * sure_right as f64 / sure.len().max(1) as f64
-    ));
-    lines.push(format!(
-        "runs with a wrong recovery: {wrong} of {} disturbed, 95 % interval {:.1} to {:.1} %",
-        recovered.len(),
-        100.0 * low,
-        100.0 * high
-    ));
-    lines.push(format!("a right estimate is off by {mean_m:.3} m on average"));
-    let knots = fitted(trials, used).iter().map(|[share, rate]| format!("[{share:.5}, {rate:.4}]")).collect::<Vec<_>>();
-    lines.push("share of the belief and how often it is right, fitted to these samples:".into());
-    lines.extend(knots.chunks(6).map(|knots| format!("    {},", knots.join(", "))));
-    lines.join("\n")
+
+    /// The reliability table.
+    pub fn blocks(&self) -> Vec<Block> {
+        let mut table = Table::new(&["samples", "certainty", "mean", "right", "error", "95 % interval"]);
+        for bin in &self.bins {
+            table.row([
+                bin.samples.to_string(),
+                format!("{:.3}–{:.3}", bin.range.0, bin.range.1),
+                format!("{:.3}", bin.said),
+                format!("{:.3}", bin.was),
+                format!("{:+.3}", bin.error()),
+                format!("{:.3}–{:.3}", bin.interval.0, bin.interval.1),
+            ]);
+        }
+        let Sure { samples, right } = self.sure;
+        let Share { count, of, interval_95: (low, high), .. } = self.wrong_recoveries;
+        let mut lines = vec![
+            format!("largest error of a bin {:.3}", self.largest_error),
+            format!(
+                "at {SURE} and above: {samples} samples, right in {:.2} %",
+                100.0 * right as f64 / samples.max(1) as f64
+            ),
+            format!(
+                "runs with a wrong recovery: {count} of {of} disturbed, 95 % interval {:.1} to {:.1} %",
+                100.0 * low,
+                100.0 * high
+            ),
+            format!("a right estimate is off by {:.3} m on average", self.right_off_m),
+            "share of the belief and how often it is right, fitted to these samples:".to_string(),
+        ];
+        let knots: Vec<String> = self.fitted.iter().map(|[share, rate]| format!("[{share:.5}, {rate:.4}]")).collect();
+        lines.extend(knots.chunks(4).map(|knots| format!("    {},", knots.join(", "))));
+        let head = format!(
+            "certainty: {} runs, {} samples, {} of them below {SURE}",
+            self.runs,
+            self.samples,
+            self.samples - samples
+        );
+        vec![Block::Lines(head), Block::Table(table), Block::Lines(lines.join("\n"))]
+    }
 }
 
 #[cfg(test)]
@@ -215,7 +256,8 @@ mod tests {
     fn a_robot_that_is_always_wrong_errs_by_what_it_says() {
         let wrong = trial((0..100).map(|n| (f64::from(n) / 200.0, false)));
         assert!(bins(&[&wrong]).iter().all(|bin| bin.error() == bin.said && bin.was == 0.0));
-        assert!(table(&[&wrong], &Calibration::new(&[])).contains("largest error of a bin 0.47"));
+        let largest = Reliability::of(&[&wrong], &Calibration::new(&[])).largest_error;
+        assert!((0.47..0.48).contains(&largest), "{largest}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Charts as SVG, readable in black and white.
 
 use super::calibration::Bin;
+use super::statistics::{Share, Summary};
 use super::trial::Trial;
 use svg::Document;
 use svg::node::element::{Circle, Line as Stroke, Polyline, Rectangle, Text};
@@ -93,36 +94,70 @@ const EVERY_S: usize = 10;
 /// Samples of a trial in a second.
 const SAMPLES_PER_S: usize = 10;
 
-/// The mean of something over time.
+/// Points of a line at most.
+const POINTS: usize = 30;
+
+/// Something over time.
 pub struct Line<'a> {
     /// What it is called.
     pub name: &'a str,
-    /// Time, mean and half its 95 % interval.
-    pub points: Vec<(f64, f64, f64)>,
+    /// In the order of time.
+    pub points: Vec<Point>,
+}
+
+/// Something at a time, with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// When.
+    pub time_s: f64,
+    /// What it is.
+    pub value: f64,
+    /// Where its interval begins.
+    pub low: f64,
+    /// Where it ends.
+    pub high: f64,
 }
 
 /// The mean distance from the estimate to the truth over time, with 95 % bars; runs that have ended
 /// keep their last error.
 pub fn error_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
     let longest = rows.iter().flat_map(|(_, trials)| trials).map(|trial| trial.samples.len()).max().unwrap_or(0);
-    let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, 30);
+    let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, POINTS);
     let over = |trials: &[Trial]| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect();
     let lines: Vec<Line<'_>> = rows.iter().map(|(name, trials)| Line { name, points: over(trials) }).collect();
     over_time("error of the estimate, mean and 95 % interval", "error [m]", 1.0, &lines)
 }
 
+/// The share of the runs that have succeeded by a time, with 95 % bars.
+pub fn success_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
+    let time_s = |trial: &Trial| trial.measure("time [s]").unwrap_or(0.0);
+    let latest_s = rows.iter().flat_map(|(_, trials)| trials).map(time_s).fold(1.0, f64::max);
+    let line = |trials: &[Trial]| -> Vec<Point> {
+        let done_s: Vec<f64> = trials.iter().filter(|trial| trial.succeeded()).map(time_s).collect();
+        let at = |point: usize| latest_s * point as f64 / POINTS as f64;
+        let share = |at_s: f64| Share::new(done_s.iter().filter(|&&done_s| done_s <= at_s).count(), trials.len());
+        let point = |at_s: f64| {
+            let Share { rate, interval_95: (low, high), .. } = share(at_s);
+            Point { time_s: at_s, value: rate.unwrap_or(0.0), low, high }
+        };
+        (0..=POINTS).map(at).map(point).collect()
+    };
+    let lines: Vec<Line<'_>> = rows.iter().map(|(name, trials)| Line { name, points: line(trials) }).collect();
+    over_time("runs that have succeeded, with 95 % interval", "share of the runs", 1.0, &lines)
+}
+
 /// Lines over time with their bars, and their names; up to a whole number, at least `least`.
 pub fn over_time(title: &str, up: &str, least: f64, lines: &[Line<'_>]) -> String {
     let points = || lines.iter().flat_map(|line| &line.points);
-    let highest = points().map(|&(_, mean, half)| mean + half).fold(least, f64::max);
-    let latest = points().map(|&(time_s, _, _)| time_s).fold(1.0, f64::max);
+    let highest = points().map(|point| point.high).fold(least, f64::max);
+    let latest = points().map(|point| point.time_s).fold(1.0, f64::max);
     let y_max = if least < highest { highest.ceil() } else { least };
     let axes = Axes { x_max: (latest / 50.0).ceil() * 50.0, y_max };
     let mut document = axes.sheet(title, "time [s]", up);
     for (number, Line { name, points }) in lines.iter().enumerate() {
         let dash = DASHES[number % DASHES.len()];
         let path: Vec<String> =
-            points.iter().map(|&(time_s, mean, _)| format!("{},{}", axes.x(time_s), axes.y(mean))).collect();
+            points.iter().map(|point| format!("{},{}", axes.x(point.time_s), axes.y(point.value))).collect();
         document = document.add(
             Polyline::new()
                 .set("points", path.join(" "))
@@ -131,9 +166,9 @@ pub fn over_time(title: &str, up: &str, least: f64, lines: &[Line<'_>]) -> Strin
                 .set("stroke-width", 1.6)
                 .set("stroke-dasharray", dash),
         );
-        for &(time_s, mean, half) in points {
-            let bar = axes.line((time_s, mean - half), (time_s, mean + half)).set("stroke-width", 0.8);
-            document = document.add(bar).add(mark(number, axes.x(time_s), axes.y(mean)));
+        for &Point { time_s, value, low, high } in points {
+            let bar = axes.line((time_s, low), (time_s, high)).set("stroke-width", 0.8);
+            document = document.add(bar).add(mark(number, axes.x(time_s), axes.y(value)));
         }
         let y = TOP + 8.0 + 20.0 * number as f64;
         let (from, to) = (LEFT + WIDTH - 190.0, LEFT + WIDTH - 150.0);
@@ -152,8 +187,8 @@ fn mark(number: usize, x: f64, y: f64) -> Circle {
     Circle::new().set("cx", x).set("cy", y).set("r", 3).set("fill", fill).set("stroke", "black")
 }
 
-/// Time, mean error and half its 95 % interval.
-fn error_at(trials: &[Trial], time_s: usize) -> (f64, f64, f64) {
+/// The mean error at a time.
+fn error_at(trials: &[Trial], time_s: usize) -> Point {
     let errors: Vec<f64> = trials
         .iter()
         .filter_map(|trial| trial.samples.get(time_s * SAMPLES_PER_S).or(trial.samples.last()))
@@ -162,11 +197,10 @@ fn error_at(trials: &[Trial], time_s: usize) -> (f64, f64, f64) {
     point(time_s as f64, &errors)
 }
 
-/// A point of a line: time, mean and half its 95 % interval.
-pub fn point(time_s: f64, numbers: &[f64]) -> (f64, f64, f64) {
-    let spread = super::statistics::Spread::of(numbers);
-    let half = spread.map_or(0.0, |spread| super::statistics::mean_95(spread.deviation, numbers.len()));
-    (time_s, spread.map_or(0.0, |spread| spread.mean), half)
+/// The mean of some numbers at a time.
+pub fn point(time_s: f64, numbers: &[f64]) -> Point {
+    let (mean, half) = Summary::of(numbers).map_or((0.0, 0.0), |summary| (summary.spread.mean, summary.half_95));
+    Point { time_s, value: mean, low: mean - half, high: mean + half }
 }
 
 #[cfg(test)]
@@ -188,7 +222,30 @@ mod tests {
         };
         let trial = |errors: &[f32]| Trial { seed: 1, fault: None, measures: vec![], samples: samples(errors) };
         let trials = [trial(&[4.0]), trial(&[2.0; 201])];
-        assert_eq!(error_at(&trials, 20).1, 3.0);
+        assert_eq!(error_at(&trials, 20).value, 3.0);
         assert!(error_over_time(&[("a row", trials.to_vec())]).contains("a row"));
+    }
+
+    #[test]
+    fn success_comes_when_the_plans_end_and_never_by_those_that_fail() {
+        let trial = |fault: Option<&str>, time_s: f64| Trial {
+            seed: 1,
+            fault: fault.map(str::to_string),
+            measures: vec![("time [s]", Some(time_s))],
+            samples: vec![],
+        };
+        let trials = vec![trial(None, 10.0), trial(None, 40.0), trial(Some("blocked"), 5.0), trial(None, 100.0)];
+        let drawn = success_over_time(&[("mine", trials)]);
+        let line = drawn.split("<polyline").nth(1).and_then(|rest| rest.split("points=\"").nth(1)).expect("a line");
+        let shares: Vec<f64> = line
+            .split('"')
+            .next()
+            .expect("its points")
+            .split_whitespace()
+            .map(|point| point.split_once(',').expect("two numbers").1.parse::<f64>().expect("a number"))
+            .map(|y| 1.0 - (y - TOP) / HEIGHT)
+            .collect();
+        let at = |time_s: usize| shares[time_s * POINTS / 100];
+        assert_eq!((at(0), at(20), at(50), at(100)), (0.0, 0.25, 0.5, 0.75), "{shares:?}");
     }
 }

@@ -2,18 +2,21 @@
 //! the sum over the states of the belief.
 
 use super::catalogue::Row;
-use super::statistics::{Spread, wilson_95};
-use super::{Arguments, seeds, site_of};
+use super::statistics::{Share, Summary};
+use super::{Arguments, Findings, NOTHING, seeds, site_of};
 use crate::choice_figures;
 use crate::console::Console;
 use crate::drive::{Pace, Records, drive};
 use crate::files;
+use crate::page::Block;
 use crate::status::Status;
 use anyhow::{Context, Result, bail};
 use rpl_robot::active::{ActiveParameters, choose, choose_exactly};
 use rpl_robot::geometry::distance_m;
 use rpl_robot::localization::{Localization, LocalizationModel};
 use rpl_runtime::system::System;
+use serde::Serialize;
+use serde_json::json;
 use std::time::Instant;
 
 /// Targets nearer to each other than this are the same choice.
@@ -36,7 +39,7 @@ struct Pair {
 ///
 /// # Errors
 /// The plan's text is wrong, a run cannot be driven, or the figures cannot be written.
-pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) -> Result<Status> {
+pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) -> Result<Findings> {
     let mut pairs = Vec::new();
     for row in rows {
         let (site, _) = site_of(arguments, row)?;
@@ -63,8 +66,9 @@ pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) 
             }
         }
     }
-    console.print(&table(&pairs))?;
-    Ok(Status::Succeeded)
+    let comparison = Comparison::of(&pairs);
+    let blocks = vec![Block::Lines(comparison.text())];
+    Ok(Findings { status: Status::Succeeded, blocks, figures: json!({ "choices": comparison }) })
 }
 
 fn pair(model: &LocalizationModel, localization: &Localization, parameters: &ActiveParameters) -> Option<Pair> {
@@ -80,27 +84,44 @@ fn pair(model: &LocalizationModel, localization: &Localization, parameters: &Act
     })
 }
 
-fn table(pairs: &[Pair]) -> String {
-    let differ = pairs.iter().filter(|pair| pair.apart_m > SAME_M).count();
-    let (low, high) = wilson_95(differ, pairs.len());
-    let of = |numbers: Vec<f64>| {
-        Spread::of(&numbers).map_or("–".to_string(), |spread| {
-            format!("mean {:.3}, median {:.3}, largest {:.3}", spread.mean, spread.median, spread.max)
-        })
-    };
-    let no_way = pairs.iter().filter(|pair| pair.regret.is_none()).count();
-    [
-        format!("choices of active navigation, by the maxima and by the sum over the belief: {}", pairs.len()),
-        format!(
-            "targets more than {SAME_M} m apart: {differ}, {:.1} %, 95 % interval {:.1} to {:.1} %",
-            100.0 * differ as f64 / pairs.len().max(1) as f64,
-            100.0 * low,
-            100.0 * high
-        ),
-        format!("apart [m]: {}", of(pairs.iter().map(|pair| pair.apart_m).collect())),
-        format!("pay-off lost [nats]: {}", of(pairs.iter().filter_map(|pair| pair.regret).collect())),
-        format!("targets the sum sees no way to: {no_way}"),
-        format!("time of the shortcut [ms]: {}", of(pairs.iter().map(|pair| pair.shortcut_ms).collect())),
-    ]
-    .join("\n")
+/// How the two answers differ on the whole.
+#[derive(Clone, Debug, Serialize)]
+struct Comparison {
+    /// Choices whose targets lie apart.
+    differ: Share,
+    apart_m: Option<Summary>,
+    lost_nats: Option<Summary>,
+    /// Targets the sum sees no way to.
+    no_way: usize,
+    shortcut_ms: Option<Summary>,
+}
+
+impl Comparison {
+    fn of(pairs: &[Pair]) -> Self {
+        let of = |numbers: Vec<f64>| Summary::of(&numbers);
+        Self {
+            differ: Share::new(pairs.iter().filter(|pair| pair.apart_m > SAME_M).count(), pairs.len()),
+            apart_m: of(pairs.iter().map(|pair| pair.apart_m).collect()),
+            lost_nats: of(pairs.iter().filter_map(|pair| pair.regret).collect()),
+            no_way: pairs.iter().filter(|pair| pair.regret.is_none()).count(),
+            shortcut_ms: of(pairs.iter().map(|pair| pair.shortcut_ms).collect()),
+        }
+    }
+
+    fn text(&self) -> String {
+        let told = |summary: &Option<Summary>| {
+            summary.map_or(NOTHING.to_string(), |Summary { spread, .. }| {
+                format!("mean {:.3}, median {:.3}, largest {:.3}", spread.mean, spread.median, spread.max)
+            })
+        };
+        [
+            format!("choices of active navigation, by the maxima and by the sum over the belief: {}", self.differ.of),
+            format!("targets more than {SAME_M} m apart: {}", self.differ.sentence()),
+            format!("apart [m]: {}", told(&self.apart_m)),
+            format!("pay-off lost [nats]: {}", told(&self.lost_nats)),
+            format!("targets the sum sees no way to: {}", self.no_way),
+            format!("time of the shortcut [ms]: {}", told(&self.shortcut_ms)),
+        ]
+        .join("\n")
+    }
 }

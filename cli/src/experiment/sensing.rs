@@ -8,12 +8,13 @@ mod shuttle;
 mod table;
 
 use super::trials::run_all;
-use super::{Arguments, jobs, progress, seeds, write_files};
+use super::{Arguments, Findings, jobs, no_row, progress, seeds, write_files};
 use crate::console::Console;
 use crate::mission;
 use crate::status::Status;
 use anyhow::{Result, bail};
 use course::{Course, Hall, NEVER_LONGER_US};
+use serde_json::json;
 
 /// Which sensors can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,13 +60,11 @@ pub type Rows = Vec<(&'static Setting, Vec<Course>)>;
 ///
 /// # Errors
 /// There is no such row or world, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
     let chosen: Vec<&Setting> =
         SETTINGS.iter().filter(|setting| arguments.row.as_deref().is_none_or(|row| row == setting.name)).collect();
     if chosen.is_empty() {
-        let names: Vec<&str> = SETTINGS.iter().map(|setting| setting.name).collect();
-        let row = arguments.row.as_deref().unwrap_or_default();
-        bail!("the experiment `sensing` has no row `{row}`; it has {}", names.join(", "));
+        bail!(no_row("sensing", arguments.row.as_deref().unwrap_or_default(), &row_names()));
     }
     let hall = Hall::new(mission::world(arguments.world.as_deref().unwrap_or("sensing"))?)?;
     let until_us = arguments.until.min(NEVER_LONGER_US);
@@ -77,12 +76,18 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         rows.push((setting, run_all(&seeds, jobs(arguments), |seed| hall.run(setting, seed, until_us), || bar.inc(1))));
         bar.finish_and_clear();
     }
-    console.print(&table::table(&rows))?;
     if arguments.results.is_some() {
         let mut files = picture::pictures(&hall, &rows);
         files.push(("runs.csv".to_string(), table::raw_rows(&rows)));
         write_files(arguments, &files)?;
     }
     let succeeded = rows.first().is_some_and(|(_, courses)| courses.iter().all(Course::succeeded));
-    Ok(if succeeded { Status::Succeeded } else { Status::Failed })
+    let results = table::results(&rows);
+    let status = if succeeded { Status::Succeeded } else { Status::Failed };
+    Ok(Findings { status, blocks: table::blocks(&results), figures: json!({ "rows": results }) })
+}
+
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    SETTINGS.iter().map(|setting| setting.name).collect()
 }

@@ -1,7 +1,9 @@
 //! Intervals and moments of a few numbers.
 
+use serde::Serialize;
+
 /// Mean, standard deviation, range and median of some numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
     /// Arithmetic mean.
     pub mean: f64,
@@ -30,6 +32,92 @@ impl Spread {
         let (first, last) = (ordered[0], ordered[ordered.len() - 1]);
         let median = (ordered[(ordered.len() - 1) / 2] + ordered[ordered.len() / 2]) / 2.0;
         Some(Self { mean, deviation, min: first, median, max: last })
+    }
+}
+
+/// How many of some runs, and what that says of the true rate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// How many.
+    pub count: usize,
+    /// Of how many.
+    pub of: usize,
+    /// The one by the other; none of nothing.
+    pub rate: Option<f64>,
+    /// 95 % interval of the true rate (Wilson).
+    pub interval_95: (f64, f64),
+}
+
+impl Share {
+    /// So many of so many.
+    pub fn new(count: usize, of: usize) -> Self {
+        let rate = (of > 0).then(|| count as f64 / of as f64);
+        Self { count, of, rate, interval_95: wilson_95(count, of) }
+    }
+
+    /// How many of some numbers are as they should be; none if there are no numbers.
+    pub fn among(numbers: &[f64], is_so: impl Fn(f64) -> bool) -> Option<Self> {
+        let count = numbers.iter().filter(|&&number| is_so(number)).count();
+        (!numbers.is_empty()).then(|| Self::new(count, numbers.len()))
+    }
+
+    /// `19/20`
+    pub fn fraction(&self) -> String {
+        format!("{}/{}", self.count, self.of)
+    }
+
+    /// `76.4–99.1 %`
+    pub fn interval(&self) -> String {
+        let (low, high) = self.interval_95;
+        format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high)
+    }
+
+    /// `19 of 20: 95.0 %, 95 % interval 76.4 to 99.1 % (Wilson)`
+    pub fn sentence(&self) -> String {
+        let Self { count, of, rate, interval_95: (low, high) } = self;
+        let rate = rate.map_or(String::new(), |rate| format!("{:.1} %, ", 100.0 * rate));
+        format!("{count} of {of}: {rate}95 % interval {:.1} to {:.1} % (Wilson)", 100.0 * low, 100.0 * high)
+    }
+}
+
+/// Events on the way, and what their count says of how often they happen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PerKm {
+    /// How many events.
+    pub count: u32,
+    /// On so many kilometres.
+    pub km: f64,
+    /// Events in a kilometre.
+    pub rate: f64,
+    /// 95 % interval of the true rate (Garwood).
+    pub interval_95: (f64, f64),
+}
+
+impl PerKm {
+    /// So many events on so long a way; none without a way.
+    pub fn new(count: u32, km: f64) -> Option<Self> {
+        let (low, high) = poisson_95(count);
+        (km > 0.0).then(|| Self { count, km, rate: f64::from(count) / km, interval_95: (low / km, high / km) })
+    }
+}
+
+/// What some numbers are on the whole.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// How many numbers.
+    pub count: usize,
+    /// What they are like.
+    #[serde(flatten)]
+    pub spread: Spread,
+    /// Half the 95 % interval of the mean.
+    pub half_95: f64,
+}
+
+impl Summary {
+    /// Of some numbers; none if there are none.
+    pub fn of(numbers: &[f64]) -> Option<Self> {
+        let spread = Spread::of(numbers)?;
+        Some(Self { count: numbers.len(), spread, half_95: mean_95(spread.deviation, numbers.len()) })
     }
 }
 
@@ -111,6 +199,14 @@ mod tests {
         assert_eq!(wilson_95(0, 0), (0.0, 1.0));
         assert_eq!(wilson_95(0, 50).0, 0.0);
         assert_eq!(wilson_95(50, 50).1, 1.0);
+    }
+
+    #[test]
+    fn a_share_of_nothing_has_no_rate() {
+        assert_eq!(Share::new(0, 0).rate, None);
+        assert_eq!(Share::new(19, 20).sentence(), "19 of 20: 95.0 %, 95 % interval 76.4 to 99.1 % (Wilson)");
+        assert_eq!(PerKm::new(3, 0.0), None);
+        assert_eq!(PerKm::new(3, 2.0).map(|alarms| alarms.rate), Some(1.5));
     }
 
     #[test]

@@ -1,6 +1,5 @@
-//! Runs over seeds on several threads, and their table.
+//! Runs over seeds on several threads, and each of them as a line.
 
-use super::statistics::{Spread, mean_95, poisson_95, wilson_95};
 use super::trial::{Sample, Trial};
 use crossbeam::channel;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -33,106 +32,6 @@ pub fn run_all<T: Send>(seeds: &[u64], jobs: usize, run: impl Fn(u64) -> T + Syn
     });
     results.sort_by_key(|&(at, _)| at);
     results.into_iter().map(|(_, result)| result).collect()
-}
-
-/// The table of an experiment.
-pub fn table(name: &str, trials: &[Trial]) -> String {
-    let successes = trials.iter().filter(|trial| trial.succeeded()).count();
-    let (low, high) = wilson_95(successes, trials.len());
-    let seeds = match (trials.first(), trials.last()) {
-        (Some(first), Some(last)) if trials.len() > 1 => format!("seeds {} to {}", first.seed, last.seed),
-        (Some(first), _) => format!("seed {}", first.seed),
-        _ => "no seeds".to_string(),
-    };
-    let rate = if trials.is_empty() { 0.0 } else { 100.0 * successes as f64 / trials.len() as f64 };
-    let mut lines = vec![
-        format!("{name}: {} runs, {seeds}", trials.len()),
-        format!(
-            "succeeded {successes} of {}: {rate:.1} %, 95 % interval {:.1} to {:.1} % (Wilson)",
-            trials.len(),
-            100.0 * low,
-            100.0 * high
-        ),
-        format!(
-            "{:20} {:>6} {:>10} {:>8} {:>10} {:>10} {:>10} {:>10}",
-            "", "runs", "mean", "± 95 %", "deviation", "min", "median", "max"
-        ),
-    ];
-    let names: Vec<&str> =
-        trials.first().map_or(Vec::new(), |trial| trial.measures.iter().map(|&(name, _)| name).collect());
-    for (at, name) in names.into_iter().enumerate() {
-        let numbers: Vec<f64> =
-            trials.iter().filter_map(|trial| trial.measures.get(at)).filter_map(|&(_, value)| value).collect();
-        if let Some(spread) = Spread::of(&numbers) {
-            let Spread { mean, deviation, min, median, max } = spread;
-            let (count, half) = (numbers.len(), mean_95(deviation, numbers.len()));
-            lines.push(format!(
-                "{name:20} {count:>6} {mean:>10.2} {half:>8.2} {deviation:>10.2} {min:>10.2} {median:>10.2} {max:>10.2}"
-            ));
-        }
-    }
-    lines.extend(failures(trials).map(|failures| format!("failed with seed {failures}")));
-    lines.join("\n")
-}
-
-/// The seeds of the first runs that failed, each with the kind of fault; none if none did.
-pub fn failures(trials: &[Trial]) -> Option<String> {
-    let failed = trials.iter().filter_map(|trial| Some((trial.seed, trial.fault.as_ref()?)));
-    let kind = |fault: &str| fault.split(':').next().unwrap_or_default().to_string();
-    let named: Vec<String> = failed.take(20).map(|(seed, fault)| format!("{seed} ({})", kind(fault))).collect();
-    (!named.is_empty()).then(|| named.join(", "))
-}
-
-/// One line for each row of an experiment, so that they can be compared.
-pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
-    let mut lines = vec![format!(
-        "{:18} {:>9} {:>15} {:>8} {:>14} {:>9} {:>7} {:>8} {:>17}",
-        "", "succeeded", "95 % interval", "contacts", "wrong (95 %)", "noticed", "≤ 2 m", "time", "alarms/km (95 %)"
-    )];
-    lines.extend(rows.iter().map(|(name, trials)| compared(name, trials)));
-    lines.push(
-        "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it".into(),
-    );
-    lines.push("was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right".into());
-    lines.join("\n")
-}
-
-fn compared(name: &str, trials: &[Trial]) -> String {
-    let rate = |successes: usize, runs: usize| {
-        let (low, high) = wilson_95(successes, runs);
-        format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high)
-    };
-    let numbers = |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
-    let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
-    let median = |measure: &str| {
-        Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
-    };
-    let successes = trials.iter().filter(|trial| trial.succeeded()).count();
-    let disturbed = numbers("wrong recoveries");
-    let wrong = disturbed.iter().filter(|&&count| count > 0.0).count();
-    let wrong = if disturbed.is_empty() {
-        "–".to_string()
-    } else {
-        format!("{wrong} (≤{:.1} %)", 100.0 * wilson_95(wrong, disturbed.len()).1)
-    };
-    let within = numbers("noticed within 2 m");
-    let within = if within.is_empty() {
-        "–".to_string()
-    } else {
-        format!("{:.1} %", 100.0 * within.iter().sum::<f64>() / within.len() as f64)
-    };
-    let driven_km = total("distance [m]") / 1000.0;
-    let alarms = total("false alarms");
-    let (low, high) = poisson_95(alarms as u32);
-    format!(
-        "{name:18} {:>9} {:>15} {:>8} {wrong:>14} {:>9} {within:>7} {:>8} {:>17}",
-        format!("{successes}/{}", trials.len()),
-        rate(successes, trials.len()),
-        total("contacts caused"),
-        median("noticed after [m]"),
-        median("time [s]"),
-        format!("{:.2} ({:.2}–{:.2})", alarms / driven_km, low / driven_km, high / driven_km),
-    )
 }
 
 /// Every sample of every run, ten a second, as lines of comma-separated values.
@@ -182,20 +81,5 @@ mod tests {
         assert_eq!(alone, together);
         assert_eq!(count, seeds.len());
         assert!(run_all(&[], 4, run, || ()).is_empty());
-    }
-
-    #[test]
-    fn the_table_counts_successes_and_names_failed_seeds() {
-        let trial = |seed, fault: Option<&str>, time_s| Trial {
-            seed,
-            fault: fault.map(str::to_string),
-            measures: vec![("time [s]", time_s)],
-            samples: vec![],
-        };
-        let blocked = Some("blocked: for 20 s");
-        let text = table("rotated", &[trial(1, None, Some(10.0)), trial(2, blocked, Some(30.0)), trial(3, None, None)]);
-        assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
-        assert!(text.contains("time [s]                  2      20.00"), "{text}");
-        assert!(text.ends_with("failed with seed 2 (blocked)"), "{text}");
     }
 }

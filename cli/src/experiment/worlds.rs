@@ -2,22 +2,24 @@
 //! beside the shortest.
 
 use super::catalogue::WORLDS;
-use super::statistics::{Spread, wilson_95};
+use super::row_result::RowResult;
 use super::trial::{Goal, Trial, one_trial};
-use super::trials::{failures, run_all};
-use super::{Arguments, jobs, progress, seeds, write_results};
+use super::trials::run_all;
+use super::{Arguments, Findings, jobs, no_row, progress, results, seeds, write_results};
 use crate::console::Console;
 use crate::mission::{self, Robot, Site};
+use crate::page::Block;
 use crate::status::Status;
+use crate::table::Table;
 use anyhow::{Context, Result, bail};
 use rpl_lang::compile::NoFiles;
-use rpl_lang::suggest::suggest;
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
 use rpl_robot::office::{OfficeRobot, OfficeSettings};
 use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
 use rpl_runtime::system::System;
+use serde_json::json;
 
 /// Edge of a cell of the floor that the shortest ways are found on.
 const CELL_M: f64 = 0.05;
@@ -30,6 +32,9 @@ pub(super) const DRAWS: u32 = 2000;
 
 /// Start and goal are at least this far apart in a straight line.
 const APART_M: f64 = 3.0;
+
+/// What the way driven is measured by.
+const WAY_BY_OPTIMUM: &str = "way / optimum";
 
 /// A world to drive in, and its floor.
 pub(super) struct Ground {
@@ -66,7 +71,7 @@ pub(super) struct Start {
 ///
 /// # Errors
 /// No row has the name, a run cannot be driven, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
     run_in(arguments, console, &WORLDS, drive)
 }
 
@@ -79,12 +84,12 @@ pub(super) fn run_in(
     console: &mut Console,
     all_worlds: &[&'static str],
     run: fn(&Ground, &Arguments, u64) -> Result<Trial>,
-) -> Result<Status> {
+) -> Result<Findings> {
     let worlds: Vec<&str> = match arguments.row.as_deref().or(arguments.world.as_deref()) {
         None => all_worlds.to_vec(),
         Some(name) => match all_worlds.iter().find(|world| **world == name) {
             Some(world) => vec![world],
-            None => bail!("{}", unknown(&arguments.name, name, all_worlds)),
+            None => bail!(no_row(&arguments.name, name, all_worlds)),
         },
     };
     let mut rows = Vec::new();
@@ -97,16 +102,11 @@ pub(super) fn run_in(
         bar.finish_and_clear();
         rows.push((name, trials.into_iter().collect::<Result<Vec<Trial>>>()?));
     }
-    console.print(&table(&rows))?;
-    let all_arrived = rows.iter().flat_map(|(_, trials)| trials).all(|trial| trial.succeeded());
     write_results(arguments, &rows, &[])?;
-    Ok(if all_arrived { Status::Succeeded } else { Status::Failed })
-}
-
-fn unknown(experiment: &str, name: &str, worlds: &[&str]) -> String {
-    let meant =
-        suggest(name, worlds.iter().copied()).map_or(String::new(), |meant| format!(", did you mean `{meant}`?"));
-    format!("the experiment `{experiment}` has no row `{name}`{meant} (it has {})", worlds.join(", "))
+    let results = results(&rows);
+    let all_arrived = results.iter().all(|row| row.failures.is_empty());
+    let status = if all_arrived { Status::Succeeded } else { Status::Failed };
+    Ok(Findings { status, blocks: blocks(&results), figures: json!({ "rows": results }) })
 }
 
 /// From anywhere to a place that is not near.
@@ -145,7 +145,7 @@ pub(super) fn run_errand(
     let system = System::traced(library.clone(), loaded, Robot::Office(Box::new(robot)), seed);
     let mut trial = one_trial(system, seed, arguments.until, Some(goal))?;
     let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
-    trial.measures.push(("way / optimum", way_m.map(|way_m| way_m / optimum_m)));
+    trial.measures.push((WAY_BY_OPTIMUM, way_m.map(|way_m| way_m / optimum_m)));
     Ok(trial)
 }
 
@@ -173,41 +173,31 @@ pub(super) fn robot_at(site: &Site, seed: u64, start: &Start) -> Option<OfficeRo
     robot.starting_at(start.at_in_map).ok()
 }
 
-fn table(rows: &[(&str, Vec<Trial>)]) -> String {
-    let mut lines = vec![format!(
-        "{:18} {:>9} {:>15} {:>8} {:>8} {:>10} {:>8} {:>9} {:>6}",
-        "", "arrived", "95 % interval", "contacts", "way [m]", "way / opt.", "90 %", "time [s]", "lost"
-    )];
-    for (name, trials) in rows {
-        let numbers =
-            |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
-        let median = |measure: &str| {
-            Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
-        };
-        let mut ratios = numbers("way / optimum");
-        ratios.sort_by(f64::total_cmp);
-        let nine_in_ten = ratios.get(ratios.len() * 9 / 10).map_or("–".to_string(), |ratio| format!("{ratio:.2}"));
-        let arrived = trials.iter().filter(|trial| trial.succeeded()).count();
-        let (low, high) = wilson_95(arrived, trials.len());
-        lines.push(format!(
-            "{name:18} {:>9} {:>15} {:>8} {:>8} {:>10} {nine_in_ten:>8} {:>9} {:>6}",
-            format!("{arrived}/{}", trials.len()),
-            format!("{:.1}–{:.1} %", 100.0 * low, 100.0 * high),
-            numbers("contacts caused").iter().sum::<f64>(),
-            median("distance [m]"),
-            median("way / optimum"),
-            median("time [s]"),
-            numbers("relocalizations").iter().sum::<f64>(),
-        ));
-        lines.extend(failures(trials).map(|failures| format!("{:18} not with seed {failures}", "")));
+fn blocks(rows: &[RowResult]) -> Vec<Block> {
+    let mut table =
+        Table::new(&["", "arrived", "95 % interval", "contacts", "way [m]", "way / opt.", "90 %", "time [s]", "lost"]);
+    for row in rows {
+        table.row([
+            row.name.clone(),
+            row.succeeded.fraction(),
+            row.succeeded.interval(),
+            row.total("contacts caused"),
+            row.median("distance [m]"),
+            row.median(WAY_BY_OPTIMUM),
+            row.nine_in_ten(WAY_BY_OPTIMUM),
+            row.median("time [s]"),
+            row.total("relocalizations"),
+        ]);
     }
-    lines.push(
-        "contacts: caused by the robot, total; way, way / optimum and time: medians; lost: relocalizations, total."
+    let mut blocks = vec![Block::Table(table)];
+    blocks.extend(rows.iter().filter_map(|row| {
+        let seeds = row.failed_seeds()?;
+        Some(Block::Lines(format!("{}: not with seed {seeds}", row.name)))
+    }));
+    blocks.push(Block::Lines(
+        "contacts: caused by the robot, total; way, way / optimum and time: medians; lost: relocalizations, total.\n\
+         The optimum is the straightened way of the value field for the robot's radius on the real floor, at 5 cm."
             .into(),
-    );
-    lines.push(
-        "The optimum is the straightened way of the value field for the robot's radius on the real floor, at 5 cm."
-            .into(),
-    );
-    lines.join("\n")
+    ));
+    blocks
 }

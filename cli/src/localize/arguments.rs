@@ -1,5 +1,8 @@
 //! The arguments of `rpl localize`.
 
+use crate::completion;
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::geometry::Pose;
 use std::path::PathBuf;
 
@@ -10,10 +13,10 @@ pub const WINDOWS: usize = 20;
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// A map of the ROS map_server: its YAML file, or a folder with a map.yaml
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps))]
     pub map: PathBuf,
     /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses
-    #[arg(long, value_name = "LOG")]
+    #[arg(long, value_name = "LOG", value_hint = ValueHint::FilePath)]
     pub log: PathBuf,
     /// How many beams of each scan are used, equally spaced
     #[arg(long, value_name = "N", default_value_t = 24)]
@@ -42,13 +45,13 @@ pub struct Arguments {
     #[arg(long, value_name = "X,Y,DEG", default_value = "0,0,0", value_parser = mount, allow_hyphen_values = true)]
     pub mount: Pose,
     /// Parameters of the filter, a file that --fit has written
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub parameters: Option<PathBuf>,
     /// Fits sensor and odometry to the drive and writes the parameters into this file
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["figures", "json", "from_truth", "uniform"])]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["figures", "json", "from_truth", "uniform"])]
     pub fit: Option<PathBuf>,
     /// Draws map and paths, and the errors over the way, into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
     /// Writes the results as JSON
     #[arg(long)]

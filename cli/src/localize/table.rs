@@ -1,44 +1,37 @@
 //! What the trials showed, as text.
 
 use super::Timed;
-use crate::experiment::{Spread, wilson_95};
+use crate::experiment::{NOTHING, Share, Spread};
+use crate::page::Block;
+use crate::table::Table;
 use rpl_robot::localization::{OdometryError, SensorParameters};
 use rpl_robot::recording::{PoseError, Start};
 use serde_json::{Value, json};
 
 /// One line for each window, and what they have in common.
-pub fn table(trials: &[Timed], start: Start) -> String {
-    let mut lines = vec![format!(
-        "{:>6} {:>10} {:>8} {:>6} {:>10} {:>10} {:>10} {:>8}",
-        "window", "start [m]", "scans", "found", "after [m]", "error [m]", "error [°]", "time [s]"
-    )];
+pub fn blocks(trials: &[Timed], start: Start) -> Vec<Block> {
+    let mut table =
+        Table::new(&["window", "start [m]", "scans", "found", "after [m]", "error [m]", "error [°]", "time [s]"]);
     for (index, timed) in trials.iter().enumerate() {
         let last = timed.trial.errors.last();
-        lines.push(format!(
-            "{:>6} {:>10.1} {:>8} {:>6} {:>10} {:>10} {:>10} {:>8.2}",
-            index + 1,
-            timed.window.start_m,
-            timed.window.scans.len(),
-            if timed.trial.succeeded { "yes" } else { "no" },
-            timed.trial.found_after_m.map_or("–".to_string(), |found_m| format!("{found_m:.1}")),
-            last.map_or("–".to_string(), |error| format!("{:.2}", error.position_m())),
-            last.map_or("–".to_string(), |error| format!("{:.1}", error.heading_rad().to_degrees())),
-            timed.wall_s
-        ));
+        let one = |number: f64| format!("{number:.1}");
+        table.row([
+            (index + 1).to_string(),
+            one(timed.window.start_m),
+            timed.window.scans.len().to_string(),
+            if timed.trial.succeeded { "yes" } else { "no" }.to_string(),
+            timed.trial.found_after_m.map_or(NOTHING.to_string(), one),
+            last.map_or(NOTHING.to_string(), |error| format!("{:.2}", error.position_m())),
+            last.map_or(NOTHING.to_string(), |error| one(error.heading_rad().to_degrees())),
+            format!("{:.2}", timed.wall_s),
+        ]);
     }
     let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
-    let (low, high) = wilson_95(found, trials.len());
     let what = match start {
         Start::Uniform => "found",
         Start::FromTruth => "kept",
     };
-    lines.push(format!(
-        "{what} {found} of {}: {:.1} %, 95 % interval {:.1} to {:.1} % (Wilson)",
-        trials.len(),
-        100.0 * found as f64 / trials.len() as f64,
-        100.0 * low,
-        100.0 * high
-    ));
+    let mut lines = vec![format!("{what} {}", Share::new(found, trials.len()).sentence())];
     lines.extend(errors(trials).map(|errors| {
         format!(
             "while found: position mean {:.3} m, median {:.3} m; heading mean {:.2}°, median {:.2}° ({} scans)",
@@ -49,7 +42,7 @@ pub fn table(trials: &[Timed], start: Start) -> String {
             errors.scans
         )
     }));
-    lines.join("\n")
+    vec![Block::Table(table), Block::Lines(lines.join("\n"))]
 }
 
 /// The errors while the estimate was right.

@@ -18,13 +18,15 @@ mod terminal;
 mod view;
 mod vocabulary;
 
+use crate::completion;
 use crate::console::Console;
 use crate::doc;
 use crate::files;
 use crate::interrupt;
 use crate::setting::Setting;
 use crate::status::Status;
-use anyhow::Result;
+use anyhow::{Result, bail};
+use clap_complete::engine::ArgValueCompleter;
 use clock::Clock;
 use command::Verb;
 use rpl_lang::lexer::{Token, lex};
@@ -41,7 +43,7 @@ const MAP_CELL_M: f64 = 0.1;
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// A plan file to begin with, or a built-in example
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub file: Option<String>,
     #[command(flatten)]
     pub setting: Setting,
@@ -54,6 +56,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -> Result<Status> {
     interrupt::catch_for_prompt();
     let (site, world) = arguments.setting.site()?;
+    if arguments.file.as_deref() == Some(files::STANDARD_INPUT) {
+        bail!("standard input is what the prompt reads; `rpl run -` runs a plan from there");
+    }
     let plan = arguments.file.as_deref().map(files::plan).transpose()?;
     let places = world.as_ref().map_or_else(Vec::new, |world| {
         let rooms = world.rooms.iter().map(|room| room.name.to_string());

@@ -3,7 +3,7 @@
 
 use super::course::{Course, Hall, Moment};
 use super::{Policy, Rows, Sensors};
-use crate::experiment::chart::{self, Line};
+use crate::experiment::chart::{self, Line, Point as Mean};
 use crate::figures::{self, Figure};
 use rpl_robot::geometry::Point;
 
@@ -44,7 +44,7 @@ fn lines<'r>(rows: &'r Rows, sensors: Sensors, of: fn(&Moment) -> f64) -> Vec<Li
     of_sensors.map(|(setting, courses)| Line { name: setting.name, points: points(courses, of) }).collect()
 }
 
-fn points(courses: &[Course], of: fn(&Moment) -> f64) -> Vec<(f64, f64, f64)> {
+fn points(courses: &[Course], of: fn(&Moment) -> f64) -> Vec<Mean> {
     let moments = courses.iter().map(|course| course.moments.len()).min().unwrap_or(0);
     let at = |index: usize| {
         let numbers: Vec<f64> = courses.iter().map(|course| of(&course.moments[index])).collect();

@@ -2,57 +2,89 @@
 
 use super::Rows;
 use super::course::{CERTAIN_WITHIN_S, Course, HELD_S};
-use crate::experiment::statistics::{Spread, wilson_95};
+use crate::experiment::NOTHING;
+use crate::experiment::statistics::{Share, Spread, Summary};
+use crate::page::Block;
+use crate::table::Table;
+use serde::Serialize;
 
 /// Times at which the error is told.
 const AT_S: [f64; 4] = [100.0, 200.0, 400.0, 600.0];
 
-/// A line for each row.
-pub fn table(rows: &Rows) -> String {
-    let mut lines = vec![format!(
-        "{:16} {:>7} {:>13} {:>18} {:>27} {:>8} {:>8}",
-        "", "certain", "95 % interval", "after [s]", "error [m] at 100 200 400 600", "there", "mirrored"
-    )];
-    lines.extend(rows.iter().map(|(setting, courses)| line(setting.name, courses)));
-    lines.push(format!(
-        "certain: at least 0.9 within 0.4 m of the true position, from at most {CERTAIN_WITHIN_S:.0} s on and for {HELD_S:.0} s;"
-    ));
-    lines.push(
-        "after: median, least and greatest, of all runs that ever were; error: L1, weighted by the belief, mean;"
-            .into(),
-    );
-    lines.push(
-        "there, mirrored: probability at the end within 0.4 m of the true and of the mirrored position, medians".into(),
-    );
-    lines.join("\n")
+/// What came of the runs of a row.
+#[derive(Clone, Debug, Serialize)]
+pub struct RowResult {
+    name: &'static str,
+    certain: Share,
+    /// When the robot became certain, in the runs in which it ever did.
+    certain_after_s: Option<Summary>,
+    error: Vec<ErrorAt>,
+    /// Medians of the probability at the true position at the end, and at the mirrored one.
+    there: Option<f64>,
+    mirrored: Option<f64>,
 }
 
-fn line(name: &str, courses: &[Course]) -> String {
-    let certain = courses.iter().filter(|course| course.succeeded()).count();
-    let (low, high) = wilson_95(certain, courses.len());
-    let after: Vec<f64> = courses.iter().filter_map(Course::certain_after_s).collect();
-    let median =
-        |numbers: &[f64]| Spread::of(numbers).map_or("–".to_string(), |spread| format!("{:.2}", spread.median));
-    let after = Spread::of(&after)
-        .map_or("–".to_string(), |after| format!("{:.0} ({:.0}–{:.0})", after.median, after.min, after.max));
-    let errors: Vec<String> = AT_S.iter().map(|&at_s| error_at(courses, at_s)).collect();
-    let near: Vec<f64> = courses.iter().filter_map(|course| course.moments.last()).map(|moment| moment.near).collect();
-    let mirrored: Vec<f64> = courses.iter().map(|course| course.mirrored).collect();
-    format!(
-        "{name:16} {:>7} {:>13} {after:>18} {:>28} {:>8} {:>8}",
-        format!("{certain}/{}", courses.len()),
-        format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high),
-        errors.join(" "),
-        median(&near),
-        median(&mirrored),
-    )
+/// The error at a time, mean over the runs.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct ErrorAt {
+    time_s: f64,
+    mean_m: Option<f64>,
+}
+
+/// The figures of each row.
+pub fn results(rows: &Rows) -> Vec<RowResult> {
+    rows.iter().map(|(setting, courses)| RowResult::of(setting.name, courses)).collect()
+}
+
+impl RowResult {
+    fn of(name: &'static str, courses: &[Course]) -> Self {
+        let median = |numbers: &[f64]| Spread::of(numbers).map(|spread| spread.median);
+        let last = courses.iter().filter_map(|course| course.moments.last());
+        Self {
+            name,
+            certain: Share::new(courses.iter().filter(|course| course.succeeded()).count(), courses.len()),
+            certain_after_s: Summary::of(&courses.iter().filter_map(Course::certain_after_s).collect::<Vec<f64>>()),
+            error: AT_S.iter().map(|&time_s| ErrorAt { time_s, mean_m: error_at(courses, time_s) }).collect(),
+            there: median(&last.map(|moment| moment.near).collect::<Vec<f64>>()),
+            mirrored: median(&courses.iter().map(|course| course.mirrored).collect::<Vec<f64>>()),
+        }
+    }
+
+    fn cells(&self) -> impl Iterator<Item = String> {
+        let two = |number: Option<f64>| number.map_or(NOTHING.to_string(), |number| format!("{number:.2}"));
+        let (low, high) = self.certain.interval_95;
+        let after = self.certain_after_s.map_or(NOTHING.to_string(), |Summary { spread, .. }| {
+            format!("{:.0} ({:.0}–{:.0})", spread.median, spread.min, spread.max)
+        });
+        let interval = format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high);
+        [self.name.to_string(), self.certain.fraction(), interval, after]
+            .into_iter()
+            .chain(self.error.iter().map(move |error| two(error.mean_m)))
+            .chain([two(self.there), two(self.mirrored)])
+    }
 }
 
 /// Mean over the runs.
-fn error_at(courses: &[Course], at_s: f64) -> String {
+fn error_at(courses: &[Course], at_s: f64) -> Option<f64> {
     let at = |course: &Course| course.moments.iter().find(|moment| moment.time_s >= at_s).map(|moment| moment.error_m);
     let errors: Vec<f64> = courses.iter().filter_map(at).collect();
-    Spread::of(&errors).map_or("–".to_string(), |spread| format!("{:>6.2}", spread.mean))
+    Spread::of(&errors).map(|spread| spread.mean)
+}
+
+/// A line for each row.
+pub fn blocks(rows: &[RowResult]) -> Vec<Block> {
+    let errors = AT_S.map(|at_s| format!("at {at_s:.0} s"));
+    let head = ["", "certain", "95 % interval", "after [s]"].into_iter();
+    let head: Vec<&str> = head.chain(errors.iter().map(String::as_str)).chain(["there", "mirrored"]).collect();
+    let mut table = Table::new(&head);
+    rows.iter().for_each(|row| table.row(row.cells()));
+    let notes = format!(
+        "certain: at least 0.9 within 0.4 m of the true position, from at most {CERTAIN_WITHIN_S:.0} s on and for \
+         {HELD_S:.0} s; after: median, least and greatest, of all runs that ever were; at a time: error [m], L1, \
+         weighted by the belief, mean; there, mirrored: probability at the end within 0.4 m of the true and of the \
+         mirrored position, medians"
+    );
+    vec![Block::Table(table), Block::Lines(notes)]
 }
 
 /// Every run as a line of comma-separated values.
@@ -87,7 +119,9 @@ mod tests {
         assert_eq!(late.certain_after_s(), Some(451.0));
         assert_eq!(soon.certain_after_s(), Some(100.0));
         assert_eq!(glimpse.certain_after_s(), None);
-        let text = table(&vec![(&SETTINGS[0], vec![late, soon, glimpse])]);
-        assert!(text.contains("1/3") && text.contains("276 (100–451)") && text.contains("0.50   0.50"), "{text}");
+        let result = RowResult::of(SETTINGS[0].name, &[late, soon, glimpse]);
+        let cells: Vec<String> = result.cells().collect();
+        assert_eq!(cells[1..=3], ["1/3", "6–79 %", "276 (100–451)"]);
+        assert_eq!(cells[4..8], ["0.50"; 4]);
     }
 }
