@@ -125,7 +125,8 @@ impl Machine {
         self.scratch.burned = 0;
         self.flush_status(around);
         let record = &self.tasks[task];
-        let mut place = Place { frame: record.frame, fuel: self.limits.steps.saturating_sub(record.steps) };
+        let fuel = self.limits.steps.saturating_sub(record.steps);
+        let mut place = Place { frame: record.frame, fuel };
         self.scratch.frames.clear();
         if !record.frames.is_empty() {
             self.scratch.frames.extend_from_slice(&record.frames);
@@ -135,6 +136,8 @@ impl Machine {
             Some(exit) => exit,
             None => self.execute(around, &mut place, 0),
         };
+        // One that ran out of its limit has got it anew.
+        self.steps += 1 + u64::from(fuel.checked_sub(place.fuel).unwrap_or(self.limits.steps));
         if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
             return None;
         }
@@ -1267,7 +1270,7 @@ impl Machine {
                         save!();
                         self.push_scope(ScopeKind::Suspended(other));
                         if let Some(other) = self.tasks.find_alive(other) {
-                            self.hold(other);
+                            self.hold_for(other, self.current);
                             if self.wait_for_rest(other) {
                                 block!(NO_REG);
                             }
@@ -1654,6 +1657,9 @@ impl Machine {
         let deadline = self.now_us.saturating_add(crate::construct::microseconds(seconds));
         let number = self.tasks[task].wait_number;
         let reference = self.tasks.reference(task);
+        if self.trace.enabled {
+            self.scratch.wake_at = Some((task, deadline));
+        }
         self.timers.set(deadline, reference, crate::scheduler::Alarm::Wake(number));
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::machine::{Machine, Surroundings};
 use crate::task::{Frame, NONE, Rare, ScopeKind, State, Task, Waiting, Wake};
-use crate::trace::EventKind;
 use crate::value::Value;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
@@ -334,10 +333,11 @@ impl Machine {
         self.timers.note_cancelled(|timer| is_current(tasks, timer));
     }
 
-    /// Suspends a task and what is below it, once more, until `resume` takes it back.
-    pub(crate) fn suspend(&mut self, task: u32) {
+    /// Suspends a task and what is below it, once more, until `resume` takes it back; `by` is the
+    /// task that wants it, if one does.
+    pub(crate) fn suspend(&mut self, task: u32, by: u32) {
         self.tasks[task].rare().suspensions += 1;
-        self.add_stop(task);
+        self.add_stop(task, by);
     }
 
     /// Takes one suspension back; a surplus one does nothing.
@@ -349,10 +349,15 @@ impl Machine {
         }
     }
 
-    /// Suspends a task and what is below it for a scope or a valve.
+    /// Suspends a task and what is below it for a valve.
     pub(crate) fn hold(&mut self, task: u32) {
+        self.hold_for(task, NONE);
+    }
+
+    /// Suspends a task and what is below it for a scope of the task `by`, or for none.
+    pub(crate) fn hold_for(&mut self, task: u32, by: u32) {
         self.tasks[task].rare().holds += 1;
-        self.add_stop(task);
+        self.add_stop(task, by);
     }
 
     /// Ends what [`Machine::hold`] began.
@@ -376,13 +381,13 @@ impl Machine {
         children
     }
 
-    fn add_stop(&mut self, root: u32) {
+    fn add_stop(&mut self, root: u32, by: u32) {
         let mut waiting = vec![root];
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
             self.tasks[task].rare().stop += 1;
             if self.tasks[task].stop() == 1 {
-                self.trace_suspension(task, EventKind::Suspended);
+                self.trace_suspended(task, by);
             }
             if was_queued && !self.is_queued(task) {
                 let priority = self.effective_priority(task);
@@ -406,7 +411,7 @@ impl Machine {
                 self.queue(task, false);
             }
             if self.tasks[task].stop() == 0 {
-                self.trace_suspension(task, EventKind::Resumed);
+                self.trace_resumed(task);
                 resumed.push(self.tasks.reference(task));
             }
             self.note_status(task);

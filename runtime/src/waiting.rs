@@ -3,9 +3,12 @@
 
 use crate::fluent::Origin;
 use crate::machine::Machine;
-use crate::task::{Frame, Waiting};
+use crate::scheduler::Alarm;
+use crate::task::{Frame, ScopeKind, Task, Waiting};
+use crate::tree::is_current;
 use rpl_lang::code::Program;
 use rpl_lang::source::Span;
+use std::collections::BTreeMap;
 
 /// How many fluents, and how deep, a condition is told to read.
 const MAX_READINGS: usize = 64;
@@ -36,6 +39,24 @@ impl Machine {
             Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
             Waiting::Signal(_) => "signal".into(),
         }
+    }
+
+    /// When timers end the waits of tasks. Cost: a look at all timers.
+    pub fn wait_ends_us(&self) -> BTreeMap<u32, u64> {
+        let current = self.timers.iter().filter(|timer| {
+            matches!(timer.alarm, Alarm::Wake(_)) && is_current(&self.tasks, timer)
+        });
+        current.map(|timer| (timer.task.index, timer.deadline_us)).collect()
+    }
+
+    /// The living tasks that keep a task suspended by `with-task-suspended`, in the order of their
+    /// beginning: they suspended it, or something it is below.
+    pub fn suspended_by(&self, task: u32) -> Vec<u32> {
+        let suspends = |record: &Task| {
+            let holds = |other| self.tasks.find_alive(other).is_some_and(|other| self.is_within(task, other));
+            record.scopes.iter().any(|scope| matches!(scope.kind, ScopeKind::Suspended(other) if holds(other)))
+        };
+        self.living_tasks().into_iter().filter(|&other| suspends(&self.tasks[other])).collect()
     }
 
     fn describe_fluent(&self, program: &Program, fluent: u32) -> String {

@@ -112,6 +112,15 @@ impl Vocabulary {
                 let start = text.rfind(char::is_whitespace).map_or(0, |at| at + 1);
                 return (start, plans(&text[start..]));
             }
+            Some(Verb::Save) => {
+                let start = text.rfind(char::is_whitespace).map_or(0, |at| at + 1);
+                return (start, files(&text[start..]));
+            }
+            Some(Verb::Help) => {
+                let commands = COMMANDS.iter().map(|entry| entry.name);
+                let bare = commands.clone().map(|name| &name[1..]);
+                fitting(if word.starts_with(':') { commands.collect() } else { bare.collect::<Vec<_>>() }.into_iter(), &word)
+            }
             Some(Verb::Why | Verb::Task) => fitting(self.tasks.iter().map(String::as_str), &word),
             Some(Verb::Switch) => fitting(self.forks.iter().map(String::as_str), &word),
             Some(Verb::Break | Verb::Until) if !typed.contains('(') => {
@@ -145,6 +154,12 @@ pub fn called(text: &str) -> Option<&str> {
 
 /// Plan files and folders that a path may go on to, and the built-in examples.
 fn plans(path: &str) -> Vec<String> {
+    let built_in = examples::names().filter(|name| name.starts_with(path)).map(str::to_string);
+    files(path).into_iter().chain(built_in).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// Plan files and folders that a path may go on to.
+fn files(path: &str) -> Vec<String> {
     let (folder, beginning) = path.rsplit_once('/').map_or(("", path), |(folder, name)| (folder, name));
     let prefix = &path[..path.len() - beginning.len()];
     let looked_at = match (folder, prefix) {
@@ -159,8 +174,7 @@ fn plans(path: &str) -> Vec<String> {
         let fits = name.starts_with(beginning) && !name.starts_with('.') && (is_folder || name.ends_with(".rpl"));
         fits.then(|| format!("{prefix}{name}{}", if is_folder { "/" } else { "" }))
     });
-    let built_in = examples::names().filter(|name| name.starts_with(path)).map(str::to_string);
-    files.chain(built_in).collect::<BTreeSet<_>>().into_iter().collect()
+    files.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 #[cfg(test)]
@@ -186,6 +200,10 @@ mod tests {
             (":why main/", "main/greet"),
             (":switch be", "before"),
             (":load deliv", "delivery.rpl"),
+            (":help contin", "continue"),
+            (":doc gre", "greet"),
+            (":source wheneve", "whenever"),
+            (":edit gre", "greet"),
             ("(go-to 'mail", "mail-slots"),
             ("(run-behaviour gripper :gra", ":grasp"),
             (":step (gre", "greet"),
