@@ -109,7 +109,7 @@ fn what_is_typed_beside_and_has_to_wait_goes_on_with_the_run() {
     let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n\
                  (seq (wait-time 2) (setf (value done?) t) 'done)\n(car 5)\n:continue\n(now)\n";
     let shown = session(&["repl"], lines);
-    assert!(shown.errors.contains("main/typed waits for time; it goes on with the run"), "{}", shown.errors);
+    assert!(shown.errors.contains("main/typed waits for time until 2.000 s, in 2.000 s; it goes on with the run"), "{}", shown.errors);
     assert!(shown.errors.contains("failed: type-error"), "{}", shown.errors);
     assert!(shown.out.ends_with("main/typed => done\nseen\n2.0\n"), "{}", shown.out);
 }
@@ -427,6 +427,82 @@ fn a_text_that_the_editor_left_wrong_is_there_again() {
     let editor = "sed -i -e 's/(list .tea)/(no-such-thing)/;t' -e 's/no-such-thing/list 1 2/'";
     let shown = session_in(Path::new("."), editor, &["repl"], lines);
     assert!(shown.out.ends_with("(1 2)\n"), "{}{}", shown.out, shown.errors);
+}
+
+#[test]
+fn values_are_kept_by_the_number_of_their_text() {
+    let lines = "(+ 1 2)\n(defun tea () 'green)\n(tea)\n(list _1 _2 _3 _)\n(car _9)\n:back 100\n(+ 1 2)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.starts_with("3\ntea\ngreen\n(3 tea green green)\n"), "{}", shown.out);
+    assert!(shown.errors.contains("`_9` is not defined anywhere"), "{}", shown.errors);
+    // The run keeps them: they are there again when it is repeated, and what is typed beside has one too.
+    let lines = "(progn (wait-time 1) 'first)\n:step (progn (wait-time 5) 'second)\n(list 'beside _1)\n:continue\n\
+                 (list _1 _2 _3)\n:at 3s\n_1\n:continue\n(list _1 _2 _3)\n";
+    let shown = session(&["repl"], lines);
+    assert_eq!(shown.out.matches("(first second (beside first))\n").count(), 2, "{}{}", shown.out, shown.errors);
+}
+
+#[test]
+fn a_run_goes_back_to_where_its_failure_was_raised() {
+    let lines = "(def-plan pour (cups) (unwind-protect (dotimes (i cups) (wait-time 1) (when (= i 2) (car i))) (print 'clean)))\n\
+                 :back failure\n(par (pour 4) (wait-time 9))\n:back failure\n(list cups i)\n:tasks\n:back\n:continue\n:abort\n(now)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.errors.contains("no form has failed yet"), "{}", shown.errors);
+    assert!(shown.out.contains("3.000 s  main/par[0]/pour  <1>:1:"), "{}", shown.out);
+    assert!(shown.out.contains("cups = 4, i = 2\n(4 2)\n"), "{}", shown.out);
+    assert!(shown.out.contains("par[1]  waits for time until 9.000 s, in 6.000 s"), "the other tasks live: {}", shown.out);
+    assert_eq!(shown.out.matches("clean\n").count(), 2, "before and after going back: {}", shown.out);
+    assert_eq!(shown.errors.matches("failed: type-error").count(), 2, "{}", shown.errors);
+    assert_eq!(shown.status, Some(2));
+}
+
+#[test]
+fn a_run_that_is_about_to_fail_is_stopped_where_the_failure_is_raised() {
+    let lines = "(defun empty () (fail \"nothing is left\"))\n:break failure\n:break\n\
+                 (with-timeout 5 (seq (wait-time 2) (empty)))\n:task\n:abort\n\
+                 (ignore-failures (plan-failure) (empty))\n\
+                 (with-timeout 1 (wait-time 3))\n:why\n:abort\n:delete\n(empty)\n(now)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.contains("1  failure\n"), "{}", shown.out);
+    assert!(shown.out.contains("2.000 s  main/with-timeout  <1>:1:17\n"), "{}", shown.out);
+    assert_eq!(shown.errors.matches("given up, clean-ups done").count(), 2, "{}", shown.errors);
+    assert_eq!(shown.errors.matches("failed: ").count(), 3, "{}", shown.errors);
+    assert_eq!(shown.errors.matches("about to fail").count(), 2, "what is handled does not stop: {}", shown.errors);
+    assert!(shown.out.ends_with("3.0\n"), "{}", shown.out);
+}
+
+#[test]
+fn what_a_form_costs_is_told() {
+    let cost = |form: &str| {
+        let shown = session(&["repl"], &format!(":time {form}\n"));
+        let line = shown.errors.lines().last().expect("it is told").to_string();
+        let number = |unit: &str| {
+            let before = line.split(unit).next().expect("there is a unit").trim_end();
+            before.rsplit([' ', ',']).next().expect("a number").parse::<f64>().unwrap_or_else(|_| panic!("{line}"))
+        };
+        (number(" steps"), number(" s of the plan"), line.clone())
+    };
+    let (few, _, _) = cost("(dotimes (i 1000) i)");
+    let (many, _, _) = cost("(dotimes (i 10000) i)");
+    assert!(many > few + 8000.0 && many < few + 10_000.0, "{few} {many}");
+    let (_, plan_s, line) = cost("(wait-time 2.5)");
+    assert!((plan_s - 2.5).abs() < 1e-9 && line.contains(" s of computing, ") && line.contains(" made, "), "{line}");
+    let made = cost("(length (let ((l nil)) (dotimes (i 100000) (push i l)) l))").2;
+    assert!(made.contains("3.2 MB made"), "{made}");
+    assert!(session(&["repl"], ":time\n").errors.contains("`:time FORM`: a form is expected"));
+}
+
+#[test]
+fn stepping_goes_over_the_library_unless_it_is_asked_into_it() {
+    let begin = "(defun half (x) (/ x 2))\n:step (map #'half '(2 4))\n";
+    let over = session(&["repl"], &format!("{begin}:step\n:step\n"));
+    assert!(over.out.contains("  <1>:1:17\n"), "what the library calls of ours is ours: {}", over.out);
+    assert!(!over.out.contains("prelude:"), "{}", over.out);
+    let into = session(&["repl"], &format!("{begin}:into\n:next\n:out\n:continue\n"));
+    assert!(into.out.matches("  prelude:").count() >= 2, "{}", into.out);
+    assert!(into.out.ends_with("(1 2)\n"), "{}", into.out);
+    let stopped = session(&["repl"], ":break map\n(map #'car '((1)))\n:continue\n");
+    assert!(stopped.errors.contains("stopped at map"), "{}", stopped.errors);
 }
 
 #[test]

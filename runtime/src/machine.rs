@@ -200,7 +200,6 @@ impl Machine {
             trace: Trace::default(),
             output: Vec::new(),
             limits: Limits::default(),
-            limits: Limits::default(),
             steps: 0,
             random,
             scratch: Scratch::default(),

@@ -428,6 +428,15 @@ mod tests {
     }
 
     #[test]
+    fn the_page_has_a_row_for_every_command() {
+        let page = include_str!("../../../docs/prompt.md");
+        for entry in COMMANDS {
+            let row = format!("| `{}` | {} |", entry.usage().replace('|', "\\|"), entry.doc);
+            assert!(page.contains(&row), "docs/prompt.md lacks\n{row}");
+        }
+    }
+
+    #[test]
     fn the_help_fits_a_narrow_terminal() {
         for line in help() {
             assert!(line.chars().count() < 80, "{line}");

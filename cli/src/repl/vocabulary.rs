@@ -2,6 +2,7 @@
 
 use super::breakpoint;
 use super::command::{COMMANDS, Verb};
+use super::past::FAILURE;
 use super::session::Session;
 use crate::examples;
 use crate::reference::{self, Reference};
@@ -104,6 +105,10 @@ impl Vocabulary {
         if typed.is_empty() && word.starts_with(':') {
             return (start, fitting(COMMANDS.iter().map(|entry| entry.name), &word));
         }
+        // At the beginning of a line that goes on, everything would fit.
+        if word.is_empty() && before.rsplit_once('\n').is_some_and(|(_, line)| line.trim().is_empty()) {
+            return (start, Vec::new());
+        }
         let command = typed.split_whitespace().next().filter(|name| name.starts_with(':'));
         let verb = command.and_then(|name| COMMANDS.iter().find(|entry| entry.name == name)).map(|entry| entry.verb);
         let names = self.names.keys().chain(library.names.keys()).map(String::as_str);
@@ -123,9 +128,11 @@ impl Vocabulary {
             }
             Some(Verb::Why | Verb::Task) => fitting(self.tasks.iter().map(String::as_str), &word),
             Some(Verb::Switch) => fitting(self.forks.iter().map(String::as_str), &word),
-            Some(Verb::Break | Verb::Until) if !typed.contains('(') => {
-                fitting(self.stops.iter().map(String::as_str), &word)
+            Some(Verb::Break) if !typed.contains('(') => {
+                fitting(self.stops.iter().map(String::as_str).chain([FAILURE]), &word)
             }
+            Some(Verb::Until) if !typed.contains('(') => fitting(self.stops.iter().map(String::as_str), &word),
+            Some(Verb::Back) => fitting([FAILURE].into_iter(), &word),
             _ if word.starts_with(':') => fitting(library.keywords.iter().map(String::as_str), &word),
             _ if before.ends_with('\'') => fitting(self.places.iter().map(String::as_str).chain(names), &word),
             _ => fitting(names, &word),
@@ -202,6 +209,8 @@ mod tests {
             (":load deliv", "delivery.rpl"),
             (":help contin", "continue"),
             (":doc gre", "greet"),
+            (":back f", "failure"),
+            (":break fai", "failure"),
             (":source wheneve", "whenever"),
             (":edit gre", "greet"),
             ("(go-to 'mail", "mail-slots"),
@@ -211,6 +220,12 @@ mod tests {
         ] {
             assert_eq!(completed(text), [expected], "{text}");
         }
+    }
+
+    #[test]
+    fn nothing_is_offered_before_the_first_word_of_a_line() {
+        assert!(completed("(list 1\n       ").is_empty());
+        assert!(completed("(list 1\n       (").len() > 100);
     }
 
     #[test]
