@@ -46,7 +46,9 @@ fn what(event: &Event) -> String {
         place => format!("{text}  at {place}"),
     };
     match event.kind {
-        EventKind::Begin | EventKind::Call | EventKind::Woken | EventKind::Resumed | EventKind::Handled => String::new(),
+        EventKind::Begin | EventKind::Call | EventKind::Woken | EventKind::Resumed | EventKind::Handled => {
+            String::new()
+        }
         EventKind::Suspended => match of("by") {
             "" => String::new(),
             by => format!("by {by}"),

@@ -157,10 +157,13 @@ impl Situation {
                 (task.on, task.at, task.until_us) = (None, None, None);
                 task.readings.clear();
             }),
-            EventKind::Suspended => self.change_task(event, |task| {
-                task.is_suspended = true;
-                task.suspended_by = named(event, "by").into_iter().collect();
-            }),
+            EventKind::Suspended => {
+                let by = named(event, "by").and_then(|by| self.owner(&by));
+                self.change_task(event, |task| {
+                    task.is_suspended = true;
+                    task.suspended_by = by.into_iter().collect();
+                });
+            }
             EventKind::Resumed => self.change_task(event, |task| {
                 task.is_suspended = false;
                 task.suspended_by.clear();

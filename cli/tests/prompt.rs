@@ -109,7 +109,11 @@ fn what_is_typed_beside_and_has_to_wait_goes_on_with_the_run() {
     let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n\
                  (seq (wait-time 2) (setf (value done?) t) 'done)\n(car 5)\n:continue\n(now)\n";
     let shown = session(&["repl"], lines);
-    assert!(shown.errors.contains("main/typed waits for time until 2.000 s, in 2.000 s; it goes on with the run"), "{}", shown.errors);
+    assert!(
+        shown.errors.contains("main/typed waits for time until 2.000 s, in 2.000 s; it goes on with the run"),
+        "{}",
+        shown.errors
+    );
     assert!(shown.errors.contains("failed: type-error"), "{}", shown.errors);
     assert!(shown.out.ends_with("main/typed => done\nseen\n2.0\n"), "{}", shown.out);
 }
@@ -320,13 +324,16 @@ fn no_command_ends_the_prompt_but_quit_whatever_stands_behind_it() {
     // Where nothing runs, and in the midst of a form.
     for begin in ["(defvar alive 'alive)\n", "(defvar alive 'alive)\n:step (wait-time 1)\n"] {
         for arguments in [&["repl"][..], &["repl", "--world", "test-room"]] {
-            let lines: String = commands
-                .iter()
-                .flat_map(|command| wrong().map(move |word| format!("{command} {word}\n")))
-                .collect();
+            let lines: String =
+                commands.iter().flat_map(|command| wrong().map(move |word| format!("{command} {word}\n"))).collect();
             let folder = folder("wrong-arguments");
-            let shown = session_in(&folder, "false", arguments, &format!("{begin}{lines}:abort\n(list 'still alive)\n:quit\n"));
-            assert!(shown.out.ends_with("(still alive)\n"), "{}", &shown.errors[shown.errors.len().saturating_sub(2000)..]);
+            let shown =
+                session_in(&folder, "false", arguments, &format!("{begin}{lines}:abort\n(list 'still alive)\n:quit\n"));
+            assert!(
+                shown.out.ends_with("(still alive)\n"),
+                "{}",
+                &shown.errors[shown.errors.len().saturating_sub(2000)..]
+            );
             assert!(!shown.errors.contains("panicked") && !shown.errors.contains("fault of rpl"), "{}", shown.errors);
             assert_eq!(shown.status, Some(2));
         }
@@ -359,7 +366,11 @@ fn what_the_session_defines_is_documented() {
 fn each_command_is_explained_with_an_example() {
     let shown = session(&["repl"], ":help back\n:help :save\n:help contineu\n");
     assert!(shown.out.starts_with(":back [N|TIME"), "{}", shown.out);
-    assert!(shown.out.contains("\n    :back 10s\n") && shown.out.contains("\n    :save my-plans.rpl\n"), "{}", shown.out);
+    assert!(
+        shown.out.contains("\n    :back 10s\n") && shown.out.contains("\n    :save my-plans.rpl\n"),
+        "{}",
+        shown.out
+    );
     assert!(shown.errors.contains("there is no command `:contineu`; did you mean `:continue`?"), "{}", shown.errors);
 }
 
@@ -381,12 +392,17 @@ fn the_text_of_a_definition_is_shown_whoever_wrote_it() {
 #[test]
 fn what_the_session_defines_is_saved_as_a_file_that_loads() {
     let folder = folder("saving");
-    std::fs::write(folder.join("tea.rpl"), "; How it is made.\n(def-plan tea () (brew 'tea))\n(print 'loaded)\n").expect("it can be written");
+    std::fs::write(folder.join("tea.rpl"), "; How it is made.\n(def-plan tea () (brew 'tea))\n(print 'loaded)\n")
+        .expect("it can be written");
     let lines = "(defmacro brew (what) `(list 'old ,what))\n:load tea.rpl\n(defvar cups 1)\n(setf cups 7)\n(defvar cups 2)\n\
                  (defmacro brew (what) `(list 'fresh ,what))\n(deftest tea (assert t))\n\
                  :save mine.rpl\n(defun extra () 3)\n:save mine.rpl\n:save tea.rpl\n:save no/such/folder.rpl\n:save\n";
     let shown = session_in(&folder, "false", &["repl"], lines);
-    assert!(shown.errors.contains("saved 4 definitions in `mine.rpl`; `:load mine.rpl` loads them\n"), "{}", shown.errors);
+    assert!(
+        shown.errors.contains("saved 4 definitions in `mine.rpl`; `:load mine.rpl` loads them\n"),
+        "{}",
+        shown.errors
+    );
     assert!(shown.errors.contains("saved 5 definitions in `mine.rpl`"), "what it wrote itself: {}", shown.errors);
     assert!(shown.errors.contains("cannot save to `tea.rpl`: it is there already"), "{}", shown.errors);
     assert!(shown.errors.contains("cannot save to `no/such/folder.rpl`: there is no such folder"), "{}", shown.errors);
@@ -450,7 +466,11 @@ fn a_run_goes_back_to_where_its_failure_was_raised() {
     assert!(shown.errors.contains("no form has failed yet"), "{}", shown.errors);
     assert!(shown.out.contains("3.000 s  main/par[0]/pour  <1>:1:"), "{}", shown.out);
     assert!(shown.out.contains("cups = 4, i = 2\n(4 2)\n"), "{}", shown.out);
-    assert!(shown.out.contains("par[1]  waits for time until 9.000 s, in 6.000 s"), "the other tasks live: {}", shown.out);
+    assert!(
+        shown.out.contains("par[1]  waits for time until 9.000 s, in 6.000 s"),
+        "the other tasks live: {}",
+        shown.out
+    );
     assert_eq!(shown.out.matches("clean\n").count(), 2, "before and after going back: {}", shown.out);
     assert_eq!(shown.errors.matches("failed: type-error").count(), 2, "{}", shown.errors);
     assert_eq!(shown.status, Some(2));

@@ -164,7 +164,11 @@ fn a_line_that_goes_on_is_marked_and_indented_by_the_rules_of_the_language() {
     terminal.stands_behind("rpl> ");
     terminal.enter("(greet 'ann)", "_2 = (\"one\\n  two\" ann)", "rpl> ");
     // The places are those of the text without marks.
-    terminal.enter(":source greet", "; <1>:1:1\n(def-plan greet (who)\n  (let ((a who))\n    (list \"one\n  two\" a)))\n", "rpl> ");
+    terminal.enter(
+        ":source greet",
+        "; <1>:1:1\n(def-plan greet (who)\n  (let ((a who))\n    (list \"one\n  two\" a)))\n",
+        "rpl> ",
+    );
 }
 
 #[test]

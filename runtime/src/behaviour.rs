@@ -244,9 +244,7 @@ impl Machine {
     fn behaviour_ended(&mut self, around: &mut Surroundings<'_>, behaviour: u16, ending: Ending) {
         let signal = match ending {
             Ending::Success => Ok(()),
-            Ending::Failure { class, message, slots } => {
-                Err(self.behaviour_failure(behaviour, &class, message, slots))
-            }
+            Ending::Failure { class, message, slots } => Err(self.behaviour_failure(behaviour, &class, message, slots)),
         };
         self.activation(behaviour).phase = Phase::Done;
         self.signal(around, behaviour, signal);

@@ -87,7 +87,12 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
     ("behaviour-failure", "failure", &["behaviour"], "A behaviour signalled failure, or could not be activated."),
     ("navigation-failure", "behaviour-failure", &["destination"], "The robot did not arrive."),
     ("unreachable", "navigation-failure", &[], "There is no way to the destination."),
-    ("blocked", "navigation-failure", &["obstacle", "room", "x", "y"], "The way stayed blocked: `obstacle` is `door` or `thing`, or nil where nothing is seen; `room` is the door's, or the one the thing is in; `x` and `y` are where it is."),
+    (
+        "blocked",
+        "navigation-failure",
+        &["obstacle", "room", "x", "y"],
+        "The way stayed blocked: `obstacle` is `door` or `thing`, or nil where nothing is seen; `room` is the door's, or the one the thing is in; `x` and `y` are where it is.",
+    ),
     ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
     ("localization-failure", "behaviour-failure", &[], "The position was not found."),
     ("grasp-failure", "behaviour-failure", &[], "The gripper did not take the thing, or did not let go of it."),

@@ -112,7 +112,9 @@ impl<O: Outside> System<O> {
     /// the run that keeps it, so that it is there again when the run is repeated.
     pub fn keep_value_as(&mut self, name: Option<&str>) {
         let keep = name.map_or(Value::Nil, |name| {
-            let text = format!("(defvar {name} nil \"a value that the prompt has shown\")\n(lambda (%value) (setq {name} %value))");
+            let text = format!(
+                "(defvar {name} nil \"a value that the prompt has shown\")\n(lambda (%value) (setq {name} %value))"
+            );
             match self.extend("session", &text, &mut NoFiles) {
                 Ok(_) => {
                     let takes_one = |code: &Arc<Code>| code.kind == CodeKind::Function && code.parameters.required == 1;

@@ -370,7 +370,7 @@ impl Machine {
 
     /// Tasks that a suspension of this one reaches: all children but those of its clean-ups and
     /// hooks.
-    fn suspended_with(&self, task: u32) -> Vec<u32> {
+    pub(crate) fn suspended_with(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
         let cleans_up = record.is_cleaning_up();
         let mut children = self.children(task);

@@ -4,7 +4,7 @@
 use crate::fluent::Origin;
 use crate::machine::Machine;
 use crate::scheduler::Alarm;
-use crate::task::{Frame, ScopeKind, Task, Waiting};
+use crate::task::{Frame, ScopeKind, Waiting};
 use crate::tree::is_current;
 use rpl_lang::code::Program;
 use rpl_lang::source::Span;
@@ -43,20 +43,26 @@ impl Machine {
 
     /// When timers end the waits of tasks. Cost: a look at all timers.
     pub fn wait_ends_us(&self) -> BTreeMap<u32, u64> {
-        let current = self.timers.iter().filter(|timer| {
-            matches!(timer.alarm, Alarm::Wake(_)) && is_current(&self.tasks, timer)
-        });
+        let current =
+            self.timers.iter().filter(|timer| matches!(timer.alarm, Alarm::Wake(_)) && is_current(&self.tasks, timer));
         current.map(|timer| (timer.task.index, timer.deadline_us)).collect()
     }
 
-    /// The living tasks that keep a task suspended by `with-task-suspended`, in the order of their
-    /// beginning: they suspended it, or something it is below.
-    pub fn suspended_by(&self, task: u32) -> Vec<u32> {
-        let suspends = |record: &Task| {
-            let holds = |other| self.tasks.find_alive(other).is_some_and(|other| self.is_within(task, other));
-            record.scopes.iter().any(|scope| matches!(scope.kind, ScopeKind::Suspended(other) if holds(other)))
-        };
-        self.living_tasks().into_iter().filter(|&other| suspends(&self.tasks[other])).collect()
+    /// The tasks that are suspended by `with-task-suspended`, each with those that keep it so. Cost:
+    /// a look at all tasks.
+    pub fn suspended_by(&self) -> BTreeMap<u32, Vec<u32>> {
+        let mut suspended: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for by in self.living_tasks() {
+            for scope in self.tasks[by].scopes.iter() {
+                let ScopeKind::Suspended(root) = scope.kind else { continue };
+                let mut reached: Vec<u32> = self.tasks.find_alive(root).into_iter().collect();
+                while let Some(task) = reached.pop() {
+                    suspended.entry(task).or_default().push(by);
+                    reached.extend(self.suspended_with(task));
+                }
+            }
+        }
+        suspended
     }
 
     fn describe_fluent(&self, program: &Program, fluent: u32) -> String {

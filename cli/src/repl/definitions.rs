@@ -84,7 +84,6 @@ pub fn named(system: &System<Robot>, name: &str) -> Option<Definition> {
     own(system).into_iter().rev().find(is_it).or_else(|| of_library(system).into_iter().find(is_it))
 }
 
-
 fn in_text(system: &System<Robot>, source: SourceId) -> Vec<Definition> {
     let text = system.program.sources.get(source);
     if UNTYPED.contains(&&*text.name) {

@@ -67,7 +67,10 @@ impl Editor {
             .build();
         let mut inner = rustyline::Editor::with_config(config)?;
         inner.bind_sequence(KeyEvent(KeyCode::Enter, Modifiers::NONE), EventHandler::Conditional(Box::new(NextLine)));
-        inner.bind_sequence(KeyEvent(KeyCode::Backspace, Modifiers::NONE), EventHandler::Conditional(Box::new(JoinLines)));
+        inner.bind_sequence(
+            KeyEvent(KeyCode::Backspace, Modifiers::NONE),
+            EventHandler::Conditional(Box::new(JoinLines)),
+        );
         inner.set_helper(Some(Assistant {
             library: Library::new()?,
             vocabulary: Vocabulary::default(),

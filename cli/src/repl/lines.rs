@@ -41,7 +41,9 @@ pub fn indentation_before(text: &str, cursor: usize) -> Option<usize> {
 /// The text without the margins: where all lines have one, which pasted lines may lack.
 pub fn without_margins(text: &str) -> Cow<'_, str> {
     let starts = line_starts(text);
-    let has_margin = |&start: &usize| text[start..].starts_with(MARGIN) || text[start..].lines().next().is_none_or(|line| line.trim().is_empty());
+    let has_margin = |&start: &usize| {
+        text[start..].starts_with(MARGIN) || text[start..].lines().next().is_none_or(|line| line.trim().is_empty())
+    };
     if starts.is_empty() || !starts.iter().all(has_margin) {
         return Cow::Borrowed(text);
     }

@@ -18,14 +18,15 @@ pub fn situation(session: &Session) -> Situation {
     let machine = &branch.system.machine;
     situation.now_us = machine.now_us;
     let told = std::mem::take(&mut situation.tasks);
-    let ends_us = machine.wait_ends_us();
+    let (ends_us, suspensions) = (machine.wait_ends_us(), machine.suspended_by());
     let lives = machine.living_tasks().into_iter().enumerate().map(|(number, task)| {
         let path = machine.own_path(task);
-        let mut suspended_by: Vec<String> =
-            machine.suspended_by(task).into_iter().map(|other| machine.own_path(other)).collect();
-        if let (true, Some(told)) = (suspended_by.is_empty() && machine.tasks[task].is_held(), told.get(&path)) {
-            suspended_by.clone_from(&told.suspended_by);
-        }
+        let suspended_by = match (suspensions.get(&task), told.get(&path)) {
+            _ if !machine.tasks[task].is_held() => Vec::new(),
+            (Some(by), _) => by.iter().map(|&other| machine.own_path(other)).collect(),
+            (None, Some(told)) => told.suspended_by.clone(),
+            (None, None) => Vec::new(),
+        };
         let standing = Standing { number, suspended_by, ..standing(&branch.system, &ends_us, task) };
         (path, standing)
     });
@@ -52,9 +53,7 @@ pub fn situation(session: &Session) -> Situation {
 pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32) -> Standing {
     let machine = &system.machine;
     let record = &machine.tasks[task];
-    let place = machine
-        .form_of(&system.program, task)
-        .filter(|&span| is_own(system, span));
+    let place = machine.form_of(&system.program, task).filter(|&span| is_own(system, span));
     let is_blocked = record.state == State::Blocked;
     let on = match is_blocked {
         true if task == machine.main && system.is_waiting_for_form() => Some("the next form".to_string()),

@@ -73,7 +73,8 @@ fn draw_map(canvas: &mut Canvas, map: &OccupancyGrid, cell_m: f64) {
     let along = |at, count| touched(at, cell_m, 0.0, map.resolution_m, count).filter(|&(_, share)| share > LEAST_SHARE);
     for y in 0..canvas.rows {
         for x in 0..canvas.columns {
-            let cells = along(y, map.rows).flat_map(|(row, _)| along(x, map.columns).map(move |(column, _)| (column, row)));
+            let cells =
+                along(y, map.rows).flat_map(|(row, _)| along(x, map.columns).map(move |(column, _)| (column, row)));
             let seen: Vec<Cell> = cells.map(|(column, row)| map.get(column, row)).collect();
             canvas.cells[y * canvas.columns + x] = match (seen.contains(&Cell::Occupied), seen.contains(&Cell::Free)) {
                 (true, _) => Ink::Wall,
@@ -173,7 +174,11 @@ mod tests {
             assert!(top.trim_start().chars().all(is_wall), "{width}×{height}\n{}", lines.join("\n"));
             let body = &rest[..rest.len() - 2];
             assert!(body.iter().all(|line| line.starts_with(is_wall)), "{width}×{height}\n{}", lines.join("\n"));
-            assert!(body.iter().all(|line| !line.contains('·')), "the room is free: {width}×{height}\n{}", lines.join("\n"));
+            assert!(
+                body.iter().all(|line| !line.contains('·')),
+                "the room is free: {width}×{height}\n{}",
+                lines.join("\n")
+            );
         }
     }
 

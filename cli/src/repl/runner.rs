@@ -109,10 +109,11 @@ impl<'a> Runner<'a> {
         let system = &self.session.branch.system;
         let goes_in = *self.until == Until::Into && start.task == stop.task && stop.depth > start.depth;
         let path = |task| system.machine.tasks.find_alive(task).map(|task| system.machine.path(task));
-        let was_in = !is_own(system, start.span) && match (path(start.task), path(stop.task)) {
-            (Some(start), Some(stop)) => is_within(&stop, &start) || is_within(&start, &stop),
-            _ => false,
-        };
+        let was_in = !is_own(system, start.span)
+            && match (path(start.task), path(stop.task)) {
+                (Some(start), Some(stop)) => is_within(&stop, &start) || is_within(&start, &stop),
+                _ => false,
+            };
         goes_in || was_in
     }
 

@@ -124,7 +124,10 @@ impl Vocabulary {
             Some(Verb::Help) => {
                 let commands = COMMANDS.iter().map(|entry| entry.name);
                 let bare = commands.clone().map(|name| &name[1..]);
-                fitting(if word.starts_with(':') { commands.collect() } else { bare.collect::<Vec<_>>() }.into_iter(), &word)
+                fitting(
+                    if word.starts_with(':') { commands.collect() } else { bare.collect::<Vec<_>>() }.into_iter(),
+                    &word,
+                )
             }
             Some(Verb::Why | Verb::Task) => fitting(self.tasks.iter().map(String::as_str), &word),
             Some(Verb::Switch) => fitting(self.forks.iter().map(String::as_str), &word),

@@ -20,8 +20,11 @@ impl Prompt<'_> {
             let reason = self.without_text(name)?;
             return self.wrong(&reason);
         };
-        let lines =
-            format!("; {}\n{}", system.program.sources.place(definition.span), definitions::with_comments(system, &definition));
+        let lines = format!(
+            "; {}\n{}",
+            system.program.sources.place(definition.span),
+            definitions::with_comments(system, &definition)
+        );
         // Not laid out: it is to be copied.
         lines.lines().try_for_each(|line| self.console.print(line))?;
         Ok(())

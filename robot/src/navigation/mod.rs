@@ -37,9 +37,7 @@ pub use drive::{Drive, DriveOutput, DriveStatus, DriveTask};
 pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, WindowStatus};
 pub use learned_map::{Grain, LearnedMap};
 pub use mapless::MaplessNavigation;
-pub use navigation::{
-    Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput, Obstruction,
-};
+pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput, Obstruction};
 pub use obstacle_memory::ObstacleMemory;
 pub use planner::{PlannerModel, PlannerParameters};
 pub use topological::{NavigationPlan, Target, TopologicalModel, Unreachable};

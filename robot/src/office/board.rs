@@ -10,8 +10,8 @@ use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
 use crate::navigation::{
-    Drive, DriveStatus, DriveTask, Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationInput,
-    Obstruction, Speeds, Target,
+    Drive, DriveStatus, DriveTask, Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationInput, Obstruction,
+    Speeds, Target,
 };
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use crate::world::{Door, TravelMode, World};
@@ -436,7 +436,9 @@ fn blocked(world: &World, obstruction: Option<Obstruction>, here: Point) -> Endi
             let what = format!("a thing or a person that is not in the map stands at {:.1} {:.1}{inside}", at.x, at.y);
             (what, Some("thing"), room, at)
         }
-        None => (format!("nothing is seen in it; the robot came as far as {:.1} {:.1}", here.x, here.y), None, None, here),
+        None => {
+            (format!("nothing is seen in it; the robot came as far as {:.1} {:.1}", here.x, here.y), None, None, here)
+        }
     };
     let symbol = |name: Option<&str>| name.map_or(Reading::Truth(false), |name| Reading::Symbol(name.to_string()));
     Ending::Failure {
