@@ -1,12 +1,12 @@
 //! Drives a system to its end: output, trace, pace, the status line, and signals from outside.
 
 use crate::console::Console;
-use crate::events;
+use crate::events::{self, Told};
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
 use crate::trace::TraceFile;
 use rpl_robot::localization::Localization;
-use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
+use rpl_runtime::machine::{Channel, MAX_WAITING_OUTPUT};
 use rpl_runtime::system::{Outcome, Progress, System};
 use rpl_runtime::trace::{Event, EventKind};
 use rpl_runtime::value::Value;
@@ -158,28 +158,23 @@ impl Driver<'_> {
     }
 
     fn hand_on(&mut self) -> io::Result<()> {
-        if !self.system.machine.trace.events.is_empty() {
-            let events = self.system.machine.trace.take();
-            let is_lost = self.system.outside.is_lost();
-            if !self.console.quiet {
-                events::lines(&events, is_lost).iter().for_each(|line| self.console.note(line));
-            }
-            for event in &events {
-                self.record(event, is_lost)?;
+        let machine = &mut self.system.machine;
+        if machine.trace.events.is_empty() && machine.output.is_empty() {
+            return Ok(());
+        }
+        let (events, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
+        let is_lost = !events.is_empty() && self.system.outside.is_lost();
+        let logged = output.iter().filter(|output| output.channel == Channel::Log);
+        self.records.logs.extend(logged.map(|output| output.text.clone()));
+        for told in events::in_order(&events, output, is_lost) {
+            match told {
+                Told::Event(line) if !self.console.quiet => self.console.note(&line),
+                Told::Event(_) => {}
+                Told::Print(text) => self.console.print(&text)?,
+                Told::Log(line) => self.console.note(&line),
             }
         }
-        if !self.system.machine.output.is_empty() {
-            for output in std::mem::take(&mut self.system.machine.output) {
-                match output {
-                    Output::Print(text) => self.console.print(&text)?,
-                    Output::Log(text) => {
-                        self.console.note(&text);
-                        self.records.logs.push(text);
-                    }
-                }
-            }
-        }
-        Ok(())
+        events.iter().try_for_each(|event| self.record(event, is_lost))
     }
 
     fn record(&mut self, event: &Event, is_lost: bool) -> io::Result<()> {

@@ -47,17 +47,21 @@ fn what(event: &Event) -> String {
         place => format!("{text}  at {place}"),
     };
     match event.kind {
-        EventKind::Begin
-        | EventKind::Call
-        | EventKind::Woken
-        | EventKind::Suspended
-        | EventKind::Resumed
-        | EventKind::Handled => String::new(),
+        EventKind::Begin | EventKind::Call | EventKind::Woken | EventKind::Resumed | EventKind::Handled => {
+            String::new()
+        }
+        EventKind::Suspended => match of("by") {
+            "" => String::new(),
+            by => format!("by {by}"),
+        },
         EventKind::End | EventKind::Return => {
             let result = [of("value"), of("failure")].concat();
             if result.is_empty() { of("state").to_string() } else { format!("{}: {result}", of("state")) }
         }
-        EventKind::Blocked => placed(format!("waits for {}", of("on"))),
+        EventKind::Blocked => placed(match of("until") {
+            "" => format!("waits for {}", of("on")),
+            until => format!("waits for {} until {until} s", of("on")),
+        }),
         EventKind::Fluent => format!("{} = {}", of("fluent"), of("value")),
         EventKind::Pulse => of("fluent").to_string(),
         EventKind::Valve => format!("{} {}", of("valve"), of("what")),

@@ -2,7 +2,7 @@
 
 use crate::mission::{Robot, Sight};
 use rpl_runtime::behaviour::{Outside, Phase};
-use rpl_runtime::machine::Machine;
+use rpl_runtime::machine::{Channel, Machine, Output};
 use rpl_runtime::task::{NONE, State};
 use rpl_runtime::trace::{Event, EventKind};
 
@@ -22,9 +22,44 @@ fn is_loss(event: &Event) -> bool {
     event.kind == EventKind::Robot && detail(event, "what") == "position lost"
 }
 
-/// A line for each event of an instant that matters. `is_lost` tells whether the robot does not
-/// know its position at the end of the instant; if it does, a relocalization has nothing to do.
-pub fn lines(events: &[Event], is_lost: bool) -> Vec<String> {
+/// A line that a run has for a person.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// What happened, with its time.
+    Event(String),
+    /// What the plan printed.
+    Print(String),
+    /// What the plan logged.
+    Log(String),
+}
+
+/// What happened and what the plan wrote, in the order of happening; a line of the log has its time
+/// as well. `is_lost` as for [`lines`].
+pub fn in_order(events: &[Event], output: Vec<Output>, is_lost: bool) -> Vec<Told> {
+    let mut lines = lines(events, is_lost).into_iter().peekable();
+    let mut told = Vec::new();
+    for Output { channel, text, time_us, sequence } in output {
+        let is_before = |line: &(u64, String)| line.0 < sequence;
+        while let Some((_, line)) = lines.next_if(is_before) {
+            told.push(Told::Event(line));
+        }
+        told.push(match channel {
+            Channel::Print => Told::Print(text),
+            Channel::Log => Told::Log(timed(time_us, &text)),
+        });
+    }
+    told.extend(lines.map(|(_, line)| Told::Event(line)));
+    told
+}
+
+fn timed(time_us: u64, text: &str) -> String {
+    format!("{:.1} s  {text}", time_us as f64 / 1e6)
+}
+
+/// A line for each event of an instant that matters, behind the event's number. `is_lost` tells
+/// whether the robot does not know its position at the end of the instant; if it does, a
+/// relocalization has nothing to do.
+fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, String)> {
     let relocalizes = is_lost && events.iter().any(is_relocalization);
     let has_loss = events.iter().any(is_loss);
     let text = |event: &Event| match event.kind {
@@ -38,8 +73,8 @@ pub fn lines(events: &[Event], is_lost: bool) -> Vec<String> {
         // A log line is written anyway, a failure at the end if it matters then.
         _ => None,
     };
-    let timed = |event: &Event| text(event).map(|text| format!("{:.1} s  {text}", event.time_us as f64 / 1e6));
-    events.iter().filter_map(timed).collect()
+    let numbered = |event: &Event| Some((event.sequence, timed(event.time_us, &text(event)?)));
+    events.iter().filter_map(numbered).collect()
 }
 
 /// What the robot or the scenario reports: "certainty 0.31 – position lost".
@@ -121,16 +156,31 @@ mod tests {
         Event { time_us: 12_400_000, sequence: 0, path: String::new(), kind, details }
     }
 
+    fn told(events: &[Event], is_lost: bool) -> Vec<String> {
+        lines(events, is_lost).into_iter().map(|(_, line)| line).collect()
+    }
+
+    #[test]
+    fn what_is_logged_and_printed_stands_among_the_events_in_the_order_of_happening() {
+        let reached = |sequence| Event { sequence, ..event(EventKind::Robot, &[("what", "here")]) };
+        let output = |channel, sequence| Output { channel, text: "text".to_string(), time_us: 12_400_000, sequence };
+        let output = vec![output(Channel::Log, 0), output(Channel::Print, 5), output(Channel::Log, 5)];
+        let (line, log) = ("12.4 s  here".to_string(), "12.4 s  text".to_string());
+        let told = in_order(&[reached(4), reached(5)], output, false);
+        let print = Told::Print("text".to_string());
+        assert_eq!(told, [Told::Log(log.clone()), Told::Event(line.clone()), print, Told::Log(log), Told::Event(line)]);
+    }
+
     #[test]
     fn a_loss_and_what_is_done_about_it_are_one_line() {
         let loss = event(EventKind::Robot, &[("what", "position lost"), ("certainty", "0.31")]);
         let details = [("behaviour", "active-localization"), ("what", "activated")];
         let relocalization = event(EventKind::Behaviour, &details);
         let both = [loss.clone(), relocalization.clone()];
-        assert_eq!(lines(&both, true), ["12.4 s  certainty 0.31 – position lost, relocalizing"]);
-        assert_eq!(lines(&[loss], true), ["12.4 s  certainty 0.31 – position lost"]);
-        assert_eq!(lines(&both[1..], true), ["12.4 s  relocalizing"]);
-        assert!(lines(&[relocalization], false).is_empty());
+        assert_eq!(told(&both, true), ["12.4 s  certainty 0.31 – position lost, relocalizing"]);
+        assert_eq!(told(&[loss], true), ["12.4 s  certainty 0.31 – position lost"]);
+        assert_eq!(told(&both[1..], true), ["12.4 s  relocalizing"]);
+        assert!(told(&[relocalization], false).is_empty());
     }
 
     #[test]
@@ -146,6 +196,6 @@ mod tests {
             event(EventKind::Behaviour, &[("behaviour", "navigation"), ("what", "interrupted")]),
             event(EventKind::Signal, &[("behaviour", "navigation"), ("signal", "interrupted: it was interrupted")]),
         ];
-        assert_eq!(lines(&interrupted, false), ["12.4 s  navigation is interrupted"]);
+        assert_eq!(told(&interrupted, false), ["12.4 s  navigation is interrupted"]);
     }
 }

@@ -6,8 +6,8 @@ use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::world::{GreyImage, Greys, RosMap};
-use std::fs::File;
-use std::io::{self, Read};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -215,6 +215,25 @@ pub fn text_of(bytes: Vec<u8>) -> Result<String, String> {
         let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
         format!("it is not a text in UTF-8 (byte {at}, line {line}); a plan is a text file")
     })
+}
+
+/// Writes a text to a file that is not there yet, or that may be written anew.
+///
+/// # Errors
+/// One clause that says why not; a file that is there is as it was.
+pub fn write_new(path: &Path, text: &str, may_overwrite: bool) -> Result<(), String> {
+    let mut options = OpenOptions::new();
+    options.write(true);
+    match may_overwrite {
+        true => options.truncate(true),
+        false => options.create_new(true),
+    };
+    let mut file = options.open(path).map_err(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists => "it is there already; another name is needed".to_string(),
+        io::ErrorKind::NotFound => "there is no such folder".to_string(),
+        _ => reason(&error),
+    })?;
+    file.write_all(text.as_bytes()).map_err(|error| reason(&error))
 }
 
 fn reason(error: &io::Error) -> String {

@@ -18,9 +18,13 @@ use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_runtime::library::Loaded;
 use rpl_runtime::system::{Outcome, System};
+use rpl_runtime::value::Value;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// Characters of the plan's value that are shown.
+const LONGEST_VALUE: usize = 500;
 
 /// Arguments of `rpl run`.
 #[derive(clap::Args, Clone, Debug)]
@@ -217,10 +221,18 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
         let text = reporter(system, console).text(PLAN_FAILED, failure);
         console.note(text.trim_end());
     }
-    // A plan without a robot that succeeded has already said what it had to say.
+    if console.quiet {
+        return;
+    }
+    if let (Ending::Outcome(Outcome::Succeeded(value)), Some(text)) = (ending, &summary.value)
+        && value != Value::Nil
+    {
+        console.note(&format!("value: {}", beginning(text)));
+    }
+    // A plan without a robot that succeeded has nothing else to say.
     let is_plain_success =
         matches!(ending, Ending::Outcome(Outcome::Succeeded(_))) && system.outside.account().is_none();
-    if console.quiet || is_plain_success {
+    if is_plain_success {
         return;
     }
     let how = match ending {
@@ -232,6 +244,14 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
     };
     let robot = system.outside.account().map_or(String::new(), |account| describe(account, summary.relocalizations));
     console.note(&format!("{how}{robot} ({:.1} s of computing)", summary.wall_s));
+}
+
+/// As much of a value as a person wants to see; `--json` has all of it.
+fn beginning(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_VALUE) {
+        Some((end, _)) => format!("{}… ({} characters; `--json` has them all)", &text[..end], text.chars().count()),
+        None => text.to_string(),
+    }
 }
 
 fn describe(account: Account, relocalizations: u64) -> String {

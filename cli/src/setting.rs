@@ -5,8 +5,8 @@ use crate::files;
 use crate::localize::positive;
 use crate::mission::{self, MEMORY_GIB, Site};
 use anyhow::Result;
-use rpl_robot::localization::LocalizationParameters;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 

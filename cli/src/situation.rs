@@ -22,8 +22,12 @@ pub struct Standing {
     pub on: Option<String>,
     /// It has not begun.
     pub is_created: bool,
+    /// When a timer ends the wait.
+    pub until_us: Option<u64>,
     /// A suspension keeps it from running.
     pub is_suspended: bool,
+    /// The tasks that suspended it, where no valve did.
+    pub suspended_by: Vec<String>,
     /// The form it waits in.
     pub at: Option<String>,
     /// The fluents its condition reads, as they were when it began to wait.
@@ -33,15 +37,32 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// What it does, or waits for.
-    pub fn condition(&self) -> String {
+    /// What it does, or waits for, and until when at an instant.
+    pub fn condition(&self, now_us: u64) -> String {
+        let until = |on: &str| match self.until_us {
+            Some(until_us) if on == TIME => format!(" until {}", instant_and_rest(until_us, now_us)),
+            Some(until_us) => format!(", at most until {}", instant_and_rest(until_us, now_us)),
+            None => String::new(),
+        };
         match (&self.on, self.is_suspended) {
             _ if self.is_created => "created".to_string(),
-            (Some(on), false) => format!("waits for {on}"),
-            (Some(on), true) => format!("suspended (was waiting for {on})"),
+            (Some(on), false) => format!("waits for {on}{}", until(on)),
+            (Some(on), true) => format!("suspended (was waiting for {on}{})", until(on)),
             (None, false) => "ready".to_string(),
             (None, true) => "suspended (ready)".to_string(),
         }
+    }
+}
+
+/// What a task waits for that waits for nothing else.
+const TIME: &str = "time";
+
+/// "12.500 s, in 3.500 s".
+fn instant_and_rest(time_us: u64, now_us: u64) -> String {
+    let time_s = time_us as f64 / 1e6;
+    match time_us.checked_sub(now_us) {
+        Some(0) | None => format!("{time_s:.3} s"),
+        Some(left_us) => format!("{time_s:.3} s, in {:.3} s", left_us as f64 / 1e6),
     }
 }
 
@@ -108,6 +129,8 @@ pub struct Situation {
     pub changes: BTreeMap<String, Change>,
     /// Tasks and plan calls that have ended, in order.
     pub ended: Vec<Ended>,
+    /// The time of the last event.
+    pub now_us: u64,
     /// Tasks among them, by path.
     dead: BTreeMap<String, usize>,
     raised: Vec<Raised>,
@@ -124,17 +147,27 @@ impl Situation {
 
     /// Takes the next event in.
     pub fn add(&mut self, event: &Event) {
+        self.now_us = event.time_us;
         match event.kind {
             EventKind::Begin => self.begin(event),
             EventKind::End => self.end(event),
             EventKind::Call | EventKind::Blocked => self.stand(event),
             EventKind::Return => self.leave(event),
             EventKind::Woken => self.change_task(event, |task| {
-                (task.on, task.at) = (None, None);
+                (task.on, task.at, task.until_us) = (None, None, None);
                 task.readings.clear();
             }),
-            EventKind::Suspended => self.change_task(event, |task| task.is_suspended = true),
-            EventKind::Resumed => self.change_task(event, |task| task.is_suspended = false),
+            EventKind::Suspended => {
+                let by = named(event, "by").and_then(|by| self.owner(&by));
+                self.change_task(event, |task| {
+                    task.is_suspended = true;
+                    task.suspended_by = by.into_iter().collect();
+                });
+            }
+            EventKind::Resumed => self.change_task(event, |task| {
+                task.is_suspended = false;
+                task.suspended_by.clear();
+            }),
             EventKind::Fluent | EventKind::Pulse => self.change_fluent(event),
             EventKind::Valve => self.change_valve(event),
             EventKind::Failed => self.raised.push(Raised {
@@ -175,8 +208,12 @@ impl Situation {
         task.path.clone_from(&event.path);
         // What is being cleaned up runs on although it is suspended.
         task.is_suspended = false;
+        task.suspended_by.clear();
+        // Told again, because its condition reads other fluents: the timer is the same.
+        let until_us = task.until_us.take_if(|_| event.kind == EventKind::Blocked && task.on.is_some());
         task.on = None;
         if event.kind == EventKind::Blocked {
+            task.until_us = named(event, "until").and_then(|text| time_us(&text)).or(until_us);
             task.on = named(event, "on");
             task.at = named(event, "at");
             task.readings = readings(event);
@@ -272,6 +309,12 @@ pub fn is_within(path: &str, above: &str) -> bool {
 
 fn named(event: &Event, name: &str) -> Option<String> {
     Some(detail(event, name)).filter(|text| !text.is_empty()).map(str::to_string)
+}
+
+/// A time in seconds, as events have it.
+fn time_us(text: &str) -> Option<u64> {
+    let seconds: f64 = text.parse().ok()?;
+    (seconds.is_finite() && seconds >= 0.0).then(|| (seconds * 1e6).round() as u64)
 }
 
 /// The fluents a condition reads: names, each in parentheses with those it is computed from.

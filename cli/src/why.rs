@@ -69,7 +69,7 @@ fn below<'p>(path: &'p str, above: &str) -> Cow<'p, str> {
 fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &mut Vec<String>) {
     let Some(standing) = situation.tasks.get(task) else { return };
     let path = standing.path.as_str();
-    say(lines, depth, &format!("{}  {}", below(path, above), standing.condition()));
+    say(lines, depth, &format!("{}  {}", below(path, above), standing.condition(situation.now_us)));
     if depth >= MAX_DEPTH {
         return;
     }
@@ -78,6 +78,10 @@ fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &m
     }
     if standing.is_suspended {
         taken(situation, task, depth + 1, lines);
+        for by in &standing.suspended_by {
+            say(lines, depth + 1, "it is suspended by");
+            waits(situation, by, "", depth + 2, lines);
+        }
         // Its hooks and clean-ups run on.
         let is_busy = |child: &&str| situation.tasks.get(*child).is_some_and(|child| !child.is_suspended);
         let children = situation.children(task);

@@ -1,7 +1,7 @@
 //! The prompt, with its lines from a pipe: what is shown, and the exit status.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 struct Shown {
@@ -11,8 +11,24 @@ struct Shown {
 }
 
 fn session(arguments: &[&str], lines: &str) -> Shown {
+    session_in(Path::new("."), "false", arguments, lines)
+}
+
+/// A folder of its own for a test, empty.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    // The one before may not be there.
+    std::fs::remove_dir_all(&folder).ok();
+    std::fs::create_dir_all(&folder).expect("it can be made");
+    folder
+}
+
+fn session_in(folder: &Path, editor: &str, arguments: &[&str], lines: &str) -> Shown {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rpl"))
         .args(arguments)
+        .current_dir(folder)
+        .env("EDITOR", editor)
+        .env_remove("VISUAL")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -93,7 +109,11 @@ fn what_is_typed_beside_and_has_to_wait_goes_on_with_the_run() {
     let lines = "(def-fluent done? nil)\n:step (progn (wait-for done?) 'seen)\n\
                  (seq (wait-time 2) (setf (value done?) t) 'done)\n(car 5)\n:continue\n(now)\n";
     let shown = session(&["repl"], lines);
-    assert!(shown.errors.contains("main/typed waits for time; it goes on with the run"), "{}", shown.errors);
+    assert!(
+        shown.errors.contains("main/typed waits for time until 2.000 s, in 2.000 s; it goes on with the run"),
+        "{}",
+        shown.errors
+    );
     assert!(shown.errors.contains("failed: type-error"), "{}", shown.errors);
     assert!(shown.out.ends_with("main/typed => done\nseen\n2.0\n"), "{}", shown.out);
 }
@@ -263,6 +283,273 @@ fn mistakes_are_told_with_what_to_type() {
 fn a_file_is_stepped_from_its_first_form() {
     let shown = session(&["step", "first-steps.rpl"], ":tasks\n:quit\n");
     assert!(shown.out.contains("first-steps.rpl:"), "{}", shown.out);
+}
+
+/// Words that fit no command, or only some.
+const WRONG: &[&str] = &[
+    "",
+    "no-such-thing",
+    "(",
+    ")",
+    "((((((((",
+    "(car 5)",
+    "'",
+    "\"",
+    "#|",
+    "-1",
+    "0",
+    "99999999999999999999",
+    "1e400s",
+    "nan",
+    "/",
+    ".",
+    "/no/such/folder/file.rpl",
+    "a\u{0}b",
+    "\u{1b}[31m\u{7}",
+    "\u{feff}\u{200b}",
+    "Größe/…",
+];
+
+#[test]
+fn no_command_ends_the_prompt_but_quit_whatever_stands_behind_it() {
+    let commands: Vec<String> = session(&["repl"], ":help\n")
+        .out
+        .lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|word| word.starts_with(':') && *word != ":quit")
+        .map(str::to_string)
+        .collect();
+    let huge = "x".repeat(100_000);
+    let wrong = || WRONG.iter().copied().chain([huge.as_str()]);
+    // Where nothing runs, and in the midst of a form.
+    for begin in ["(defvar alive 'alive)\n", "(defvar alive 'alive)\n:step (wait-time 1)\n"] {
+        for arguments in [&["repl"][..], &["repl", "--world", "test-room"]] {
+            let lines: String =
+                commands.iter().flat_map(|command| wrong().map(move |word| format!("{command} {word}\n"))).collect();
+            let folder = folder("wrong-arguments");
+            let shown =
+                session_in(&folder, "false", arguments, &format!("{begin}{lines}:abort\n(list 'still alive)\n:quit\n"));
+            assert!(
+                shown.out.ends_with("(still alive)\n"),
+                "{}",
+                &shown.errors[shown.errors.len().saturating_sub(2000)..]
+            );
+            assert!(!shown.errors.contains("panicked") && !shown.errors.contains("fault of rpl"), "{}", shown.errors);
+            assert_eq!(shown.status, Some(2));
+        }
+    }
+}
+
+#[test]
+fn what_the_session_defines_is_documented() {
+    let lines = "(def-plan greet (who &optional (how 'kindly)) \"Greets somebody.\" (list how who))\n\
+                 (defun bare (x) x)\n(defvar cups 5 \"How many cups there are.\")\n(def-fluent level 3)\n\
+                 (def-failure slipped (plan-failure) (object))\n\
+                 :doc greet\n:doc BARE\n:doc cups\n:doc level\n:doc slipped\n:doc gret\n:doc no-such-name-at-all\n:doc :back\n(bare 1)\n";
+    let shown = session(&["repl"], lines);
+    for text in [
+        "(greet who &optional (how 'kindly))\n  Greets somebody.\n  a plan, defined at <1>:1:1\n",
+        "(bare x)\n  It has no documentation.\n  a function, defined at <2>:1:1\n",
+        "cups\n  How many cups there are.\n  a variable, defined at <3>:1:1; its value is 5\n",
+        "level\n  It has no documentation.\n  a fluent, defined at <4>:1:1; its value is 3\n",
+        "  a class of failures, defined at <5>:1:1\n",
+        "    :back 10s\n",
+    ] {
+        assert!(shown.out.contains(text), "{text}{}", shown.out);
+    }
+    assert!(shown.errors.contains("nothing is called `gret`; did you mean `greet`?"), "{}", shown.errors);
+    assert!(shown.errors.contains("nothing is called `no-such-name-at-all`; `:doc` lists"), "{}", shown.errors);
+    assert!(shown.out.ends_with("1\n"), "{}", shown.out);
+}
+
+#[test]
+fn each_command_is_explained_with_an_example() {
+    let shown = session(&["repl"], ":help back\n:help :save\n:help contineu\n");
+    assert!(shown.out.starts_with(":back [N|TIME"), "{}", shown.out);
+    assert!(
+        shown.out.contains("\n    :back 10s\n") && shown.out.contains("\n    :save my-plans.rpl\n"),
+        "{}",
+        shown.out
+    );
+    assert!(shown.errors.contains("there is no command `:contineu`; did you mean `:continue`?"), "{}", shown.errors);
+}
+
+#[test]
+fn the_text_of_a_definition_is_shown_whoever_wrote_it() {
+    let lines = "; Adds one.\n(defun more (x)\n  (+ x 1))\n:source more\n:source for-each\n:source car\n:source mroe\n:source\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.contains("; <1>:2:1\n; Adds one.\n(defun more (x)\n  (+ x 1))\n"), "{}", shown.out);
+    assert!(shown.out.contains("(defun for-each (function elements &rest more)\n"), "{}", shown.out);
+    for advice in [
+        "`car` is a function that is built in, without a text; `:doc car` documents it",
+        "nothing is called `mroe`; did you mean `more`?",
+        "`:source NAME`: a name is expected",
+    ] {
+        assert!(shown.errors.contains(advice), "{advice}\n{}", shown.errors);
+    }
+}
+
+#[test]
+fn what_the_session_defines_is_saved_as_a_file_that_loads() {
+    let folder = folder("saving");
+    std::fs::write(folder.join("tea.rpl"), "; How it is made.\n(def-plan tea () (brew 'tea))\n(print 'loaded)\n")
+        .expect("it can be written");
+    let lines = "(defmacro brew (what) `(list 'old ,what))\n:load tea.rpl\n(defvar cups 1)\n(setf cups 7)\n(defvar cups 2)\n\
+                 (defmacro brew (what) `(list 'fresh ,what))\n(deftest tea (assert t))\n\
+                 :save mine.rpl\n(defun extra () 3)\n:save mine.rpl\n:save tea.rpl\n:save no/such/folder.rpl\n:save\n";
+    let shown = session_in(&folder, "false", &["repl"], lines);
+    assert!(
+        shown.errors.contains("saved 4 definitions in `mine.rpl`; `:load mine.rpl` loads them\n"),
+        "{}",
+        shown.errors
+    );
+    assert!(shown.errors.contains("saved 5 definitions in `mine.rpl`"), "what it wrote itself: {}", shown.errors);
+    assert!(shown.errors.contains("cannot save to `tea.rpl`: it is there already"), "{}", shown.errors);
+    assert!(shown.errors.contains("cannot save to `no/such/folder.rpl`: there is no such folder"), "{}", shown.errors);
+    let saved = std::fs::read_to_string(folder.join("mine.rpl")).expect("it is there");
+    assert!(saved.contains("; How it is made.\n(def-plan tea () (brew 'tea))\n"), "{saved}");
+    let again = session_in(&folder, "false", &["repl"], ":load mine.rpl\n(list (tea) cups (extra))\n");
+    assert!(again.out.ends_with("((fresh tea) 2 3)\n"), "{}{}", again.out, again.errors);
+    std::fs::write(folder.join("mine.rpl"), "; Changed by somebody.\n").expect("it can be written");
+    let lines = "(defun f () 1)\n:save mine.rpl\n";
+    let refused = session_in(&folder, "false", &["repl"], lines);
+    assert!(refused.errors.contains("it is there already"), "{}", refused.errors);
+    assert_eq!(std::fs::read_to_string(folder.join("mine.rpl")).expect("it is there"), "; Changed by somebody.\n");
+}
+
+#[test]
+fn a_form_and_a_definition_go_through_the_editor_and_back() {
+    let lines = "(defun tea () 'green)\n(list (tea) 1)\n:edit\n:edit tea\n(tea)\n";
+    let shown = session_in(Path::new("."), "sed -i -e 's/1/2/' -e 's/green/black/'", &["repl"], lines);
+    assert_eq!(shown.out, "tea\n(green 1)\n(green 2)\ntea\nblack\n", "{}", shown.errors);
+    let lines = "(defun tea () 'green)\n:edit tea\n:edit no-such\n(tea)\n";
+    for (editor, told) in [
+        ("false", "the editor `false` ended with status 1; nothing is run"),
+        ("no-such-editor", "there is no editor `no-such-editor`; set the variable EDITOR to yours"),
+        ("true", "the text is as it was; nothing is run"),
+        ("rm", "what the editor left cannot be read: there is no such file"),
+        ("sh -c 'kill -9 $$' sh", "the editor `sh -c 'kill -9 $$' sh`"),
+        ("truncate -s 0", "the text is empty; nothing is run"),
+    ] {
+        let shown = session_in(Path::new("."), editor, &["repl"], lines);
+        assert!(shown.errors.contains(told), "{editor}: {}", shown.errors);
+        assert_eq!(shown.out, "tea\ngreen\n", "{editor}");
+    }
+}
+
+#[test]
+fn a_text_that_the_editor_left_wrong_is_there_again() {
+    let lines = "(list 'tea)\n:edit\n:edit\n";
+    let editor = "sed -i -e 's/(list .tea)/(no-such-thing)/;t' -e 's/no-such-thing/list 1 2/'";
+    let shown = session_in(Path::new("."), editor, &["repl"], lines);
+    assert!(shown.out.ends_with("(1 2)\n"), "{}{}", shown.out, shown.errors);
+}
+
+#[test]
+fn values_are_kept_by_the_number_of_their_text() {
+    let lines = "(+ 1 2)\n(defun tea () 'green)\n(tea)\n(list _1 _2 _3 _)\n(car _9)\n:back 100\n(+ 1 2)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.starts_with("3\ntea\ngreen\n(3 tea green green)\n"), "{}", shown.out);
+    assert!(shown.errors.contains("`_9` is not defined anywhere"), "{}", shown.errors);
+    // The run keeps them: they are there again when it is repeated, and what is typed beside has one too.
+    let lines = "(progn (wait-time 1) 'first)\n:step (progn (wait-time 5) 'second)\n(list 'beside _1)\n:continue\n\
+                 (list _1 _2 _3)\n:at 3s\n_1\n:continue\n(list _1 _2 _3)\n";
+    let shown = session(&["repl"], lines);
+    assert_eq!(shown.out.matches("(first second (beside first))\n").count(), 2, "{}{}", shown.out, shown.errors);
+}
+
+#[test]
+fn a_run_goes_back_to_where_its_failure_was_raised() {
+    let lines = "(def-plan pour (cups) (unwind-protect (dotimes (i cups) (wait-time 1) (when (= i 2) (car i))) (print 'clean)))\n\
+                 :back failure\n(par (pour 4) (wait-time 9))\n:back failure\n(list cups i)\n:tasks\n:back\n:continue\n:abort\n(now)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.errors.contains("no form has failed yet"), "{}", shown.errors);
+    assert!(shown.out.contains("3.000 s  main/par[0]/pour  <1>:1:"), "{}", shown.out);
+    assert!(shown.out.contains("cups = 4, i = 2\n(4 2)\n"), "{}", shown.out);
+    assert!(
+        shown.out.contains("par[1]  waits for time until 9.000 s, in 6.000 s"),
+        "the other tasks live: {}",
+        shown.out
+    );
+    assert_eq!(shown.out.matches("clean\n").count(), 2, "before and after going back: {}", shown.out);
+    assert_eq!(shown.errors.matches("failed: type-error").count(), 2, "{}", shown.errors);
+    assert_eq!(shown.status, Some(2));
+}
+
+#[test]
+fn a_run_that_is_about_to_fail_is_stopped_where_the_failure_is_raised() {
+    let lines = "(defun empty () (fail \"nothing is left\"))\n:break failure\n:break\n\
+                 (with-timeout 5 (seq (wait-time 2) (empty)))\n:task\n:abort\n\
+                 (ignore-failures (plan-failure) (empty))\n\
+                 (with-timeout 1 (wait-time 3))\n:why\n:abort\n:delete\n(empty)\n(now)\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.contains("1  failure\n"), "{}", shown.out);
+    assert!(shown.out.contains("2.000 s  main/with-timeout  <1>:1:17\n"), "{}", shown.out);
+    assert_eq!(shown.errors.matches("given up, clean-ups done").count(), 2, "{}", shown.errors);
+    assert_eq!(shown.errors.matches("failed: ").count(), 3, "{}", shown.errors);
+    assert_eq!(shown.errors.matches("about to fail").count(), 2, "what is handled does not stop: {}", shown.errors);
+    assert!(shown.out.ends_with("3.0\n"), "{}", shown.out);
+}
+
+#[test]
+fn what_a_form_costs_is_told() {
+    let cost = |form: &str| {
+        let shown = session(&["repl"], &format!(":time {form}\n"));
+        let line = shown.errors.lines().last().expect("it is told").to_string();
+        let number = |unit: &str| {
+            let before = line.split(unit).next().expect("there is a unit").trim_end();
+            before.rsplit([' ', ',']).next().expect("a number").parse::<f64>().unwrap_or_else(|_| panic!("{line}"))
+        };
+        (number(" steps"), number(" s of the plan"), line.clone())
+    };
+    let (few, _, _) = cost("(dotimes (i 1000) i)");
+    let (many, _, _) = cost("(dotimes (i 10000) i)");
+    assert!(many > few + 8000.0 && many < few + 10_000.0, "{few} {many}");
+    let (_, plan_s, line) = cost("(wait-time 2.5)");
+    assert!((plan_s - 2.5).abs() < 1e-9 && line.contains(" s of computing, ") && line.contains(" made, "), "{line}");
+    let made = cost("(length (let ((l nil)) (dotimes (i 100000) (push i l)) l))").2;
+    assert!(made.contains("3.2 MB made"), "{made}");
+    assert!(session(&["repl"], ":time\n").errors.contains("`:time FORM`: a form is expected"));
+}
+
+#[test]
+fn stepping_goes_over_the_library_unless_it_is_asked_into_it() {
+    let begin = "(defun half (x) (/ x 2))\n:step (map #'half '(2 4))\n";
+    let over = session(&["repl"], &format!("{begin}:step\n:step\n"));
+    assert!(over.out.contains("  <1>:1:17\n"), "what the library calls of ours is ours: {}", over.out);
+    assert!(!over.out.contains("prelude:"), "{}", over.out);
+    let into = session(&["repl"], &format!("{begin}:into\n:next\n:out\n:continue\n"));
+    assert!(into.out.matches("  prelude:").count() >= 2, "{}", into.out);
+    assert!(into.out.ends_with("(1 2)\n"), "{}", into.out);
+    let stopped = session(&["repl"], ":break map\n(map #'car '((1)))\n:continue\n");
+    assert!(stopped.errors.contains("stopped at map"), "{}", stopped.errors);
+}
+
+#[test]
+fn who_suspended_a_task_and_until_when_one_waits_is_told() {
+    let lines = "(defvar painter (spawn (wait-time 10)))\n\
+                 (spawn (with-task-suspended (painter) (wait-time 4)))\n\
+                 (def-fluent open? nil)\n(spawn (wait-for open? :timeout 7))\n(wait-time 1)\n\
+                 :why main/spawn\n:why spawn.2\n:why spawn.3\n:tasks\n\
+                 (suspend painter)\n(wait-time 5)\n:why main/spawn\n";
+    let shown = session(&["repl"], lines);
+    for text in [
+        "main/spawn  suspended (was waiting for time until 10.000 s, in 9.000 s)\n",
+        "  it is suspended by\n    main/spawn.2  waits for time until 4.000 s, in 3.000 s\n",
+        "main/spawn.3  waits for fluent open?, at most until 7.000 s, in 6.000 s\n",
+        "\n  spawn.2  waits for time until 4.000 s, in 3.000 s\n",
+        "main/spawn  suspended (was waiting for time until 10.000 s, in 4.000 s)\n",
+    ] {
+        assert!(shown.out.contains(text), "{text}{}", shown.out);
+    }
+    let last = shown.out.rfind("main/spawn  suspended").expect("it is told");
+    assert!(shown.out[last..].contains("  it is suspended by\n    main  "), "{}", shown.out);
+}
+
+#[test]
+fn what_is_logged_has_its_time_and_stands_between_what_is_printed() {
+    let shown = session(&["repl"], "(progn (log 'one) (wait-time 2.5) (log 'two))\n");
+    assert_eq!(shown.errors, "0.0 s  one\n2.5 s  two\n");
 }
 
 /// What is typed in this file and in the pages about the prompt.

@@ -17,6 +17,7 @@ const SILENCE: Duration = Duration::from_secs(60);
 const ENTER: &str = "\r";
 const TAB: &str = "\t";
 const UP: &str = "\x1b[A";
+const BACKSPACE: &str = "\x7f";
 const HOME: &str = "\x01";
 const INTERRUPT: &str = "\x03";
 const END_OF_INPUT: &str = "\x04";
@@ -49,6 +50,8 @@ impl Terminal {
             .args(arguments)
             .env("XDG_STATE_HOME", state)
             .env("TERM", "xterm-256color")
+            .env("EDITOR", "sed -i s/tea/coffee/")
+            .env_remove("VISUAL")
             .env_remove("NO_COLOR")
             .spawn(child_end)
             .expect("it starts");
@@ -143,6 +146,54 @@ fn a_form_may_go_over_several_lines() {
 }
 
 #[test]
+fn a_line_that_goes_on_is_marked_and_indented_by_the_rules_of_the_language() {
+    let mut terminal = Terminal::start("continuation", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(def-plan greet (who)\r");
+    terminal.stands_behind("...>   ");
+    terminal.keys("(let ((a who)\r");
+    terminal.stands_behind("...>         ");
+    terminal.keys(BACKSPACE);
+    terminal.stands_behind("...>   (let ((a who)");
+    terminal.keys(")\r");
+    terminal.stands_behind("...>     ");
+    terminal.keys("(list \"one\r");
+    terminal.stands_behind("");
+    terminal.keys("  two\" a)))\r");
+    terminal.shows("\ngreet\n");
+    terminal.stands_behind("rpl> ");
+    terminal.enter("(greet 'ann)", "_2 = (\"one\\n  two\" ann)", "rpl> ");
+    // The places are those of the text without marks.
+    terminal.enter(
+        ":source greet",
+        "; <1>:1:1\n(def-plan greet (who)\n  (let ((a who))\n    (list \"one\n  two\" a)))\n",
+        "rpl> ",
+    );
+}
+
+#[test]
+fn an_editor_has_the_terminal_and_gives_it_back() {
+    let mut terminal = Terminal::start("editing", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.enter("(list 'tea)", "_1 = (tea)", "rpl> ");
+    terminal.enter(":edit", "_2 = (coffee)", "rpl> ");
+    terminal.enter(":edit", "the text is as it was; nothing is run", "rpl> ");
+    terminal.enter("(+ 1 1)", "_3 = 2", "rpl> ");
+}
+
+#[test]
+fn a_failure_says_how_to_go_back_to_its_place() {
+    let mut terminal = Terminal::start("failure", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.enter("(let ((cups 5)) (wait-time 1) (car cups))", "`:back failure` goes back to its place", "rpl 1.0s> ");
+    terminal.keys(":back failure\r");
+    terminal.shows("cups = 5");
+    terminal.stands_behind("rpl 1.0s stopped> ");
+    terminal.enter("(+ cups 1)", "_2 = 6", "rpl 1.0s stopped> ");
+    terminal.enter(":abort", "given up, clean-ups done", "rpl 1.0s> ");
+}
+
+#[test]
 fn tab_completes_and_a_call_is_explained_while_it_is_typed() {
     let mut terminal = Terminal::start("completion", &[]);
     terminal.stands_behind("rpl> ");
@@ -160,7 +211,7 @@ fn tab_completes_and_a_call_is_explained_while_it_is_typed() {
     terminal.keys(" ");
     terminal.shows("(count-the-cups    (count-the-cups room)");
     terminal.keys("'hall)\r");
-    terminal.shows("\nhall\n");
+    terminal.shows("\n_2 = hall\n");
     terminal.stands_behind("rpl> ");
     terminal.keys(":contin\t");
     terminal.stands_behind("rpl> :continue");
@@ -171,14 +222,14 @@ fn the_history_is_there_at_the_next_start() {
     let state = state_folder("history");
     let mut first = Terminal::start_in(&state, &[], 24, 80);
     first.stands_behind("rpl> ");
-    first.enter("(+ 20 3)", "\n23\n", "rpl> ");
+    first.enter("(+ 20 3)", "\n_1 = 23\n", "rpl> ");
     assert_eq!(first.end(), 0);
     let mut second = Terminal::start_in(&state, &[], 24, 80);
     second.stands_behind("rpl> ");
     second.keys(UP);
     second.stands_behind("rpl> (+ 20 3)");
     second.keys(ENTER);
-    second.shows("\n23\n");
+    second.shows("\n_1 = 23\n");
 }
 
 #[test]
@@ -194,7 +245,7 @@ fn ctrl_c_interrupts_a_plan_and_leaves_everything_intact() {
     let status_line = |terminal: &Terminal| terminal.contents().contains("certainty");
     assert!(!status_line(&terminal), "{}", terminal.contents());
     terminal.keys("(> rounds 0)\r");
-    terminal.shows("\nt\n");
+    terminal.shows("\n_3 = t\n");
     terminal.keys(":abort\r");
     terminal.shows("given up, clean-ups done");
     terminal.keys("(list 'still 'here)\r");
@@ -209,9 +260,9 @@ fn a_whole_file_can_be_pasted() {
     terminal.keys(&format!("\x1b[200~{file}\x1b[201~"));
     terminal.shows("(thrice 5))");
     terminal.keys(ENTER);
-    terminal.shows("\n(8 15)\n");
+    terminal.shows("\n_1 = (8 15)\n");
     terminal.stands_behind("rpl> ");
-    terminal.enter("(thrice 2)", "\n6\n", "rpl> ");
+    terminal.enter("(thrice 2)", "\n_2 = 6\n", "rpl> ");
 }
 
 #[test]
@@ -222,7 +273,7 @@ fn a_file_of_many_lines_can_be_pasted() {
     terminal.keys(&format!("\x1b[200~{plans}(plan-39 (plan-0 961))\n\x1b[201~"));
     terminal.shows("(plan-39 (plan-0 961))");
     terminal.keys(ENTER);
-    terminal.shows("\n1000\n");
+    terminal.shows("\n_1 = 1000\n");
     terminal.stands_behind("rpl> ");
 }
 
@@ -268,7 +319,7 @@ fn a_changed_file_is_loaded_while_a_form_runs() {
     terminal.shows("`beat` is defined anew from its next call on; the old text still runs in main/beat\n");
     terminal.stands_behind_an("stopped> ");
     terminal.keys(":continue\r");
-    terminal.shows("\n(slow fast)\n");
+    terminal.shows("\n_1 = (slow fast)\n");
 }
 
 #[test]
@@ -304,7 +355,7 @@ fn output_of_running_tasks_does_not_destroy_the_line_being_typed() {
     terminal.keys(" 'meanwhile)");
     terminal.keys(HOME);
     terminal.keys(ENTER);
-    terminal.shows("\n(typed meanwhile)");
+    terminal.shows("\n_2 = (typed meanwhile)");
     terminal.stands_behind_an("running> ");
     terminal.keys(INTERRUPT);
     terminal.shows("stopped at ");
@@ -324,13 +375,13 @@ fn plans_are_handed_in_and_conditions_stop_the_clock() {
         terminal.contents().matches("'high)").count() == 1 && terminal.line().ends_with("s running> ")
     });
     terminal.keys("(setf (value level) 2)\r");
-    terminal.shows("\n2\n");
+    terminal.shows("\n_3 = 2\n");
     terminal.keys("(seq (wait-time 3) (setf (value level) 5) (wait-time 3) (setf (value level) 10))\r");
-    terminal.shows("main/typed.2 waits for time; it goes on with the run");
+    terminal.shows("main/typed.2 waits for time until ");
     terminal.shows("stopped at (> level 2)");
     terminal.stands_behind_an("s stopped> ");
     terminal.keys(":continue\r");
-    terminal.shows("\nhigh\n");
+    terminal.shows("\n_2 = high\n");
     terminal.shows("main/typed.2 => 10");
 }
 

@@ -9,7 +9,7 @@ mod concrete;
 mod lines;
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::indentation::{Rule, Shape, Style, WIDTH, aligns, is_label, rule};
+use crate::indentation::{Rule, Shape, Style, WIDTH, aligns, is_label, rule_of};
 use crate::lexer::{Prefix, lex};
 use crate::reader::{fold_name, read};
 use crate::source::SourceId;
@@ -219,7 +219,7 @@ impl<'a> Formatter<'a> {
         let column = self.lines.column();
         let head = items.first().filter(|head| head.piece == Piece::Atom).map(|head| self.concrete.text(head));
         let head = head.filter(|head| !head.starts_with('"')).map(|head| fold_name(head).into_owned());
-        let rule = self.rule(head.as_deref(), shape);
+        let rule = rule_of(head.as_deref(), shape, |head| self.bodies.get(head).copied());
         let argument_column = column + 2 + head.as_deref().map_or(0, |head| head.chars().count());
         let on_first_line = match rule.style {
             Style::Body(distinguished) => 1 + distinguished,
@@ -243,38 +243,11 @@ impl<'a> Formatter<'a> {
         }
         layout
     }
-
-    fn rule(&self, head: Option<&str>, shape: Shape) -> Rule {
-        const DATA: Rule = Rule::plain(Style::Data);
-        let known = || {
-            let head = head?;
-            self.bodies.get(head).map(|&before| Rule::plain(Style::Body(before))).or_else(|| rule(head))
-        };
-        match shape {
-            Shape::Data => Rule { rest: Shape::Data, ..DATA },
-            Shape::Quoted => known().unwrap_or(Rule { rest: Shape::Quoted, ..DATA }),
-            Shape::Clause => DATA,
-            Shape::Bindings => Rule { leading: &[], rest: Shape::Binding, style: Style::Data },
-            Shape::Binding => Rule::plain(Style::Call),
-            Shape::Handlers => Rule { leading: &[], rest: Shape::Handler, style: Style::Data },
-            Shape::Handler => Rule { leading: &[Shape::Data], rest: Shape::Form, style: Style::Body(1) },
-            Shape::Form => known().unwrap_or(match head {
-                Some(head) if !head.starts_with(':') => Rule::plain(Style::Call),
-                _ => DATA,
-            }),
-        }
-    }
 }
 
 impl Layout<'_> {
     /// The column of the item at a position that begins a line.
     fn indent(&self, at: usize) -> usize {
-        match (self.rule.style, self.argument) {
-            (Style::Data, _) => self.column + 1,
-            _ if at == 0 => self.column + 1,
-            (Style::Body(distinguished), _) if at <= distinguished => self.column + 4,
-            (Style::Call | Style::Forms, Some(argument)) => argument,
-            (Style::Body(_) | Style::Call | Style::Forms, _) => self.column + 2,
-        }
+        self.rule.column(at, self.column, self.argument)
     }
 }

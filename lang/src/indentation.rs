@@ -67,6 +67,18 @@ impl Rule {
             (_, Some(at)) => self.leading.get(at).copied().unwrap_or(self.rest),
         }
     }
+
+    /// The column of the item at a position that begins a line, in a list whose `(` stands in the
+    /// column `open`; `argument` is that of the first argument, if it stands on the head's line.
+    pub fn column(&self, at: usize, open: usize, argument: Option<usize>) -> usize {
+        match (self.style, argument) {
+            (Style::Data, _) => open + 1,
+            _ if at == 0 => open + 1,
+            (Style::Body(distinguished), _) if at <= distinguished => open + 4,
+            (Style::Call | Style::Forms, Some(argument)) => argument,
+            (Style::Body(_) | Style::Call | Style::Forms, _) => open + 2,
+        }
+    }
 }
 
 use Shape::{Binding, Bindings, Clause, Data, Form, Handlers};
@@ -144,6 +156,29 @@ pub fn rule(head: &str) -> Option<Rule> {
         Ok(index) => Some(RULES[index].1),
         Err(_) if head.starts_with("with-") || head.starts_with("def") => Some(Rule::plain(Body(1))),
         Err(_) => None,
+    }
+}
+
+/// The rule of a list by what it is and what it begins with, in lower case; `body_of` tells of a
+/// macro of the text how many parameters stand before its body, if it takes one.
+pub fn rule_of(head: Option<&str>, shape: Shape, body_of: impl Fn(&str) -> Option<usize>) -> Rule {
+    const DATA: Rule = Rule::plain(Style::Data);
+    let known = || {
+        let head = head?;
+        body_of(head).map(|before| Rule::plain(Style::Body(before))).or_else(|| rule(head))
+    };
+    match shape {
+        Shape::Data => Rule { rest: Shape::Data, ..DATA },
+        Shape::Quoted => known().unwrap_or(Rule { rest: Shape::Quoted, ..DATA }),
+        Shape::Clause => DATA,
+        Shape::Bindings => Rule { leading: &[], rest: Shape::Binding, style: Style::Data },
+        Shape::Binding => Rule::plain(Style::Call),
+        Shape::Handlers => Rule { leading: &[], rest: Shape::Handler, style: Style::Data },
+        Shape::Handler => Rule { leading: &[Shape::Data], rest: Shape::Form, style: Style::Body(1) },
+        Shape::Form => known().unwrap_or(match head {
+            Some(head) if !head.starts_with(':') => Rule::plain(Style::Call),
+            _ => DATA,
+        }),
     }
 }
 

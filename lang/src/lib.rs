@@ -3,6 +3,7 @@
 //! Pure: no task, no robot, no file. Every phase returns a result *and* the errors beside it.
 //! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`].
 
+pub mod continuation;
 pub mod diagnostic;
 pub mod formatter;
 pub mod indentation;

@@ -67,8 +67,22 @@ pub enum Stop {
 pub enum Ending {
     /// It has done what it was asked to.
     Success,
-    /// It cannot: class of failure and one sentence.
-    Failure(String, String),
+    /// It cannot.
+    Failure {
+        /// The class of failure.
+        class: String,
+        /// One sentence.
+        message: String,
+        /// Slots by name.
+        slots: Vec<(String, Reading)>,
+    },
+}
+
+impl Ending {
+    /// A failure without slots: its class and one sentence.
+    pub fn failure(class: &str, message: impl Into<String>) -> Self {
+        Ending::Failure { class: class.to_string(), message: message.into(), slots: Vec::new() }
+    }
 }
 
 /// What the robot has to tell after a step, a start or a stop.
@@ -198,12 +212,7 @@ impl Machine {
         let mut values = Vec::new();
         for (number, reading) in outbox.fluents {
             let Some(spec) = specs.get(number) else { continue };
-            let value = match reading {
-                Reading::Truth(truth) => Value::truth(truth),
-                Reading::Int(value) => Value::Int(value),
-                Reading::Float(value) => Value::Float(value),
-                Reading::Symbol(name) => Value::Symbol(self.symbols.intern(&name)),
-            };
+            let value = self.reading_value(reading);
             if let Some(fluent) = self.system_fluent(around.program, spec.name) {
                 values.push((fluent, value));
             }
@@ -211,6 +220,15 @@ impl Machine {
         self.assign_all(around, &values);
         for (behaviour, ending) in outbox.endings {
             self.behaviour_ended(around, behaviour, ending);
+        }
+    }
+
+    fn reading_value(&mut self, reading: Reading) -> Value {
+        match reading {
+            Reading::Truth(truth) => Value::truth(truth),
+            Reading::Int(value) => Value::Int(value),
+            Reading::Float(value) => Value::Float(value),
+            Reading::Symbol(name) => Value::Symbol(self.symbols.intern(&name)),
         }
     }
 
@@ -226,17 +244,26 @@ impl Machine {
     fn behaviour_ended(&mut self, around: &mut Surroundings<'_>, behaviour: u16, ending: Ending) {
         let signal = match ending {
             Ending::Success => Ok(()),
-            Ending::Failure(class, message) => Err(self.behaviour_failure(behaviour, &class, message)),
+            Ending::Failure { class, message, slots } => Err(self.behaviour_failure(behaviour, &class, message, slots)),
         };
         self.activation(behaviour).phase = Phase::Done;
         self.signal(around, behaviour, signal);
         self.release_activation(around, behaviour);
     }
 
-    fn behaviour_failure(&mut self, behaviour: u16, class: &str, message: String) -> Value {
+    fn behaviour_failure(
+        &mut self,
+        behaviour: u16,
+        class: &str,
+        message: String,
+        slots: Vec<(String, Reading)>,
+    ) -> Value {
         let class = self.symbols.intern(class);
-        let slot = self.symbols.intern("behaviour");
-        let failure = self.new_failure(class, message, vec![(slot, Value::Behaviour(behaviour))]);
+        let mut values = vec![(self.symbols.intern("behaviour"), Value::Behaviour(behaviour))];
+        for (name, reading) in slots {
+            values.push((self.symbols.intern(&name), self.reading_value(reading)));
+        }
+        let failure = self.new_failure(class, message, values);
         let task = self.activation(behaviour).task.and_then(|task| self.tasks.find(task));
         if let (Value::Failure(index), Some(task)) = (failure, task) {
             self.heap.failures[index].path = self.path(task);
@@ -355,8 +382,8 @@ impl Machine {
                 self.trace_behaviour(around, behaviour, "interrupted");
                 self.activation(behaviour).phase = Phase::Interrupted;
                 self.apply_outbox(around, outbox);
-                let failure =
-                    self.behaviour_failure(behaviour, "interrupted", "the behaviour was interrupted".to_string());
+                let message = "the behaviour was interrupted".to_string();
+                let failure = self.behaviour_failure(behaviour, "interrupted", message, Vec::new());
                 self.signal(around, behaviour, Err(failure));
             }
         }

@@ -96,7 +96,8 @@ impl<O: Outside> System<O> {
         };
         let number = (count + 1) as u32;
         self.set_session_variable("%typed", Value::Int(count + 1));
-        let registers = [Value::Int(count + 1), form, arguments];
+        let keep = self.session_variable("%keep").unwrap_or_default();
+        let registers = [Value::Int(count + 1), form, arguments, keep];
         let task = self.with_machine(|machine, around| machine.start_beside(around, code, number, &registers));
         (number, task)
     }

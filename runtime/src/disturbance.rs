@@ -3,7 +3,7 @@
 use crate::behaviour::Outside;
 use crate::failure::Raise;
 use crate::system::System;
-use crate::task::{State, Waiting, Wake};
+use crate::task::{NONE, State, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 
 /// Something that happens to a task or a fluent although no plan asked for it.
@@ -35,7 +35,7 @@ impl<O: Outside> System<O> {
             }
             Disturbance::Suspend(task) => {
                 if let Some(task) = machine.tasks.find_alive(task) {
-                    machine.suspend(task);
+                    machine.suspend(task, NONE);
                 }
             }
             Disturbance::Resume(task) => {

@@ -126,7 +126,8 @@ impl Machine {
         self.scratch.burned = 0;
         self.flush_status(around);
         let record = &self.tasks[task];
-        let mut place = Place { frame: record.frame, fuel: self.limits.steps.saturating_sub(record.steps) };
+        let fuel = self.limits.steps.saturating_sub(record.steps);
+        let mut place = Place { frame: record.frame, fuel };
         self.scratch.frames.clear();
         if !record.frames.is_empty() {
             self.scratch.frames.extend_from_slice(&record.frames);
@@ -136,6 +137,8 @@ impl Machine {
             Some(exit) => exit,
             None => self.execute(around, &mut place, 0),
         };
+        // One that ran out of its limit has got it anew.
+        self.steps += 1 + u64::from(fuel.checked_sub(place.fuel).unwrap_or(self.limits.steps));
         if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
             return None;
         }
@@ -1270,7 +1273,7 @@ impl Machine {
                         save!();
                         self.push_scope(ScopeKind::Suspended(other));
                         if let Some(other) = self.tasks.find_alive(other) {
-                            self.hold(other);
+                            self.hold_for(other, self.current);
                             if self.wait_for_rest(other) {
                                 block!(NO_REG);
                             }
@@ -1655,6 +1658,9 @@ impl Machine {
     pub(crate) fn set_wake_timer(&mut self, task: u32, due_us: u64) {
         let number = self.tasks[task].wait_number;
         let reference = self.tasks.reference(task);
+        if self.trace.enabled {
+            self.scratch.wake_at = Some((task, due_us));
+        }
         self.timers.set(due_us, reference, crate::scheduler::Alarm::Wake(number));
     }
 }

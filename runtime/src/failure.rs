@@ -16,6 +16,8 @@ pub struct Failure {
     pub message: String,
     /// Values of the class's slots that were given.
     pub slots: Vec<(Symbol, Value)>,
+    /// When it was raised, in virtual time.
+    pub time_us: u64,
     /// Where it was raised.
     pub span: Option<Span>,
     /// The path of the task that raised it.
@@ -86,7 +88,12 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
     ("behaviour-failure", "failure", &["behaviour"], "A behaviour signalled failure, or could not be activated."),
     ("navigation-failure", "behaviour-failure", &["destination"], "The robot did not arrive."),
     ("unreachable", "navigation-failure", &[], "There is no way to the destination."),
-    ("blocked", "navigation-failure", &[], "The way stayed blocked."),
+    (
+        "blocked",
+        "navigation-failure",
+        &["obstacle", "room", "x", "y"],
+        "The way stayed blocked: `obstacle` is `door` or `thing`, or nil where nothing is seen; `room` is the door's, or the one the thing is in; `x` and `y` are where it is.",
+    ),
     ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
     ("localization-failure", "behaviour-failure", &[], "The position was not found."),
     ("grasp-failure", "behaviour-failure", &[], "The gripper did not take the thing, or did not let go of it."),

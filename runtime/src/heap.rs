@@ -63,13 +63,18 @@ pub struct Heap {
     pub tables: Slab<Table>,
     /// Failures.
     pub failures: Slab<Failure>,
-    /// Objects allocated since the last collection.
+    /// Objects allocated since the last collection, large ones for several.
     pub allocated: usize,
+    /// The same up to the last collection.
+    pub allocated_before: u64,
     /// A collection is due when `allocated` passes this.
     pub threshold: usize,
     /// Bytes of strings and closures, roughly; what a limit on memory counts.
     pub bytes: usize,
 }
+
+/// What one counts for in [`Heap::made_bytes`]: a pair.
+const OBJECT_BYTES: u64 = 32;
 
 /// Nesting that `equal`, printing and keys follow before they give up.
 pub const MAX_DEPTH: usize = 100_000;
@@ -287,8 +292,14 @@ impl Heap {
         live += self.closures.sweep(&marks.closures, |_, _| {});
         live += self.tables.sweep(&marks.tables, |_, _| {});
         live += self.failures.sweep(&marks.failures, |_, _| {});
+        self.allocated_before += self.allocated as u64;
         self.allocated = 0;
         self.threshold = live.max(MIN_THRESHOLD);
+    }
+
+    /// Bytes ever allocated, roughly.
+    pub fn made_bytes(&self) -> u64 {
+        (self.allocated_before + self.allocated as u64) * OBJECT_BYTES
     }
 
     /// Bytes in use, roughly: what the limit on memory compares.

@@ -58,13 +58,26 @@ impl Default for Limits {
 /// endless loop that prints is seen and does not fill the memory. It stays at the front of its line.
 pub const MAX_WAITING_OUTPUT: usize = 4096;
 
+/// Where a line of output goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Channel {
+    /// From `print`: to standard output.
+    Print,
+    /// From `log`, and warnings: to standard error.
+    Log,
+}
+
 /// A line of output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Output {
-    /// From `print`: for standard output.
-    Print(String),
-    /// From `log`, and warnings: for standard error.
-    Log(String),
+pub struct Output {
+    /// Where it goes.
+    pub channel: Channel,
+    /// What it says.
+    pub text: String,
+    /// Virtual time.
+    pub time_us: u64,
+    /// The number of the next event of the trace: it stands before that one.
+    pub sequence: u64,
 }
 
 /// What exists only while code runs; empty between two steps, and no part of the state.
@@ -92,6 +105,8 @@ pub struct Scratch {
     pub(crate) departures: Vec<Departure>,
     /// Departures are being looked at: further ones wait.
     pub(crate) is_departing: bool,
+    /// The task whose wait a timer ends, and when: until the wait is in the trace.
+    pub(crate) wake_at: Option<(u32, u64)>,
     /// Steps that networks took on behalf of the running task.
     pub(crate) burned: u32,
     /// The running task goes to the end of its line.
@@ -152,6 +167,8 @@ pub struct Machine {
     pub output: Vec<Output>,
     /// Limits.
     pub limits: Limits,
+    /// Calls and loop turns of all tasks since the start.
+    pub steps: u64,
     /// What `random` draws from.
     pub(crate) random: Stream,
     #[serde(skip)]
@@ -186,6 +203,7 @@ impl Machine {
             trace: Trace::default(),
             output: Vec::new(),
             limits: Limits::default(),
+            steps: 0,
             random,
             scratch: Scratch::default(),
         };
@@ -257,6 +275,12 @@ impl Machine {
         self.main = self.tasks.insert(task);
         self.make_ready(self.main);
         self.trace_task_begin(self.main);
+    }
+
+    /// Writes a line of output; it waits to be taken.
+    pub fn put_out(&mut self, channel: Channel, text: String) {
+        self.output.push(Output { channel, text, time_us: self.now_us, sequence: self.trace.next_sequence });
+        self.scratch.switch |= self.output.len() >= MAX_WAITING_OUTPUT;
     }
 
     /// Seconds of virtual time.
@@ -340,6 +364,7 @@ impl Machine {
             class,
             message,
             slots,
+            time_us: self.now_us,
             span: None,
             path,
             calls,

@@ -8,7 +8,7 @@ use crate::library::{Library, Rejected, has_error};
 use crate::system::System;
 use crate::task::{Leaving, ScopeKind, State, Waiting};
 use crate::value::Value;
-use rpl_lang::code::{CodeKind, GlobalKind};
+use rpl_lang::code::{Code, CodeKind, GlobalKind};
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_lang::diagnostic::Diagnostic;
 use rpl_lang::source::Span;
@@ -16,7 +16,7 @@ use rpl_lang::symbol::Symbol;
 use std::sync::Arc;
 
 /// What the main task of a session runs, and a task beside it. `_` is the value of the last form
-/// that succeeded.
+/// that succeeded; `%keep` takes it too, if it is to be kept under a name of its own.
 const SESSION: &str = "
 (def-fluent %form? nil)
 (defvar %form nil)
@@ -24,19 +24,23 @@ const SESSION: &str = "
 (defvar _ nil \"the value of the last form\")
 (defvar %typed 0)
 (defvar %answers nil)
-(defun %beside (%number %form %arguments)
+(defvar %keep nil)
+(defun %beside (%number %form %arguments %kept)
   (let ((%outcome (with-failure-handling ((failure (f) f))
                     (if (eq %arguments t) (list (%form)) (apply %form %arguments)))))
-    (unless (failurep %outcome) (setq _ (first %outcome)))
+    (unless (failurep %outcome)
+      (setq _ (first %outcome))
+      (when %kept (%kept _)))
     (push (list %number %outcome) %answers)))
 (loop
   (wait-for %form?)
   (setf (value %form?) nil)
   (setq %outcome
     (block form
-      (let ((%leave (lambda (why) (return-from form why))))
+      (let ((%leave (lambda (why) (return-from form why))) (%kept %keep))
         (with-failure-handling ((failure (f) f))
           (setq _ (%form))
+          (when %kept (%kept _))
           'succeeded)))))
 ";
 
@@ -102,6 +106,26 @@ impl<O: Outside> System<O> {
             self.with_machine(|machine, around| machine.assign_all(around, &[(has_form, Value::True)]));
         }
         Ok(submitted)
+    }
+
+    /// The value of what is handed in next is kept in a variable of this name, if it has one. It is
+    /// the run that keeps it, so that it is there again when the run is repeated.
+    pub fn keep_value_as(&mut self, name: Option<&str>) {
+        let keep = name.map_or(Value::Nil, |name| {
+            let text = format!(
+                "(defvar {name} nil \"a value that the prompt has shown\")\n(lambda (%value) (setq {name} %value))"
+            );
+            match self.extend("session", &text, &mut NoFiles) {
+                Ok(_) => {
+                    let takes_one = |code: &Arc<Code>| code.kind == CodeKind::Function && code.parameters.required == 1;
+                    let keeper = self.program.codes.iter().rposition(takes_one);
+                    keeper.map_or(Value::Nil, |code| Value::Function(code as u32))
+                }
+                // A name that something else has keeps nothing.
+                Err(_) => Value::Nil,
+            }
+        });
+        self.set_session_variable("%keep", keep);
     }
 
     /// Compiles a text into the running program and evaluates it beside the form that runs: it may

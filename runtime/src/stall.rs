@@ -2,7 +2,7 @@
 //! is reported when nothing drives and no task but policies has gone on for a long time.
 
 use crate::behaviour::Phase;
-use crate::machine::{Machine, Output, Surroundings};
+use crate::machine::{Channel, Machine, Surroundings};
 use crate::task::{NONE, ScopeKind, State};
 use crate::tree::is_current;
 use rpl_lang::code::{Program, Rule};
@@ -42,7 +42,7 @@ impl Machine {
             PATIENCE_US / 1_000_000,
             self.what_tasks_wait_for(around.program).join("; ")
         );
-        self.output.push(Output::Log(format!("warning: {text}")));
+        self.put_out(Channel::Log, format!("warning: {text}"));
         self.trace_warning(&text);
     }
 

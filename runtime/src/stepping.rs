@@ -16,6 +16,8 @@ use rpl_lang::symbol::Symbol;
 pub(crate) struct Stepping {
     /// Whether the run is stepped through now.
     pub(crate) is_on: bool,
+    /// Whether it stops before every instruction.
+    is_fine: bool,
     /// The task and the instruction it stopped before: the next time it goes on from there.
     stopped: Option<(TaskRef, Frame)>,
     /// It has stopped in this step.
@@ -71,7 +73,7 @@ impl Machine {
             self.scratch.stepping.wanted = None;
             self.scratch.stepping.found = Some(self.write(program, value));
         }
-        if !op.is_step() {
+        if !op.is_step() && !self.scratch.stepping.is_fine {
             return false;
         }
         let stepping = &mut self.scratch.stepping;
@@ -132,6 +134,16 @@ impl<O: Outside> System<O> {
     /// Runs the first ready task up to the next form that calls, waits, assigns or opens a
     /// construct; does not enter networks. [`System::step_task`] goes on from there in one go.
     pub fn step_form(&mut self) -> Stepped {
+        self.step(false)
+    }
+
+    /// The same, up to the next instruction.
+    pub(crate) fn step_instruction(&mut self) -> Stepped {
+        self.step(true)
+    }
+
+    fn step(&mut self, is_fine: bool) -> Stepped {
+        self.machine.scratch.stepping.is_fine = is_fine;
         self.machine.scratch.stepping.is_on = true;
         self.machine.scratch.stepping.has_stopped = false;
         let ran = self.step_task();

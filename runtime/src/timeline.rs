@@ -5,6 +5,7 @@
 //! without which replay grows least.
 
 use crate::behaviour::Outside;
+use crate::failure::Failure;
 use crate::stepping::{Stepped, Stop};
 use crate::system::System;
 use std::sync::Arc;
@@ -232,6 +233,54 @@ impl<O: Outside + Clone> Timeline<O> {
         Some(Past { system, position: Position { segment, step: Position::END }, stop: None })
     }
 
+    /// The state in which a failure of the run is about to be raised, with everything alive that
+    /// raising it ends. None if no replay comes to it, or if `is_given_up` says so on the way.
+    pub fn before_failure(&self, failure: &Failure, is_given_up: &dyn Fn() -> bool) -> Option<Past<O>> {
+        let has_it = |system: &System<O>| system.machine.heap.failures.iter().any(|(_, other)| is_same(other, failure));
+        let is_before = |copy: &Copy<O>| copy.system.machine.now_us <= failure.time_us && !has_it(&copy.system);
+        let (index, copy) = self.copies.iter().enumerate().rev().find(|(_, copy)| is_before(copy))?;
+        // What is handed in from outside is not done again.
+        let end = self.copies[index + 1..].iter().find(|copy| copy.is_handed_in).map(|copy| copy.segment);
+        let last = end.map_or(self.position.segment, |segment| segment - 1);
+        let mut system = System::clone(&copy.system);
+        for segment in copy.segment..=last {
+            if is_given_up() {
+                return None;
+            }
+            system.settle();
+            if has_it(&system) {
+                return self.before_failure_in(segment, failure, &has_it, is_given_up);
+            }
+            system.next_instant();
+            if has_it(&system) {
+                return self.at(Position { segment, step: Position::END }, is_given_up);
+            }
+        }
+        None
+    }
+
+    /// The same within an instant. What ran out of a limit did so in the whole of it.
+    fn before_failure_in(
+        &self,
+        segment: u64,
+        failure: &Failure,
+        has_it: &impl Fn(&System<O>) -> bool,
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Option<Past<O>> {
+        let start = self.at(Position { segment, step: 0 }, is_given_up)?;
+        if failure.is_runaway {
+            return Some(start);
+        }
+        let mut at_form = start.system;
+        let forms = stops_until(&at_form, System::step_form, has_it, is_given_up)?;
+        go_over(&mut at_form, System::step_form, forms);
+        let instructions = stops_until(&at_form, System::step_instruction, has_it, is_given_up)?;
+        let stop = go_over(&mut at_form, System::step_instruction, instructions);
+        discard(&mut at_form);
+        // It stands behind the last form, and that one counts as a step back.
+        Some(Past { system: at_form, position: Position { segment, step: forms + 1 }, stop })
+    }
+
     /// How many copies are kept.
     pub fn copies(&self) -> usize {
         self.copies.len()
@@ -275,6 +324,58 @@ fn stops_between<O: Outside + Clone>(
         }
     }
     Some(stops)
+}
+
+/// Whether a failure is one of another state of the run.
+fn is_same(one: &Failure, other: &Failure) -> bool {
+    one.time_us == other.time_us
+        && one.class == other.class
+        && one.span == other.span
+        && one.path == other.path
+        && one.message == other.message
+}
+
+/// How often a state stops before something is so in this instant. None if `is_given_up` says so on
+/// the way.
+fn stops_until<O: Outside + Clone>(
+    system: &System<O>,
+    step: impl Fn(&mut System<O>) -> Stepped,
+    is_so: &impl Fn(&System<O>) -> bool,
+    is_given_up: &dyn Fn() -> bool,
+) -> Option<u32> {
+    let mut system = system.clone();
+    let mut stops = 0;
+    loop {
+        let stepped = step(&mut system);
+        if is_so(&system) || stepped == Stepped::Settled {
+            return Some(stops);
+        }
+        if is_given_up() {
+            return None;
+        }
+        stops += u32::from(matches!(stepped, Stepped::Before(_)));
+    }
+}
+
+/// Goes on to a stop by its number; gives it.
+fn go_over<O: Outside + Clone>(
+    system: &mut System<O>,
+    step: impl Fn(&mut System<O>) -> Stepped,
+    stops: u32,
+) -> Option<Stop> {
+    let mut last = None;
+    let mut left = stops;
+    while left > 0 {
+        match step(system) {
+            Stepped::Before(stop) => {
+                last = Some(stop);
+                left -= 1;
+            }
+            Stepped::Ran => {}
+            Stepped::Settled => return last,
+        }
+    }
+    last
 }
 
 /// What is replayed has been printed and traced before.

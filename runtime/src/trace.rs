@@ -19,12 +19,13 @@ pub enum EventKind {
     Call,
     /// A plan call ended.
     Return,
-    /// A task blocked: `on`, `at`; if it waits for a condition, `reads`, and the value of each fluent
-    /// named there. Written again when the condition comes to read other fluents.
+    /// A task blocked: `on`, `at`; if a timer ends the wait, `until`, a time in seconds; if it waits
+    /// for a condition, `reads`, and the value of each fluent named there. Written again when the
+    /// condition comes to read other fluents.
     Blocked,
     /// A task was woken.
     Woken,
-    /// A task was suspended.
+    /// A task was suspended: `by`, if a task did it and not a valve.
     Suspended,
     /// A suspended task may go on.
     Resumed,
@@ -157,7 +158,7 @@ impl Machine {
         let path = self.path(task);
         self.event(path, EventKind::Begin, Vec::new());
         if self.tasks[task].stop() > 0 {
-            self.trace_suspension(task, EventKind::Suspended);
+            self.trace_suspended(task, NONE);
         }
     }
 
@@ -216,6 +217,9 @@ impl Machine {
         if let Some(span) = self.form_of(program, task).filter(|span| span.source.0 >= program.library_sources) {
             details.push(("at", program.sources.place(span)));
         }
+        if let Some((_, time_us)) = self.scratch.wake_at.take_if(|(waiting, _)| *waiting == task) {
+            details.push(("until", format!("{:.3}", time_us as f64 / 1e6)));
+        }
         let readings = self.readings(program, waiting);
         if !readings.is_empty() {
             details.push(("reads", readings.iter().map(nested).collect::<Vec<_>>().join(" ")));
@@ -261,10 +265,18 @@ impl Machine {
         }
     }
 
-    pub(crate) fn trace_suspension(&mut self, task: u32, kind: EventKind) {
+    pub(crate) fn trace_suspended(&mut self, task: u32, by: u32) {
         if self.trace.enabled {
             let path = self.path(task);
-            self.event(path, kind, Vec::new());
+            let by = (by != NONE).then(|| ("by", self.path(by)));
+            self.event(path, EventKind::Suspended, by.into_iter().collect());
+        }
+    }
+
+    pub(crate) fn trace_resumed(&mut self, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Resumed, Vec::new());
         }
     }
 

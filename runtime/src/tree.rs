@@ -2,7 +2,6 @@
 
 use crate::machine::{Machine, Surroundings};
 use crate::task::{Frame, NONE, Rare, ScopeKind, State, Task, Waiting, Wake};
-use crate::trace::EventKind;
 use crate::value::Value;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
@@ -335,10 +334,11 @@ impl Machine {
         self.timers.note_cancelled(|timer| is_current(tasks, timer));
     }
 
-    /// Suspends a task and what is below it, once more, until `resume` takes it back.
-    pub(crate) fn suspend(&mut self, task: u32) {
+    /// Suspends a task and what is below it, once more, until `resume` takes it back; `by` is the
+    /// task that wants it, if one does.
+    pub(crate) fn suspend(&mut self, task: u32, by: u32) {
         self.tasks[task].rare().suspensions += 1;
-        self.add_stop(task);
+        self.add_stop(task, by);
     }
 
     /// Takes one suspension back; a surplus one does nothing.
@@ -350,10 +350,15 @@ impl Machine {
         }
     }
 
-    /// Suspends a task and what is below it for a scope or a valve.
+    /// Suspends a task and what is below it for a valve.
     pub(crate) fn hold(&mut self, task: u32) {
+        self.hold_for(task, NONE);
+    }
+
+    /// Suspends a task and what is below it for a scope of the task `by`, or for none.
+    pub(crate) fn hold_for(&mut self, task: u32, by: u32) {
         self.tasks[task].rare().holds += 1;
-        self.add_stop(task);
+        self.add_stop(task, by);
     }
 
     /// Ends what [`Machine::hold`] began.
@@ -366,7 +371,7 @@ impl Machine {
 
     /// Tasks that a suspension of this one reaches: all children but those of its clean-ups and
     /// hooks.
-    fn suspended_with(&self, task: u32) -> Vec<u32> {
+    pub(crate) fn suspended_with(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
         let cleans_up = record.is_cleaning_up();
         let mut children = self.children(task);
@@ -377,13 +382,13 @@ impl Machine {
         children
     }
 
-    fn add_stop(&mut self, root: u32) {
+    fn add_stop(&mut self, root: u32, by: u32) {
         let mut waiting = vec![root];
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
             self.tasks[task].rare().stop += 1;
             if self.tasks[task].stop() == 1 {
-                self.trace_suspension(task, EventKind::Suspended);
+                self.trace_suspended(task, by);
             }
             if was_queued && !self.is_queued(task) {
                 let priority = self.effective_priority(task);
@@ -407,7 +412,7 @@ impl Machine {
                 self.queue(task, false);
             }
             if self.tasks[task].stop() == 0 {
-                self.trace_suspension(task, EventKind::Resumed);
+                self.trace_resumed(task);
                 resumed.push(self.tasks.reference(task));
             }
             self.note_status(task);

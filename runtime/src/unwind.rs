@@ -4,7 +4,7 @@
 //! its outcome is fixed when it starts: what happens meanwhile is attached to it.
 
 use crate::failure::Raise;
-use crate::machine::{Machine, Output, SCRATCH_TASK, Surroundings};
+use crate::machine::{Channel, Machine, SCRATCH_TASK, Surroundings};
 use crate::task::{Leaving, Scope, ScopeKind, Stack, State, Then, Waiting, Wake};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{NO_REG, Program, Reg};
@@ -548,7 +548,7 @@ impl Machine {
     /// Notes a failure that nothing can handle any more.
     pub(crate) fn warn_of_failure(&mut self, program: &Program, failure: Value, place: &str) {
         let text = self.show(program, failure);
-        self.output.push(Output::Log(format!("warning: a failure {place}: {text}")));
+        self.put_out(Channel::Log, format!("warning: a failure {place}: {text}"));
         self.trace_warning(&text);
     }
 }

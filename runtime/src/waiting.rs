@@ -3,9 +3,12 @@
 
 use crate::fluent::Origin;
 use crate::machine::Machine;
-use crate::task::{Frame, Waiting};
+use crate::scheduler::Alarm;
+use crate::task::{Frame, ScopeKind, Waiting};
+use crate::tree::is_current;
 use rpl_lang::code::Program;
 use rpl_lang::source::Span;
+use std::collections::BTreeMap;
 
 /// How many fluents, and how deep, a condition is told to read.
 const MAX_READINGS: usize = 64;
@@ -36,6 +39,30 @@ impl Machine {
             Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
             Waiting::Signal(_) => "signal".into(),
         }
+    }
+
+    /// When timers end the waits of tasks. Cost: a look at all timers.
+    pub fn wait_ends_us(&self) -> BTreeMap<u32, u64> {
+        let current =
+            self.timers.iter().filter(|timer| matches!(timer.alarm, Alarm::Wake(_)) && is_current(&self.tasks, timer));
+        current.map(|timer| (timer.task.index, timer.deadline_us)).collect()
+    }
+
+    /// The tasks that are suspended by `with-task-suspended`, each with those that keep it so. Cost:
+    /// a look at all tasks.
+    pub fn suspended_by(&self) -> BTreeMap<u32, Vec<u32>> {
+        let mut suspended: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for by in self.living_tasks() {
+            for scope in self.tasks[by].scopes.iter() {
+                let ScopeKind::Suspended(root) = scope.kind else { continue };
+                let mut reached: Vec<u32> = self.tasks.find_alive(root).into_iter().collect();
+                while let Some(task) = reached.pop() {
+                    suspended.entry(task).or_default().push(by);
+                    reached.extend(self.suspended_with(task));
+                }
+            }
+        }
+        suspended
     }
 
     fn describe_fluent(&self, program: &Program, fluent: u32) -> String {

@@ -6,7 +6,7 @@ pub mod mission;
 
 use rpl_runtime::behaviour::NoRobot;
 use rpl_runtime::library::Library;
-use rpl_runtime::machine::Output;
+use rpl_runtime::machine::Channel;
 use rpl_runtime::system::{Outcome, Progress, System};
 use std::sync::{Arc, OnceLock};
 
@@ -54,9 +54,9 @@ pub fn run(text: &str) -> String {
 pub fn transcript(system: &mut System<NoRobot>) -> String {
     let mut lines: Vec<String> = std::mem::take(&mut system.machine.output)
         .into_iter()
-        .map(|output| match output {
-            Output::Print(text) => text,
-            Output::Log(text) => format!("log: {text}"),
+        .map(|output| match output.channel {
+            Channel::Print => output.text,
+            Channel::Log => format!("log: {}", output.text),
         })
         .collect();
     let program = &system.program;

@@ -6,7 +6,7 @@ use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, 
 use rpl_robot::world::World;
 use rpl_runtime::behaviour::Outside;
 use rpl_runtime::library::{Library, Loaded};
-use rpl_runtime::machine::Output;
+use rpl_runtime::machine::{Channel, Output};
 use rpl_runtime::native::Native;
 use rpl_runtime::system::{Outcome, Progress, System};
 use rpl_runtime::trace::{Event, EventKind};
@@ -207,9 +207,9 @@ impl Run {
     /// Takes trace and output out of a run.
     pub fn of(mut system: System<OfficeRobot>) -> Self {
         let events = system.machine.trace.take();
-        let text = |output| match output {
-            Output::Print(text) => text,
-            Output::Log(text) => format!("log: {text}"),
+        let text = |output: Output| match output.channel {
+            Channel::Print => output.text,
+            Channel::Log => format!("log: {}", output.text),
         };
         let output = std::mem::take(&mut system.machine.output).into_iter().map(text).collect();
         Self { system, events, output }

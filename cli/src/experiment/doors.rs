@@ -1,8 +1,8 @@
 //! Deliveries on whose way a door is closed for a while, world by world.
 
-use super::{Arguments, Findings};
 use super::trial::{Goal, Trial};
 use super::worlds::{self, DRAWS, Ground, draw_place, draw_start, no_errand, robot_at, run_errand};
+use super::{Arguments, Findings};
 use crate::console::Console;
 use crate::files::{Folder, PlanText};
 use anyhow::{Result, bail};

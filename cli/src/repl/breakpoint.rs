@@ -1,7 +1,9 @@
 //! Where a run stops: at a plan or function, at a line, at a tag, or when a condition over fluents
 //! becomes true.
 
+use super::past::FAILURE;
 use crate::mission::Robot;
+use crate::why::shortened;
 use rpl_lang::source::{self, Source, SourceId, Span};
 use rpl_lang::suggest::suggest;
 use rpl_runtime::session::Condition;
@@ -16,6 +18,8 @@ pub enum Breakpoint {
     Name(String),
     /// A line of a text; of the loaded file without a name.
     Line(Option<String>, usize),
+    /// A failure that is about to end a form.
+    Failure,
     /// A condition, with its text and whether it held last.
     Condition { text: String, condition: Condition, held: bool },
 }
@@ -34,6 +38,9 @@ impl Breakpoint {
             let held = system.holds(condition).unwrap_or(false);
             return Ok(Self::Condition { text: text.to_string(), condition, held });
         }
+        if text == FAILURE {
+            return Ok(Self::Failure);
+        }
         if let Ok(line) = text.parse() {
             return at_line(system, None, line, file);
         }
@@ -49,10 +56,13 @@ impl Breakpoint {
         }
         let meant = suggest(&name, known.iter().map(String::as_str));
         Err(match meant {
-            Some(meant) => format!("no plan, function or tag is called `{name}`; did you mean `{meant}`?"),
-            None => {
-                format!("no plan, function or tag is called `{name}`; a line is a number, a condition stands in ( )")
+            Some(meant) => {
+                format!("no plan, function or tag is called `{}`; did you mean `{meant}`?", shortened(&name))
             }
+            None => format!(
+                "no plan, function or tag is called `{}`; a line is a number, a condition stands in ( )",
+                shortened(&name)
+            ),
         })
     }
 
@@ -70,7 +80,7 @@ impl Breakpoint {
     pub fn condition(&self) -> Option<Condition> {
         match self {
             Self::Condition { condition, .. } => Some(*condition),
-            Self::Name(_) | Self::Line(..) => None,
+            Self::Name(_) | Self::Line(..) | Self::Failure => None,
         }
     }
 
@@ -78,7 +88,7 @@ impl Breakpoint {
     pub fn becomes(&mut self, holds: bool) -> bool {
         match self {
             Self::Condition { held, .. } => !std::mem::replace(held, holds) && holds,
-            Self::Name(_) | Self::Line(..) => false,
+            Self::Name(_) | Self::Line(..) | Self::Failure => false,
         }
     }
 
@@ -95,13 +105,18 @@ impl Breakpoint {
                 let is_text = text.as_deref().or(file).is_none_or(|name| *source.name == *name);
                 is_text && system.program.sources.line_column(first(stop.span)).0 == *line
             }
-            Self::Condition { .. } => false,
+            Self::Condition { .. } | Self::Failure => false,
         }
+    }
+
+    /// Whether it is a place in a text, for which the run must be looked at form by form.
+    pub fn is_place(&self) -> bool {
+        matches!(self, Self::Name(_) | Self::Line(..))
     }
 }
 
 /// Texts that nobody has typed.
-const UNTYPED: &[&str] = &["session", "condition", "watch"];
+pub const UNTYPED: &[&str] = &["session", "condition", "watch"];
 
 /// A line of a text, if the text is there and has it.
 fn at_line(system: &System<Robot>, named: Option<&str>, line: usize, file: Option<&str>) -> Result<Breakpoint, String> {
@@ -146,6 +161,7 @@ impl fmt::Display for Breakpoint {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Name(name) => write!(out, "{name}"),
+            Self::Failure => write!(out, "{FAILURE}"),
             Self::Line(None, line) => write!(out, "line {line}"),
             Self::Line(Some(file), line) => write!(out, "{file}:{line}"),
             Self::Condition { text, .. } => write!(out, "{text}"),

@@ -7,6 +7,7 @@ use rpl_lang::suggest::suggest;
 pub enum Verb {
     Load,
     Run,
+    Time,
     Step,
     Next,
     Into,
@@ -32,6 +33,9 @@ pub enum Verb {
     Map,
     Trace,
     Doc,
+    Source,
+    Edit,
+    Save,
     Help,
     Quit,
 }
@@ -39,12 +43,13 @@ pub enum Verb {
 impl Verb {
     /// Whether the run is taken into the hand, so that the clock stops.
     pub fn steers(self) -> bool {
-        use Verb::{Abort, At, Back, Continue, Into, Next, Out, Run, Step, Switch, Until};
-        matches!(self, Run | Step | Next | Into | Out | Continue | Until | Abort | Back | At | Switch)
+        use Verb::{Abort, At, Back, Continue, Into, Next, Out, Run, Step, Switch, Time, Until};
+        matches!(self, Run | Time | Step | Next | Into | Out | Continue | Until | Abort | Back | At | Switch)
     }
 }
 
 /// A command as the help shows it.
+#[derive(Debug, PartialEq, Eq)]
 pub struct Entry {
     /// What is typed, with the colon.
     pub name: &'static str,
@@ -54,74 +59,340 @@ pub struct Entry {
     pub doc: &'static str,
     /// The same for the program.
     pub verb: Verb,
-}
-
-const fn entry(name: &'static str, arguments: &'static str, doc: &'static str, verb: Verb) -> Entry {
-    Entry { name, arguments, doc, verb }
+    /// A line as it could be typed.
+    pub example: &'static str,
+    /// What else there is to know, or nothing.
+    pub more: &'static str,
 }
 
 /// All commands, in the order of the help.
 pub const COMMANDS: &[Entry] = &[
-    entry(":load", "FILE", "runs a file; what it defines counts from the next call on", Verb::Load),
-    entry(":run", "FORM", "runs a form to its end, past all breakpoints", Verb::Run),
-    entry(":step", "[FORM]", "goes to the next form, of any task; or begins with FORM", Verb::Step),
-    entry(":next", "", "goes to the next form of this call, over what it calls", Verb::Next),
-    entry(":into", "", "goes into what the marked form calls", Verb::Into),
-    entry(":out", "", "goes to where this call was made from", Verb::Out),
-    entry(":continue", "", "goes on to the end or the next breakpoint", Verb::Continue),
-    entry(
-        ":until",
-        "TIME|LINE|NAME|(CONDITION)",
-        "goes on to a time such as 12.5s, a place, or a condition",
-        Verb::Until,
-    ),
-    entry(":go", "[FACTOR]", "goes on by the clock, FACTOR times as fast, while you type", Verb::Go),
-    entry(":stop", "", "stops the clock; so does Ctrl-C on an empty line", Verb::Stop),
-    entry(":break", "[NAME|LINE|FILE:LINE|(CONDITION)]", "stops there from now on; lists where it stops", Verb::Break),
-    entry(":delete", "[N]", "takes back breakpoint N, or all", Verb::Delete),
-    entry(":watch", "[EXPR]", "shows it at every stop; without one, shows no more", Verb::Watch),
-    entry(":abort", "", "gives up the form that runs; its clean-ups run", Verb::Abort),
-    entry(":back", "[N|TIME]", "goes back a step, N steps, or a time such as 10s", Verb::Back),
-    entry(":at", "TIME", "goes back to an instant of the run", Verb::At),
-    entry(":fork", "NAME", "keeps the run as it is now under a name", Verb::Fork),
-    entry(":forks", "", "lists the runs that are kept", Verb::Forks),
-    entry(":switch", "NAME", "goes to another run and keeps this one", Verb::Switch),
-    entry(":why", "[PATH]", "why a task waits, or how it ended: the chain of causes", Verb::Why),
-    entry(":tasks", "", "the tree of tasks, what each waits for, and its valves", Verb::Tasks),
-    entry(":task", "PATH", "one task: its form, its calls, its variables", Verb::Task),
-    entry(":fluents", "[WORD]", "the fluents and their values", Verb::Fluents),
-    entry(":valves", "", "the valves, who holds them and who waits", Verb::Valves),
-    entry(":map", "", "the world, the robot, and where it believes itself to be", Verb::Map),
-    entry(":trace", "[WORD...]", "the last events, those that hold all the words", Verb::Trace),
-    entry(":doc", "[NAME]", "documents a name", Verb::Doc),
-    entry(":help", "", "this list", Verb::Help),
-    entry(":quit", "", "ends the session; so does Ctrl-D", Verb::Quit),
+    Entry {
+        name: ":load",
+        arguments: "FILE",
+        doc: "runs a file; what it defines counts from the next call on",
+        verb: Verb::Load,
+        example: ":load delivery.rpl",
+        more: "FILE is a plan file or a built-in example. While a form is under way the file is run beside it, so that a plan can be changed in the midst of its run.",
+    },
+    Entry {
+        name: ":run",
+        arguments: "FORM",
+        doc: "runs a form to its end, past all breakpoints",
+        verb: Verb::Run,
+        example: ":run (greet 'ann)",
+        more: "The breakpoints are there again afterwards.",
+    },
+    Entry {
+        name: ":time",
+        arguments: "FORM",
+        doc: "runs a form, and tells what it cost",
+        verb: Verb::Time,
+        example: ":time (sort (list 3 1 2) #'<)",
+        more: "Computing is told in seconds of the clock on the wall, steps are calls and turns of loops, and the time of the plan is that of `now`.",
+    },
+    Entry {
+        name: ":step",
+        arguments: "[FORM]",
+        doc: "goes to the next form, of any task; or begins with FORM",
+        verb: Verb::Step,
+        example: ":step (greet 'ann)",
+        more: "It stands before forms that call, wait, assign or start tasks, in your own text: what the library does is stepped over. An empty line does the same again.",
+    },
+    Entry {
+        name: ":next",
+        arguments: "",
+        doc: "goes to the next form of this call, over what it calls",
+        verb: Verb::Next,
+        example: ":next",
+        more: "An empty line does the same again.",
+    },
+    Entry {
+        name: ":into",
+        arguments: "",
+        doc: "goes into what the marked form calls, also into the library",
+        verb: Verb::Into,
+        example: ":into",
+        more: "Inside the library `:step` and `:next` go on in it, and `:out` leaves it.",
+    },
+    Entry {
+        name: ":out",
+        arguments: "",
+        doc: "goes to where this call was made from",
+        verb: Verb::Out,
+        example: ":out",
+        more: "",
+    },
+    Entry {
+        name: ":continue",
+        arguments: "",
+        doc: "goes on to the end or the next breakpoint",
+        verb: Verb::Continue,
+        example: ":continue",
+        more: "",
+    },
+    Entry {
+        name: ":until",
+        arguments: "TIME|LINE|NAME|(CONDITION)",
+        doc: "goes on to a time such as 12.5s, a place, or a condition",
+        verb: Verb::Until,
+        example: ":until (> level 2)",
+        more: "It takes what `:break` takes, for once, or a time of the run.",
+    },
+    Entry {
+        name: ":go",
+        arguments: "[FACTOR]",
+        doc: "goes on by the clock, FACTOR times as fast, while you type",
+        verb: Verb::Go,
+        example: ":go 10",
+        more: "",
+    },
+    Entry {
+        name: ":stop",
+        arguments: "",
+        doc: "stops the clock; so does Ctrl-C on an empty line",
+        verb: Verb::Stop,
+        example: ":stop",
+        more: "",
+    },
+    Entry {
+        name: ":break",
+        arguments: "[NAME|LINE|FILE:LINE|(CONDITION)|failure]",
+        doc: "stops there from now on; lists where it stops",
+        verb: Verb::Break,
+        example: ":break (< pos-certainty* 0.5)",
+        more: "NAME is a plan, a function or a tag. A condition stops the run when it becomes true, `failure` at the failure that ends a form, with everything alive as it was.",
+    },
+    Entry {
+        name: ":delete",
+        arguments: "[N]",
+        doc: "takes back breakpoint N, or all",
+        verb: Verb::Delete,
+        example: ":delete 1",
+        more: "",
+    },
+    Entry {
+        name: ":watch",
+        arguments: "[EXPR]",
+        doc: "shows it at every stop; without one, shows no more",
+        verb: Verb::Watch,
+        example: ":watch (value level)",
+        more: "",
+    },
+    Entry {
+        name: ":abort",
+        arguments: "",
+        doc: "gives up the form that runs; its clean-ups run",
+        verb: Verb::Abort,
+        example: ":abort",
+        more: "",
+    },
+    Entry {
+        name: ":back",
+        arguments: "[N|TIME|failure]",
+        doc: "goes back a step, N steps, a time such as 10s, or to the last failure",
+        verb: Verb::Back,
+        example: ":back 10s",
+        more: "All is as it was then, definitions included; what came after is forgotten. `:fork` keeps it.",
+    },
+    Entry {
+        name: ":at",
+        arguments: "TIME",
+        doc: "goes back to an instant of the run",
+        verb: Verb::At,
+        example: ":at 12.5s",
+        more: "",
+    },
+    Entry {
+        name: ":fork",
+        arguments: "NAME",
+        doc: "keeps the run as it is now under a name",
+        verb: Verb::Fork,
+        example: ":fork before",
+        more: "",
+    },
+    Entry {
+        name: ":forks",
+        arguments: "",
+        doc: "lists the runs that are kept",
+        verb: Verb::Forks,
+        example: ":forks",
+        more: "",
+    },
+    Entry {
+        name: ":switch",
+        arguments: "NAME",
+        doc: "goes to another run and keeps this one",
+        verb: Verb::Switch,
+        example: ":switch before",
+        more: "",
+    },
+    Entry {
+        name: ":why",
+        arguments: "[PATH]",
+        doc: "why a task waits, or how it ended: the chain of causes",
+        verb: Verb::Why,
+        example: ":why main/greet",
+        more: "PATH is the path of a task or its end; without one it is the main task.",
+    },
+    Entry {
+        name: ":tasks",
+        arguments: "",
+        doc: "the tree of tasks, what each waits for, and its valves",
+        verb: Verb::Tasks,
+        example: ":tasks",
+        more: "",
+    },
+    Entry {
+        name: ":task",
+        arguments: "[PATH]",
+        doc: "one task: its form, its calls, its variables",
+        verb: Verb::Task,
+        example: ":task main/greet",
+        more: "",
+    },
+    Entry {
+        name: ":fluents",
+        arguments: "[WORD]",
+        doc: "the fluents and their values",
+        verb: Verb::Fluents,
+        example: ":fluents nav",
+        more: "",
+    },
+    Entry {
+        name: ":valves",
+        arguments: "",
+        doc: "the valves, who holds them and who waits",
+        verb: Verb::Valves,
+        example: ":valves",
+        more: "",
+    },
+    Entry {
+        name: ":map",
+        arguments: "",
+        doc: "the world, the robot, and where it believes itself to be",
+        verb: Verb::Map,
+        example: ":map",
+        more: "",
+    },
+    Entry {
+        name: ":trace",
+        arguments: "[WORD...]",
+        doc: "the last events, those that hold all the words",
+        verb: Verb::Trace,
+        example: ":trace navigation gives",
+        more: "",
+    },
+    Entry {
+        name: ":doc",
+        arguments: "[NAME]",
+        doc: "documents a name, your own or one of the library",
+        verb: Verb::Doc,
+        example: ":doc with-policy",
+        more: "",
+    },
+    Entry {
+        name: ":source",
+        arguments: "NAME",
+        doc: "shows the text of a definition, your own or one of the library",
+        verb: Verb::Source,
+        example: ":source for-each",
+        more: "",
+    },
+    Entry {
+        name: ":edit",
+        arguments: "[NAME]",
+        doc: "edits the last form, or a definition, in your editor, and runs it",
+        verb: Verb::Edit,
+        example: ":edit greet",
+        more: "The editor is the one that VISUAL or EDITOR names. What it leaves is run if it is another text than before; a text that is wrong is there again at the next `:edit`.",
+    },
+    Entry {
+        name: ":save",
+        arguments: "FILE",
+        doc: "saves what this session defines as a file that loads",
+        verb: Verb::Save,
+        example: ":save my-plans.rpl",
+        more: "It holds the latest text of each definition, typed or loaded, not the values of variables. A file that is there is not overwritten, unless this session wrote it.",
+    },
+    Entry {
+        name: ":help",
+        arguments: "[COMMAND]",
+        doc: "this list, or a command with an example",
+        verb: Verb::Help,
+        example: ":help back",
+        more: "",
+    },
+    Entry {
+        name: ":quit",
+        arguments: "",
+        doc: "ends the session; so does Ctrl-D",
+        verb: Verb::Quit,
+        example: ":quit",
+        more: "",
+    },
 ];
+
+impl Entry {
+    fn usage(&self) -> String {
+        format!("{} {}", self.name, self.arguments).trim_end().to_string()
+    }
+
+    /// What it does, with an example.
+    pub fn explanation(&self) -> Vec<String> {
+        let mut lines = vec![self.usage(), format!("  {}.", self.doc)];
+        if !self.more.is_empty() {
+            lines.push(format!("  {}", self.more));
+        }
+        lines.push(format!("    {}", self.example));
+        lines
+    }
+}
+
+/// The command of a name, with or without its colon.
+///
+/// # Errors
+/// There is no such command; the near one is named.
+pub fn find(name: &str) -> Result<&'static Entry, String> {
+    let bare = name.strip_prefix(':').unwrap_or(name);
+    let named = |entry: &&Entry| &entry.name[1..] == bare;
+    COMMANDS.iter().find(named).ok_or_else(|| {
+        let known = COMMANDS.iter().map(|entry| entry.name);
+        match suggest(&format!(":{bare}"), known) {
+            Some(near) => format!("there is no command `:{bare}`; did you mean `{near}`? `:help` lists them"),
+            None => format!("there is no command `:{bare}`; `:help` lists them"),
+        }
+    })
+}
+
+/// Characters of a name, a path or a time, at most.
+const LONGEST_WORD: usize = 4096;
 
 /// The verb of a line that begins with a colon, and what follows it.
 ///
 /// # Errors
-/// There is no such command; the near one is named.
+/// There is no such command, and the near one is named; or what follows can be nothing that is
+/// meant, and would only disturb the terminal if it were named.
 pub fn parse(line: &str) -> Result<(Verb, &str), String> {
     let line = line.trim();
-    let (name, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    match COMMANDS.iter().find(|entry| entry.name == name) {
-        Some(entry) => Ok((entry.verb, rest.trim())),
-        None => Err(match suggest(name, COMMANDS.iter().map(|entry| entry.name)) {
-            Some(near) => format!("there is no command `{name}`; did you mean `{near}`? `:help` lists them"),
-            None => format!("there is no command `{name}`; `:help` lists them"),
-        }),
+    if let Some(control) = line.chars().find(|c| c.is_control() && !c.is_whitespace()) {
+        let code = u32::from(control);
+        return Err(format!("the line holds the control character U+{code:04X}, which no name and no form has"));
     }
+    if line.split_whitespace().any(|word| word.len() > LONGEST_WORD) {
+        return Err(format!("the line holds a word of more than {LONGEST_WORD} characters; `:load` takes long texts"));
+    }
+    let (name, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    Ok((find(name)?.verb, rest.trim()))
 }
 
 /// The list that `:help` shows.
 pub fn help() -> Vec<String> {
-    let usage = |entry: &Entry| format!("{} {}", entry.name, entry.arguments).trim_end().to_string();
-    let short = |entry: &&Entry| usage(entry).chars().count() <= 18;
-    let width = COMMANDS.iter().filter(short).map(|entry| usage(entry).chars().count()).max().unwrap_or(0);
+    let short = |entry: &&Entry| entry.usage().chars().count() <= 18;
+    let width = COMMANDS.iter().filter(short).map(|entry| entry.usage().chars().count()).max().unwrap_or(0);
     let mut lines = Vec::new();
     for entry in COMMANDS {
-        let usage = usage(entry);
+        let usage = entry.usage();
         if usage.chars().count() > width {
             lines.push(usage);
             lines.push(format!("{:width$}  {}", "", entry.doc));
@@ -130,6 +401,7 @@ pub fn help() -> Vec<String> {
         }
     }
     lines.push("Anything else is a form of the language; `_` is the value of the last one.".to_string());
+    lines.push("`:help COMMAND` tells more of a command and shows an example.".to_string());
     lines
 }
 
@@ -140,8 +412,28 @@ mod tests {
     #[test]
     fn an_unknown_command_names_the_near_one() {
         assert_eq!(parse(":back 10s"), Ok((Verb::Back, "10s")));
+        assert!(parse(":back \x1b[31m").is_err_and(|error| error.contains("U+001B")));
+        assert!(parse(&format!(":{}", "x".repeat(5000))).is_err_and(|error| error.len() < 200));
         let error = parse(":contineu").expect_err("there is no such command");
         assert!(error.contains("did you mean `:continue`?"), "{error}");
+    }
+
+    #[test]
+    fn every_command_is_explained_with_an_example_that_is_one() {
+        for entry in COMMANDS {
+            let lines = entry.explanation();
+            assert_eq!(parse(entry.example).map(|(verb, _)| verb), Ok(entry.verb), "{lines:?}");
+            assert_eq!(find(&entry.name[1..]), Ok(entry));
+        }
+    }
+
+    #[test]
+    fn the_page_has_a_row_for_every_command() {
+        let page = include_str!("../../../docs/prompt.md");
+        for entry in COMMANDS {
+            let row = format!("| `{}` | {} |", entry.usage().replace('|', "\\|"), entry.doc);
+            assert!(page.contains(&row), "docs/prompt.md lacks\n{row}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The line editor: several lines by our own lexer, history, completion, hints, colours.
 
+use super::lines;
 use super::terminal::LivePrompt;
 use super::vocabulary::{Library, Vocabulary, called};
 use anyhow::Result;
@@ -12,7 +13,10 @@ use rustyline::highlight::{CmdKind, Highlighter};
 use rustyline::hint::Hinter;
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
-use rustyline::{CompletionType, Config, Context, ExternalPrinter, Helper};
+use rustyline::{
+    Cmd, ColorMode, CompletionType, ConditionalEventHandler, Config, Context, Event, EventContext, EventHandler,
+    ExternalPrinter, Helper, KeyCode, KeyEvent, Modifiers, Movement, RepeatCount,
+};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -58,8 +62,15 @@ impl Editor {
             .max_history_size(HISTORY)?
             .auto_add_history(true)
             .completion_type(CompletionType::List)
+            // Marks are shown without colours too.
+            .color_mode(ColorMode::Forced)
             .build();
         let mut inner = rustyline::Editor::with_config(config)?;
+        inner.bind_sequence(KeyEvent(KeyCode::Enter, Modifiers::NONE), EventHandler::Conditional(Box::new(NextLine)));
+        inner.bind_sequence(
+            KeyEvent(KeyCode::Backspace, Modifiers::NONE),
+            EventHandler::Conditional(Box::new(JoinLines)),
+        );
         inner.set_helper(Some(Assistant {
             library: Library::new()?,
             vocabulary: Vocabulary::default(),
@@ -99,7 +110,7 @@ impl Editor {
                     // A history that cannot be kept is no reason to stop.
                     self.inner.save_history(file).ok();
                 }
-                Ok(Line::Text(text))
+                Ok(Line::Text(lines::without_margins(&text).into_owned()))
             }
             Err(ReadlineError::Interrupted) => {
                 Ok(Line::Cancelled { was_empty: self.inner.helper().is_none_or(|helper| helper.is_empty.get()) })
@@ -121,6 +132,25 @@ fn history_file() -> Option<PathBuf> {
 pub fn terminal_size() -> (usize, usize) {
     let (rows, columns) = ::console::Term::stdout().size_checked().unwrap_or((24, 80));
     (usize::from(columns), usize::from(rows))
+}
+
+/// Enter on a text that is not complete begins the next line where it belongs.
+struct NextLine;
+
+impl ConditionalEventHandler for NextLine {
+    fn handle(&self, _: &Event, _: RepeatCount, _: bool, context: &EventContext<'_>) -> Option<Cmd> {
+        lines::continuation(context.line(), context.pos()).map(|text| Cmd::Insert(1, text))
+    }
+}
+
+/// Backspace before the first word of a line takes the whole indentation away, and the line end.
+struct JoinLines;
+
+impl ConditionalEventHandler for JoinLines {
+    fn handle(&self, _: &Event, _: RepeatCount, _: bool, context: &EventContext<'_>) -> Option<Cmd> {
+        let back = lines::indentation_before(context.line(), context.pos())?;
+        Some(Cmd::Kill(Movement::BackwardChar(u16::try_from(back).ok()?)))
+    }
 }
 
 struct Assistant {
@@ -158,23 +188,20 @@ impl Hinter for Assistant {
 
 impl Highlighter for Assistant {
     fn highlight<'l>(&self, line: &'l str, _: usize) -> Cow<'l, str> {
-        if !self.colour {
-            return Cow::Borrowed(line);
-        }
         let (tokens, _) = lex(line, SourceId(0));
         let mut shown = String::with_capacity(line.len() + 32);
         let mut end = 0;
         for (token, span) in tokens {
             let (from, to) = (span.start as usize, span.end as usize);
             let (Some(before), Some(text)) = (line.get(end..from), line.get(from..to)) else { continue };
-            shown.push_str(before);
-            match colour_of(token, text, self) {
+            shown.push_str(&lines::marked(before, self.colour));
+            match colour_of(token, text, self).filter(|_| self.colour) {
                 Some(code) => shown.push_str(&format!("\x1b[{code}m{text}\x1b[0m")),
                 None => shown.push_str(text),
             }
             end = to;
         }
-        shown.push_str(line.get(end..).unwrap_or(""));
+        shown.push_str(&lines::marked(line.get(end..).unwrap_or(""), self.colour));
         Cow::Owned(shown)
     }
 
@@ -206,8 +233,7 @@ fn colour_of(token: Token, text: &str, assistant: &Assistant) -> Option<&'static
 impl Validator for Assistant {
     fn validate(&self, context: &mut ValidationContext<'_>) -> rustyline::Result<ValidationResult> {
         let text = context.input();
-        let is_command = text.trim_start().starts_with(':');
-        Ok(match is_command || completeness(text) == Completeness::Complete {
+        Ok(match lines::is_command(text) || completeness(text) == Completeness::Complete {
             true => ValidationResult::Valid(None),
             false => ValidationResult::Incomplete,
         })

@@ -1,9 +1,9 @@
 //! What is handed in at the prompt: files and typed forms, run at once or beside the one that runs.
 
-use super::session::Until;
-use super::{Prompt, living};
+use super::session::{HandedIn, Until, kept_name};
+use super::{Prompt, definitions, living};
 use crate::failure_report::Reporter;
-use crate::files::{Folder, PlanText};
+use crate::files::PlanText;
 use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::diagnostic;
@@ -16,28 +16,21 @@ impl Prompt<'_> {
     pub(super) fn load(&mut self, plan: PlanText, until: Until) -> Result<()> {
         let PlanText { name, text, folder } = plan;
         self.session.file = Some(name.clone());
-        if self.session.branch.is_running {
-            return self.beside(&name, &text, Some(folder));
-        }
-        match self.session.submit(&name, &text, Some(folder)) {
-            Ok(submitted) => {
-                self.tell(&submitted);
-                self.begin(&until)
-            }
-            Err(rejected) => {
-                self.reject(&rejected);
-                Ok(())
-            }
-        }
+        self.hand_in(HandedIn { name, text, folder, number: None }, &until)
     }
 
     /// Forms that were typed.
     pub(super) fn forms(&mut self, text: &str, until: &Until) -> Result<()> {
-        let name = self.session.next_text_name();
+        self.typed = text.trim_end().to_string();
+        let forms = self.session.typed(text);
+        self.hand_in(forms, until)
+    }
+
+    fn hand_in(&mut self, forms: HandedIn, until: &Until) -> Result<()> {
         if self.session.branch.is_running {
-            return self.beside(&name, text, None);
+            return self.beside(forms);
         }
-        match self.session.submit(&name, text, None) {
+        match self.session.submit(forms) {
             Ok(submitted) => {
                 self.tell(&submitted);
                 self.begin(until)
@@ -55,8 +48,9 @@ impl Prompt<'_> {
     }
 
     /// Forms typed while another one is under way: a task of their own.
-    fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<()> {
-        let (submitted, aside) = match self.session.beside(name, text, folder) {
+    fn beside(&mut self, forms: HandedIn) -> Result<()> {
+        let number = forms.number;
+        let (submitted, aside) = match self.session.beside(forms) {
             Ok(beside) => beside,
             Err(rejected) => {
                 self.reject(&rejected);
@@ -67,12 +61,14 @@ impl Prompt<'_> {
         self.session.hand_on(self.console)?;
         let system = &self.session.branch.system;
         match aside.answer {
-            Some(Answer::Succeeded(value)) => self.console.print(&system.machine.write(&system.program, value))?,
+            Some(Answer::Succeeded(value)) => self.show_value(value, number)?,
             Some(Answer::Failed(failure)) => self.show_failure(failure),
             Some(Answer::GivenUp) => {}
             None => {
                 if let Some(task) = system.machine.tasks.find_alive(aside.task) {
-                    let (path, waits) = (system.machine.path(task), living::standing(system, task).condition());
+                    let machine = &system.machine;
+                    let standing = living::standing(system, &machine.wait_ends_us(), task);
+                    let (path, waits) = (machine.path(task), standing.condition(machine.now_us));
                     self.console.note(&format!("{path} {waits}; it goes on with the run"));
                 }
             }
@@ -81,6 +77,18 @@ impl Prompt<'_> {
         for &name in &aside.assigned {
             let name = system.machine.symbols.name(name);
             self.console.note(&format!("`{name}` counts from the next form on; the marked one has read its arguments"));
+        }
+        Ok(())
+    }
+
+    /// A value, with the name it is kept under for whoever sits at the prompt.
+    pub(super) fn show_value(&mut self, value: Value, number: Option<u32>) -> Result<()> {
+        let system = &self.session.branch.system;
+        let text = system.machine.write(&system.program, value);
+        let name = number.filter(|_| self.is_interactive && value != Value::Nil && !definitions::is_last(&self.typed));
+        match name.map(kept_name) {
+            Some(name) => self.console.print(&format!("{name} = {text}"))?,
+            None => self.console.print(&text)?,
         }
         Ok(())
     }
@@ -113,6 +121,13 @@ impl Prompt<'_> {
         let system = &self.session.branch.system;
         let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.console.colour };
         self.console.note(reporter.text("failed: ", failure).trim_end());
+        self.failure = match failure {
+            Value::Failure(index) => system.machine.heap.failures.get(index).cloned(),
+            _ => None,
+        };
+        if self.is_interactive {
+            self.console.note("`:back failure` goes back to its place");
+        }
         if self.worst == Status::Succeeded {
             self.worst = Status::Failed;
         }

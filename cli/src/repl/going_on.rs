@@ -23,15 +23,18 @@ impl Prompt<'_> {
 
     pub(super) fn halted(&mut self, halt: Halt) -> Result<()> {
         let value = self.session.branch.system.wanted_value();
+        // Where the stepper stands again: at the end the value itself is shown.
         if let (Some(value), true) = (value, self.session.branch.stop.is_some()) {
             self.console.print(&format!("=> {}", shortened(&value)))?;
         }
         match halt {
-            Halt::Answered(Answer::Succeeded(value)) => {
-                let system = &self.session.branch.system;
-                self.console.print(&system.machine.write(&system.program, value))?;
+            Halt::Answered(Answer::Succeeded(value)) => self.show_value(value, self.session.number)?,
+            Halt::Answered(Answer::Failed(failure)) => {
+                self.show_failure(failure);
+                if self.session.breakpoints.contains(&Breakpoint::Failure) {
+                    self.back_to_failure()?;
+                }
             }
-            Halt::Answered(Answer::Failed(failure)) => self.show_failure(failure),
             Halt::Answered(Answer::GivenUp) => self.console.note("given up, clean-ups done"),
             Halt::Arrived => self.show_stop()?,
             Halt::Breakpoint(place) => {
@@ -113,7 +116,10 @@ impl Prompt<'_> {
         match rest.parse::<usize>() {
             _ if rest.is_empty() => self.session.breakpoints.clear(),
             Ok(number) if (1..=count).contains(&number) => drop(self.session.breakpoints.remove(number - 1)),
-            _ => return self.wrong(&format!("there is no breakpoint `{rest}`; `:break` lists them")),
+            _ => {
+                let rest = shortened(rest);
+                return self.wrong(&format!("there is no breakpoint `{rest}`; `:break` lists them"));
+            }
         }
         Ok(())
     }

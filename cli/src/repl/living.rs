@@ -1,25 +1,36 @@
 //! What stands where in the run of the prompt, asked of the run itself.
 
 use super::session::Session;
-use super::view::is_hidden;
+use super::view::is_own;
 use crate::mission::Robot;
 use crate::situation::{Situation, Standing, ValveStanding};
 use rpl_runtime::system::System;
 use rpl_runtime::task::State;
 use rpl_runtime::value::TaskRef;
 use rpl_runtime::valve::Handover;
+use std::collections::BTreeMap;
 
-/// The events of the run, and how the living stand now.
+/// The events of the run, and how the living stand now: asked of the run, but for who suspended a
+/// task by `suspend`, which only the events tell.
 pub fn situation(session: &Session) -> Situation {
     let branch = &session.branch;
     let mut situation = Situation::after(&branch.log);
     let machine = &branch.system.machine;
-    situation.tasks = machine
-        .living_tasks()
-        .into_iter()
-        .enumerate()
-        .map(|(number, task)| (machine.own_path(task), Standing { number, ..standing(&branch.system, task) }))
-        .collect();
+    situation.now_us = machine.now_us;
+    let told = std::mem::take(&mut situation.tasks);
+    let (ends_us, suspensions) = (machine.wait_ends_us(), machine.suspended_by());
+    let lives = machine.living_tasks().into_iter().enumerate().map(|(number, task)| {
+        let path = machine.own_path(task);
+        let suspended_by = match (suspensions.get(&task), told.get(&path)) {
+            _ if !machine.tasks[task].is_held() => Vec::new(),
+            (Some(by), _) => by.iter().map(|&other| machine.own_path(other)).collect(),
+            (None, Some(told)) => told.suspended_by.clone(),
+            (None, None) => Vec::new(),
+        };
+        let standing = Standing { number, suspended_by, ..standing(&branch.system, &ends_us, task) };
+        (path, standing)
+    });
+    situation.tasks = lives.collect();
     let path = |task: TaskRef| machine.tasks.find(task).map(|task| machine.own_path(task));
     situation.valves = machine
         .valves
@@ -38,13 +49,11 @@ pub fn situation(session: &Session) -> Situation {
     situation
 }
 
-/// How a task stands now.
-pub fn standing(system: &System<Robot>, task: u32) -> Standing {
+/// How a task stands now; `ends_us` as [`rpl_runtime::machine::Machine::wait_ends_us`] gives them.
+pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32) -> Standing {
     let machine = &system.machine;
     let record = &machine.tasks[task];
-    let place = machine
-        .form_of(&system.program, task)
-        .filter(|&span| span.source.0 >= system.program.library_sources && !is_hidden(system, span));
+    let place = machine.form_of(&system.program, task).filter(|&span| is_own(system, span));
     let is_blocked = record.state == State::Blocked;
     let on = match is_blocked {
         true if task == machine.main && system.is_waiting_for_form() => Some("the next form".to_string()),
@@ -56,7 +65,9 @@ pub fn standing(system: &System<Robot>, task: u32) -> Standing {
         path: machine.path(task),
         on,
         is_created: record.state == State::Created,
+        until_us: ends_us.get(&task).copied(),
         is_suspended: record.is_held(),
+        suspended_by: Vec::new(),
         at: place.filter(|_| is_blocked).map(|span| system.program.sources.place(span)),
         readings: machine.readings(&system.program, record.waiting),
         told: u64::MAX,
@@ -72,7 +83,6 @@ mod tests {
     use rpl_robot::office::OfficeSettings;
     use rpl_runtime::session::Answer;
     use rpl_runtime::waiting::Reading;
-    use std::collections::BTreeMap;
 
     const PLANS: &[&str] = &[
         // Calls in calls, tags, spawned tasks, one name twice.
@@ -91,7 +101,12 @@ mod tests {
         "(def-fluent never nil)
          (ignore-failures (timeout) (with-timeout 1 (unwind-protect (wait-for never) (wait-time 2))))
          (pursue (seq (wait-time 1) 'won) (evap-protect (wait-for never) (wait-time 3)))",
+        // Waits that a timer ends, while the condition comes to read more.
+        "(def-fluent a nil) (def-fluent b nil) (def-fluent both (fluent (and a b)))
+         (spawn (wait-for both :timeout 5)) (wait-time 1) (setf (value a) t) (wait-time 1)",
         // Suspension by a plan.
+        "(def-plan work () (loop (wait-time 0.3)))
+         (let ((task (spawn (work)))) (wait-time 1) (suspend task) (wait-time 1) (resume task) (wait-time 1))",
         "(def-plan work () (loop (wait-time 0.3)))
          (let ((task (spawn (work)))) (wait-time 1) (with-task-suspended (task) (wait-time 1)) (wait-time 1))",
     ];
@@ -122,7 +137,8 @@ mod tests {
         for plan in PLANS {
             let site = Site::new(None, None, OfficeSettings::default()).expect("a site");
             let mut session = Session::new(&site, 1).expect("a session");
-            session.submit("plan", plan, None).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+            let forms = session.typed(plan);
+            session.submit(forms).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
             let mut instants = 0;
             while session.branch.is_running {
                 let next_us = session.branch.system.next_instant_us().unwrap_or(0);

@@ -54,38 +54,50 @@ fn cell_of(canvas: &Canvas, origin: Point, cell_m: f64, point: Point) -> Option<
     inside.then_some((column as usize, row as usize))
 }
 
+/// The cells of a grid that a stretch of the drawing touches along one axis, with the share of each
+/// that lies in it. The drawing may be finer than the grid, or coarser.
+fn touched(at: usize, cell_m: f64, from_m: f64, grain_m: f64, count: usize) -> impl Iterator<Item = (usize, f64)> {
+    let (start, end) = ((at as f64 * cell_m - from_m) / grain_m, ((at + 1) as f64 * cell_m - from_m) / grain_m);
+    let first = start.floor().max(0.0) as usize;
+    let last = (end.ceil().max(0.0) as usize).min(count);
+    (first..last).map(move |cell| {
+        let share = end.min((cell + 1) as f64) - start.max(cell as f64);
+        (cell, share)
+    })
+}
+
+/// So little of a cell is an error of rounding.
+const LEAST_SHARE: f64 = 1e-6;
+
 fn draw_map(canvas: &mut Canvas, map: &OccupancyGrid, cell_m: f64) {
-    let mut free = vec![false; canvas.cells.len()];
-    let mut wall = vec![false; canvas.cells.len()];
-    for row in 0..map.rows {
-        for column in 0..map.columns {
-            let Some((x, y)) = cell_of(canvas, map.origin_in_map, cell_m, map.centre(column, row)) else { continue };
-            match map.get(column, row) {
-                Cell::Free => free[y * canvas.columns + x] = true,
-                Cell::Occupied => wall[y * canvas.columns + x] = true,
-                Cell::Unknown => {}
-            }
+    let along = |at, count| touched(at, cell_m, 0.0, map.resolution_m, count).filter(|&(_, share)| share > LEAST_SHARE);
+    for y in 0..canvas.rows {
+        for x in 0..canvas.columns {
+            let cells =
+                along(y, map.rows).flat_map(|(row, _)| along(x, map.columns).map(move |(column, _)| (column, row)));
+            let seen: Vec<Cell> = cells.map(|(column, row)| map.get(column, row)).collect();
+            canvas.cells[y * canvas.columns + x] = match (seen.contains(&Cell::Occupied), seen.contains(&Cell::Free)) {
+                (true, _) => Ink::Wall,
+                (false, true) => Ink::Free,
+                (false, false) => Ink::Unknown,
+            };
         }
-    }
-    for (index, ink) in canvas.cells.iter_mut().enumerate() {
-        *ink = match (wall[index], free[index]) {
-            (true, _) => Ink::Wall,
-            (false, true) => Ink::Free,
-            (false, false) => Ink::Unknown,
-        };
     }
 }
 
 fn draw_belief(canvas: &mut Canvas, origin: Point, belief: &PositionBelief, cell_m: f64) {
-    let mut mass = vec![0.0; canvas.cells.len()];
-    for (index, &probability) in belief.cells.iter().enumerate() {
-        let (column, row) = (index % belief.columns, index / belief.columns);
-        let point = Point::new(
-            belief.origin_in_map.x + (column as f64 + 0.5) * belief.resolution_m,
-            belief.origin_in_map.y + (row as f64 + 0.5) * belief.resolution_m,
-        );
-        if let Some((x, y)) = cell_of(canvas, origin, cell_m, point) {
-            mass[y * canvas.columns + x] += probability;
+    let grain_m = belief.resolution_m;
+    let rows = belief.cells.len() / belief.columns.max(1);
+    let from = belief.origin_in_map - origin;
+    let mut mass = Vec::with_capacity(canvas.cells.len());
+    for y in 0..canvas.rows {
+        for x in 0..canvas.columns {
+            let row_mass = |(row, height): (usize, f64)| {
+                touched(x, cell_m, from.x, grain_m, belief.columns)
+                    .map(|(column, width)| belief.cells[row * belief.columns + column] * width * height)
+                    .sum::<f64>()
+            };
+            mass.push(touched(y, cell_m, from.y, grain_m, rows).map(row_mass).sum::<f64>());
         }
     }
     let most = mass.iter().fold(0.0, |most: f64, &mass| most.max(mass));
@@ -137,4 +149,46 @@ fn block(upper: Ink, lower: Ink, colour: bool) -> String {
         (false, false) => return if upper == Ink::Unknown && lower == Ink::Unknown { "·" } else { " " }.to_string(),
     };
     wall.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::{self, Site};
+    use rpl_robot::office::OfficeSettings;
+
+    /// What the map of a world looks like in so many characters.
+    fn drawn(world: &str, width: usize, height: usize) -> Vec<String> {
+        let world = mission::world(world).expect("there is such a world");
+        let map = world.map(0.1);
+        let site = Site::new(Some(world), None, OfficeSettings::default()).expect("a site");
+        super::map(&map, &site.robot(1), width, height, false).expect("there is a robot")
+    }
+
+    #[test]
+    fn a_character_smaller_than_a_cell_leaves_no_gap_in_a_wall() {
+        for (width, height) in [(80, 21), (120, 37), (200, 47), (400, 120)] {
+            let lines = drawn("test-room", width, height);
+            let (top, rest) = lines.split_first().expect("there are lines");
+            let is_wall = |c: char| matches!(c, '█' | '▀' | '▄');
+            assert!(top.trim_start().chars().all(is_wall), "{width}×{height}\n{}", lines.join("\n"));
+            let body = &rest[..rest.len() - 2];
+            assert!(body.iter().all(|line| line.starts_with(is_wall)), "{width}×{height}\n{}", lines.join("\n"));
+            assert!(
+                body.iter().all(|line| !line.contains('·')),
+                "the room is free: {width}×{height}\n{}",
+                lines.join("\n")
+            );
+        }
+    }
+
+    #[test]
+    fn the_shares_of_the_cells_a_stretch_touches_add_up_to_it() {
+        for (cell_m, grain_m) in [(0.03, 0.1), (0.1, 0.1), (0.25, 0.1), (0.07, 0.15)] {
+            for at in 0..20 {
+                let total: f64 = touched(at, cell_m, 0.0, grain_m, 1000).map(|(_, share)| share).sum();
+                assert!((total * grain_m - cell_m).abs() < 1e-9, "{at} {cell_m} {grain_m}");
+            }
+        }
+    }
 }

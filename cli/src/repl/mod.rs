@@ -4,9 +4,14 @@
 mod breakpoint;
 mod clock;
 mod command;
+mod definitions;
+mod documenting;
+mod editing;
 mod editor;
 mod forms;
 mod going_on;
+mod guard;
+mod lines;
 mod live;
 mod living;
 mod looking;
@@ -15,13 +20,14 @@ mod past;
 mod runner;
 mod session;
 mod terminal;
+mod timing;
 mod view;
 mod vocabulary;
+mod writing;
 
 use crate::completion;
 use crate::console::Console;
-use crate::doc;
-use crate::files;
+use crate::files::{self, PlanText};
 use crate::interrupt;
 use crate::setting::Setting;
 use crate::status::Status;
@@ -29,11 +35,14 @@ use anyhow::{Result, bail};
 use clap_complete::engine::ArgValueCompleter;
 use clock::Clock;
 use command::Verb;
+use guard::Faults;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
 use rpl_lang::source::SourceId;
 use rpl_robot::occupancy::OccupancyGrid;
+use rpl_runtime::failure::Failure;
 use session::{Session, Until};
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Read};
 
 /// Edge of a cell of the map that `:map` draws.
@@ -65,24 +74,12 @@ pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -
         rooms.chain(world.places.iter().map(|place| place.name.to_string())).collect()
     });
     let map = world.map(|world| world.map(MAP_CELL_M));
-    let mut prompt = Prompt {
-        session: Session::new(&site, arguments.setting.seed)?,
-        map,
-        places,
-        console,
-        clock: None,
-        is_interactive: io::stdin().is_terminal(),
-        repeated: None,
-        worst: Status::Succeeded,
-    };
-    if let Some(plan) = plan {
-        prompt.load(plan, if stops_at_start { Until::Step } else { Until::End })?;
-    }
-    if prompt.is_interactive {
-        prompt.converse()?
-    } else {
-        prompt.read_all()?
-    }
+    let session = Session::new(&site, arguments.setting.seed)?;
+    let mut prompt = Prompt { map, places, ..Prompt::new(session, console, io::stdin().is_terminal()) };
+    let usual = prompt.faults.catch();
+    let ended = prompt.all(plan, if stops_at_start { Until::Step } else { Until::End });
+    Faults::let_go(usual);
+    ended?;
     prompt.console.flush()?;
     Ok(prompt.worst)
 }
@@ -114,9 +111,44 @@ struct Prompt<'a> {
     repeated: Option<String>,
     /// What the exit status says when nobody sat at the prompt.
     worst: Status,
+    /// The forms typed last.
+    typed: String,
+    /// The last failure that was told.
+    failure: Option<Failure>,
+    /// What was saved, by the name of the file.
+    saved: BTreeMap<String, String>,
+    faults: Faults,
+}
+
+impl<'a> Prompt<'a> {
+    /// The prompt of a session without a world.
+    fn new(session: Session, console: &'a mut Console, is_interactive: bool) -> Self {
+        Self {
+            session,
+            map: None,
+            places: Vec::new(),
+            console,
+            clock: None,
+            is_interactive,
+            repeated: None,
+            worst: Status::Succeeded,
+            typed: String::new(),
+            failure: None,
+            saved: BTreeMap::new(),
+            faults: Faults::default(),
+        }
+    }
 }
 
 impl Prompt<'_> {
+    /// From the file that is loaded first to the end.
+    fn all(&mut self, plan: Option<PlanText>, until: Until) -> Result<()> {
+        if let Some(plan) = plan {
+            self.guarded(|prompt| prompt.load(plan, until).map(|()| Next::Another))?;
+        }
+        if self.is_interactive { self.converse() } else { self.read_all() }
+    }
+
     /// Everything from standard input, form by form, without a person.
     fn read_all(&mut self) -> Result<()> {
         let mut bytes = Vec::new();
@@ -154,7 +186,15 @@ impl Prompt<'_> {
         format!("rpl{name}{time}{state}> ")
     }
 
+    /// Does what a line asks for.
+    ///
+    /// # Errors
+    /// Standard output is closed.
     fn handle(&mut self, text: &str) -> Result<Next> {
+        self.guarded(|prompt| prompt.obey(text))
+    }
+
+    fn obey(&mut self, text: &str) -> Result<Next> {
         if !text.trim_start().starts_with(':') {
             if !is_blank(text) {
                 self.forms(text, &Until::End)?;
@@ -192,7 +232,9 @@ impl Prompt<'_> {
                 done?;
             }
             Verb::Step if !rest.is_empty() => self.forms(rest, &Until::Step)?,
-            Verb::Step | Verb::Into => self.go_on(&Until::Step)?,
+            Verb::Step => self.go_on(&Until::Step)?,
+            Verb::Into => self.go_on(&Until::Into)?,
+            Verb::Time => self.time(rest)?,
             Verb::Next => self.go_on(&Until::Next)?,
             Verb::Out => self.go_on(&Until::Out)?,
             Verb::Continue => self.go_on(&Until::End)?,
@@ -211,8 +253,11 @@ impl Prompt<'_> {
                 let lines = self.look(verb, rest);
                 self.explain(&lines)?;
             }
-            Verb::Doc => drop(doc::run(Some(rest).filter(|name| !name.is_empty()), self.console)?),
-            Verb::Help => self.explain(&command::help())?,
+            Verb::Doc => self.document(rest)?,
+            Verb::Source => self.source(rest)?,
+            Verb::Edit => self.edit(rest)?,
+            Verb::Save => self.save(rest)?,
+            Verb::Help => self.help(rest)?,
             Verb::Quit => {}
         }
         Ok(())

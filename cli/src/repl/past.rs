@@ -5,12 +5,16 @@ use super::{Prompt, session, view};
 use crate::interrupt;
 use crate::mission::Robot;
 use crate::time::parse_duration_us;
+use crate::why::shortened;
 use anyhow::Result;
 use rpl_lang::code::GlobalKind;
 use rpl_lang::suggest::suggest;
 use rpl_runtime::system::System;
 use rpl_runtime::timeline::Past;
 use std::collections::BTreeMap;
+
+/// What `:back` takes for the place of the last failure, and `:break` for all of them.
+pub const FAILURE: &str = "failure";
 
 /// What is said where nothing is earlier.
 const START: &str = "this is the start";
@@ -34,8 +38,11 @@ fn texts(system: &System<Robot>) -> BTreeMap<String, String> {
 impl Prompt<'_> {
     pub(super) fn back(&mut self, rest: &str) -> Result<()> {
         interrupt::forget();
-        let timeline = &self.session.branch.timeline;
         let now_us = self.session.branch.system.machine.now_us;
+        if rest == FAILURE {
+            return self.back_to_failure();
+        }
+        let timeline = &self.session.branch.timeline;
         let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
             _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown, &interrupt::is_asked),
             (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown, &interrupt::is_asked),
@@ -45,9 +52,35 @@ impl Prompt<'_> {
                 }
                 timeline.at_time(now_us.saturating_sub(time_us), &interrupt::is_asked)
             }
-            _ => return self.wrong(&format!("`{rest}` is neither a number of steps nor a time such as 10s")),
+            _ => {
+                let rest = shortened(rest);
+                return self.wrong(&format!(
+                    "`{rest}` is neither a number of steps nor a time such as 10s; `:back failure` goes to the last failure"
+                ));
+            }
         };
         self.go_back(past)
+    }
+
+    /// To where the last failure was raised, with everything alive that it ended.
+    pub(super) fn back_to_failure(&mut self) -> Result<()> {
+        let Some(failure) = self.failure.clone() else {
+            return self.wrong("no form has failed yet; `:back failure` goes to where the last failure was raised");
+        };
+        let past = self.session.branch.timeline.before_failure(&failure, &interrupt::is_asked);
+        if past.is_none() && !interrupt::is_asked() {
+            return self.wrong("the last failure is none of this run, or of a form that was typed beside it");
+        }
+        let past = past.map(|mut past| {
+            // Inside the library: the form of the plan that called it.
+            if let (Some(stop), Some(span)) = (&mut past.stop, failure.span) {
+                stop.span = span;
+            }
+            past
+        });
+        self.go_back(past)?;
+        self.console.note("about to fail; `:why`, `:task` and variables tell more, `:back` goes further back");
+        Ok(())
     }
 
     pub(super) fn at(&mut self, rest: &str) -> Result<()> {

@@ -2,10 +2,11 @@
 
 use super::breakpoint::Breakpoint;
 use super::session::{Halt, Session, Until};
-use super::view::is_shown;
+use super::view::{is_hidden, is_own};
 use crate::console::Console;
 use crate::events;
 use crate::interrupt;
+use crate::situation::is_within;
 use rpl_runtime::machine::MAX_WAITING_OUTPUT;
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::timeline::Position;
@@ -69,27 +70,30 @@ impl<'a> Runner<'a> {
 
     /// Whether the run must be looked at form by form, which is slower.
     fn stops_at_forms(&self) -> bool {
-        let is_place = |breakpoint: &Breakpoint| breakpoint.condition().is_none();
         match self.until {
-            Until::Step | Until::Next | Until::Out => true,
-            Until::Place(place) if is_place(place) => true,
-            _ => self.session.breakpoints.iter().any(is_place),
+            Until::Step | Until::Into | Until::Next | Until::Out => true,
+            Until::Place(place) if place.is_place() => true,
+            Until::End | Until::Time(_) | Until::Place(_) | Until::Clock { .. } => {
+                self.session.breakpoints.iter().any(Breakpoint::is_place)
+            }
         }
     }
 
     fn halt_before(&self, stop: &Stop, start: Option<&Stop>) -> Option<Halt> {
         let system = &self.session.branch.system;
-        if !is_shown(system, stop) {
+        if is_hidden(system, stop.span) {
             return None;
         }
         let is_here = |place: &Breakpoint| place.is_at(system, stop, self.session.file.as_deref());
         let same_task = start.is_none_or(|start| start.task == stop.task);
         let was_depth = start.map_or(u32::MAX, |start| start.depth);
+        let is_wanted = is_own(system, stop.span) || start.is_some_and(|start| self.is_asked_for(start, stop));
         let has_arrived = match self.until {
-            Until::Step => true,
+            Until::Place(place) => is_here(place),
+            _ if !is_wanted => false,
+            Until::Step | Until::Into => true,
             Until::Next => same_task && stop.depth <= was_depth,
             Until::Out => same_task && stop.depth < was_depth,
-            Until::Place(place) => is_here(place),
             Until::End | Until::Time(_) | Until::Clock { .. } => false,
         };
         if has_arrived {
@@ -97,6 +101,20 @@ impl<'a> Runner<'a> {
         }
         let breakpoint = self.session.breakpoints.iter().find(|place| is_here(place))?;
         Some(Halt::Breakpoint(breakpoint.to_string()))
+    }
+
+    /// Whether the user wants to see a place in the library: somebody who went into it, goes on in
+    /// it.
+    fn is_asked_for(&self, start: &Stop, stop: &Stop) -> bool {
+        let system = &self.session.branch.system;
+        let goes_in = *self.until == Until::Into && start.task == stop.task && stop.depth > start.depth;
+        let path = |task| system.machine.tasks.find_alive(task).map(|task| system.machine.path(task));
+        let was_in = !is_own(system, start.span)
+            && match (path(start.task), path(stop.task)) {
+                (Some(start), Some(stop)) => is_within(&stop, &start) || is_within(&start, &stop),
+                _ => false,
+            };
+        goes_in || was_in
     }
 
     /// All tasks are blocked: the form has ended, or the clock moves.

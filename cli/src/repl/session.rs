@@ -3,14 +3,13 @@
 use super::breakpoint::Breakpoint;
 use super::runner::Runner;
 use crate::console::Console;
-use crate::events;
+use crate::events::{self, Told};
 use crate::failure_report::Reporter;
 use crate::files::Folder;
 use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
 use anyhow::{Result, anyhow};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::library::Rejected;
-use rpl_runtime::machine::Output;
 use rpl_runtime::session::{Answer, Submitted};
 use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
@@ -46,6 +45,8 @@ pub enum Until {
     End,
     /// To the next form, in whatever task.
     Step,
+    /// The same, also into the library, if the marked form calls it.
+    Into,
     /// To the next form of the same task that is not deeper in calls.
     Next,
     /// To the next form of the function or plan that called this one.
@@ -86,6 +87,23 @@ pub struct Aside {
     pub assigned: Vec<Symbol>,
 }
 
+/// Forms to be run.
+pub struct HandedIn {
+    /// The name errors call them by.
+    pub name: String,
+    /// The text.
+    pub text: String,
+    /// What they may load from.
+    pub folder: Folder,
+    /// The number of the text, if it was typed: its value is kept by it.
+    pub number: Option<u32>,
+}
+
+/// The variable that keeps the value of a typed text.
+pub fn kept_name(number: u32) -> String {
+    format!("_{number}")
+}
+
 /// Everything a user of the prompt has.
 pub struct Session {
     /// The history being worked on.
@@ -101,7 +119,9 @@ pub struct Session {
     /// The file that `:break LINE` means.
     pub file: Option<String>,
     folder: Folder,
-    texts: usize,
+    texts: u32,
+    /// The number of the text whose form is under way, if it was typed.
+    pub number: Option<u32>,
 }
 
 impl Session {
@@ -126,26 +146,30 @@ impl Session {
             file: None,
             folder: Folder::Disk(".".into()),
             texts: 0,
+            number: None,
         })
     }
 
-    /// Name of the next text that is typed, as errors call it.
-    pub fn next_text_name(&mut self) -> String {
+    /// The next text that is typed.
+    pub fn typed(&mut self, text: &str) -> HandedIn {
         self.texts += 1;
-        format!("<{}>", self.texts)
+        let (name, folder) = (format!("<{}>", self.texts), self.folder.clone());
+        HandedIn { name, text: text.to_string(), folder, number: Some(self.texts) }
     }
 
-    /// Hands in forms to be run. `folder` is what they may load from.
+    /// Hands in forms to be run.
     ///
     /// # Errors
     /// The findings in the text.
-    pub fn submit(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<Submitted, Rejected> {
-        let mut folder = folder.unwrap_or_else(|| self.folder.clone());
+    pub fn submit(&mut self, forms: HandedIn) -> Result<Submitted, Rejected> {
+        let HandedIn { name, text, mut folder, number } = forms;
         let branch = &mut self.branch;
-        let submitted = branch.system.submit(name, text, &mut folder)?;
+        branch.system.keep_value_as(number.map(kept_name).as_deref());
+        let submitted = branch.system.submit(&name, &text, &mut folder)?;
         branch.is_running = true;
         branch.stop = None;
         branch.timeline.handed_in(&branch.system);
+        self.number = number;
         Ok(submitted)
     }
 
@@ -154,11 +178,12 @@ impl Session {
     ///
     /// # Errors
     /// The findings in the text.
-    pub fn beside(&mut self, name: &str, text: &str, folder: Option<Folder>) -> Result<(Submitted, Aside), Rejected> {
-        let mut folder = folder.unwrap_or_else(|| self.folder.clone());
+    pub fn beside(&mut self, forms: HandedIn) -> Result<(Submitted, Aside), Rejected> {
+        let HandedIn { name, text, mut folder, number } = forms;
         let branch = &mut self.branch;
         let stop = branch.stop.as_ref();
-        let (submitted, beside) = branch.system.submit_beside(name, text, stop, &mut folder)?;
+        branch.system.keep_value_as(number.map(kept_name).as_deref());
+        let (submitted, beside) = branch.system.submit_beside(&name, &text, stop, &mut folder)?;
         while branch.system.step_beside(&beside) {}
         let answers = branch.system.take_beside_answers();
         let answer = answers.into_iter().find(|answer| answer.number == beside.number);
@@ -209,19 +234,16 @@ impl Session {
     pub fn hand_on(&mut self, console: &mut Console) -> io::Result<()> {
         let machine = &mut self.branch.system.machine;
         let (happened, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
-        if !happened.is_empty() {
-            let is_lost = self.branch.system.outside.is_lost();
-            events::lines(&happened, is_lost).iter().for_each(|line| console.note(line));
-            let log = &mut self.branch.log;
-            log.extend(happened);
-            log.drain(..log.len().saturating_sub(MOST_EVENTS));
-        }
-        for line in output {
-            match line {
-                Output::Print(text) => console.print(&text)?,
-                Output::Log(text) => console.note(&text),
+        let is_lost = !happened.is_empty() && self.branch.system.outside.is_lost();
+        for told in events::in_order(&happened, output, is_lost) {
+            match told {
+                Told::Print(text) => console.print(&text)?,
+                Told::Event(line) | Told::Log(line) => console.note(&line),
             }
         }
+        let log = &mut self.branch.log;
+        log.extend(happened);
+        log.drain(..log.len().saturating_sub(MOST_EVENTS));
         self.tell_answers(console)?;
         console.flush()
     }

@@ -12,6 +12,7 @@ use rpl_runtime::stepping::Stop;
 use rpl_runtime::system::System;
 use rpl_runtime::value::Value;
 use rpl_runtime::valve::Valve;
+use std::collections::BTreeMap;
 
 /// Lines of text shown around a form.
 const LINES_AROUND: usize = 2;
@@ -19,20 +20,22 @@ const LINES_AROUND: usize = 2;
 /// The tree of the living tasks: state, what each waits for, and the valves it holds.
 pub fn tasks(system: &System<Robot>) -> Vec<String> {
     let mut lines = Vec::new();
-    subtree(system, system.machine.main, 0, &mut lines);
+    subtree(system, &system.machine.wait_ends_us(), system.machine.main, 0, &mut lines);
     lines
 }
 
-fn subtree(system: &System<Robot>, task: u32, depth: usize, lines: &mut Vec<String>) {
-    lines.push(format!("{}{}", "  ".repeat(depth), task_line(system, task, depth == 0)));
+type WaitEnds = BTreeMap<u32, u64>;
+
+fn subtree(system: &System<Robot>, ends_us: &WaitEnds, task: u32, depth: usize, lines: &mut Vec<String>) {
+    lines.push(format!("{}{}", "  ".repeat(depth), task_line(system, ends_us, task, depth == 0)));
     for child in system.machine.children(task) {
         if !system.machine.tasks[child].state.is_dead() {
-            subtree(system, child, depth + 1, lines);
+            subtree(system, ends_us, child, depth + 1, lines);
         }
     }
 }
 
-fn task_line(system: &System<Robot>, task: u32, whole_path: bool) -> String {
+fn task_line(system: &System<Robot>, ends_us: &WaitEnds, task: u32, whole_path: bool) -> String {
     let machine = &system.machine;
     let path = machine.path(task);
     let parent = machine.path(machine.tasks[task].parent.min(machine.tasks.slots() as u32));
@@ -48,7 +51,7 @@ fn task_line(system: &System<Robot>, task: u32, whole_path: bool) -> String {
         .map(|valve| machine.symbols.name(valve.name))
         .collect();
     let holds = if held.is_empty() { String::new() } else { format!(", holds {}", held.join(" and ")) };
-    format!("{name}  {}{holds}", standing(system, task).condition())
+    format!("{name}  {}{holds}", standing(system, ends_us, task).condition(machine.now_us))
 }
 
 /// The living task that is meant by a path, by its end, or by nothing: the main task.
@@ -63,7 +66,8 @@ pub fn living(system: &System<Robot>, path: &str) -> Option<u32> {
 /// One task: path, state, form, variables.
 pub fn task(system: &System<Robot>, task: u32) -> Vec<String> {
     let machine = &system.machine;
-    let mut lines = vec![format!("{}  {}", machine.path(task), standing(system, task).condition())];
+    let condition = standing(system, &machine.wait_ends_us(), task).condition(machine.now_us);
+    let mut lines = vec![format!("{}  {condition}", machine.path(task))];
     let priority = machine.priorities.list(machine.tasks[task].priority);
     if !priority.is_empty() {
         lines.push(format!("  priority {priority:?}"));
@@ -101,6 +105,14 @@ pub fn fluents(system: &System<Robot>, word: &str) -> Vec<String> {
     lines
 }
 
+/// The value of a fluent that is defined as a global.
+pub fn fluent_value(system: &System<Robot>, global: u32) -> Option<String> {
+    match system.machine.globals.get(global as usize)? {
+        Value::Fluent(fluent) => Some(value_text(system, system.machine.fluents.get(*fluent)?.value)),
+        _ => None,
+    }
+}
+
 /// Valves, who holds them and who waits for them.
 pub fn valves(system: &System<Robot>) -> Vec<String> {
     let machine = &system.machine;
@@ -131,17 +143,22 @@ pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Texts a user does not step through: the prompt's own loop, and the macros of the library.
-const HIDDEN: &[&str] = &["session", "prelude"];
+/// The prompt's own text.
+const HIDDEN: &str = "session";
 
-/// Whether a user wants to see a stop.
+/// Whether a stop counts as a step back.
 pub fn is_shown(system: &System<Robot>, stop: &Stop) -> bool {
-    !is_hidden(system, stop.span)
+    is_own(system, stop.span)
 }
 
-/// Whether a place lies in a text that users do not step through.
+/// Whether a place lies in a text that nobody steps through.
 pub fn is_hidden(system: &System<Robot>, span: Span) -> bool {
-    HIDDEN.contains(&&*system.program.sources.get(span.source).name)
+    *system.program.sources.get(span.source).name == *HIDDEN
+}
+
+/// Whether a place lies in what was typed and loaded; the rest is the library.
+pub fn is_own(system: &System<Robot>, span: Span) -> bool {
+    span.source.0 >= system.program.library_sources && !is_hidden(system, span)
 }
 
 /// Where the stepper stands: time, task, the form in its text, and the variables around it. Lines

@@ -2,6 +2,7 @@
 
 use super::breakpoint;
 use super::command::{COMMANDS, Verb};
+use super::past::FAILURE;
 use super::session::Session;
 use crate::examples;
 use crate::reference::{self, Reference};
@@ -104,6 +105,10 @@ impl Vocabulary {
         if typed.is_empty() && word.starts_with(':') {
             return (start, fitting(COMMANDS.iter().map(|entry| entry.name), &word));
         }
+        // At the beginning of a line that goes on, everything would fit.
+        if word.is_empty() && before.rsplit_once('\n').is_some_and(|(_, line)| line.trim().is_empty()) {
+            return (start, Vec::new());
+        }
         let command = typed.split_whitespace().next().filter(|name| name.starts_with(':'));
         let verb = command.and_then(|name| COMMANDS.iter().find(|entry| entry.name == name)).map(|entry| entry.verb);
         let names = self.names.keys().chain(library.names.keys()).map(String::as_str);
@@ -112,11 +117,25 @@ impl Vocabulary {
                 let start = text.rfind(char::is_whitespace).map_or(0, |at| at + 1);
                 return (start, plans(&text[start..]));
             }
+            Some(Verb::Save) => {
+                let start = text.rfind(char::is_whitespace).map_or(0, |at| at + 1);
+                return (start, files(&text[start..]));
+            }
+            Some(Verb::Help) => {
+                let commands = COMMANDS.iter().map(|entry| entry.name);
+                let bare = commands.clone().map(|name| &name[1..]);
+                fitting(
+                    if word.starts_with(':') { commands.collect() } else { bare.collect::<Vec<_>>() }.into_iter(),
+                    &word,
+                )
+            }
             Some(Verb::Why | Verb::Task) => fitting(self.tasks.iter().map(String::as_str), &word),
             Some(Verb::Switch) => fitting(self.forks.iter().map(String::as_str), &word),
-            Some(Verb::Break | Verb::Until) if !typed.contains('(') => {
-                fitting(self.stops.iter().map(String::as_str), &word)
+            Some(Verb::Break) if !typed.contains('(') => {
+                fitting(self.stops.iter().map(String::as_str).chain([FAILURE]), &word)
             }
+            Some(Verb::Until) if !typed.contains('(') => fitting(self.stops.iter().map(String::as_str), &word),
+            Some(Verb::Back) => fitting([FAILURE].into_iter(), &word),
             _ if word.starts_with(':') => fitting(library.keywords.iter().map(String::as_str), &word),
             _ if before.ends_with('\'') => fitting(self.places.iter().map(String::as_str).chain(names), &word),
             _ => fitting(names, &word),
@@ -145,6 +164,12 @@ pub fn called(text: &str) -> Option<&str> {
 
 /// Plan files and folders that a path may go on to, and the built-in examples.
 fn plans(path: &str) -> Vec<String> {
+    let built_in = examples::names().filter(|name| name.starts_with(path)).map(str::to_string);
+    files(path).into_iter().chain(built_in).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// Plan files and folders that a path may go on to.
+fn files(path: &str) -> Vec<String> {
     let (folder, beginning) = path.rsplit_once('/').map_or(("", path), |(folder, name)| (folder, name));
     let prefix = &path[..path.len() - beginning.len()];
     let looked_at = match (folder, prefix) {
@@ -159,8 +184,7 @@ fn plans(path: &str) -> Vec<String> {
         let fits = name.starts_with(beginning) && !name.starts_with('.') && (is_folder || name.ends_with(".rpl"));
         fits.then(|| format!("{prefix}{name}{}", if is_folder { "/" } else { "" }))
     });
-    let built_in = examples::names().filter(|name| name.starts_with(path)).map(str::to_string);
-    files.chain(built_in).collect::<BTreeSet<_>>().into_iter().collect()
+    files.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 #[cfg(test)]
@@ -186,6 +210,12 @@ mod tests {
             (":why main/", "main/greet"),
             (":switch be", "before"),
             (":load deliv", "delivery.rpl"),
+            (":help contin", "continue"),
+            (":doc gre", "greet"),
+            (":back f", "failure"),
+            (":break fai", "failure"),
+            (":source wheneve", "whenever"),
+            (":edit gre", "greet"),
             ("(go-to 'mail", "mail-slots"),
             ("(run-behaviour gripper :gra", ":grasp"),
             (":step (gre", "greet"),
@@ -193,6 +223,12 @@ mod tests {
         ] {
             assert_eq!(completed(text), [expected], "{text}");
         }
+    }
+
+    #[test]
+    fn nothing_is_offered_before_the_first_word_of_a_line() {
+        assert!(completed("(list 1\n       ").is_empty());
+        assert!(completed("(list 1\n       (").len() > 100);
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub use dynamic_window::{DriveLimits, DynamicWindow, Speeds, WindowChoice, Windo
 pub use learned_map::{Grain, LearnedMap};
 pub use look_around::LookAround;
 pub use mapless::MaplessNavigation;
-pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput};
+pub use navigation::{Navigation, NavigationEvent, NavigationInput, NavigationModel, NavigationOutput, Obstruction};
 pub use obstacle_memory::ObstacleMemory;
 pub use planner::{PlannerModel, PlannerParameters};
 pub use survey::Concern;

@@ -11,10 +11,10 @@ use crate::geometry::{Point, Pose};
 use crate::localization::{Estimate, Localization, Spread};
 use crate::navigation::{
     Drive, DriveStatus, DriveTask, Grain, LookAround, MaplessNavigation, Navigation, NavigationEvent, NavigationInput,
-    Speeds, Target,
+    Obstruction, Speeds, Target,
 };
 use crate::simulator::{Commands, GripperCommand, GripperMotion, Percept};
-use crate::world::TravelMode;
+use crate::world::{Door, TravelMode, World};
 use rpl_lang::symbol::Symbol;
 use rpl_random::Stream;
 use rpl_runtime::behaviour::{Ending, Outbox, Phase, Reading, Stop};
@@ -214,8 +214,8 @@ impl Board {
             }
             Intent::Failed => {
                 self.active_phase = Phase::Done;
-                let message = "the position is still not known".to_string();
-                outbox.endings.push((ACTIVE_LOCALIZATION, Ending::Failure("localization-failure".into(), message)));
+                let ending = Ending::failure("localization-failure", "the position is still not known");
+                outbox.endings.push((ACTIVE_LOCALIZATION, ending));
                 return;
             }
         }
@@ -265,10 +265,14 @@ impl Board {
                     (Some(_), None) => "the map shows no way to the target".to_string(),
                     (None, _) => "what has been seen leaves no way to the target".to_string(),
                 };
-                Ending::Failure("unreachable".into(), message)
+                Ending::failure("unreachable", message)
             }
             Some(NavigationEvent::Blocked) => {
-                Ending::Failure("blocked".into(), "the way to the target stays blocked".into())
+                let obstruction = model.map.as_ref().and_then(|map| {
+                    let estimated_in_map = self.estimate(model).pose_in_map;
+                    self.navigation.obstruction(&map.navigation, estimated_in_map, percept.odometry_in_odom)
+                });
+                blocked(&model.world, obstruction, self.estimate(model).pose_in_map.point())
             }
             Some(NavigationEvent::TargetReached) | None => return,
         };
@@ -298,9 +302,9 @@ impl Board {
             (GripperTask::Grasp(wanted), GripperMotion::Closed, Some(held)) if wanted == held => Ending::Success,
             (GripperTask::Release, GripperMotion::Open, _) => Ending::Success,
             (GripperTask::Grasp(wanted), ..) => {
-                Ending::Failure("grasp-failure".into(), format!("the gripper does not hold `{wanted}`"))
+                Ending::failure("grasp-failure", format!("the gripper does not hold `{wanted}`"))
             }
-            (GripperTask::Release, ..) => Ending::Failure("grasp-failure".into(), "the gripper did not open".into()),
+            (GripperTask::Release, ..) => Ending::failure("grasp-failure", "the gripper did not open"),
         };
         self.gripper_task = None;
         outbox.endings.push((GRIPPER, ending));
@@ -444,6 +448,37 @@ impl Board {
             }
             _ => {}
         }
+    }
+}
+
+/// The failure that tells what blocks the way, and where; `here` is the robot's own place.
+fn blocked(world: &World, obstruction: Option<Obstruction>, here: Point) -> Ending {
+    let (what, obstacle, room, at) = match obstruction {
+        Some(Obstruction::Door(door)) => {
+            let Door { room, at, .. } = &world.doors[door];
+            let what = format!("the door of `{room}` at {:.1} {:.1} is closed, or something stands in it", at.x, at.y);
+            (what, Some("door"), Some(room.as_str()), *at)
+        }
+        Some(Obstruction::Thing(at)) => {
+            let room = world.room_at(at).map(|room| &*room.name);
+            let inside = room.map_or(String::new(), |room| format!(" in `{room}`"));
+            let what = format!("a thing or a person that is not in the map stands at {:.1} {:.1}{inside}", at.x, at.y);
+            (what, Some("thing"), room, at)
+        }
+        None => {
+            (format!("nothing is seen in it; the robot came as far as {:.1} {:.1}", here.x, here.y), None, None, here)
+        }
+    };
+    let symbol = |name: Option<&str>| name.map_or(Reading::Truth(false), |name| Reading::Symbol(name.to_string()));
+    Ending::Failure {
+        class: "blocked".to_string(),
+        message: format!("the way to the target stays blocked: {what}"),
+        slots: vec![
+            ("obstacle".to_string(), symbol(obstacle)),
+            ("room".to_string(), symbol(room)),
+            ("x".to_string(), Reading::Float(at.x)),
+            ("y".to_string(), Reading::Float(at.y)),
+        ],
     }
 }
 

@@ -3,7 +3,6 @@
 use super::scenario::Oracle;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
 use rpl_runtime::behaviour::Outbox;
-use rpl_runtime::machine::Output;
 use rpl_runtime::system::System;
 use std::sync::Arc;
 
@@ -35,8 +34,7 @@ impl SimulatedHost {
                 outbox.events.push((what, details));
             }
             for line in scenario.machine.output.drain(..) {
-                let (Output::Print(text) | Output::Log(text)) = line;
-                outbox.events.push(("scenario".into(), vec![("text".into(), text)]));
+                outbox.events.push(("scenario".into(), vec![("text".into(), line.text)]));
             }
         }
         self.model.step(&mut self.state, commands)

@@ -1,7 +1,7 @@
 //! Calls of function values, plans as data, and output.
 
 use crate::failure::Raise;
-use crate::machine::{MAX_WAITING_OUTPUT, Machine, Output};
+use crate::machine::Channel;
 use crate::native::{Call, Effect, Native, Reply};
 use crate::value::Value;
 
@@ -76,19 +76,14 @@ fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn print(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
-    put_out(call.machine, Output::Print(text));
+    call.machine.put_out(Channel::Print, text);
     Ok(Reply::Value(value))
-}
-
-fn put_out(machine: &mut Machine, output: Output) {
-    machine.output.push(output);
-    machine.scratch.switch |= machine.output.len() >= MAX_WAITING_OUTPUT;
 }
 
 fn log(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
     call.machine.trace_log(&text);
-    put_out(call.machine, Output::Log(text));
+    call.machine.put_out(Channel::Log, text);
     Ok(Reply::Value(value))
 }

@@ -58,7 +58,7 @@ impl Outside for Digger {
         *left -= 1;
         if *left == 0 {
             self.steps_left = None;
-            let rock = || Ending::Failure("blocked".into(), "a rock".into());
+            let rock = || Ending::failure("blocked", "a rock");
             outbox.endings.push((0, if self.rock { rock() } else { Ending::Success }));
         }
     }

@@ -5,7 +5,7 @@ use super::{Dice, grammar};
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::disturbance::Disturbance;
 use rpl_runtime::library::Loaded;
-use rpl_runtime::machine::{Limits, Output};
+use rpl_runtime::machine::Limits;
 use rpl_runtime::system::{Outcome, System};
 use rpl_runtime::task::State;
 use rpl_runtime::value::{TaskRef, Value};
@@ -276,7 +276,7 @@ impl Run<'_> {
         }
         let output = std::mem::take(&mut self.system.machine.output);
         for line in output {
-            let (Output::Print(line) | Output::Log(line)) = line;
+            let line = line.text;
             take_note(&mut self.entries, &line).map_err(at)?;
             // Which slot a task has is nobody's business: collections free some earlier.
             let is_about_part = matches!(line.split(' ').next(), Some("enter" | "clean" | "pass"));

@@ -4,7 +4,7 @@ use rpl_lang::symbol::Symbol;
 use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Reading, Stop};
 use rpl_runtime::failure::Raise;
 use rpl_runtime::library::Library;
-use rpl_runtime::machine::{Machine, Output};
+use rpl_runtime::machine::{Channel, Machine};
 use rpl_runtime::native::{Call, Effect, Native, Reply};
 use rpl_runtime::save::SaveOutside;
 use rpl_runtime::task::ScopeKind;
@@ -86,7 +86,7 @@ impl Outside for Whim {
                 let ending = if drawn & 0x1_0000 == 0 {
                     Ending::Success
                 } else {
-                    Ending::Failure("behaviour-failure".into(), "a whim".into())
+                    Ending::failure("behaviour-failure", "a whim")
                 };
                 outbox.endings.push((behaviour, ending));
             }
@@ -121,7 +121,7 @@ impl SaveOutside for Whim {
 
 fn say(call: &mut Call<'_, '_>, what: &str, entry: i64) -> Result<Reply, Raise> {
     let task = call.task();
-    call.machine.output.push(Output::Print(format!("{what} {entry} {} {}", task.index, task.generation)));
+    call.machine.put_out(Channel::Print, format!("{what} {entry} {} {}", task.index, task.generation));
     Ok(Reply::Value(Value::Int(entry)))
 }
 
@@ -178,7 +178,7 @@ const NATIVES: &[Native] = &[
         effect: Effect::Acts,
         code: |call| {
             let text = call.machine.show(call.around.program, call.argument(0));
-            call.machine.output.push(Output::Print(format!("note {text}")));
+            call.machine.put_out(Channel::Print, format!("note {text}"));
             Ok(Reply::Value(Value::Nil))
         },
     },

@@ -95,6 +95,26 @@ fn on_a_way_that_stays_blocked_navigation_fails_with_blocked() {
     assert_eq!(run.outcome(), "=> (nil 0)", "{}", run.trace());
 }
 
+/// r[behaviour.states]
+#[test]
+fn what_blocks_the_way_is_told_with_its_place() {
+    let told = |scenario: &str| {
+        let plan = "(with-failure-handling
+                        ((blocked (f)
+                           (print (failure-message f))
+                           (map (lambda (slot) (failure-slot f slot)) '(obstacle room x y))))
+                      (go-to-point 6.0 3.0))";
+        let run = Mission::new(test_room(), plan).with_scenario(scenario).run(1, 300.0);
+        (run.output.join("\n"), run.outcome())
+    };
+    let (message, slots) = told("(wait-time 1) (close-door! 'east)");
+    assert_eq!(slots, "=> (door east 5.0 3.0)");
+    assert!(message.contains("stays blocked: the door of `east` at 5.0 3.0 is closed"), "{message}");
+    let (message, slots) = told("(wait-time 1) (add-object! 'shelves 4.0 0.2 4.2 5.8)");
+    assert!(slots.starts_with("=> (thing west "), "{slots}");
+    assert!(message.contains("stays blocked: a thing or a person that is not in the map stands at "), "{message}");
+}
+
 /// r[behaviour.states], r[behaviour.interrupted]
 #[test]
 fn who_loses_the_wheels_gets_its_signal_when_it_runs_again() {
