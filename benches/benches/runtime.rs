@@ -211,7 +211,7 @@ fn texts(report: &Report, library: &Arc<Library>) {
             RUNS,
             || (),
             |()| {
-                let (findings, program) = library.check("bench.rpl", &text, &mut rpl_lang::compile::NoFiles);
+                let (findings, program) = library.check("bench.rpl", &text, None, &mut rpl_lang::compile::NoFiles);
                 assert!(findings.is_empty(), "{}", rpl_lang::diagnostic::render(&findings, &program.sources, false));
                 program
             },

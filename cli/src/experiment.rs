@@ -220,6 +220,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
     match experiment.report {
         Report::Barn => barn::row_names(),
         Report::Worlds => catalogue::WORLDS.to_vec(),
+        Report::Doors => doors::WORLDS.to_vec(),
         Report::Sensing => sensing::row_names(),
         Report::Success | Report::Comparison | Report::Calibration | Report::Choices => {
             experiment.rows.iter().map(|row| row.name).collect()

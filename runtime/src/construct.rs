@@ -200,7 +200,9 @@ impl Machine {
         match value {
             Value::Int(number) => Ok(number),
             // A float counts as its integer, which must be exact.
-            Value::Float(number) if libm::trunc(number) == number && number.abs() < 2f64.powi(53) => Ok(number as i64),
+            Value::Float(number) if libm::trunc(number) == number && number.abs() < (1_u64 << 53) as f64 => {
+                Ok(number as i64)
+            }
             _ => Err(self.wrong_type("the priority of `with-priority`", Kind::Integer.noun(), value)),
         }
     }

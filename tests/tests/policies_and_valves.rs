@@ -228,12 +228,16 @@ fn a_resume_does_not_undo_a_pre_emption() {
 fn a_priority_is_a_list_of_whole_numbers() {
     check(
         "(def-fluent go nil)
-         (par (with-priority 1.2 (wait-for go) (print 'first))
-              (with-priority 1.9 (wait-for go) (print 'second))
+         (par (with-priority 1.0 (wait-for go) (print 'first))
+              (with-priority 1 (wait-for go) (print 'second))
               (with-priority 1 (with-priority 1 (wait-for go) (print 'deeper)))
               (with-priority 1 (with-priority -1 (wait-for go) (print 'below)))
               (seq (wait-time 1) (setf (value go) t)))",
         "deeper\nfirst\nsecond\nbelow\n=> t",
+    );
+    check(
+        "(with-failure-handling ((type-error () (print 'refused))) (with-priority 1.5 (print 'ran)))",
+        "refused\n=> refused",
     );
     // What is missing counts 0: the plain child began to wait first.
     check(

@@ -13,7 +13,7 @@ use rpl_robot::office::OfficeRobot;
 use rpl_robot::world::{Place, World};
 
 /// The worlds with doors between their places.
-const WORLDS: [&str; 10] = [
+pub(super) const WORLDS: [&str; 10] = [
     "long-corridor",
     "two-wings",
     "flat",
@@ -119,6 +119,6 @@ mod tests {
         let world = World::builtin("test-room").expect("built in");
         let through = [Point::new(1.5, 3.0), Point::new(4.0, 3.1), Point::new(6.0, 3.0)];
         assert_eq!(doors_on(&world, &through), [0]);
-        assert_eq!(doors_on(&world, &through[..2]), []);
+        assert_eq!(doors_on(&world, &through[..2]), [0_usize; 0]);
     }
 }

@@ -196,7 +196,7 @@ fn marked(sources: &Sources, span: Span, colour: bool, width: usize) -> Vec<Stri
     let text = &sources.get(span.source).text;
     let (first, _) = sources.line_column(Span { end: span.start, ..span });
     let (start, end) = (span.start as usize, span.end as usize);
-    let last = first + text.get(start..end).map_or(0, |form| count_line_ends(form)).min(LINES_AROUND);
+    let last = first + text.get(start..end).map_or(0, count_line_ends).min(LINES_AROUND);
     let mut lines = Vec::new();
     for (index, (line_start, line)) in source::lines(text).enumerate() {
         let number = index + 1;
