@@ -7,6 +7,10 @@ use crate::world::{Origin, Rect};
 
 const CELL_M: f64 = 1.0;
 
+/// More walls than this are not asked what they hide from one cell: asking takes the product of walls
+/// and surfaces.
+const MOST_HIDING: usize = 256;
+
 /// Lists of surface indices per cell, row-major, flattened.
 #[derive(Debug)]
 pub(super) struct Candidates {
@@ -141,18 +145,33 @@ impl Candidates {
     }
 }
 
-/// Leaves out what no point of a cell can see.
+/// Leaves out what no point of a cell can see. Cost: what is near, times at most [`MOST_HIDING`].
 fn keep_seen(near: &mut Vec<u32>, surfaces: &[Surface], cell: &Rect) {
-    let walls: Vec<Form> = near
-        .iter()
-        .map(|index| &surfaces[*index as usize])
-        .filter(|wall| may_hide(wall))
-        .map(|wall| wall.form)
-        .collect();
+    let walls = hiding(near, surfaces);
     near.retain(|index| {
         let form = &surfaces[*index as usize].form;
         corners(cell).iter().any(|corner| form.faces(*corner)) && !walls.iter().any(|wall| hides(wall, form, cell))
     });
+}
+
+/// The walls that may hide something, of many the longest: what is not left out is only looked at in
+/// vain.
+fn hiding(near: &[u32], surfaces: &[Surface]) -> Vec<Form> {
+    let walls = near.iter().map(|index| &surfaces[*index as usize]).filter(|wall| may_hide(wall));
+    let mut walls: Vec<Form> = walls.map(|wall| wall.form).collect();
+    if walls.len() > MOST_HIDING {
+        walls.sort_by(|a, b| length2_m2(b).total_cmp(&length2_m2(a)));
+        walls.truncate(MOST_HIDING);
+    }
+    walls
+}
+
+/// The square of the length of an edge.
+fn length2_m2(form: &Form) -> f64 {
+    match form {
+        Form::Edge { a, b } => (b - a).norm_squared(),
+        Form::Disc { .. } => 0.0,
+    }
 }
 
 fn corners(rect: &Rect) -> [Point; 4] {
@@ -168,11 +187,7 @@ fn may_be_within(form: &Form, cell: &Rect, reach_m: f64) -> bool {
 /// Whether it is worth asking what a surface hides: only walls never go away, and one much shorter
 /// than a cell hides next to nothing from all of the cell.
 fn may_hide(surface: &Surface) -> bool {
-    let length2 = match surface.form {
-        Form::Edge { a, b } => (b - a).norm_squared(),
-        Form::Disc { .. } => 0.0,
-    };
-    surface.origin == Origin::Wall && length2 >= CELL_M * CELL_M / 4.0
+    surface.origin == Origin::Wall && length2_m2(&surface.form) >= CELL_M * CELL_M / 4.0
 }
 
 /// Whether a wall's edge hides the whole surface from the whole cell. If every corner of the cell
@@ -237,6 +252,18 @@ mod tests {
                 assert_eq!(list, near.map(|at| at as u32).collect::<Vec<_>>(), "cell {index}");
             }
         }
+    }
+
+    #[test]
+    fn of_very_many_walls_only_the_longest_are_asked_what_they_hide() {
+        let bounds = Rect { min: Point::origin(), max: Point::new(4.0, 4.0) };
+        let surfaces = surfaces(4_000, bounds);
+        let near: Vec<u32> = (0..4_000).collect();
+        let asked = hiding(&near, &surfaces);
+        let shortest = asked.iter().map(length2_m2).fold(f64::INFINITY, f64::min);
+        let longer = surfaces.iter().filter(|wall| length2_m2(&wall.form) > shortest).count();
+        assert_eq!((asked.len(), longer), (MOST_HIDING, MOST_HIDING - 1));
+        assert!(hiding(&near[..100], &surfaces).len() <= 100);
     }
 
     #[test]
