@@ -286,6 +286,8 @@ pub struct Construct {
     pub argument: Reg,
     /// Whether the argument is a priority to append.
     pub with_priority: bool,
+    /// Whether a timeout counts only the time in which the body is not suspended.
+    pub active: bool,
 }
 
 /// The parameters of a function.

@@ -185,7 +185,7 @@ pub fn rule_of(head: Option<&str>, shape: Shape, body_of: impl Fn(&str) -> Optio
 /// Whether the word makes the item after it part of itself: a keyword, or the `until` and `while`
 /// of these loops.
 pub fn is_label(head: Option<&str>, word: &str) -> bool {
-    word.starts_with(':') && word.len() > 1
+    word.starts_with(':') && word.len() > 1 && !(head == Some("with-timeout") && word == ":active")
         || matches!(head, Some("loop" | "n-times")) && matches!(word, "until" | "while")
 }
 

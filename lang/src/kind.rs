@@ -54,6 +54,7 @@ const WORDS: &[(Kind, &[&str])] = &[
             "arguments",
             "b",
             "by-pairs",
+            "clock",
             "datum",
             "default",
             "former",

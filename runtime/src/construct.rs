@@ -1,5 +1,6 @@
 //! Constructs of concurrent children: one primitive, and a rule that looks at how each child ends.
 
+use crate::active_time::ActiveTime;
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::scheduler::Alarm;
@@ -111,6 +112,7 @@ impl Machine {
             held: Vec::new(),
             seconds: argument.and_then(Value::as_f64).unwrap_or(0.0),
             timer: 0,
+            active: due_us.filter(|_| construct.active).map(ActiveTime::Due),
             expired: false,
         };
         self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
@@ -143,6 +145,7 @@ impl Machine {
         }
         if let Some(due_us) = due_us {
             self.set_deadline(parent, scope, due_us);
+            self.children_of_scope(parent, scope).into_iter().for_each(|body| self.turn_clocks(body));
         }
         Ok(None)
     }

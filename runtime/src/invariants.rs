@@ -95,6 +95,7 @@ impl Machine {
     }
 
     fn check_waiting(&self, index: u32, task: &Task) -> Check {
+        ensure(self.clocks_are_right(index), || "counts time worked while it is suspended, or does not".into())?;
         match task.waiting {
             Waiting::Fluent { fluent, .. } => {
                 let Some(entry) = self.fluents.get(fluent) else {

@@ -7,6 +7,7 @@
 //! Read in this order: [`value`], [`heap`], [`task`], [`machine`], `exec`, `construct`, `unwind`,
 //! [`fluent`], [`valve`], [`behaviour`], [`system`].
 
+pub mod active_time;
 pub mod behaviour;
 pub mod beside;
 mod construct;

@@ -13,6 +13,7 @@
 //! `suspended` is not a state of its own here but a count ([`Rare::stop`]) over any living state: a task
 //! runs when its own suspensions and its ancestors' are zero.
 
+use crate::active_time::ActiveTime;
 use crate::registers::{RegisterStore, Registers};
 use crate::slab::Slab;
 use crate::value::{TaskRef, Value};
@@ -238,8 +239,10 @@ pub struct Children {
     pub held: Vec<Held>,
     /// For a timeout: seconds, and the number of its timer.
     pub seconds: f64,
-    /// The timer of a timeout.
+    /// The timer of a timeout; 0 while there is none.
     pub timer: u64,
+    /// For a timeout of time worked.
+    pub active: Option<ActiveTime>,
     /// The deadline came while the task was suspended; it takes effect at the resume.
     pub expired: bool,
 }
@@ -345,6 +348,8 @@ pub struct Rare {
     pub evaporation_pending: bool,
     /// A departure that waits for children or for the next run.
     pub leaving: Option<Leaving>,
+    /// It waits for a time worked.
+    pub active_wait: Option<ActiveTime>,
 }
 
 /// A stack that takes one word while it is empty.

@@ -310,7 +310,11 @@ impl Machine {
                     entry.waits = false;
                 }
             }
-            Waiting::Time => self.forget_timer(),
+            Waiting::Time => {
+                if self.end_timed_wait(task) {
+                    self.forget_timer();
+                }
+            }
             Waiting::Valve(valve) => self.leave_valve_line(task, valve),
             Waiting::Death(other) => {
                 if self.tasks.get(other).is_some() {
@@ -397,6 +401,7 @@ impl Machine {
             if task == self.current {
                 self.scratch.switch = true;
             }
+            self.turn_clocks(task);
             self.note_status(task);
             waiting.extend(self.suspended_with(task).into_iter().rev());
         }
@@ -411,6 +416,7 @@ impl Machine {
             if !was_queued {
                 self.queue(task, false);
             }
+            self.turn_clocks(task);
             if self.tasks[task].stop() == 0 {
                 self.trace_resumed(task);
                 resumed.push(self.tasks.reference(task));
@@ -455,6 +461,9 @@ impl Machine {
 
     /// A clean-up or departure of a task has ended: what waited for that goes on.
     pub(crate) fn protection_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        if !self.tasks[task].state.is_dead() {
+            self.turn_clocks(task);
+        }
         let mut at = task;
         while self.waits_for_rest > 0 && at != NONE {
             let has_resters = self.tasks[at].rare.as_ref().is_some_and(|rare| !rare.resters.is_empty());

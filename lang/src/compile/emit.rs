@@ -798,6 +798,7 @@ impl Emitter<'_, '_> {
             order: construct.order.clone(),
             argument,
             with_priority: construct.with_priority,
+            active: construct.active,
         });
         self.constructs.len() as u32 - 1
     }

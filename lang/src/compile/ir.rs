@@ -146,6 +146,7 @@ pub(crate) struct ConstructIr {
     pub(crate) order: Vec<(u16, u16)>,
     pub(crate) argument: Option<Box<Ir>>,
     pub(crate) with_priority: bool,
+    pub(crate) active: bool,
 }
 
 /// The kinds of scope a body can run in, on its own task.

@@ -51,6 +51,7 @@ impl Compiler<'_> {
             order: Vec::new(),
             argument: argument.map(Box::new),
             with_priority: false,
+            active: false,
         };
         Ir { span, kind: IrKind::Construct(Box::new(construct)) }
     }
@@ -146,7 +147,8 @@ impl Compiler<'_> {
 
     fn construct(&mut self, rule: Rule, children: Vec<ChildIr>, order: Vec<(u16, u16)>, span: Span) -> Ir {
         let name = self.symbols.intern(rule.name());
-        let construct = ConstructIr { rule, name, children, order, argument: None, with_priority: false };
+        let construct =
+            ConstructIr { rule, name, children, order, argument: None, with_priority: false, active: false };
         Ir { span, kind: IrKind::Construct(Box::new(construct)) }
     }
 
@@ -221,6 +223,7 @@ impl Compiler<'_> {
             order: Vec::new(),
             argument: None,
             with_priority: false,
+            active: false,
         };
         Ir { span, kind: IrKind::ConstructMap(Box::new(construct), Box::new(list)) }
     }
@@ -237,11 +240,15 @@ impl Compiler<'_> {
         self.construct(Rule::Policy, vec![policy, primary], Vec::new(), span)
     }
 
-    /// `(with-timeout SECONDS FORM...)`, `(with-priority NUMBER FORM...)`
+    /// `(with-timeout SECONDS [:active] FORM...)`, `(with-priority NUMBER FORM...)`
     fn with_argument(&mut self, rule: Rule, name: &str, rest: &[NodeId], span: Span) -> Ir {
-        let Some((&argument, body)) = rest.split_first() else {
+        let Some((&argument, mut body)) = rest.split_first() else {
             return self.malformed(span, &format!("`({name} NUMBER FORM...)`"));
         };
+        let is_active = rule == Rule::Timeout && body.first().is_some_and(|&first| self.is_keyword(first, "active"));
+        if is_active {
+            body = &body[1..];
+        }
         // What else is a unit may be a name of the plan, and the body.
         self.refuse_unit_apart(rest, &["min"]);
         let argument = self.resolve(argument);
@@ -250,6 +257,7 @@ impl Compiler<'_> {
         let mut ir = self.single(rule, name, child, Some(argument), span);
         if let IrKind::Construct(construct) = &mut ir.kind {
             construct.with_priority = rule == Rule::Single;
+            construct.active = is_active;
         }
         ir
     }
@@ -267,6 +275,7 @@ impl Compiler<'_> {
             order: Vec::new(),
             argument: None,
             with_priority: false,
+            active: false,
         };
         Ir { span, kind: IrKind::Spawn(Box::new(construct)) }
     }

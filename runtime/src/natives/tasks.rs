@@ -86,8 +86,8 @@ pub(super) const NATIVES: &[Native] = &[
     },
     Native {
         name: "wait-time",
-        parameters: "seconds",
-        doc: "Blocks for a time; 0 goes to the end of the line of its priority.",
+        parameters: "seconds &optional clock",
+        doc: "Blocks for a time; 0 goes to the end of the line of its priority. With `:active` behind it only the time counts in which the task is not suspended.",
         effect: Effect::Waits,
         code: wait_time,
     },
@@ -190,14 +190,29 @@ fn wait_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         let (what, found) = (call.which(0), call.machine.described(call.argument(0)));
         return Err(Raise::type_error(format!("{what} must not be negative, and it is {found}")));
     }
+    let is_active = counts_active(call)?;
     let current = call.machine.current;
     call.machine.tasks[current].waiting = Waiting::Time;
     if seconds == 0.0 {
         call.machine.give_way(current);
+    } else if is_active {
+        call.machine.wait_active(current, due_us);
     } else {
         call.machine.set_wake_timer(current, due_us);
     }
     Ok(Reply::Wait)
+}
+
+/// Whether a wait counts only the time worked.
+fn counts_active(call: &Call<'_, '_>) -> Result<bool, Raise> {
+    match call.arguments.get(1) {
+        None => Ok(false),
+        Some(&Value::Keyword(clock)) if call.machine.symbols.name(clock) == "active" => Ok(true),
+        Some(&other) => {
+            let (what, found) = (call.which(1), call.machine.described(other));
+            Err(Raise::type_error(format!("{what} can only be `:active`, and it is {found}")))
+        }
+    }
 }
 
 fn at_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -177,7 +177,8 @@ impl Writer {
     fn leaf(&mut self, place: &Place) -> String {
         let (fluent, time, valve) = (self.dice.pick(FLUENTS), self.dice.pick(TIMES), self.dice.pick(VALVES));
         match self.below(34) {
-            0..=6 => format!("(wait-time {time})"),
+            0..=5 => format!("(wait-time {time})"),
+            6 => format!("(wait-time {time} :active)"),
             7 | 8 => format!("(setf (value {fluent}) {})", self.dice.pick(&["t", "nil", "nil", "1", "(+ n 2)"])),
             9 | 10 => format!("(pulse {fluent})"),
             11 => format!("(wait-for {})", self.condition()),
@@ -261,7 +262,8 @@ impl Writer {
                 let policies = [self.form(&place.in_task()), self.form(&place.in_task())];
                 format!("(with-policies ({}) {})", policies.join(" "), self.forms(&place.in_task(), 2))
             }
-            17 | 18 => format!("(with-timeout {time} {})", self.forms(&place.in_task(), 2)),
+            17 => format!("(with-timeout {time} {})", self.forms(&place.in_task(), 2)),
+            18 => format!("(with-timeout {time} :active {})", self.forms(&place.in_task(), 2)),
             19 => {
                 let number = self.dice.pick(&["-1", "1", "2", "n"]);
                 format!("(with-priority {number} {})", self.forms(&place.in_task(), 2))
