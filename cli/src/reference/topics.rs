@@ -116,7 +116,8 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "plans",
         "The robot's plans",
-        "go-to go-to-point fetch pick-up put-down bring deliver look-until-sure relocalize-when-necessary",
+        "go-to go-to-point fetch pick-up pick-up-again is-spot-at? put-down bring deliver look-until-sure \
+         relocalize-when-necessary",
     ),
     topic(
         "behaviours",

@@ -75,6 +75,8 @@ pub const ROBOT_NAMES: &[&str] = &[
     "go-to",
     "go-to-point",
     "pick-up",
+    "pick-up-again",
+    "is-spot-at?",
     "fetch",
     "put-down",
     "look-until-sure",
