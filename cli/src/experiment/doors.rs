@@ -1,11 +1,10 @@
 //! Deliveries on whose way a door is closed for a while, world by world.
 
-use super::Arguments;
 use super::trial::{Goal, Trial};
 use super::worlds::{self, DRAWS, Ground, draw_place, draw_start, no_errand, robot_at, run_errand};
+use super::{Arguments, Findings};
 use crate::console::Console;
 use crate::files::{Folder, PlanText};
-use crate::status::Status;
 use anyhow::{Result, bail};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
@@ -14,7 +13,7 @@ use rpl_robot::office::OfficeRobot;
 use rpl_robot::world::{Place, World};
 
 /// The worlds with doors between their places.
-const WORLDS: [&str; 10] = [
+pub(super) const WORLDS: [&str; 10] = [
     "long-corridor",
     "two-wings",
     "flat",
@@ -48,7 +47,7 @@ struct Errand<'w> {
 ///
 /// # Errors
 /// No row has the name, a run cannot be driven, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
     worlds::run_in(arguments, console, &WORLDS, deliver)
 }
 
