@@ -78,10 +78,7 @@ fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &m
     }
     if standing.is_suspended {
         taken(situation, task, depth + 1, lines);
-        for by in &standing.suspended_by {
-            say(lines, depth + 1, "it is suspended by");
-            waits(situation, by, "", depth + 2, lines);
-        }
+        suspended(situation, task, standing, depth + 1, lines);
         // Its hooks and clean-ups run on.
         let is_busy = |child: &&str| situation.tasks.get(*child).is_some_and(|child| !child.is_suspended);
         let children = situation.children(task);
@@ -118,6 +115,19 @@ fn taken(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String
             let by = situation.tasks.get(by).map_or(by, |holder| &holder.path);
             say(lines, depth, &format!("{name} was taken from it by {by}"));
         }
+    }
+}
+
+/// The tasks that suspended a task, and what those wait for in turn.
+fn suspended(situation: &Situation, task: &str, standing: &Standing, depth: usize, lines: &mut Vec<String>) {
+    let by: Vec<&String> = standing.suspended_by.iter().filter(|by| situation.tasks.contains_key(*by)).collect();
+    for by in &by {
+        say(lines, depth, "it is suspended by");
+        waits(situation, by, "", depth + 1, lines);
+    }
+    let mut taken = situation.valves.values().flat_map(|valve| &valve.taken);
+    if by.is_empty() && !taken.any(|(root, _)| is_within(task, root)) {
+        say(lines, depth, "it was suspended by `suspend`, or a task above it was; `resume` lets it go on");
     }
 }
 

@@ -111,7 +111,17 @@ fn exit_statuses_tell_how_a_plan_ended() {
         output(&[&["run", &plan], more].concat())
     };
     let found = run("good.rpl", "(print \"a\") (wait-time 5) (print (now))", &[]);
-    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("a\n5.0\n", "", 0));
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("a\n5.0\n", "value: 5.0\n", 0));
+    let quiet = run("good.rpl", "(log 'logged) (wait-time 5) (log 'later) (list 1 \"two\")", &["-q"]);
+    assert_eq!((stdout(&quiet), stderr(&quiet)), ("", "0.0 s  logged\n5.0 s  later\n"));
+    let nothing = run("nothing.rpl", "(print \"a\") nil", &[]);
+    assert_eq!((stdout(&nothing), stderr(&nothing)), ("a\n", ""));
+    let long = run("long.rpl", "(let ((l nil)) (dotimes (i 2000) (push i l)) l)", &[]);
+    assert!(
+        stderr(&long).len() < 600 && stderr(&long).contains("characters; `--json` has them all)"),
+        "{}",
+        stderr(&long)
+    );
     let found = run("fails.rpl", "(fail \"no ~a\" 'luck)", &[]);
     assert_eq!(status(&found), 1);
     assert!(stderr(&found).contains("plan-failure: no luck"), "{}", stderr(&found));
@@ -308,7 +318,7 @@ fn a_plan_loads_files_beside_it_and_none_outside() {
     plan(&folder, "main/four.rpl", "(defvar four 4)");
     let good = plan(&folder, "main/good.rpl", "(load \"parts/two.rpl\") (print (list two three four))");
     let found = output(&["run", &good]);
-    assert_eq!((stdout(&found), stderr(&found)), ("(2 3 4)\n", ""));
+    assert_eq!((stdout(&found), stderr(&found)), ("(2 3 4)\n", "value: (2 3 4)\n"));
     let here = rpl(&["run", "good.rpl"]).current_dir(folder.join("main")).output().expect("the command runs");
     assert_eq!(stdout(&here), "(2 3 4)\n");
     let absolute = folder.join("secret.rpl").display().to_string();

@@ -151,6 +151,12 @@ fn going_back_before_the_start_stops_at_the_start() {
 }
 
 #[test]
+fn going_back_no_step_changes_nothing() {
+    let shown = session(&["repl"], "(defvar n 1)\n(wait-time 5)\n(setf n 2)\n:back 0\n(list n (now))\n");
+    assert_eq!((shown.errors.as_str(), shown.out.as_str()), ("", "1\nnil\n2\n5.000 s\n(2 5.0)\n"));
+}
+
+#[test]
 fn going_back_by_a_time_before_the_start_stops_at_the_start() {
     let shown = session(&["repl"], "(wait-time 5)\n:back 10s\n(now)\n");
     assert_eq!((shown.errors.as_str(), shown.out.as_str()), ("this is the start\n", "nil\n0.000 s\n0.0\n"));
@@ -327,8 +333,12 @@ fn no_command_ends_the_prompt_but_quit_whatever_stands_behind_it() {
             let lines: String =
                 commands.iter().flat_map(|command| wrong().map(move |word| format!("{command} {word}\n"))).collect();
             let folder = folder("wrong-arguments");
-            let shown =
-                session_in(&folder, "false", arguments, &format!("{begin}{lines}:abort\n(list 'still alive)\n:quit\n"));
+            let shown = session_in(
+                &folder,
+                "false",
+                arguments,
+                &format!("{begin}{lines}:abort\n(list 'still 'alive)\n:quit\n"),
+            );
             assert!(
                 shown.out.ends_with("(still alive)\n"),
                 "{}",
@@ -521,6 +531,11 @@ fn stepping_goes_over_the_library_unless_it_is_asked_into_it() {
     let into = session(&["repl"], &format!("{begin}:into\n:next\n:out\n:continue\n"));
     assert!(into.out.matches("  prelude:").count() >= 2, "{}", into.out);
     assert!(into.out.ends_with("(1 2)\n"), "{}", into.out);
+    let stopped = session(
+        &["repl"],
+        "(defun pick (x) (if x (print 'one) (print 'two)))\n:break pick\n(list (pick 1) (pick nil))\n:continue\n:continue\n",
+    );
+    assert_eq!(stopped.errors.matches("stopped at pick").count(), 2, "whichever form comes first: {}", stopped.errors);
     let stopped = session(&["repl"], ":break map\n(map #'car '((1)))\n:continue\n");
     assert!(stopped.errors.contains("stopped at map"), "{}", stopped.errors);
 }
@@ -543,7 +558,7 @@ fn who_suspended_a_task_and_until_when_one_waits_is_told() {
         assert!(shown.out.contains(text), "{text}{}", shown.out);
     }
     let last = shown.out.rfind("main/spawn  suspended").expect("it is told");
-    assert!(shown.out[last..].contains("  it is suspended by\n    main  "), "{}", shown.out);
+    assert!(shown.out[last..].contains("  it was suspended by `suspend`, or a task above it was"), "{}", shown.out);
 }
 
 #[test]

@@ -165,6 +165,9 @@ impl<O: Outside + Clone> Timeline<O> {
         is_shown: impl Fn(&System<O>, &Stop) -> bool,
         is_given_up: &dyn Fn() -> bool,
     ) -> Option<Past<O>> {
+        if steps == 0 {
+            return self.at(position, is_given_up);
+        }
         for (index, copy) in self.copies.iter().enumerate().rev() {
             if copy.segment > position.segment {
                 continue;
@@ -273,9 +276,13 @@ impl<O: Outside + Clone> Timeline<O> {
         }
         let mut at_form = start.system;
         let forms = stops_until(&at_form, System::step_form, has_it, is_given_up)?;
-        go_over(&mut at_form, System::step_form, forms);
+        let last_form = go_over(&mut at_form, System::step_form, forms);
         let instructions = stops_until(&at_form, System::step_instruction, has_it, is_given_up)?;
-        let stop = go_over(&mut at_form, System::step_instruction, instructions);
+        let stop = go_over(&mut at_form, System::step_instruction, instructions).or(last_form);
+        // A task that is woken with the failure stands before no form.
+        let machine = &at_form.machine;
+        let path = |stop: &Stop| machine.tasks.find_alive(stop.task).map(|task| machine.path(task));
+        let stop = stop.filter(|stop| path(stop).as_ref() == Some(&failure.path));
         discard(&mut at_form);
         // It stands behind the last form, and that one counts as a step back.
         Some(Past { system: at_form, position: Position { segment, step: forms + 1 }, stop })

@@ -14,8 +14,8 @@ use rustyline::hint::Hinter;
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
 use rustyline::{
-    Cmd, ColorMode, CompletionType, ConditionalEventHandler, Config, Context, Event, EventContext, EventHandler,
-    ExternalPrinter, Helper, KeyCode, KeyEvent, Modifiers, Movement, RepeatCount,
+    CharSearch, Cmd, ColorMode, CompletionType, ConditionalEventHandler, Config, Context, Event, EventContext,
+    EventHandler, ExternalPrinter, Helper, KeyCode, KeyEvent, Modifiers, Movement, RepeatCount,
 };
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -148,8 +148,8 @@ struct JoinLines;
 
 impl ConditionalEventHandler for JoinLines {
     fn handle(&self, _: &Event, _: RepeatCount, _: bool, context: &EventContext<'_>) -> Option<Cmd> {
-        let back = lines::indentation_before(context.line(), context.pos())?;
-        Some(Cmd::Kill(Movement::BackwardChar(u16::try_from(back).ok()?)))
+        let is_before_word = lines::is_in_indentation(context.line(), context.pos());
+        is_before_word.then_some(Cmd::Kill(Movement::ViCharSearch(1, CharSearch::Backward('\n'))))
     }
 }
 

@@ -30,12 +30,11 @@ pub fn is_command(text: &str) -> bool {
     text.trim_start().starts_with(':')
 }
 
-/// How many characters stand before the cursor back to the end of the line before, if nothing but
-/// indentation does.
-pub fn indentation_before(text: &str, cursor: usize) -> Option<usize> {
-    let start = line_starts(text).into_iter().rfind(|&start| start <= cursor)?;
-    let before = text.get(start..cursor)?;
-    (!before.is_empty() && before.chars().all(|c| c == ' ')).then(|| before.len() + 1)
+/// Whether nothing but indentation stands before the cursor on a line behind the first.
+pub fn is_in_indentation(text: &str, cursor: usize) -> bool {
+    let start = line_starts(text).into_iter().rfind(|&start| start <= cursor);
+    let before = start.and_then(|start| text.get(start..cursor));
+    before.is_some_and(|before| !before.is_empty() && before.chars().all(|c| c == ' '))
 }
 
 /// The text without the margins: where all lines have one, which pasted lines may lack.
@@ -110,10 +109,11 @@ mod tests {
     }
 
     #[test]
-    fn indentation_is_taken_away_as_one() {
+    fn indentation_is_what_stands_before_the_first_word() {
         let text = "(list 1\n       ";
-        assert_eq!(indentation_before(text, text.len()), Some(8));
-        assert_eq!(indentation_before("(list 1\n  2", 11), None);
-        assert_eq!(indentation_before("(list", 5), None);
+        assert!(is_in_indentation(text, text.len()));
+        assert!(!is_in_indentation("(list 1\n  2", 11));
+        assert!(!is_in_indentation("(list", 5));
+        assert!(!is_in_indentation("(list \"a\n  ", 12), "in a string every space counts");
     }
 }

@@ -156,8 +156,19 @@ impl Prompt<'_> {
         let text = files::text_of(bytes).map_err(|reason| anyhow::anyhow!("cannot read standard input: {reason}"))?;
         let mut waiting = String::new();
         for line in text.lines() {
+            let is_command = line.trim_start().starts_with(':');
+            // A comment belongs to the form below it, unless a line is left empty between them.
+            if is_blank(&waiting) && (is_command || line.trim().is_empty()) {
+                waiting.clear();
+            }
+            if waiting.is_empty() && line.trim().is_empty() {
+                continue;
+            }
             waiting.push_str(line);
             waiting.push('\n');
+            if is_blank(&waiting) {
+                continue;
+            }
             let is_command = waiting.trim_start().starts_with(':');
             if !is_command && completeness(&waiting) != Completeness::Complete {
                 continue;

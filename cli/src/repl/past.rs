@@ -45,6 +45,7 @@ impl Prompt<'_> {
         let timeline = &self.session.branch.timeline;
         let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
             _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown, &interrupt::is_asked),
+            (Ok(0), _) => return self.show_stop(),
             (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown, &interrupt::is_asked),
             (_, Ok(time_us)) => {
                 if time_us > now_us {

@@ -7,9 +7,11 @@ use crate::console::Console;
 use crate::events;
 use crate::interrupt;
 use crate::situation::is_within;
+use rpl_lang::source::Span;
 use rpl_runtime::machine::MAX_WAITING_OUTPUT;
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::timeline::Position;
+use std::collections::BTreeMap;
 use std::io;
 use std::time::Instant;
 
@@ -20,12 +22,14 @@ pub struct Runner<'a> {
     console: &'a mut Console,
     /// Since when the present instant is computed.
     computed: Instant,
+    /// How deep in calls, and in which body, each task stood when it was looked at last.
+    looked_at: BTreeMap<(u32, u32), (u32, Span)>,
 }
 
 impl<'a> Runner<'a> {
     /// Of a session, that has stood still until now.
     pub fn new(session: &'a mut Session, until: &'a Until, console: &'a mut Console) -> Self {
-        Self { session, until, console, computed: Instant::now() }
+        Self { session, until, console, computed: Instant::now(), looked_at: BTreeMap::new() }
     }
 
     /// Goes on until there is a reason to stand still.
@@ -34,6 +38,9 @@ impl<'a> Runner<'a> {
     /// Standard output is closed.
     pub fn run(&mut self) -> io::Result<Halt> {
         let start = self.session.branch.stop.take();
+        if let Some(start) = &start {
+            self.enters(start);
+        }
         let stops_at_forms = self.stops_at_forms();
         interrupt::forget();
         loop {
@@ -50,8 +57,9 @@ impl<'a> Runner<'a> {
                 self.session.hand_on(self.console)?;
             }
             match stepped {
-                Stepped::Before(stop) => {
+                Stepped::Before(mut stop) => {
                     self.session.branch.timeline.position.step += 1;
+                    stop.is_entry = self.enters(&stop);
                     if let Some(halt) = self.halt_before(&stop, start.as_ref()) {
                         self.session.branch.stop = Some(stop);
                         self.session.hand_on(self.console)?;
@@ -77,6 +85,15 @@ impl<'a> Runner<'a> {
                 self.session.breakpoints.iter().any(Breakpoint::is_place)
             }
         }
+    }
+
+    /// Whether a task has just come into the body it stands in: by a call, which is deeper, or by one
+    /// in tail position, which is as deep. Which of its forms comes first depends on conditions.
+    fn enters(&mut self, stop: &Stop) -> bool {
+        let task = (stop.task.index, stop.task.generation);
+        let before = self.looked_at.insert(task, (stop.depth, stop.body));
+        let is_called = |(depth, body): (u32, Span)| depth < stop.depth || depth == stop.depth && body != stop.body;
+        stop.is_entry || before.is_some_and(is_called)
     }
 
     fn halt_before(&self, stop: &Stop, start: Option<&Stop>) -> Option<Halt> {
@@ -107,7 +124,8 @@ impl<'a> Runner<'a> {
     /// it.
     fn is_asked_for(&self, start: &Stop, stop: &Stop) -> bool {
         let system = &self.session.branch.system;
-        let goes_in = *self.until == Until::Into && start.task == stop.task && stop.depth > start.depth;
+        let is_called = stop.depth >= start.depth && stop.body != start.body && !is_own(system, stop.body);
+        let goes_in = *self.until == Until::Into && start.task == stop.task && is_called;
         let path = |task| system.machine.tasks.find_alive(task).map(|task| system.machine.path(task));
         let was_in = !is_own(system, start.span)
             && match (path(start.task), path(stop.task)) {
