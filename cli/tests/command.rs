@@ -577,7 +577,7 @@ fn every_command_has_its_manual_page() {
     let page = text_in(&folder, "rpl.1");
     assert!(page.contains(".TH rpl 1") && page.contains("Exit status"), "{page}");
     assert!(text_in(&folder, "rpl-trace-diff.1").contains(".SH SYNOPSIS"));
-    let found = output(&["man", plan(&folder, "file", "").as_str()]);
+    let found = output(&["man", &plan(&folder, "file", "")]);
     assert!(stderr(&found).contains("cannot make the folder"), "{}", stderr(&found));
     assert_eq!(status(&found), 2);
 }
