@@ -3,7 +3,7 @@
 use super::Check;
 use super::calls::unknown_keywords;
 use super::walk::each_form;
-use crate::code::{Constant, GlobalKind};
+use crate::code::{Atom, Constant, GlobalKind};
 use crate::compile::ir::{Ir, IrKind, ScopeIr};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -87,12 +87,12 @@ fn noun(check: &Check<'_>, ir: &Ir) -> Option<(&'static str, Option<Wanted>)> {
         },
         IrKind::Int(_) => Some(("a number", None)),
         IrKind::Const(constant) => match check.constant(constant) {
-            Constant::Symbol(_) => Some(("a symbol", None)),
-            Constant::Str(_) => Some(("a string", None)),
-            Constant::Float(_) | Constant::Int(_) => Some(("a number", None)),
-            Constant::Keyword(_) => Some(("a keyword", None)),
-            Constant::Native(_) => Some(("a function", None)),
-            Constant::List(..) | Constant::Nil | Constant::True | Constant::Object(_) => None,
+            Constant::Atom(Atom::Symbol(_)) => Some(("a symbol", None)),
+            Constant::Atom(Atom::Str(_)) => Some(("a string", None)),
+            Constant::Atom(Atom::Float(_) | Atom::Int(_)) => Some(("a number", None)),
+            Constant::Atom(Atom::Keyword(_)) => Some(("a keyword", None)),
+            Constant::Atom(Atom::Native(_)) => Some(("a function", None)),
+            Constant::List(_) | Constant::Atom(Atom::Nil | Atom::True | Atom::Object(_)) => None,
         },
         _ => None,
     }

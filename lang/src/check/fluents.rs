@@ -1,10 +1,11 @@
 //! Fluents taken for their values, and what is asked of a task's state.
 
 use super::Check;
-use super::walk::{deep, each_form};
+use super::walk::each_form;
 use crate::code::GlobalKind;
 use crate::compile::ir::{Binary, Callee, Ir, IrKind, Unary};
 use crate::diagnostic::Diagnostic;
+use crate::stack::deep;
 use crate::suggest::suggest;
 
 /// Natives that compute with numbers.
