@@ -396,9 +396,9 @@ pub struct Code {
     pub span: Span,
 }
 
-/// A constant of the text.
+/// A constant that has no parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Constant {
+pub enum Atom {
     /// An integer that does not fit [`Op::Int`].
     Int(i64),
     /// A float.
@@ -409,8 +409,6 @@ pub enum Constant {
     Symbol(Symbol),
     /// A keyword.
     Keyword(Symbol),
-    /// A list; `tail` is nil for a proper one.
-    List(Vec<Constant>, Option<Box<Constant>>),
     /// `nil`
     Nil,
     /// `t`
@@ -419,6 +417,36 @@ pub enum Constant {
     Native(u16),
     /// An object of the running system, by the index its compiler call gave.
     Object(u32),
+}
+
+/// A part of a quoted list. The parts stand in the order in which a stack builds the list, so that
+/// copying, comparing, writing or dropping it costs no Rust stack, however deep it nests.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Part {
+    /// An element.
+    Atom(Atom),
+    /// The list of so many elements before it.
+    List {
+        /// How many, the tail not included.
+        length: u32,
+        /// Whether one more, the last, is the tail after the dot.
+        dotted: bool,
+    },
+}
+
+/// A constant of the text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Constant {
+    /// What has no parts.
+    Atom(Atom),
+    /// A list; the last part makes it of those before.
+    List(Vec<Part>),
+}
+
+impl From<Atom> for Constant {
+    fn from(atom: Atom) -> Self {
+        Constant::Atom(atom)
+    }
 }
 
 /// What a global name stands for, as far as the text knows.
@@ -499,9 +527,12 @@ impl Program {
 
     /// The slots of a class, inherited ones first.
     pub fn failure_slots(&self, class: Symbol) -> Vec<Symbol> {
-        let Some(known) = self.failure_classes.get(&class) else { return Vec::new() };
-        let mut slots = known.parent.map_or_else(Vec::new, |parent| self.failure_slots(parent));
-        slots.extend(&known.slots);
-        slots
+        let mut lines = Vec::new();
+        let mut at = self.failure_classes.get(&class);
+        while let Some(known) = at {
+            lines.push(known.slots.as_slice());
+            at = known.parent.and_then(|parent| self.failure_classes.get(&parent));
+        }
+        lines.into_iter().rev().flatten().copied().collect()
     }
 }

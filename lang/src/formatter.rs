@@ -13,6 +13,7 @@ use crate::indentation::{Rule, Shape, Style, WIDTH, aligns, is_label, rule_of};
 use crate::lexer::{Prefix, lex};
 use crate::reader::{fold_name, read};
 use crate::source::SourceId;
+use crate::stack::deep;
 use crate::symbol::Symbols;
 use crate::syntax::Tree;
 use concrete::{Concrete, Mark, Node, Piece};
@@ -134,7 +135,7 @@ impl<'a> Formatter<'a> {
             Piece::Atom | Piece::BlockComment => self.lines.write(self.concrete.text(node)),
             Piece::LineComment => self.lines.comment(self.concrete.text(node).trim_end()),
             Piece::Marked(mark) => self.marked(node, mark, shape, closers),
-            Piece::List => stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.list(node, shape, closers)),
+            Piece::List => deep(|| self.list(node, shape, closers)),
         }
     }
 

@@ -14,6 +14,7 @@ pub mod number;
 pub mod pretty;
 pub mod reader;
 pub mod source;
+mod stack;
 pub mod suggest;
 pub mod symbol;
 pub mod syntax;

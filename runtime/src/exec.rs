@@ -12,6 +12,7 @@ use crate::waiting::form_in_plan;
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::kind::Kind;
+use std::borrow::Cow;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -20,6 +21,9 @@ const WINDOW: usize = 256;
 /// Registers within reach of the current frame: its own, those of any frame it calls, and a few
 /// that are cleared along with them.
 const REACH: usize = 2 * WINDOW + 4;
+
+/// Evaluations of networks inside one another; each takes some Rust stack.
+const MAX_EVALUATIONS_DEEP: u32 = 64;
 
 /// Why the stepper came back.
 #[derive(Clone, Debug, PartialEq)]
@@ -294,6 +298,13 @@ impl Machine {
         code: u32,
         arguments: &[Value],
     ) -> Result<Value, Value> {
+        if self.scratch.evaluations == MAX_EVALUATIONS_DEEP {
+            return Err(self.failure_from(Raise::new(
+                "stack-overflow",
+                format!("networks make networks more than {MAX_EVALUATIONS_DEEP} deep while they are evaluated"),
+            )));
+        }
+        self.scratch.evaluations += 1;
         let outer_task = std::mem::replace(&mut self.current, SCRATCH_TASK);
         let outer_scopes = std::mem::take(&mut self.tasks[SCRATCH_TASK].scopes);
         let outer_top = self.scratch.top;
@@ -314,6 +325,7 @@ impl Machine {
         let mut place = Place { frame, fuel: self.limits.steps / 10 };
         let exit = self.execute(around, &mut place, entry);
         self.scratch.burned = self.scratch.burned.saturating_add((self.limits.steps / 10).saturating_sub(place.fuel));
+        self.scratch.evaluations -= 1;
         self.scratch.frames.truncate(entry);
         self.scratch.top = outer_top;
         self.scratch.switch |= outer_switch;
@@ -607,12 +619,6 @@ impl Machine {
                     Some(rest) => fuel = rest,
                     None => {
                         fuel = self.limits.steps;
-                        if self.current == SCRATCH_TASK {
-                            self.scratch.burned = self.scratch.burned.saturating_add(self.limits.steps / 10);
-                        }
-                        let task = self.current;
-                        let strikes = self.tasks[task].strikes.saturating_add(1);
-                        self.strike(task, strikes);
                         fail!(self.runaway());
                     }
                 }
@@ -1442,9 +1448,16 @@ impl Machine {
             || self.priorities.has_higher(self.effective_priority(self.current))
     }
 
+    /// The running task has spent its budget, and begins a new one.
     #[cold]
     #[inline(never)]
-    fn runaway(&self) -> Raise {
+    fn runaway(&mut self) -> Raise {
+        if self.current == SCRATCH_TASK {
+            self.scratch.burned = self.scratch.burned.saturating_add(self.limits.steps / 10);
+        }
+        let task = self.current;
+        let strikes = self.tasks[task].strikes.saturating_add(1);
+        self.strike(task, strikes);
         Raise::new(
             "runaway",
             format!(
@@ -1489,16 +1502,54 @@ impl Machine {
         &mut self,
         around: &mut Surroundings<'_>,
         place: &mut Place,
+        mut function: Value,
+        arguments: &[Value],
+        mut first: usize,
+        mut tail: bool,
+        result: Reg,
+    ) -> Result<Option<Exit>, Raise> {
+        let mut arguments = Cow::Borrowed(arguments);
+        // A native may go on in a function, and that be a native again: as far as data reach.
+        while let Value::Native(native) = function {
+            match self.call_native_value(around, native, &arguments)? {
+                Reply::Value(value) => {
+                    self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;
+                    return Ok(None);
+                }
+                Reply::Wait => {
+                    let task = self.current;
+                    self.tasks[task].wake_register = result;
+                    return Ok(Some(Exit::Blocked));
+                }
+                Reply::Leave => return Ok(None),
+                Reply::Execute(datum) => return Ok(Some(Exit::Execute(datum, result))),
+                Reply::Call(next, further) => {
+                    (function, arguments) = (next, Cow::Owned(further));
+                    (first, tail) = (usize::from(result), false);
+                    self.scratch.burned = self.scratch.burned.saturating_add(1);
+                    if self.scratch.burned >= place.fuel {
+                        (self.scratch.burned, place.fuel) = (0, self.limits.steps);
+                        return Err(self.runaway());
+                    }
+                }
+            }
+        }
+        self.enter_function(around, place, function, &arguments, first, tail)
+    }
+
+    /// Begins a function that is no native.
+    fn enter_function(
+        &mut self,
+        around: &Surroundings<'_>,
+        place: &mut Place,
         function: Value,
         arguments: &[Value],
         first: usize,
         tail: bool,
-        result: Reg,
     ) -> Result<Option<Exit>, Raise> {
         let (number, captured) = match function {
             Value::Function(number) => (number, None),
             Value::Closure(index) => (self.heap.closures[index].code, Some(self.heap.closures[index].captured.clone())),
-            Value::Native(native) => return self.call_native_value(around, place, native, arguments, result),
             other => return Err(self.not_a_function(other)),
         };
         let callee = &around.program.codes[number as usize];
@@ -1525,36 +1576,20 @@ impl Machine {
         Ok(None)
     }
 
+    /// Calls a native that is known only by its value.
     fn call_native_value(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &mut Place,
         native: u16,
         arguments: &[Value],
-        result: Reg,
-    ) -> Result<Option<Exit>, Raise> {
+    ) -> Result<Reply, Raise> {
         let NativeSignature { min, max, .. } = around.signatures[usize::from(native)];
         let count = arguments.len();
         if count < usize::from(min) || max.is_some_and(|max| count > usize::from(max)) {
             let name = around.natives[usize::from(native)].name;
             return Err(Raise::new("arity-error", format!("`{name}` cannot take {count} arguments")));
         }
-        match self.call_native(around, native, arguments)? {
-            Reply::Value(value) => {
-                self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;
-                Ok(None)
-            }
-            Reply::Wait => {
-                let task = self.current;
-                self.tasks[task].wake_register = result;
-                Ok(Some(Exit::Blocked))
-            }
-            Reply::Leave => Ok(None),
-            Reply::Execute(datum) => Ok(Some(Exit::Execute(datum, result))),
-            Reply::Call(function, arguments) => {
-                self.call_value(around, place, function, &arguments, usize::from(result), false, result)
-            }
-        }
+        self.call_native(around, native, arguments)
     }
 
     fn new_tag(&mut self, name: rpl_lang::symbol::Symbol) -> Value {

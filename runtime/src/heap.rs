@@ -5,6 +5,7 @@ use crate::slab::{Marks, Slab, is_free_list};
 use crate::value::Value;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -17,9 +18,9 @@ pub struct Closure {
     pub captured: Box<[Value]>,
 }
 
-/// A key of a hash table, compared by content: two keys are the same if they are `equal`.
+/// A part of a key.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Key {
+pub enum KeyPart {
     /// `nil`
     Nil,
     /// `t`
@@ -34,10 +35,50 @@ pub enum Key {
     Keyword(Symbol),
     /// A string.
     Str(Arc<str>),
-    /// A pair.
-    Cons(Box<(Key, Key)>),
+    /// A pair: the parts of its halves follow.
+    Pair,
     /// Any other object, by identity.
     Object(u8, u32, u32),
+}
+
+/// A key of a hash table, compared by content: two keys are the same if they are `equal`. A list is
+/// its parts, each pair before its halves: comparing or dropping one costs no Rust stack.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Key {
+    /// No list.
+    Atom(KeyPart),
+    /// A list.
+    List(Box<[KeyPart]>),
+}
+
+impl Key {
+    /// Its parts, outermost first.
+    pub fn parts(&self) -> &[KeyPart] {
+        match self {
+            Key::Atom(part) => std::slice::from_ref(part),
+            Key::List(parts) => parts,
+        }
+    }
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        self.parts() == other.parts()
+    }
+}
+
+impl Eq for Key {}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.parts().cmp(other.parts())
+    }
 }
 
 /// A hash table: entries in the order of their keys, so that walking it is deterministic.
@@ -76,8 +117,94 @@ pub struct Heap {
 /// What one counts for in [`Heap::made_bytes`]: a pair.
 const OBJECT_BYTES: u64 = 32;
 
-/// Nesting that `equal`, printing and keys follow before they give up.
-pub const MAX_DEPTH: usize = 100_000;
+/// Pairs a key may have. A list that shares its parts can be far larger than the memory it takes.
+pub const MAX_KEY_PAIRS: usize = 100_000;
+
+/// With more pairs compared than this, or than there are, parts are taken to be shared.
+const MAX_PLAIN_STEPS: usize = 1_000_000;
+
+/// The pairs of a list from the front; ends also where the list has been once round a circle.
+pub struct Spine<'h> {
+    heap: &'h Heap,
+    at: Value,
+    passed: usize,
+    /// A pair that was passed, to be met again if the list is a circle; further on each time, so
+    /// that it comes to lie in the circle (Brent).
+    anchor: u32,
+    /// Pairs from the anchor to here, and how many before the next anchor.
+    since_anchor: usize,
+    stride: usize,
+}
+
+impl Spine<'_> {
+    /// What follows the pairs passed so far: a pair only if the list is a circle, or is not walked to
+    /// its end.
+    pub fn rest(&self) -> Value {
+        self.at
+    }
+
+    /// How many pairs were passed.
+    pub fn passed(&self) -> usize {
+        self.passed
+    }
+
+    /// How many pairs the circle has that ended the walk; none if it was none.
+    pub fn circle(&self) -> Option<usize> {
+        (self.at == Value::Cons(self.anchor)).then_some(self.since_anchor)
+    }
+}
+
+impl Iterator for Spine<'_> {
+    /// The pair itself and its first half.
+    type Item = (u32, Value);
+
+    #[inline]
+    fn next(&mut self) -> Option<(u32, Value)> {
+        let Value::Cons(pair) = self.at else { return None };
+        if pair == self.anchor {
+            return None;
+        }
+        if self.since_anchor == self.stride {
+            (self.anchor, self.since_anchor, self.stride) = (pair, 0, self.stride * 2);
+        }
+        let (car, cdr) = self.heap.pair(pair);
+        self.at = cdr;
+        self.since_anchor += 1;
+        self.passed += 1;
+        Some((pair, car))
+    }
+}
+
+/// Pairs that are equal unless a difference is found elsewhere: each is compared with one of its
+/// like only, so that shared parts are looked at once and circles come to an end.
+#[derive(Default)]
+struct Alike {
+    /// From a pair towards the one that stands for its like.
+    towards: BTreeMap<u32, u32>,
+}
+
+impl Alike {
+    fn leader(&mut self, pair: u32) -> u32 {
+        let mut at = pair;
+        while let Some(&next) = self.towards.get(&at) {
+            // Each pair on the way is led past the next one.
+            if let Some(&beyond) = self.towards.get(&next) {
+                self.towards.insert(at, beyond);
+            }
+            at = next;
+        }
+        at
+    }
+
+    /// Takes two pairs for equal; tells whether that is new.
+    fn unite(&mut self, left: u32, right: u32) -> bool {
+        let (left, right) = (self.leader(left), self.leader(right));
+        if left != right {
+            self.towards.insert(left, right);
+        }
+        left != right
+    }
+}
 
 impl Heap {
     /// An empty heap.
@@ -134,21 +261,23 @@ impl Heap {
         self.pairs[index as usize]
     }
 
+    /// The pairs of a list from the front.
+    pub fn spine(&self, list: Value) -> Spine<'_> {
+        Spine { heap: self, at: list, passed: 0, anchor: u32::MAX, since_anchor: 0, stride: 1 }
+    }
+
     /// The length of a proper list.
     ///
     /// # Errors
     /// The value found where a list was expected: the argument itself, or an improper tail.
     pub fn length(&self, list: Value) -> Result<usize, Value> {
-        let (mut at, mut length) = (list, 0);
-        while let Value::Cons(index) = at {
-            at = self.pair(index).1;
-            length += 1;
-            // A list longer than there are pairs is a circle.
-            if length > self.pairs.len() {
-                return Err(list);
-            }
+        let mut spine = self.spine(list);
+        let length = spine.by_ref().count();
+        match spine.rest() {
+            Value::Nil => Ok(length),
+            Value::Cons(_) => Err(list),
+            tail => Err(tail),
         }
-        if at.is_true() { Err(at) } else { Ok(length) }
     }
 
     /// The elements of a proper list.
@@ -156,13 +285,9 @@ impl Heap {
     /// # Errors
     /// The value found where a list was expected: the argument itself, or an improper tail.
     pub fn elements(&self, list: Value) -> Result<Vec<Value>, Value> {
-        let mut items = Vec::with_capacity(self.length(list)?);
-        let mut at = list;
-        while let Value::Cons(index) = at {
-            let (car, cdr) = self.pair(index);
-            items.push(car);
-            at = cdr;
-        }
+        let length = self.length(list)?;
+        let mut items = Vec::with_capacity(length);
+        items.extend(self.spine(list).map(|(_, item)| item));
         Ok(items)
     }
 
@@ -186,12 +311,14 @@ impl Heap {
     fn compared_by_content(&self, left: Value, right: Value) -> (bool, usize) {
         let mut waiting = vec![(left, right)];
         let mut steps = 0usize;
+        let plain = self.pairs.len().min(MAX_PLAIN_STEPS);
+        let mut alike = Alike::default();
         while let Some((left, right)) = waiting.pop() {
             match (left, right) {
                 (Value::Cons(a), Value::Cons(b)) if a != b => {
                     steps += 1;
-                    if steps > self.pairs.len().saturating_mul(4).max(MAX_DEPTH) {
-                        return (false, steps);
+                    if steps > plain && !alike.unite(a, b) {
+                        continue;
                     }
                     let (a, b) = (self.pair(a), self.pair(b));
                     waiting.push((a.1, b.1));
@@ -217,41 +344,50 @@ impl Heap {
         (true, steps)
     }
 
-    /// The key a value is found by; none if it nests too deep or is too large. A list that shares
-    /// its parts can be far larger than it is deep.
+    /// The key a value is found by; none if it has more than [`MAX_KEY_PAIRS`].
     pub fn key(&self, value: Value) -> Option<Key> {
-        self.key_within(value, 1_000, &mut 100_000)
+        if !matches!(value, Value::Cons(_)) {
+            return Some(Key::Atom(self.key_part(value)));
+        }
+        let (mut parts, mut waiting, mut pairs) = (Vec::new(), vec![value], 0);
+        while let Some(value) = waiting.pop() {
+            parts.push(self.key_part(value));
+            if let Value::Cons(pair) = value {
+                pairs += 1;
+                if pairs > MAX_KEY_PAIRS {
+                    return None;
+                }
+                let (car, cdr) = self.pair(pair);
+                waiting.extend([cdr, car]);
+            }
+        }
+        Some(Key::List(parts.into()))
     }
 
-    fn key_within(&self, value: Value, depth: usize, pairs: &mut usize) -> Option<Key> {
-        Some(match value {
-            Value::Nil | Value::Unbound => Key::Nil,
-            Value::True => Key::True,
-            Value::Int(value) => Key::Int(value),
+    fn key_part(&self, value: Value) -> KeyPart {
+        match value {
+            Value::Nil | Value::Unbound => KeyPart::Nil,
+            Value::True => KeyPart::True,
+            Value::Int(value) => KeyPart::Int(value),
             // `equal` takes both zeros for the same, and all that is not a number.
-            Value::Float(0.0) => Key::Float(0),
-            Value::Float(value) if value.is_nan() => Key::Float(f64::NAN.to_bits()),
-            Value::Float(value) => Key::Float(value.to_bits()),
-            Value::Symbol(symbol) => Key::Symbol(symbol),
-            Value::Keyword(symbol) => Key::Keyword(symbol),
-            Value::Str(index) => Key::Str(self.strings[index].clone()),
-            Value::Cons(index) => {
-                let depth = depth.checked_sub(1)?;
-                *pairs = pairs.checked_sub(1)?;
-                let (car, cdr) = self.pair(index);
-                Key::Cons(Box::new((self.key_within(car, depth, pairs)?, self.key_within(cdr, depth, pairs)?)))
-            }
-            Value::Cell(index) => Key::Object(0, index, 0),
-            Value::Function(index) => Key::Object(1, index, 0),
-            Value::Closure(index) => Key::Object(2, index, 0),
-            Value::Native(index) => Key::Object(3, u32::from(index), 0),
-            Value::Fluent(index) => Key::Object(4, index, 0),
-            Value::Task(task) => Key::Object(5, task.index, task.generation),
-            Value::Valve(index) => Key::Object(6, index, 0),
-            Value::Failure(index) => Key::Object(7, index, 0),
-            Value::Table(index) => Key::Object(8, index, 0),
-            Value::Behaviour(index) => Key::Object(9, u32::from(index), 0),
-        })
+            Value::Float(0.0) => KeyPart::Float(0),
+            Value::Float(value) if value.is_nan() => KeyPart::Float(f64::NAN.to_bits()),
+            Value::Float(value) => KeyPart::Float(value.to_bits()),
+            Value::Symbol(symbol) => KeyPart::Symbol(symbol),
+            Value::Keyword(symbol) => KeyPart::Keyword(symbol),
+            Value::Str(index) => KeyPart::Str(self.strings[index].clone()),
+            Value::Cons(_) => KeyPart::Pair,
+            Value::Cell(index) => KeyPart::Object(0, index, 0),
+            Value::Function(index) => KeyPart::Object(1, index, 0),
+            Value::Closure(index) => KeyPart::Object(2, index, 0),
+            Value::Native(index) => KeyPart::Object(3, u32::from(index), 0),
+            Value::Fluent(index) => KeyPart::Object(4, index, 0),
+            Value::Task(task) => KeyPart::Object(5, task.index, task.generation),
+            Value::Valve(index) => KeyPart::Object(6, index, 0),
+            Value::Failure(index) => KeyPart::Object(7, index, 0),
+            Value::Table(index) => KeyPart::Object(8, index, 0),
+            Value::Behaviour(index) => KeyPart::Object(9, u32::from(index), 0),
+        }
     }
 
     /// Whether each table knows which of its places are free.

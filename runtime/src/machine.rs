@@ -15,7 +15,7 @@ use crate::trace::Trace;
 use crate::unwind::Departure;
 use crate::value::{TaskRef, Value};
 use crate::valve::Valve;
-use rpl_lang::code::{Constant, GlobalKind, Program};
+use rpl_lang::code::{Atom, Constant, GlobalKind, Part, Program};
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::kind::{Kind, time_in_string};
 use rpl_lang::number::format_float;
@@ -107,6 +107,8 @@ pub struct Scratch {
     pub(crate) is_departing: bool,
     /// The task whose wait a timer ends, and when: until the wait is in the trace.
     pub(crate) wake_at: Option<(u32, u64)>,
+    /// Evaluations of networks and macros that are under way, one inside the other.
+    pub(crate) evaluations: u32,
     /// Steps that networks took on behalf of the running task.
     pub(crate) burned: u32,
     /// The running task goes to the end of its line.
@@ -239,21 +241,36 @@ impl Machine {
     }
 
     fn constant(&mut self, constant: &Constant, objects: &[Value]) -> Value {
-        match constant {
-            Constant::Int(value) => Value::Int(*value),
-            Constant::Float(value) => Value::Float(*value),
-            Constant::Str(text) => self.heap.string(text),
-            Constant::Symbol(symbol) => Value::Symbol(*symbol),
-            Constant::Keyword(symbol) => Value::Keyword(*symbol),
-            Constant::Nil => Value::Nil,
-            Constant::True => Value::True,
-            Constant::Native(number) => Value::Native(*number),
-            Constant::Object(index) => objects.get(*index as usize).copied().unwrap_or(Value::Nil),
-            Constant::List(items, tail) => {
-                let values: Vec<Value> = items.iter().map(|item| self.constant(item, objects)).collect();
-                let tail = tail.as_ref().map_or(Value::Nil, |tail| self.constant(tail, objects));
-                self.heap.list_with_tail(&values, tail)
-            }
+        let parts = match constant {
+            Constant::Atom(atom) => return self.atom(atom, objects),
+            Constant::List(parts) => parts,
+        };
+        let mut values = Vec::new();
+        for part in parts {
+            let value = match part {
+                Part::Atom(atom) => self.atom(atom, objects),
+                Part::List { length, dotted } => {
+                    let tail = if *dotted { values.pop().unwrap_or_default() } else { Value::Nil };
+                    let items = values.split_off(values.len().saturating_sub(*length as usize));
+                    self.heap.list_with_tail(&items, tail)
+                }
+            };
+            values.push(value);
+        }
+        values.pop().unwrap_or_default()
+    }
+
+    fn atom(&mut self, atom: &Atom, objects: &[Value]) -> Value {
+        match atom {
+            Atom::Int(value) => Value::Int(*value),
+            Atom::Float(value) => Value::Float(*value),
+            Atom::Str(text) => self.heap.string(text),
+            Atom::Symbol(symbol) => Value::Symbol(*symbol),
+            Atom::Keyword(symbol) => Value::Keyword(*symbol),
+            Atom::Nil => Value::Nil,
+            Atom::True => Value::True,
+            Atom::Native(number) => Value::Native(*number),
+            Atom::Object(index) => objects.get(*index as usize).copied().unwrap_or(Value::Nil),
         }
     }
 

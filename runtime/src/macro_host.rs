@@ -1,7 +1,7 @@
 //! Runs macros at compile time, in a machine of their own without tasks.
 
 use crate::behaviour::NoRobot;
-use crate::datum::{self, Origins};
+use crate::datum::{self, MAX_NODES, Origins, Unfit};
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::native::Native;
@@ -94,13 +94,18 @@ impl MacroHost for MacroMachine {
         let expansion = match result {
             Ok(value) => {
                 let mut objects = Vec::new();
-                let node = datum::to_node(&self.machine.heap, symbols, tree, value, span, &origins, &mut objects);
+                let heap = &self.machine.heap;
+                let node = datum::to_node(heap, symbols, tree, value, span, &origins, &mut objects, MAX_NODES);
                 match (node, objects.first()) {
-                    (Some(node), None) => Ok(node),
-                    (None, _) => {
+                    (Ok(node), None) => Ok(node),
+                    (Err(Unfit::Circle), _) => {
                         Err(Diagnostic::error("macro", span, "the expansion is a circular list", "in this call"))
                     }
-                    (Some(_), Some(object)) => {
+                    (Err(Unfit::TooLarge), _) => {
+                        let message = format!("the expansion has more than {MAX_NODES} parts");
+                        Err(Diagnostic::error("macro", span, message, "in this call"))
+                    }
+                    (Ok(_), Some(object)) => {
                         let message = format!("the expansion contains {}, which has no text", object.type_name());
                         Err(Diagnostic::error("macro", span, message, "in this call"))
                     }

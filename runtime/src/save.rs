@@ -31,9 +31,6 @@ const VERSION: u32 = 7;
 
 const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 
-/// Stack for the deepest datum that can be written or read.
-const STACK_BYTES: usize = 64 << 20;
-
 /// A robot whose state can be written down. What never changes – maps, models – is not part of it:
 /// `load` fills a robot that was built anew.
 pub trait SaveOutside: Outside {
@@ -175,7 +172,7 @@ impl Addition {
 
 /// Nothing that is saved can fail to be written: all lengths are known, and memory is all it needs.
 fn encode(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
-    match stacker::grow(STACK_BYTES, || postcard::to_allocvec(value)) {
+    match postcard::to_allocvec(value) {
         Ok(bytes) => bytes,
         Err(error) => unreachable!("a saved type cannot be written: {error}"),
     }
@@ -237,8 +234,7 @@ impl<O: SaveOutside> System<O> {
         }
         type Payload = (Addition, Machine, u64, Vec<u8>);
         let ((addition, machine, next_step_us, robot), rest) =
-            stacker::grow(STACK_BYTES, || postcard::take_from_bytes::<Payload>(payload))
-                .map_err(|_| SaveError::Damaged)?;
+            postcard::take_from_bytes::<Payload>(payload).map_err(|_| SaveError::Damaged)?;
         if !rest.is_empty() {
             return Err(SaveError::Damaged);
         }

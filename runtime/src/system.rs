@@ -1,7 +1,7 @@
 //! A run as a value: program, machine and robot, stepped from instant to instant.
 
 use crate::behaviour::{NoRobot, Outbox, Outside};
-use crate::datum::{self, Origins};
+use crate::datum::{self, MAX_NODES, Origins, Unfit};
 use crate::exec::Ran;
 use crate::failure::Raise;
 use crate::library::{Library, Loaded, has_error};
@@ -310,9 +310,20 @@ impl<O: Outside> System<O> {
         let mut objects = Vec::new();
         let source = SourceId(program.sources.len() as u32);
         let span = Span { source, start: 0, end: 0 };
-        let root =
-            datum::to_node(&machine.heap, &mut machine.symbols, &mut tree, datum, span, &Origins::new(), &mut objects)
-                .ok_or("the datum is a circular list and cannot be a plan")?;
+        let root = datum::to_node(
+            &machine.heap,
+            &mut machine.symbols,
+            &mut tree,
+            datum,
+            span,
+            &Origins::new(),
+            &mut objects,
+            MAX_NODES,
+        )
+        .map_err(|unfit| match unfit {
+            Unfit::Circle => "the datum is a circular list and cannot be a plan".to_string(),
+            Unfit::TooLarge => format!("the datum has more than {MAX_NODES} parts and cannot be a plan"),
+        })?;
         let text = pretty::pretty(&mut tree, &machine.symbols, root, PLAN_WIDTH, source);
         let may_share = objects.is_empty() && text.len() <= MAX_SHARED_TEXT;
         if may_share && let Some(&code) = self.units.get(&text) {

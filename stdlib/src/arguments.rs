@@ -1,7 +1,6 @@
 //! Reading the arguments of a native, with errors that say what was found, and room for results.
 
 use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::Heap;
 use rpl_runtime::native::{Call, Effect, Native, NativeCode, Reply};
 use rpl_runtime::value::Value;
 use std::sync::Arc;
@@ -42,7 +41,7 @@ pub(crate) fn integer(number: i64) -> Answer {
 /// Answers with a new string.
 pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> Answer {
     room_for(call, text.len())?;
-    call.burn(text.len() / CHARACTERS_A_STEP);
+    burn_text(call, text.len());
     value(call.machine.heap.string(text))
 }
 
@@ -78,38 +77,6 @@ pub(crate) fn natural(call: &Call<'_, '_>, at: usize) -> Result<usize, Raise> {
         .map_err(|_| index_error(format!("{} must not be negative, and it is {number}", call.which(at))))
 }
 
-/// The pairs of a list from the front; ends also where the list runs into a circle.
-pub(crate) struct Spine<'h> {
-    heap: &'h Heap,
-    at: Value,
-    /// More pairs than there are cannot come without a circle.
-    left: usize,
-}
-
-impl<'h> Spine<'h> {
-    pub(crate) fn new(heap: &'h Heap, list: Value) -> Self {
-        Self { heap, at: list, left: heap.pairs.len() }
-    }
-
-    /// What follows the pairs passed so far.
-    pub(crate) fn rest(&self) -> Value {
-        self.at
-    }
-}
-
-impl Iterator for Spine<'_> {
-    /// The pair itself and its first half.
-    type Item = (u32, Value);
-
-    fn next(&mut self) -> Option<(u32, Value)> {
-        let Value::Cons(index) = self.at else { return None };
-        self.left = self.left.checked_sub(1)?;
-        let (car, cdr) = self.heap.pair(index);
-        self.at = cdr;
-        Some((index, car))
-    }
-}
-
 /// An error unless a walk of the list in an argument has ended in nil.
 pub(crate) fn proper_end(call: &Call<'_, '_>, at: usize, end: Value) -> Result<(), Raise> {
     if end == Value::Nil { Ok(()) } else { Err(call.wrong_type(at)) }
@@ -120,7 +87,7 @@ pub(crate) fn proper_end(call: &Call<'_, '_>, at: usize, end: Value) -> Result<(
 /// # Errors
 /// A `type-error` if it is no proper list.
 pub(crate) fn elements(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Value>, Raise> {
-    let mut spine = Spine::new(&call.machine.heap, call.argument(at));
+    let mut spine = call.machine.heap.spine(call.argument(at));
     let items: Vec<Value> = spine.by_ref().map(|(_, item)| item).collect();
     let end = spine.rest();
     call.burn(items.len());
@@ -165,9 +132,22 @@ pub(crate) fn room_for_pairs(call: &Call<'_, '_>, pairs: usize) -> Result<(), Ra
 /// A value as `print` shows it.
 pub(crate) fn show(call: &mut Call<'_, '_>, value: Value) -> String {
     let text = call.machine.show(call.around.program, value);
-    call.burn(text.len() / CHARACTERS_A_STEP);
+    burn_text(call, text.len());
     text
 }
 
-/// So much text is made in the time of one turn of a loop.
+/// So much text is made, or looked through, in the time of one turn of a loop.
 const CHARACTERS_A_STEP: usize = 8;
+
+/// So many pairs are passed in the time of one turn of a loop.
+const PAIRS_A_STEP: usize = 4;
+
+/// Takes the steps of a walk that passed so many pairs.
+pub(crate) fn burn_walk(call: &mut Call<'_, '_>, pairs: usize) {
+    call.burn(pairs / PAIRS_A_STEP);
+}
+
+/// Takes the steps of looking through so many bytes of text.
+pub(crate) fn burn_text(call: &mut Call<'_, '_>, bytes: usize) {
+    call.burn(bytes / CHARACTERS_A_STEP);
+}

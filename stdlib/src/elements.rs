@@ -1,20 +1,25 @@
 //! Elements of lists and strings: how many, where, all but some, in another order.
 
 use crate::arguments::{
-    Answer, Sequence, Spine, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text,
-    value,
+    Answer, Sequence, burn_text, burn_walk, count, elements, index_error, integer, list, natural, proper_end, pure,
+    sequence, text, value,
 };
 use rpl_runtime::failure::Raise;
+use rpl_runtime::heap::Heap;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 
 fn length(call: &mut Call<'_, '_>) -> Answer {
     if let Value::Str(_) = call.argument(0) {
-        return integer(call.text(0)?.chars().count() as i64);
+        let string = call.text(0)?;
+        burn_text(call, string.len());
+        return integer(string.chars().count() as i64);
     }
-    let mut spine = Spine::new(&call.machine.heap, call.argument(0));
+    let mut spine = call.machine.heap.spine(call.argument(0));
     let length = spine.by_ref().count();
-    proper_end(call, 0, spine.rest())?;
+    let end = spine.rest();
+    burn_walk(call, length);
+    proper_end(call, 0, end)?;
     integer(length as i64)
 }
 
@@ -72,6 +77,7 @@ fn elt(call: &mut Call<'_, '_>) -> Answer {
     match sequence(call, 0)? {
         Sequence::List(items) => value(*items.get(position).ok_or_else(|| outside(items.len()))?),
         Sequence::Text(string) => {
+            burn_text(call, string.len());
             let length = string.chars().count();
             if position >= length {
                 return Err(outside(length));
@@ -81,24 +87,45 @@ fn elt(call: &mut Call<'_, '_>) -> Answer {
     }
 }
 
-/// The pair whose first half is `equal` to a value, with its position.
-fn find(call: &Call<'_, '_>, wanted: Value, at: usize) -> Result<Option<(usize, Value)>, Raise> {
+/// The first pair of the list in an argument whose first half is wanted, with its position. What
+/// tells that also tells how many steps it took, or gives back an element that is no entry.
+fn find(
+    call: &mut Call<'_, '_>,
+    at: usize,
+    mut is_wanted: impl FnMut(&Heap, Value) -> Result<(bool, usize), Value>,
+) -> Result<Option<(usize, u32)>, Raise> {
     let heap = &call.machine.heap;
-    let mut spine = Spine::new(heap, call.argument(at));
-    let found = spine.by_ref().enumerate().find(|&(_, (_, item))| heap.equal(item, wanted));
-    match found {
-        Some((position, (pair, _))) => Ok(Some((position, Value::Cons(pair)))),
-        None => proper_end(call, at, spine.rest()).map(|()| None),
+    let mut spine = heap.spine(call.argument(at));
+    let (mut found, mut steps) = (None, 0);
+    while let Some((pair, item)) = spine.next() {
+        let (is_found, looked_at) = is_wanted(heap, item).map_err(|other| no_pair(call, at, other))?;
+        steps += looked_at;
+        if is_found {
+            found = Some((spine.passed() - 1, pair));
+            break;
+        }
     }
+    let (passed, end) = (spine.passed(), spine.rest());
+    burn_walk(call, passed);
+    call.burn(steps);
+    if found.is_none() {
+        proper_end(call, at, end)?;
+    }
+    Ok(found)
+}
+
+/// The pair whose first half is `equal` to a value, with its position.
+pub(crate) fn find_equal(call: &mut Call<'_, '_>, wanted: Value, at: usize) -> Result<Option<(usize, u32)>, Raise> {
+    find(call, at, |heap, item| Ok(heap.compared(item, wanted)))
 }
 
 fn member(call: &mut Call<'_, '_>) -> Answer {
-    let found = find(call, call.argument(0), 1)?;
-    value(found.map_or(Value::Nil, |(_, pair)| pair))
+    let found = find_equal(call, call.argument(0), 1)?;
+    value(found.map_or(Value::Nil, |(_, pair)| Value::Cons(pair)))
 }
 
 fn position(call: &mut Call<'_, '_>) -> Answer {
-    let found = find(call, call.argument(0), 1)?;
+    let found = find_equal(call, call.argument(0), 1)?;
     value(found.map_or(Value::Nil, |(position, _)| Value::Int(position as i64)))
 }
 
@@ -109,28 +136,25 @@ pub(crate) fn no_pair(call: &Call<'_, '_>, at: usize, found: Value) -> Raise {
 }
 
 /// The entry of an association list whose half (0 key, 1 value) is `equal` to the first argument.
-fn entry(call: &Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value, Value)>, Raise> {
-    let heap = &call.machine.heap;
+fn entry(call: &mut Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value, Value)>, Raise> {
     let wanted = call.argument(0);
-    let mut spine = Spine::new(heap, call.argument(1));
-    for (_, item) in spine.by_ref() {
-        match item {
-            Value::Nil => {}
-            Value::Cons(index) => {
-                let (key, content) = heap.pair(index);
-                if heap.equal(if by_value { content } else { key }, wanted) {
-                    return Ok(Some((item, key, content)));
-                }
-            }
-            other => {
-                return Err(no_pair(call, 1, other));
-            }
+    let found = find(call, 1, |heap, item| match item {
+        Value::Nil => Ok((false, 0)),
+        Value::Cons(entry) => {
+            let (key, content) = heap.pair(entry);
+            Ok(heap.compared(if by_value { content } else { key }, wanted))
         }
-    }
-    proper_end(call, 1, spine.rest()).map(|()| None)
+        other => Err(other),
+    })?;
+    Ok(found.and_then(|(_, pair)| {
+        let item = call.machine.heap.pair(pair).0;
+        let Value::Cons(entry) = item else { return None };
+        let (key, content) = call.machine.heap.pair(entry);
+        Some((item, key, content))
+    }))
 }
 
-fn assoc(call: &Call<'_, '_>, by_value: bool) -> Answer {
+fn assoc(call: &mut Call<'_, '_>, by_value: bool) -> Answer {
     value(entry(call, by_value)?.map_or(Value::Nil, |(item, _, _)| item))
 }
 
@@ -159,18 +183,28 @@ fn halves(call: &mut Call<'_, '_>, values: bool) -> Answer {
 fn remove(call: &mut Call<'_, '_>) -> Answer {
     let unwanted = call.argument(0);
     let mut items = elements(call, 1)?;
-    items.retain(|&item| !call.machine.heap.equal(item, unwanted));
+    let mut steps = 0;
+    items.retain(|&item| {
+        let (is_unwanted, looked_at) = call.machine.heap.compared(item, unwanted);
+        steps += looked_at;
+        !is_unwanted
+    });
+    call.burn(steps);
     list(call, &items)
 }
 
 fn substitute(call: &mut Call<'_, '_>) -> Answer {
     let (new, old) = (call.argument(0), call.argument(1));
     let mut items = elements(call, 2)?;
+    let mut steps = 0;
     for item in &mut items {
-        if call.machine.heap.equal(*item, old) {
+        let (is_old, looked_at) = call.machine.heap.compared(*item, old);
+        steps += looked_at;
+        if is_old {
             *item = new;
         }
     }
+    call.burn(steps);
     list(call, &items)
 }
 

@@ -1,7 +1,7 @@
 //! Building lists and taking them apart.
 
 use crate::arguments::{
-    Answer, Spine, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
+    Answer, burn_walk, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
 };
 use crate::numbers::{Number, number, overflow};
 use rpl_lang::kind::Kind;
@@ -61,15 +61,19 @@ fn append(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The pairs from a position on, or the tail that ends the list before it.
-fn tail_from(call: &Call<'_, '_>, from: Value, position: usize) -> Value {
-    let mut spine = Spine::new(&call.machine.heap, from);
+fn tail_from(call: &mut Call<'_, '_>, from: Value, position: usize) -> Value {
+    let heap = &call.machine.heap;
+    let mut spine = heap.spine(from);
+    let passed = spine.by_ref().take(position).count();
     let mut at = spine.rest();
-    for _ in 0..position {
-        if spine.next().is_none() {
-            break;
+    // Once round a circle, further rounds lead nowhere else.
+    if let Some(circle) = spine.circle() {
+        for _ in 0..(position - passed) % circle {
+            let Value::Cons(pair) = at else { break };
+            at = heap.pair(pair).1;
         }
-        at = spine.rest();
     }
+    burn_walk(call, passed);
     at
 }
 
@@ -79,7 +83,7 @@ fn nth(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The element of a list at a position counted from zero, nil behind its end.
-fn nth_of(call: &Call<'_, '_>, at: usize, position: usize) -> Answer {
+fn nth_of(call: &mut Call<'_, '_>, at: usize, position: usize) -> Answer {
     match tail_from(call, call.argument(at), position) {
         Value::Nil => value(Value::Nil),
         Value::Cons(index) => value(call.machine.heap.pair(index).0),
@@ -95,16 +99,18 @@ fn nthcdr(call: &mut Call<'_, '_>) -> Answer {
     }
 }
 
-fn element_number(call: &Call<'_, '_>, position: usize) -> Answer {
+fn element_number(call: &mut Call<'_, '_>, position: usize) -> Answer {
     nth_of(call, 0, position)
 }
 
 /// How many elements the last pairs of a list, or what is left without them, begin behind.
-fn split_before_last(call: &Call<'_, '_>) -> Result<usize, Raise> {
+fn split_before_last(call: &mut Call<'_, '_>) -> Result<usize, Raise> {
     let last = if count(call) > 1 { natural(call, 1)? } else { 1 };
-    let mut spine = Spine::new(&call.machine.heap, call.argument(0));
+    let mut spine = call.machine.heap.spine(call.argument(0));
     let length = spine.by_ref().count();
-    proper_end(call, 0, spine.rest())?;
+    let end = spine.rest();
+    burn_walk(call, length);
+    proper_end(call, 0, end)?;
     Ok(length.saturating_sub(last))
 }
 
@@ -115,8 +121,8 @@ fn last(call: &mut Call<'_, '_>) -> Answer {
 
 fn butlast(call: &mut Call<'_, '_>) -> Answer {
     let length = split_before_last(call)?;
-    let items: Vec<Value> =
-        Spine::new(&call.machine.heap, call.argument(0)).take(length).map(|(_, item)| item).collect();
+    room_for_pairs(call, length)?;
+    let items: Vec<Value> = call.machine.heap.spine(call.argument(0)).take(length).map(|(_, item)| item).collect();
     list(call, &items)
 }
 
@@ -198,6 +204,7 @@ fn flatten(call: &mut Call<'_, '_>) -> Answer {
             atom => items.push(atom),
         }
     }
+    call.burn(visited);
     list(call, &items)
 }
 

@@ -1,7 +1,7 @@
 //! What `setf` calls: `(setf (ACCESSOR ARG...) VALUE)` is `(%set-ACCESSOR ARG... VALUE)` and gives
 //! the value.
 
-use crate::arguments::{Answer, Spine, changing, index_error, natural, value};
+use crate::arguments::{Answer, burn_walk, changing, index_error, natural, value};
 use crate::lists::follow;
 use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
@@ -29,14 +29,13 @@ fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> Answer {
 
 /// Writes the element at a position of the list in an argument.
 fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value) -> Answer {
-    let mut spine = Spine::new(&call.machine.heap, call.argument(list));
-    let mut length = 0;
-    for (pair, _) in spine.by_ref() {
-        if length == position {
-            call.machine.heap.pairs[pair as usize].0 = new;
-            return value(new);
-        }
-        length += 1;
+    let mut spine = call.machine.heap.spine(call.argument(list));
+    let found = spine.nth(position);
+    let length = spine.passed();
+    burn_walk(call, length);
+    if let Some((pair, _)) = found {
+        call.machine.heap.pairs[pair as usize].0 = new;
+        return value(new);
     }
     Err(match call.argument(list) {
         Value::Nil | Value::Cons(_) => missing(position, length),

@@ -1,7 +1,8 @@
 //! Lists as sets: `equal` elements count as one, the order of the first list is kept.
 
 use crate::arguments::{Answer, elements, list, pure, truth, value};
-use rpl_runtime::heap::{Heap, Key};
+use crate::elements::find_equal;
+use rpl_runtime::heap::{Heap, Key, MAX_KEY_PAIRS};
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 use std::collections::BTreeSet;
@@ -10,8 +11,10 @@ use std::collections::BTreeSet;
 #[derive(Default)]
 struct Seen {
     keys: BTreeSet<Key>,
-    /// Values that nest too deep for a key.
-    deep: Vec<Value>,
+    /// Values that are too large for a key.
+    large: Vec<Value>,
+    /// What was looked at, in steps.
+    steps: usize,
 }
 
 impl Seen {
@@ -25,62 +28,79 @@ impl Seen {
 
     /// Whether the value is new.
     fn insert(&mut self, heap: &Heap, item: Value) -> bool {
-        match heap.key(item) {
+        match self.key(heap, item) {
             Some(key) => self.keys.insert(key),
-            None if self.contains_deep(heap, item) => false,
+            None if self.contains_large(heap, item) => false,
             None => {
-                self.deep.push(item);
+                self.large.push(item);
                 true
             }
         }
     }
 
-    fn contains(&self, heap: &Heap, item: Value) -> bool {
-        match heap.key(item) {
+    fn contains(&mut self, heap: &Heap, item: Value) -> bool {
+        match self.key(heap, item) {
             Some(key) => self.keys.contains(&key),
-            None => self.contains_deep(heap, item),
+            None => self.contains_large(heap, item),
         }
     }
 
-    fn contains_deep(&self, heap: &Heap, item: Value) -> bool {
-        self.deep.iter().any(|&known| heap.equal(known, item))
+    fn key(&mut self, heap: &Heap, item: Value) -> Option<Key> {
+        let key = heap.key(item);
+        self.steps += key.as_ref().map_or(MAX_KEY_PAIRS, |key| key.parts().len());
+        key
+    }
+
+    fn contains_large(&mut self, heap: &Heap, item: Value) -> bool {
+        self.large.iter().any(|&known| {
+            let (is_equal, steps) = heap.compared(known, item);
+            self.steps += steps;
+            is_equal
+        })
     }
 }
 
-fn remove_duplicates(call: &mut Call<'_, '_>) -> Answer {
-    let mut items = elements(call, 0)?;
+/// The elements that are new, each once.
+fn distinct(call: &mut Call<'_, '_>, mut items: Vec<Value>) -> Answer {
     let mut seen = Seen::default();
     items.retain(|&item| seen.insert(&call.machine.heap, item));
+    call.burn(seen.steps);
     list(call, &items)
+}
+
+fn remove_duplicates(call: &mut Call<'_, '_>) -> Answer {
+    let items = elements(call, 0)?;
+    distinct(call, items)
 }
 
 fn union(call: &mut Call<'_, '_>) -> Answer {
     let mut items = elements(call, 0)?;
     items.extend(elements(call, 1)?);
-    let mut seen = Seen::default();
-    items.retain(|&item| seen.insert(&call.machine.heap, item));
-    list(call, &items)
+    distinct(call, items)
 }
 
 /// The elements of the first list that are, or are not, in the second.
 fn select(call: &mut Call<'_, '_>, common: bool) -> Answer {
     let mut items = elements(call, 0)?;
     let others = elements(call, 1)?;
-    let others = Seen::of(&call.machine.heap, &others);
+    let mut others = Seen::of(&call.machine.heap, &others);
     items.retain(|&item| others.contains(&call.machine.heap, item) == common);
+    call.burn(others.steps);
     list(call, &items)
 }
 
 fn is_subset(call: &mut Call<'_, '_>) -> Answer {
     let items = elements(call, 0)?;
     let others = elements(call, 1)?;
-    let others = Seen::of(&call.machine.heap, &others);
-    truth(items.iter().all(|&item| others.contains(&call.machine.heap, item)))
+    let mut others = Seen::of(&call.machine.heap, &others);
+    let is_subset = items.iter().all(|&item| others.contains(&call.machine.heap, item));
+    call.burn(others.steps);
+    truth(is_subset)
 }
 
 fn adjoin(call: &mut Call<'_, '_>) -> Answer {
     let (item, set) = (call.argument(0), call.argument(1));
-    let known = elements(call, 1)?.iter().any(|&known| call.machine.heap.equal(known, item));
+    let known = find_equal(call, item, 1)?.is_some();
     value(if known { set } else { call.machine.heap.cons(item, set) })
 }
 

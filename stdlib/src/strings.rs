@@ -1,6 +1,6 @@
 //! Strings. Positions and lengths count characters, not bytes.
 
-use crate::arguments::{Answer, count, elements, list, natural, pure, room_for, show, text, truth, value};
+use crate::arguments::{Answer, burn_text, count, elements, list, natural, pure, room_for, show, text, truth, value};
 use crate::elements::{characters, part};
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
@@ -33,19 +33,22 @@ fn concat(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// Whether an order holds between all neighbours; symbols count as their names.
-fn chain(call: &Call<'_, '_>, holds: fn(Ordering) -> bool) -> Answer {
+fn chain(call: &mut Call<'_, '_>, holds: fn(Ordering) -> bool) -> Answer {
     let names: Vec<String> = (0..count(call)).map(|at| call.name(at)).collect::<Result<_, _>>()?;
+    burn_text(call, names.iter().map(String::len).sum());
     truth(names.windows(2).all(|pair| holds(pair[0].cmp(&pair[1]))))
 }
 
 fn substring(call: &mut Call<'_, '_>) -> Answer {
     let string = call.text(0)?;
+    burn_text(call, string.len());
     let (start, end) = part(call, string.chars().count())?;
     text(call, characters(&string, start, end))
 }
 
 fn search(call: &mut Call<'_, '_>) -> Answer {
     let (wanted, string) = (call.text(0)?, call.text(1)?);
+    burn_text(call, wanted.len() + string.len());
     let start = if count(call) > 2 { natural(call, 2)? } else { 0 };
     let Some(from) = string.char_indices().map(|(byte, _)| byte).chain([string.len()]).nth(start) else {
         return value(Value::Nil);
@@ -67,6 +70,7 @@ fn ends(call: &mut Call<'_, '_>) -> Answer {
 /// Without a separator the words between spaces, which are never empty.
 fn split(call: &mut Call<'_, '_>) -> Answer {
     let string = call.text(0)?;
+    burn_text(call, string.len());
     if count(call) == 1 {
         return list_of_strings(call, string.split_whitespace());
     }
@@ -104,6 +108,7 @@ fn trim(call: &mut Call<'_, '_>) -> Answer {
 
 fn replace(call: &mut Call<'_, '_>) -> Answer {
     let (string, old, new) = (call.text(0)?, pattern(call, 1)?, call.text(2)?);
+    burn_text(call, string.len());
     room_for(call, string.matches(&*old).count().saturating_mul(new.len()).saturating_add(string.len()))?;
     text(call, &string.replace(&*old, &new))
 }

@@ -1,7 +1,7 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{Answer, elements, list, natural, pure, text, truth, value};
+use crate::arguments::{Answer, burn_walk, elements, list, natural, pure, text, truth, value};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
@@ -10,12 +10,14 @@ use rpl_runtime::value::Value;
 
 /// Turns a list round in place. The prelude does so only with lists nobody else has seen.
 fn reverse_in_place(call: &mut Call<'_, '_>) -> Answer {
-    let mut turned = Value::Nil;
+    let (mut turned, mut passed) = (Value::Nil, 0);
     let mut at = call.argument(0);
     while let Value::Cons(index) = at {
         let pair = &mut call.machine.heap.pairs[index as usize];
         (at, pair.1, turned) = (pair.1, turned, at);
+        passed += 1;
     }
+    burn_walk(call, passed);
     value(turned)
 }
 
@@ -30,7 +32,9 @@ fn link(call: &mut Call<'_, '_>) -> Answer {
 /// Cuts a list behind so many pairs and gives the rest.
 fn cut(call: &mut Call<'_, '_>) -> Answer {
     let mut at = call.argument(0);
-    for _ in 1..natural(call, 1)? {
+    let length = natural(call, 1)?;
+    burn_walk(call, length);
+    for _ in 1..length {
         let Value::Cons(index) = at else { return value(Value::Nil) };
         at = call.machine.heap.pair(index).1;
     }

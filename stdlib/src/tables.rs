@@ -1,9 +1,9 @@
 //! Hash tables: keys are compared as by `equal`, entries stand in the order of their keys.
 
-use crate::arguments::{Answer, changing, elements, integer, list, pure, truth, value};
+use crate::arguments::{Answer, burn_text, changing, elements, integer, list, pure, truth, value};
 use crate::elements::no_pair;
 use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::{Key, Table};
+use rpl_runtime::heap::{Key, KeyPart, MAX_KEY_PAIRS, Table};
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 
@@ -15,12 +15,27 @@ fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
     }
 }
 
-/// The key of the first argument.
-fn key(call: &Call<'_, '_>, of: Value) -> Result<Key, Raise> {
-    call.machine
-        .heap
-        .key(of)
-        .ok_or_else(|| Raise::type_error("this datum is nested too deep, or too large, to be the key of a hash table"))
+/// A value as a key. It is compared with as many keys as halving a table of so many entries takes.
+fn key(call: &mut Call<'_, '_>, of: Value, entries: usize) -> Result<Key, Raise> {
+    let Some(key) = call.machine.heap.key(of) else {
+        return Err(Raise::type_error(format!(
+            "this has more than {MAX_KEY_PAIRS} pairs and is too large to be the key of a hash table"
+        )));
+    };
+    let comparisons = 1 + entries.max(1).ilog2() as usize;
+    match &key {
+        Key::Atom(KeyPart::Str(text)) => burn_text(call, text.len() * comparisons),
+        Key::Atom(_) => {}
+        Key::List(parts) => call.burn(parts.len() * comparisons),
+    }
+    Ok(key)
+}
+
+/// The key in the first argument, and the table in another.
+fn key_and_table(call: &mut Call<'_, '_>, at: usize) -> Result<(Key, u32), Raise> {
+    let table = table(call, at)?;
+    let entries = call.machine.heap.tables[table].entries.len();
+    Ok((key(call, call.argument(0), entries)?, table))
 }
 
 fn new_table(call: &mut Call<'_, '_>, table: Table) -> Value {
@@ -51,15 +66,15 @@ fn from_alist(call: &mut Call<'_, '_>) -> Answer {
         };
         let (of, content) = call.machine.heap.pair(index);
         // The first entry of a key counts, as for `assoc`.
-        table.entries.entry(key(call, of)?).or_insert((of, content));
+        let key = key(call, of, table.entries.len())?;
+        table.entries.entry(key).or_insert((of, content));
     }
     let table = new_table(call, table);
     value(table)
 }
 
 fn gethash(call: &mut Call<'_, '_>) -> Answer {
-    let table = table(call, 1)?;
-    let key = key(call, call.argument(0))?;
+    let (key, table) = key_and_table(call, 1)?;
     let found = call.machine.heap.tables[table].entries.get(&key).map(|&(_, content)| content);
     value(found.unwrap_or(call.argument(2)))
 }
@@ -67,9 +82,8 @@ fn gethash(call: &mut Call<'_, '_>) -> Answer {
 /// The value is the last argument; a default before it, as in `(incf (gethash k h 0))`, is passed
 /// over.
 fn set_gethash(call: &mut Call<'_, '_>) -> Answer {
-    let table = table(call, 1)?;
+    let (key, table) = key_and_table(call, 1)?;
     let of = call.argument(0);
-    let key = key(call, of)?;
     let content = call.arguments.last().copied().unwrap_or_default();
     call.machine.heap.allocated += 2;
     call.machine.heap.tables[table].entries.insert(key, (of, content));
@@ -77,20 +91,19 @@ fn set_gethash(call: &mut Call<'_, '_>) -> Answer {
 }
 
 fn contains(call: &mut Call<'_, '_>) -> Answer {
-    let table = table(call, 1)?;
-    let key = key(call, call.argument(0))?;
+    let (key, table) = key_and_table(call, 1)?;
     truth(call.machine.heap.tables[table].entries.contains_key(&key))
 }
 
 fn remhash(call: &mut Call<'_, '_>) -> Answer {
-    let table = table(call, 1)?;
-    let key = key(call, call.argument(0))?;
+    let (key, table) = key_and_table(call, 1)?;
     truth(call.machine.heap.tables[table].entries.remove(&key).is_some())
 }
 
 fn clrhash(call: &mut Call<'_, '_>) -> Answer {
     let table = table(call, 0)?;
-    call.machine.heap.tables[table].entries.clear();
+    let entries = std::mem::take(&mut call.machine.heap.tables[table].entries);
+    call.burn(entries.len());
     value(call.argument(0))
 }
 

@@ -1,8 +1,9 @@
 //! What is known of variables: how often they are read and assigned, and what they are bound to.
 
-use super::walk::{deep, each_function_form};
+use super::walk::each_function_form;
 use crate::compile::Resolved;
 use crate::compile::ir::{Defined, Function, Ir, IrKind, VarId};
+use crate::stack::deep;
 
 /// Where a variable is bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

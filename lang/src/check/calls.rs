@@ -3,7 +3,7 @@
 
 use super::Check;
 use super::walk::each_form;
-use crate::code::{Constant, GlobalKind, Parameters};
+use crate::code::{Atom, Constant, GlobalKind, Parameters};
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -54,7 +54,9 @@ fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found
     };
     let is_data = match value.kind {
         IrKind::Int(_) | IrKind::True | IrKind::Binary(..) => true,
-        IrKind::Const(constant) => !matches!(check.constant(constant), Constant::Native(_) | Constant::Object(_)),
+        IrKind::Const(constant) => {
+            !matches!(check.constant(constant), Constant::Atom(Atom::Native(_) | Atom::Object(_)))
+        }
         _ => false,
     };
     if is_data {
@@ -124,7 +126,7 @@ pub(super) fn unknown_keywords(
 fn format_call(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
     let Some(("format" | "%format", [control, values @ ..])) = check.native_call(ir) else { return };
     let IrKind::Const(constant) = control.kind else { return };
-    let Constant::Str(text) = check.constant(constant) else { return };
+    let Constant::Atom(Atom::Str(text)) = check.constant(constant) else { return };
     let Some(directives) = count_directives(text) else { return };
     if directives == values.len() {
         return;

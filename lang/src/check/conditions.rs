@@ -1,11 +1,12 @@
 //! Conditions that can never change.
 
 use super::bindings::is_plain;
-use super::walk::{deep, each_form};
+use super::walk::each_form;
 use super::{Check, lies_in};
 use crate::code::GlobalKind;
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
+use crate::stack::deep;
 use std::collections::BTreeMap;
 
 /// Natives that read no fluent and give none; the kinds of their arguments are their own business.

@@ -2,12 +2,13 @@
 //! loops and policies, which must wait.
 
 use super::flow::Flow;
-use super::walk::{Part, deep, each_form, parts};
+use super::walk::{Part, each_form, parts};
 use super::{Check, lies_in};
 use crate::code::{CodeKind, GlobalKind, Rule};
 use crate::compile::ir::{Callee, Function, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
+use crate::stack::deep;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 

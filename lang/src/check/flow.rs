@@ -1,11 +1,12 @@
 //! Which forms come to an end by themselves, and what therefore never runs.
 
-use super::walk::{Part, deep, parts};
+use super::walk::{Part, parts};
 use super::{Check, lies_in};
 use crate::code::Rule;
 use crate::compile::ir::{BlockId, Callee, ChildIr, ClauseIr, Ir, IrKind, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
+use crate::stack::deep;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {

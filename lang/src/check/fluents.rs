@@ -2,11 +2,12 @@
 
 use super::Check;
 use super::kinds::kind_of;
-use super::walk::{deep, each_form};
+use super::walk::each_form;
 use crate::code::GlobalKind;
 use crate::compile::ir::{Binary, Callee, Ir, IrKind, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
+use crate::stack::deep;
 use crate::suggest::suggest;
 
 /// Natives that give a fluent where they do not stand in a network.

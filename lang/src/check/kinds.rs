@@ -2,7 +2,7 @@
 
 use super::walk::{each_form, each_form_within};
 use super::{Check, places};
-use crate::code::{Constant, GlobalKind, Rule};
+use crate::code::{Atom, Constant, GlobalKind, Rule};
 use crate::compile::NativeSignature;
 use crate::compile::ir::{Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
@@ -164,16 +164,16 @@ fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
             GlobalKind::Variable | GlobalKind::Constant => None,
         },
         IrKind::Const(constant) => match check.constant(constant) {
-            Constant::Symbol(_) => Some(Found::Symbol),
-            Constant::Str(_) => Some(Found::Text),
-            Constant::Float(_) => Some(Found::Float),
-            Constant::Int(_) => Some(Found::Integer),
-            Constant::Keyword(_) => Some(Found::Keyword),
-            Constant::Native(_) => Some(Found::Function),
-            Constant::List(..) => Some(Found::List),
-            Constant::Nil => Some(Found::Nil),
-            Constant::True => Some(Found::True),
-            Constant::Object(_) => None,
+            Constant::Atom(Atom::Symbol(_)) => Some(Found::Symbol),
+            Constant::Atom(Atom::Str(_)) => Some(Found::Text),
+            Constant::Atom(Atom::Float(_)) => Some(Found::Float),
+            Constant::Atom(Atom::Int(_)) => Some(Found::Integer),
+            Constant::Atom(Atom::Keyword(_)) => Some(Found::Keyword),
+            Constant::Atom(Atom::Native(_)) => Some(Found::Function),
+            Constant::List(_) => Some(Found::List),
+            Constant::Atom(Atom::Nil) => Some(Found::Nil),
+            Constant::Atom(Atom::True) => Some(Found::True),
+            Constant::Atom(Atom::Object(_)) => None,
         },
         _ => None,
     }
@@ -206,7 +206,7 @@ fn advice(check: &Check<'_>, kind: Kind, found: Found, ir: &Ir) -> Option<String
     match (kind, found) {
         (Kind::Seconds | Kind::Number | Kind::Integer, Found::Text) => {
             let IrKind::Const(constant) = ir.kind else { return None };
-            let Constant::Str(text) = check.constant(constant) else { return None };
+            let Constant::Atom(Atom::Str(text)) = check.constant(constant) else { return None };
             time_in_string(text).map(|number| format!("write `{number}`, without quotes"))
         }
         (_, Found::Symbol) => {

@@ -23,7 +23,7 @@ mod valve_order;
 mod valves;
 mod walk;
 
-use crate::code::{Constant, GlobalKind, Program};
+use crate::code::{Atom, Constant, GlobalKind, Program};
 use crate::compile::ir::{Callee, Defined, Function, Ir, IrKind, VarId};
 use crate::compile::{NativeSignature, Resolved};
 use crate::diagnostic::{Diagnostic, Severity};
@@ -220,7 +220,7 @@ impl<'a> Check<'a> {
     fn quoted(&self, ir: &Ir) -> Option<Symbol> {
         match ir.kind {
             IrKind::Const(constant) => match self.constant(constant) {
-                Constant::Symbol(symbol) => Some(*symbol),
+                Constant::Atom(Atom::Symbol(symbol)) => Some(*symbol),
                 _ => None,
             },
             _ => None,
@@ -231,7 +231,7 @@ impl<'a> Check<'a> {
     fn keyword(&self, ir: &Ir) -> Option<Symbol> {
         match ir.kind {
             IrKind::Const(constant) => match self.constant(constant) {
-                Constant::Keyword(symbol) => Some(*symbol),
+                Constant::Atom(Atom::Keyword(symbol)) => Some(*symbol),
                 _ => None,
             },
             _ => None,

@@ -1,10 +1,11 @@
 //! Which valves a form asks for while it holds which others, through calls.
 
-use super::walk::{Part, deep, parts};
+use super::walk::{Part, parts};
 use super::{Bindings, Check, Known};
 use crate::code::{GlobalKind, Rule};
 use crate::compile::ir::{Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, VarId};
 use crate::source::Span;
+use crate::stack::deep;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A valve, as a function can see it.

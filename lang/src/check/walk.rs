@@ -1,6 +1,7 @@
 //! Walks over resolved forms.
 
 use crate::compile::ir::{Callee, Function, Ir, IrKind, ScopeIr};
+use crate::stack::deep;
 
 /// What stands directly inside a form.
 pub(super) enum Part<'a> {
@@ -104,9 +105,4 @@ fn descend<'a>(function: &'a Function, ir: &'a Ir, see: &mut dyn FnMut(&'a Funct
             Part::Function(function) => each_function_form(function, see),
         });
     });
-}
-
-/// Macros can nest forms deeper than a stack is.
-pub(super) fn deep<T>(inside: impl FnOnce() -> T) -> T {
-    stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, inside)
 }

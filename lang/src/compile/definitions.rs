@@ -40,6 +40,10 @@ impl Compiler<'_> {
     }
 
     pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
+        self.nested(node, |compiler| compiler.top_level_here(node, bodies));
+    }
+
+    fn top_level_here(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
         let span = self.tree.span(node);
         let items = self.tree.items(node).to_vec();
         let Some(head) = self.tree.head(node) else {
@@ -47,7 +51,7 @@ impl Compiler<'_> {
         };
         if let Some(&code) = self.program.macros.get(&head) {
             if let Some(expansion) = self.expand(code, node) {
-                self.top_level_expansion(expansion, bodies);
+                self.top_level(expansion, bodies);
                 self.expansions -= 1;
             }
             return;
@@ -66,10 +70,6 @@ impl Compiler<'_> {
             Some(special) if special.is_definition() => self.definition(special, &items, span, bodies),
             _ => bodies.push(TopLevel::Form(self.top_level_form(node))),
         }
-    }
-
-    fn top_level_expansion(&mut self, expansion: NodeId, bodies: &mut Vec<TopLevel>) {
-        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.top_level(expansion, bodies));
     }
 
     fn is_definition_form(&self, node: NodeId) -> bool {

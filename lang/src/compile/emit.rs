@@ -3,8 +3,9 @@
 
 use super::Compiler;
 use super::ir::{Binary, BlockId, Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, Unary, VarId};
-use crate::code::{Child, Code, CodeKind, Constant, Construct, Local, NO_REG, Op, Parameters, Reg};
+use crate::code::{Atom, Child, Code, CodeKind, Construct, Local, NO_REG, Op, Parameters, Reg};
 use crate::source::Span;
+use crate::stack::deep;
 use crate::symbol::Symbol;
 use std::collections::BTreeMap;
 
@@ -134,7 +135,7 @@ impl Emitter<'_, '_> {
         }
         for &(name, tag) in &function.tags {
             let reg = self.fresh();
-            let constant = self.compiler.constant(Constant::Symbol(name));
+            let constant = self.compiler.constant(Atom::Symbol(name));
             self.push(Op::TagNew(reg, constant));
             self.place(tag, reg);
             self.put_in_cell(tag, reg);
@@ -251,9 +252,7 @@ impl Emitter<'_, '_> {
     /// Emits code that leaves the form's value in `into`.
     fn value(&mut self, ir: &Ir, into: Reg, tail: bool) {
         let outer = std::mem::replace(&mut self.span, ir.span);
-        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || {
-            self.temporarily(|emitter| emitter.value_here(ir, into, tail))
-        });
+        deep(|| self.temporarily(|emitter| emitter.value_here(ir, into, tail)));
         self.span = outer;
     }
 
@@ -361,7 +360,7 @@ impl Emitter<'_, '_> {
         match i32::try_from(value) {
             Ok(value) => drop(self.push(Op::Int(into, value))),
             Err(_) => {
-                let constant = self.compiler.constant(Constant::Int(value));
+                let constant = self.compiler.constant(Atom::Int(value));
                 self.push(Op::Const(into, constant));
             }
         }
@@ -455,7 +454,7 @@ impl Emitter<'_, '_> {
     /// Emits a jump that is taken when the condition is nil; gives the jumps to land.
     fn jump_unless(&mut self, condition: &Ir) -> Vec<usize> {
         let outer = std::mem::replace(&mut self.span, condition.span);
-        let jumps = self.temporarily(|emitter| emitter.jump_unless_here(condition));
+        let jumps = deep(|| self.temporarily(|emitter| emitter.jump_unless_here(condition)));
         self.span = outer;
         jumps
     }
@@ -541,7 +540,7 @@ impl Emitter<'_, '_> {
     /// Emits a form whose value nobody wants.
     fn effect(&mut self, ir: &Ir) {
         let outer = std::mem::replace(&mut self.span, ir.span);
-        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.temporarily(|emitter| emitter.effect_here(ir)));
+        deep(|| self.temporarily(|emitter| emitter.effect_here(ir)));
         self.span = outer;
     }
 
@@ -904,7 +903,7 @@ fn has_no_code(ir: &Ir) -> bool {
 
 /// Whether evaluating the form can change no variable.
 fn has_no_effect(ir: &Ir) -> bool {
-    match &ir.kind {
+    deep(|| match &ir.kind {
         IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) | IrKind::Global(_) => true,
         IrKind::Binary(_, left, right) => has_no_effect(left) && has_no_effect(right),
         IrKind::Unary(_, operand) => has_no_effect(operand),
@@ -914,5 +913,5 @@ fn has_no_effect(ir: &Ir) -> bool {
         }
         IrKind::Call(_, arguments) => arguments.iter().all(has_no_effect),
         _ => false,
-    }
+    })
 }

@@ -4,7 +4,7 @@ use super::ir::{Callee, Function, Ir, IrKind};
 use super::resolve::Meaning;
 use super::special::Special;
 use super::{Compiler, thunk};
-use crate::code::{CodeKind, Constant, GlobalKind};
+use crate::code::{Atom, CodeKind, Constant, GlobalKind};
 use crate::source::Span;
 use crate::symbol::Symbol;
 use crate::syntax::{Kind, NodeId};
@@ -81,9 +81,9 @@ impl Compiler<'_> {
 
     fn constant_ir(&mut self, constant: Constant, span: Span) -> Ir {
         let kind = match constant {
-            Constant::Nil => IrKind::Nil,
-            Constant::True => IrKind::True,
-            Constant::Int(value) => IrKind::Int(value),
+            Constant::Atom(Atom::Nil) => IrKind::Nil,
+            Constant::Atom(Atom::True) => IrKind::True,
+            Constant::Atom(Atom::Int(value)) => IrKind::Int(value),
             other => IrKind::Const(self.constant(other)),
         };
         Ir { span, kind }
@@ -98,6 +98,11 @@ impl Compiler<'_> {
 
     /// `` `(a ,b ,@c) `` as calls of `cons` and `append`; nested templates keep their inner marks.
     fn quasiquote(&mut self, node: NodeId, depth: usize) -> Ir {
+        self.nested(node, |compiler| compiler.quasiquote_here(node, depth))
+            .unwrap_or_else(|| self.nil(self.tree.span(node)))
+    }
+
+    fn quasiquote_here(&mut self, node: NodeId, depth: usize) -> Ir {
         let span = self.tree.span(node);
         if self.tree.items(node).is_empty() {
             let constant = self.datum(node);
@@ -150,7 +155,7 @@ impl Compiler<'_> {
 
     fn rebuilt_mark(&mut self, mark: &str, inner: NodeId, depth: usize, span: Span) -> Ir {
         let symbol = self.symbols.intern(mark);
-        let mark = self.constant(Constant::Symbol(symbol));
+        let mark = self.constant(Atom::Symbol(symbol));
         let mark = Ir { span, kind: IrKind::Const(mark) };
         let inner = self.quasiquote(inner, depth);
         self.native_ir("list", vec![mark, inner], span)

@@ -2,6 +2,7 @@
 
 use crate::code::{CodeKind, Missed, Parameters, Rule};
 use crate::source::Span;
+use crate::stack::deep;
 use crate::symbol::Symbol;
 use std::sync::Arc;
 
@@ -73,6 +74,13 @@ pub(crate) enum Defined {
 pub(crate) struct Ir {
     pub(crate) span: Span,
     pub(crate) kind: IrKind,
+}
+
+/// Forms nest deeper than a stack is.
+impl Drop for Ir {
+    fn drop(&mut self) {
+        deep(|| drop(std::mem::replace(&mut self.kind, IrKind::Nil)));
+    }
 }
 
 /// Two-operand operations with an instruction of their own.

@@ -13,7 +13,7 @@ mod resolve;
 mod special;
 mod test_form;
 
-use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
+use crate::code::{Atom, Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
 use crate::source::{SourceId, Span};
@@ -213,6 +213,8 @@ pub(crate) struct Compiler<'a> {
     /// Calls of globals, checked when all definitions are known.
     calls: Vec<(u32, usize, Span)>,
     expansions: u32,
+    /// Forms around the one that is resolved.
+    depth: u32,
     loading: Vec<String>,
     /// Names of the tests so far, with their places.
     tests: BTreeMap<Arc<str>, Span>,
@@ -222,6 +224,9 @@ pub(crate) struct Compiler<'a> {
 
 /// Macros that expand into macros without end are cut here.
 const MAX_EXPANSIONS_IN_A_ROW: u32 = 1_000;
+
+/// Forms nest at most so deep: each level takes about 1 KB of stack while it is compiled.
+const MAX_FORMS_DEEP: u32 = 10_000;
 
 impl<'a> Compiler<'a> {
     fn new(surroundings: Compilation<'a>, tree: Tree, purpose: Purpose) -> Self {
@@ -255,6 +260,7 @@ impl<'a> Compiler<'a> {
             classes: Vec::new(),
             calls: Vec::new(),
             expansions: 0,
+            depth: 0,
             loading: Vec::new(),
             tests: BTreeMap::new(),
             methods: BTreeMap::new(),
@@ -328,7 +334,7 @@ impl<'a> Compiler<'a> {
                 }
             }
         }
-        let defined = defined.map(|name| self.constant(Constant::Symbol(name)));
+        let defined = defined.map(|name| self.constant(Atom::Symbol(name)));
         let main = self.add_code(emit::sequence(name, span, &calls, defined));
         let tests = forms
             .into_iter()
@@ -353,8 +359,8 @@ impl<'a> Compiler<'a> {
         self.program.codes.len() as u32 - 1
     }
 
-    fn constant(&mut self, constant: Constant) -> u32 {
-        self.program.constants.push(constant);
+    fn constant(&mut self, constant: impl Into<Constant>) -> u32 {
+        self.program.constants.push(constant.into());
         self.program.constants.len() as u32 - 1
     }
 

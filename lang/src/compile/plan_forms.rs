@@ -5,6 +5,7 @@ use super::special::Special;
 use super::{Compiler, HandlerScope, thunk};
 use crate::code::{CodeKind, Missed, Parameters, Rule};
 use crate::source::Span;
+use crate::stack::deep;
 use crate::symbol::Symbol;
 use crate::syntax::{Kind, NodeId};
 
@@ -486,14 +487,14 @@ impl Compiler<'_> {
 
 /// Whether an expression reads nothing that can change.
 fn is_constant(ir: &Ir) -> bool {
-    match &ir.kind {
+    deep(|| match &ir.kind {
         IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) => true,
         IrKind::If(a, b, c) => is_constant(a) && is_constant(b) && is_constant(c),
         IrKind::And(all) | IrKind::Or(all) | IrKind::Seq(all) => all.iter().all(is_constant),
         IrKind::Binary(_, a, b) => is_constant(a) && is_constant(b),
         IrKind::Unary(_, a) => is_constant(a),
         _ => false,
-    }
+    })
 }
 
 /// A step on a circle of the order, if there is one (Kahn's algorithm leaves exactly those and

@@ -2,16 +2,23 @@
 //! an instruction of their own are recognised.
 
 use super::ir::{Binary, Callee, Ir, IrKind, Unary, VarId};
-use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW, Unknown};
-use crate::code::{CodeKind, Constant, Global, GlobalKind};
+use super::{BlockScope, Compiler, MAX_EXPANSIONS_IN_A_ROW, MAX_FORMS_DEEP, Unknown};
+use crate::code::{Atom, CodeKind, Constant, Global, GlobalKind, Part};
 use crate::kind::Kind as ArgumentKind;
 use crate::source::Span;
+use crate::stack::deep;
 use crate::symbol::Symbol;
 use crate::syntax::{Kind, NodeId};
 
 /// Natives whose arguments are fluents themselves, also in fluent position.
 const TAKES_FLUENTS: &[&str] =
     &["value", "pulsed", "changed", "count-pulses", "status", "result", "begin-task", "end-task"];
+
+/// What is left to do of a datum on its way to a constant.
+enum Step {
+    Datum(NodeId),
+    End { length: u32, dotted: bool },
+}
 
 /// What a name means where it stands.
 pub(super) enum Meaning {
@@ -21,9 +28,32 @@ pub(super) enum Meaning {
 }
 
 impl Compiler<'_> {
-    /// Resolves one form. Nesting is bounded by the reader, but macros can nest further.
+    /// Resolves one form.
     pub(super) fn resolve(&mut self, node: NodeId) -> Ir {
-        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.resolve_here(node))
+        self.nested(node, |compiler| compiler.resolve_here(node)).unwrap_or_else(|| self.nil(self.tree.span(node)))
+    }
+
+    /// Does something with a form inside those that are under way; refuses to go deeper than
+    /// [`MAX_FORMS_DEEP`]. The reader bounds the nesting of a text; data and macros can nest further.
+    pub(super) fn nested<T>(&mut self, node: NodeId, inside: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        if self.depth == MAX_FORMS_DEEP {
+            self.too_deep(self.tree.span(node));
+            return None;
+        }
+        self.depth += 1;
+        let result = deep(|| inside(self));
+        self.depth -= 1;
+        Some(result)
+    }
+
+    fn too_deep(&mut self, span: Span) {
+        // Every form beside this one is as deep: one is told.
+        if self.diagnostics.iter().all(|found| found.code != "too-deep") {
+            let message = format!("these forms are nested more than {MAX_FORMS_DEEP} levels deep");
+            let label = format!("level {}", MAX_FORMS_DEEP + 1);
+            self.error("too-deep", span, message, label).help =
+                Some("data may nest deeper: quote it, or call a function that works on it".into());
+        }
     }
 
     fn resolve_here(&mut self, node: NodeId) -> Ir {
@@ -39,8 +69,7 @@ impl Compiler<'_> {
             }
             Kind::List { .. } => self.form(node, span),
             _ => {
-                let constant = self.datum(node);
-                let constant = self.constant(constant);
+                let constant = self.constant(self.datum(node));
                 Ir { span, kind: IrKind::Const(constant) }
             }
         }
@@ -59,29 +88,56 @@ impl Compiler<'_> {
     }
 
     /// A datum as a constant.
-    pub(super) fn datum(&mut self, node: NodeId) -> Constant {
-        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || match self.tree.get(node).kind.clone() {
-            Kind::Symbol(name) => match self.symbols.name(name) {
-                "nil" => Constant::Nil,
-                "t" => Constant::True,
-                _ => Constant::Symbol(name),
-            },
-            Kind::Keyword(name) => Constant::Keyword(name),
-            Kind::Int(value) => Constant::Int(value),
-            Kind::Float(value) => Constant::Float(value),
-            Kind::Str(text) => Constant::Str(text),
-            Kind::Object(index) => Constant::Object(index),
-            Kind::Hole => Constant::Nil,
-            Kind::List { dotted, .. } => {
-                let mut items: Vec<Constant> =
-                    self.tree.items(node).to_vec().into_iter().map(|item| self.datum(item)).collect();
-                let tail = if dotted { items.pop() } else { None };
-                match (items.is_empty(), tail) {
-                    (true, None) => Constant::Nil,
-                    (_, tail) => Constant::List(items, tail.filter(|tail| *tail != Constant::Nil).map(Box::new)),
+    pub(super) fn datum(&self, node: NodeId) -> Constant {
+        let mut parts = Vec::new();
+        let mut steps = vec![Step::Datum(node)];
+        while let Some(step) = steps.pop() {
+            let node = match step {
+                Step::Datum(node) => node,
+                Step::End { length, dotted } => {
+                    parts.push(Part::List { length, dotted });
+                    continue;
                 }
+            };
+            match self.tree.get(node).kind {
+                Kind::List { dotted, .. } => {
+                    let items = self.tree.items(node);
+                    let length = items.len() - usize::from(dotted);
+                    if length > 0 {
+                        steps.push(Step::End { length: length as u32, dotted });
+                        steps.extend(items.iter().rev().map(|&item| Step::Datum(item)));
+                    } else {
+                        // A list of nothing but its tail is that tail.
+                        steps.extend(items.last().map(|&item| Step::Datum(item)));
+                        parts.extend(items.is_empty().then_some(Part::Atom(Atom::Nil)));
+                    }
+                }
+                ref atom => parts.push(Part::Atom(self.atom(atom))),
             }
-        })
+        }
+        match (parts.pop(), parts.is_empty()) {
+            (Some(Part::Atom(atom)), true) => Constant::Atom(atom),
+            (last, _) => {
+                parts.extend(last);
+                Constant::List(parts)
+            }
+        }
+    }
+
+    fn atom(&self, kind: &Kind) -> Atom {
+        match kind {
+            Kind::Symbol(name) => match self.symbols.name(*name) {
+                "nil" => Atom::Nil,
+                "t" => Atom::True,
+                _ => Atom::Symbol(*name),
+            },
+            Kind::Keyword(name) => Atom::Keyword(*name),
+            Kind::Int(value) => Atom::Int(*value),
+            Kind::Float(value) => Atom::Float(*value),
+            Kind::Str(text) => Atom::Str(text.clone()),
+            Kind::Object(index) => Atom::Object(*index),
+            Kind::Hole | Kind::List { .. } => Atom::Nil,
+        }
     }
 
     pub(super) fn is_network(&self) -> bool {
@@ -107,7 +163,7 @@ impl Compiler<'_> {
         let kind = match self.meaning(name, span) {
             Meaning::Local(variable) => IrKind::Local(variable),
             Meaning::Global(global) => IrKind::Global(global),
-            Meaning::Native(native) => IrKind::Const(self.constant(Constant::Native(native))),
+            Meaning::Native(native) => IrKind::Const(self.constant(Atom::Native(native))),
         };
         self.dereferenced(Ir { span, kind })
     }

@@ -53,10 +53,11 @@ pub(super) const NATIVES: &[Native] = &[
 fn apply(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let last = call.arguments.len() - 1;
     let mut arguments = call.arguments[1..last].to_vec();
-    arguments.extend(call.list(last)?);
-    if arguments.len() > 200 {
-        return Err(Raise::new("arity-error", format!("{} arguments are too many for one call", arguments.len())));
+    let count = arguments.len() + call.machine.heap.length(call.argument(last)).unwrap_or(0);
+    if count > 200 {
+        return Err(Raise::new("arity-error", format!("{count} arguments are too many for one call")));
     }
+    arguments.extend(call.list(last)?);
     Ok(Reply::Call(call.argument(0), arguments))
 }
 
