@@ -35,7 +35,7 @@ impl<O: Outside> System<O> {
             }
             Disturbance::Suspend(task) => {
                 if let Some(task) = machine.tasks.find_alive(task) {
-                    machine.suspend(task);
+                    machine.suspend(around, task);
                 }
             }
             Disturbance::Resume(task) => {

@@ -9,6 +9,7 @@
 
 pub mod behaviour;
 pub mod beside;
+mod circle;
 mod construct;
 mod datum;
 pub mod difference;
@@ -20,6 +21,7 @@ mod gc;
 pub mod heap;
 mod invariants;
 pub mod library;
+pub mod line;
 pub mod machine;
 mod macro_host;
 pub mod native;
