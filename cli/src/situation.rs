@@ -71,10 +71,8 @@ fn instant_and_rest(time_us: u64, now_us: u64) -> String {
 pub struct ValveStanding {
     /// Tasks that hold it, the present holder last.
     pub holders: Vec<String>,
-    /// Tasks it was taken from, with those who took it.
-    pub taken: Vec<(String, String)>,
-    /// It is being taken from a task.
-    pub pre_empted: Option<String>,
+    /// Tasks it was taken away from and has not come back to; they and all below them are suspended.
+    pub interrupted: Vec<String>,
 }
 
 /// The last change of a fluent.
@@ -198,7 +196,7 @@ impl Situation {
         self.note_end(event);
         for valve in self.valves.values_mut() {
             valve.holders.retain(|holder| *holder != event.path);
-            valve.taken.retain(|(root, by)| *root != event.path && *by != event.path);
+            valve.interrupted.retain(|root| *root != event.path);
         }
     }
 
@@ -259,18 +257,18 @@ impl Situation {
         let valve = self.valves.entry(detail(event, "valve").to_string()).or_default();
         match detail(event, "what") {
             "granted" => {
-                valve.holders.push(task.clone());
-                valve.taken.extend(valve.pre_empted.take().map(|root| (root, task)));
+                valve.holders.push(task);
             }
             "released" => {
                 if let Some(at) = valve.holders.iter().rposition(|holder| *holder == task) {
                     valve.holders.remove(at);
                 }
             }
-            "pre-empted" => valve.pre_empted = Some(task),
+            "pre-empted" => valve.interrupted.push(task),
             "returned" => {
-                valve.pre_empted = None;
-                valve.taken.retain(|(root, _)| *root != task);
+                if let Some(at) = valve.interrupted.iter().rposition(|root| *root == task) {
+                    valve.interrupted.remove(at);
+                }
             }
             _ => {}
         }

@@ -111,7 +111,9 @@ fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &m
 /// The valve that was taken from a suspended task, if that is why it is suspended.
 fn taken(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String>) {
     for (name, valve) in &situation.valves {
-        for (_, by) in valve.taken.iter().filter(|(root, _)| is_within(task, root)) {
+        // While hooks run it is still its own.
+        let holder = valve.holders.last().filter(|holder| !is_within(holder, task));
+        if let (true, Some(by)) = (valve.interrupted.iter().any(|root| is_within(task, root)), holder) {
             let by = situation.tasks.get(by).map_or(by, |holder| &holder.path);
             say(lines, depth, &format!("{name} was taken from it by {by}"));
         }

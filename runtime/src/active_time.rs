@@ -35,7 +35,7 @@ impl Machine {
             (ActiveTime::Due(due_us), true) => {
                 *clock = ActiveTime::Left(due_us.saturating_sub(self.now_us));
                 // The timer is one of a wait that is over.
-                record.wait_number += 1;
+                self.number_wait(task);
                 self.forget_timer();
             }
             (ActiveTime::Left(left_us), false) => {

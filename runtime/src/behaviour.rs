@@ -248,7 +248,8 @@ impl Machine {
         };
         self.activation(behaviour).phase = Phase::Done;
         self.signal(around, behaviour, signal);
-        self.release_activation(around, behaviour);
+        let owner = self.activation(behaviour).task;
+        self.release_activation(around, behaviour, owner);
     }
 
     fn behaviour_failure(
@@ -373,9 +374,9 @@ impl Machine {
         match how {
             Stop::Deactivated => {
                 self.trace_behaviour(around, behaviour, "deactivated");
-                let kept = std::mem::take(&mut self.activation(behaviour).kept);
-                *self.activation(behaviour) = Activation { kept, ..Activation::default() };
-                self.release_activation(around, behaviour);
+                let before = std::mem::take(self.activation(behaviour));
+                self.activation(behaviour).kept = before.kept;
+                self.release_activation(around, behaviour, before.task);
                 self.apply_outbox(around, outbox);
             }
             Stop::Interrupted => {
@@ -402,7 +403,7 @@ impl Machine {
         let owner = entry.task.and_then(|owner| self.tasks.find(owner));
         if entry.phase == Phase::Active && owner.is_some_and(|owner| self.is_within(owner, self.current)) {
             self.stop_behaviour(around, behaviour, Stop::Interrupted);
-            self.release_activation(around, behaviour);
+            self.release_activation(around, behaviour, entry.task);
         }
     }
 

@@ -5,7 +5,7 @@ use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
 use crate::scheduler::Alarm;
 use crate::task::{Children, Decision, Held, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
-use crate::value::{TaskRef, Value};
+use crate::value::Value;
 use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
 use rpl_lang::kind::Kind;
 
@@ -113,7 +113,7 @@ impl Machine {
             seconds: argument.and_then(Value::as_f64).unwrap_or(0.0),
             timer: 0,
             active: due_us.filter(|_| construct.active).map(ActiveTime::Due),
-            expired: false,
+            expired_us: None,
         };
         self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
         let constraints = constraints_of(&construct.order, total);
@@ -259,20 +259,45 @@ impl Machine {
         failure
     }
 
-    /// The deadline of a timeout has come.
+    /// The deadline of a timeout has come. While the task is suspended it waits for the resume.
     pub(crate) fn deadline(&mut self, around: &mut Surroundings<'_>, task: u32, timer: u64) {
-        let scope = self.tasks[task]
-            .scopes
-            .iter()
-            .position(|scope| matches!(&scope.kind, ScopeKind::Children(children) if children.timer == timer));
-        let Some(scope) = scope else { return };
+        let Some(scope) = self.scope_of_deadline(task, timer) else { return };
+        let now_us = self.now_us;
         let is_held = self.tasks[task].is_held();
-        let ScopeKind::Children(children) = &mut self.tasks[task].scopes[scope].kind else { return };
-        if is_held {
-            children.expired = true;
+        let fixed = self.children_of_scope(task, scope).into_iter().find_map(|child| self.fixed_failure(around, child));
+        let waits = is_held && fixed.is_none();
+        if let Some(children) = self.children_mut(task, scope) {
+            children.expired_us = waits.then_some(now_us);
+        }
+        if waits {
             return;
         }
-        let seconds = children.seconds;
+        let failure = self.timeout_failure(task, scope);
+        if let Some(first) = fixed {
+            self.attach_failure(around, Decision::Fail(first), failure);
+            return;
+        }
+        self.as_one(around, |machine, around| {
+            machine.decide(around, task, scope, Decision::Fail(failure));
+            machine.finish_if_done(around, task, scope);
+        });
+    }
+
+    fn scope_of_deadline(&self, task: u32, timer: u64) -> Option<u32> {
+        let scopes = self.tasks[task].scopes.iter();
+        let is_meant = |scope: &Scope| matches!(&scope.kind, ScopeKind::Children(children) if children.timer == timer && children.decided.is_none());
+        scopes.enumerate().rev().find(|(_, scope)| is_meant(scope)).map(|(index, _)| index as u32)
+    }
+
+    fn children_mut(&mut self, task: u32, scope: u32) -> Option<&mut Children> {
+        match self.tasks[task].scopes.get_mut(scope as usize).map(|scope| &mut scope.kind) {
+            Some(ScopeKind::Children(children)) => Some(children),
+            _ => None,
+        }
+    }
+
+    fn timeout_failure(&mut self, task: u32, scope: u32) -> Value {
+        let seconds = self.children_mut(task, scope).map_or(0.0, |children| children.seconds);
         let slot = self.symbols.intern("seconds");
         let class = self.symbols.intern("timeout");
         let failure =
@@ -281,27 +306,26 @@ impl Machine {
             self.heap.failures[index].path = self.path(task);
             self.heap.failures[index].calls = self.plan_calls(task);
         }
-        let leaving =
-            self.children_of_scope(task, scope as u32).into_iter().find_map(|child| self.fixed_failure(around, child));
-        if let Some(leaving) = leaving {
-            self.attach_failure(around, Decision::Fail(leaving), failure);
-            return;
-        }
-        self.as_one(around, |machine, around| {
-            machine.decide(around, task, scope as u32, Decision::Fail(failure));
-            machine.finish_if_done(around, task, scope as u32);
-        });
+        failure
     }
 
-    /// Deadlines that came while a task was suspended take effect.
-    pub(crate) fn take_up_deadlines(&mut self, around: &mut Surroundings<'_>, task: TaskRef) {
-        let Some(task) = self.tasks.find_alive(task) else { return };
-        let expired = self.tasks[task].scopes.iter().find_map(|scope| match &scope.kind {
-            ScopeKind::Children(children) if children.expired && children.decided.is_none() => Some(children.timer),
-            _ => None,
-        });
-        if let Some(timer) = expired {
-            self.deadline(around, task, timer);
+    /// Deadlines that came while tasks were suspended take effect, in the order in which they came.
+    pub(crate) fn take_up_deadlines(&mut self, around: &mut Surroundings<'_>, resumed: &[u32]) {
+        let mut expired = Vec::new();
+        for &task in resumed {
+            for scope in self.tasks[task].scopes.iter() {
+                if let ScopeKind::Children(children) = &scope.kind
+                    && let Some(expired_us) = children.expired_us
+                {
+                    expired.push((expired_us, children.timer, self.tasks.reference(task)));
+                }
+            }
+        }
+        expired.sort_unstable_by_key(|&(expired_us, timer, _)| (expired_us, timer));
+        for (_, timer, task) in expired {
+            if let Some(task) = self.tasks.find_alive(task) {
+                self.deadline(around, task, timer);
+            }
         }
     }
 
@@ -321,6 +345,16 @@ impl Machine {
             ScopeKind::Children(children) => {
                 children.alive -= 1;
                 let decided = children.decided;
+                if decided.is_none() && children.expired_us.is_some() {
+                    // The deadline was first: it waits for the resume no longer.
+                    let timeout = self.timeout_failure(parent, scope);
+                    self.decide(around, parent, scope, Decision::Fail(timeout));
+                    if state == State::Failed {
+                        self.attach_failure(around, Decision::Fail(timeout), result);
+                    }
+                    self.finish_if_done(around, parent, scope);
+                    return;
+                }
                 match (decided, verdict(children, state, result, position)) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
                     (None, None) => self.start_successors(around, parent, scope, position as u16),
@@ -407,21 +441,27 @@ impl Machine {
             }
             (None, _) => Decision::Succeed(children.last_value),
         };
-        self.wake(
-            parent,
-            match decision {
-                Decision::Succeed(value) => Wake::Value(value),
-                Decision::Fail(failure) => Wake::Raise(failure),
-            },
-        );
+        let rare = self.tasks[parent].rare.as_ref();
+        let is_wanted_otherwise = rare.is_some_and(|rare| rare.evaporation_pending || rare.failure_pending);
+        match decision {
+            Decision::Succeed(_) if is_wanted_otherwise && self.take_up_pending(around, parent) => {
+                self.unwind(around, parent);
+            }
+            Decision::Succeed(value) => self.wake(parent, Wake::Value(value)),
+            Decision::Fail(failure) if is_wanted_otherwise && !self.tasks[parent].is_cleaning_up() => {
+                self.depart_failing(around, parent, failure);
+            }
+            Decision::Fail(failure) => self.wake(parent, Wake::Outcome(failure)),
+        }
     }
 
     /// A spawned child has ended: its failure is that of the plan call it belongs to.
     fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
         if state == State::Failed {
             let record = &self.tasks[owner];
-            if record.is_leaving() || record.scopes[scope as usize..].iter().any(is_clean_up) {
+            if record.is_leaving() || record.is_committed() || record.scopes[scope as usize..].iter().any(is_clean_up) {
                 // It takes effect when the clean-up is over, or is attached to what is under way.
+                self.tasks[owner].rare().failure_pending = true;
                 if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope as usize].kind {
                     match call.failure {
                         None => call.failure = Some(result),

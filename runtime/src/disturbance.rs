@@ -35,7 +35,7 @@ impl<O: Outside> System<O> {
             }
             Disturbance::Suspend(task) => {
                 if let Some(task) = machine.tasks.find_alive(task) {
-                    machine.suspend(task, NONE);
+                    machine.suspend(around, task, NONE);
                 }
             }
             Disturbance::Resume(task) => {

@@ -5,7 +5,7 @@ use crate::fluent::{Fluent, Origin};
 use crate::machine::{Limits, MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
 use crate::native::{Call as NativeCall, Reply};
 use crate::registers::Registers;
-use crate::task::{self, Frame, Leaving, NONE, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
+use crate::task::{self, Frame, Leaving, NONE, Raises, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::unwind::{Landing, Unwound};
 use crate::value::{TaskRef, Value};
 use crate::waiting::form_in_plan;
@@ -153,7 +153,7 @@ impl Machine {
     #[inline]
     fn take_up(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
         let record = &mut self.tasks[task];
-        if record.raises || record.rare.is_some() {
+        if record.raises != Raises::Nothing || record.rare.is_some() {
             return self.take_up_slowly(around, task, place);
         }
         let register = record.wake_register;
@@ -178,7 +178,7 @@ impl Machine {
             return if self.unwind_running(around, place) { None } else { Some(Exit::Blocked) };
         }
         match wake {
-            Wake::Raise(failure) => return self.raise(around, place, Raise::Again(failure)),
+            Wake::Raise(failure) | Wake::Outcome(failure) => return self.raise(around, place, Raise::Again(failure)),
             Wake::Value(value) if keeps_value => self.scratch.stack[register] = value,
             _ => {}
         }
@@ -1224,6 +1224,7 @@ impl Machine {
                         let task = self.current;
                         self.tasks[task].scopes.pop();
                         self.push_scope(ScopeKind::InCleanup(Box::new(Then::Continue)));
+                        self.refresh_boost(task);
                         continue 'frame;
                     }
                     Op::EndCleanup => {
@@ -1279,7 +1280,7 @@ impl Machine {
                         save!();
                         self.push_scope(ScopeKind::Suspended(other));
                         if let Some(other) = self.tasks.find_alive(other) {
-                            self.hold_for(other, self.current);
+                            self.hold_for(around, other, self.current);
                             if self.wait_for_rest(other) {
                                 block!(NO_REG);
                             }
@@ -1681,7 +1682,9 @@ impl Machine {
             }
             return Ok(Some(value));
         }
+        self.number_wait(task);
         self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: due_us.is_some() };
+        let entry = &mut self.fluents[fluent];
         entry.waiters.push_back(&mut self.tasks, task);
         if let Some(due_us) = due_us {
             self.set_wake_timer(task, due_us);

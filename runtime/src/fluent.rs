@@ -197,7 +197,7 @@ impl Machine {
         if !is_alone {
             self.propagate(around, vec![fluent]);
         } else if value.is_true() || !self.fluents[fluent].watches.is_empty() {
-            self.serve(fluent, false);
+            self.serve(&[fluent], false);
         }
     }
 
@@ -226,7 +226,7 @@ impl Machine {
         self.fluents[fluent].is_pulsed = true;
         self.trace_pulse(fluent);
         if self.fluents[fluent].dependents.is_empty() {
-            self.serve(fluent, true);
+            self.serve(&[fluent], true);
             self.fluents[fluent].is_pulsed = false;
             self.end_event(fluent);
         } else {
@@ -282,9 +282,7 @@ impl Machine {
             }
         }
         let rereading = std::mem::take(&mut self.scratch.rereading);
-        for &fluent in &touched {
-            self.serve(fluent, is_pulse);
-        }
+        self.serve(&touched, is_pulse);
         self.trace_rereading(around.program, &rereading);
         self.settle(around, touched);
     }
@@ -300,8 +298,22 @@ impl Machine {
         }
     }
 
-    /// Releases waiters and counts events of one fluent.
-    fn serve(&mut self, fluent: u32, is_pulse: bool) {
+    /// Releases waiters and counts events of fluents that have changed together. Whoever is released
+    /// is woken in the order in which they began to wait.
+    fn serve(&mut self, fluents: &[u32], is_pulse: bool) {
+        let mut released = Vec::new();
+        for &fluent in fluents {
+            self.release(fluent, is_pulse, &mut released);
+        }
+        let now = self.waits;
+        released.sort_by_key(|&(number, ..)| std::cmp::Reverse(now.wrapping_sub(number)));
+        for (_, task, wake) in released {
+            self.wake(task, wake);
+        }
+    }
+
+    /// Notes who is released by one fluent, with the number of its wait, and counts events.
+    fn release(&mut self, fluent: u32, is_pulse: bool, released: &mut Vec<(u32, u32, Wake)>) {
         let reading = self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
         let is_true = reading.is_true() || failure.is_some();
@@ -310,20 +322,17 @@ impl Machine {
             let Some(entry) = self.watches.get_mut(watch) else { continue };
             if is_true && (!entry.was_true || is_pulse) {
                 entry.events = entry.events.saturating_add(1);
-                if entry.waits {
-                    entry.waits = false;
-                    let task = entry.task;
+                if std::mem::take(&mut entry.waits) {
                     let wake = failure.map_or(Wake::Value(Value::Nil), Wake::Raise);
-                    self.wake(task, wake);
+                    released.push((self.tasks[entry.task].wait_number, entry.task, wake));
                 }
             }
-            if let Some(entry) = self.watches.get_mut(watch) {
-                entry.was_true = is_true;
-            }
+            entry.was_true = is_true;
         }
         if is_true {
             let wake = failure.map_or(Wake::Value(reading), Wake::Raise);
-            self.wake_waiters(fluent, wake);
+            let waiters = self.fluents[fluent].waiters.tasks(&self.tasks);
+            released.extend(waiters.into_iter().map(|task| (self.tasks[task].wait_number, task, wake)));
         }
     }
 
@@ -334,7 +343,6 @@ impl Machine {
         while task != NONE {
             let record = &mut self.tasks[task];
             let next = record.next;
-            record.wait_number += 1;
             record.set_wake(wake);
             if let Waiting::Fluent { owned, timed, .. } = std::mem::take(&mut record.waiting) {
                 was_owned |= owned;
@@ -342,6 +350,7 @@ impl Machine {
                     self.forget_timer();
                 }
             }
+            self.number_wait(task);
             self.trace_woken(task);
             self.make_ready(task);
             task = next;
@@ -504,6 +513,7 @@ impl Machine {
             self.watches[watch].waits = true;
             let task = entry.task;
             self.tasks[task].waiting = Waiting::Watch(watch);
+            self.number_wait(task);
             return Ok(false);
         }
         self.watches[watch].events = match entry.missed {

@@ -1,9 +1,11 @@
 //! What is true of a machine between two steps, whatever runs in it.
 
+use crate::line::Line;
 use crate::machine::{Machine, SCRATCH_TASK};
 use crate::slab::Marks;
 use crate::task::{NONE, ScopeKind, State, Task, Waiting};
-use crate::valve::Handover;
+use crate::valve::{Below, Link, LinkKind, NO_LINK, Valve};
+use std::collections::BTreeMap;
 
 type Check = Result<(), String>;
 
@@ -111,10 +113,10 @@ impl Machine {
                 })
             }
             Waiting::Valve(valve) => {
-                let me = self.tasks.reference(index);
-                let valve = &self.valves[valve as usize];
-                let is_next = matches!(valve.handover, Some(Handover::Lend { to, .. }) if to == me);
-                ensure(is_next || valve.line.contains(&me), || "is not in the line of its valve".into())
+                let waiter = self.valves[valve as usize].waiters.get(&index);
+                ensure(waiter.is_some_and(|waiter| waiter.line.is_some() != task.is_held()), || {
+                    "does not stand in the line of its valve, or is suspended and does".into()
+                })
             }
             Waiting::Death(other) => {
                 let me = self.tasks.reference(index);
@@ -173,30 +175,67 @@ impl Machine {
     }
 
     fn check_valves(&self) -> Check {
+        let mut claims = 0;
+        let mut links = BTreeMap::new();
         for (number, valve) in self.valves.iter().enumerate() {
             let name = self.symbols.name(valve.name);
-            for hold in &valve.holds {
-                ensure(self.tasks.find_alive(hold.task).is_some(), || format!("a dead task holds `{name}`"))?;
-                if let Some(interrupted) = hold.interrupted.and_then(|task| self.tasks.find_alive(task)) {
-                    let holds = self.tasks[interrupted].rare.as_ref().map_or(0, |rare| rare.holds);
-                    ensure(holds > 0, || format!("`{name}` has interrupted a task that is not suspended"))?;
-                }
+            self.check_valve(number as u32, valve).map_err(|what| format!("`{name}`: {what}"))?;
+            for link in &valve.links {
+                let is_hold = matches!(link.kind, LinkKind::Hold { .. });
+                *links.entry((link.task.index, number as u32, is_hold)).or_insert(0) += 1;
             }
-            for &waiter in &valve.line {
-                let task = self.tasks.find_alive(waiter).map(|task| &self.tasks[task]);
-                ensure(task.is_some_and(|task| task.waiting == Waiting::Valve(number as u32)), || {
-                    format!("the line of `{name}` has a task that does not wait for it")
-                })?;
-            }
-            ensure(
-                !valve.holds.is_empty() || valve.line.is_empty() || valve.handover.is_some() || self.all_held(valve),
-                || format!("`{name}` is free and somebody waits for it"),
-            )?;
+            claims += u32::from(valve.claim.is_some());
         }
-        Ok(())
+        ensure(claims == self.claims, || format!("{claims} valves are claimed, and {} are counted", self.claims))?;
+        let mut known = BTreeMap::new();
+        for (index, task) in self.tasks.iter() {
+            let Some(rare) = &task.rare else { continue };
+            rare.held.iter().for_each(|&valve| *known.entry((index, valve, true)).or_insert(0) += 1);
+            rare.marked.iter().for_each(|&valve| *known.entry((index, valve, false)).or_insert(0) += 1);
+            let me = self.tasks.reference(index);
+            let has_claim = |&valve: &u32| self.valves[valve as usize].claim.is_some_and(|claim| claim.root == me);
+            ensure(rare.claimed.iter().all(has_claim), || format!("task {index} is claimed for no valve"))?;
+        }
+        ensure(links == known, || format!("valves have the links {links:?}, and tasks know of {known:?}"))
     }
 
-    fn all_held(&self, valve: &crate::valve::Valve) -> bool {
-        valve.line.iter().all(|&task| self.tasks.find_alive(task).is_none_or(|task| self.tasks[task].is_held()))
+    fn check_valve(&self, number: u32, valve: &Valve) -> Check {
+        let mut before = NO_LINK;
+        for link in &valve.links {
+            let task = self.tasks.find_alive(link.task).map(|task| &self.tasks[task]);
+            ensure(task.is_some(), || "a dead task has a link of it".into())?;
+            let holds = task.and_then(|task| task.rare.as_ref()).map_or(0, |rare| rare.holds);
+            ensure(link.kind != LinkKind::Mark || holds > 0, || "it has interrupted a task that runs on".into())?;
+            ensure(before < link.number && link.number <= valve.last_link, || "its links have wrong numbers".into())?;
+            before = link.number;
+        }
+        if let Some(claim) = valve.claim {
+            let root = self.tasks.find_alive(claim.root).and_then(|root| self.tasks[root].rare.as_ref());
+            ensure(root.is_some_and(|root| root.claimed.contains(&number)), || "nobody knows of its claim".into())?;
+        }
+        self.check_line(number, valve)?;
+        let is_open = valve.links.is_empty() && !valve.line.is_empty() || valve.links.last().is_some_and(Link::is_mark);
+        ensure(!is_open || valve.handover.is_some(), || "it is free and somebody waits for it".into())
+    }
+
+    /// The lines are those that follow from who waits.
+    fn check_line(&self, number: u32, valve: &Valve) -> Check {
+        let mut line = Line::default();
+        let mut lines: BTreeMap<u64, Below> = BTreeMap::new();
+        for (&task, waiter) in &valve.waiters {
+            let record = self.tasks.get_alive(task);
+            let waits = record.is_some_and(|record| record.waiting == Waiting::Valve(number));
+            ensure(waits, || "a task stands in line that does not wait for it".into())?;
+            let Some(name) = waiter.line else { continue };
+            ensure(waiter.place.priority == self.effective_priority(task), || {
+                "a task waits with another priority than its own".into()
+            })?;
+            line.enter(&self.priorities, waiter.place, task);
+            let link = self.link_above(task, number);
+            ensure(name == valve.line_of(link), || "a task stands in a wrong line".into())?;
+            let below = lines.entry(name).or_insert_with(|| Below { link, line: Line::default() });
+            below.line.enter(&self.priorities, waiter.place, task);
+        }
+        ensure(line == valve.line && lines == valve.lines, || "its lines are not those who wait".into())
     }
 }

@@ -10,6 +10,7 @@
 pub mod active_time;
 pub mod behaviour;
 pub mod beside;
+mod circle;
 mod construct;
 mod datum;
 pub mod difference;
@@ -21,6 +22,7 @@ mod gc;
 pub mod heap;
 mod invariants;
 pub mod library;
+pub mod line;
 pub mod machine;
 mod macro_host;
 pub mod native;

@@ -109,6 +109,12 @@ pub struct Scratch {
     pub(crate) wake_at: Option<(u32, u64)>,
     /// Evaluations of networks and macros that are under way, one inside the other.
     pub(crate) evaluations: u32,
+    /// Valves about which something has changed.
+    pub(crate) restless: BTreeSet<u32>,
+    /// They are being served.
+    pub(crate) is_serving: bool,
+    /// Links and waiters that were looked at for valves.
+    pub(crate) valve_looks: u64,
     /// Steps that networks took on behalf of the running task.
     pub(crate) burned: u32,
     /// The running task goes to the end of its line.
@@ -159,6 +165,10 @@ pub struct Machine {
     pub(crate) current: u32,
     /// How many tasks wait for others to be at rest.
     pub(crate) waits_for_rest: u32,
+    /// How many valves have somebody waiting for clean-ups or hooks to end.
+    pub(crate) claims: u32,
+    /// Waits there have been.
+    pub(crate) waits: u32,
     /// Since when nothing has happened, with a robot.
     pub stall: Stall,
     /// The main task.
@@ -200,6 +210,8 @@ impl Machine {
             next_identity: 0,
             current: NONE,
             waits_for_rest: 0,
+            claims: 0,
+            waits: 0,
             stall: Stall::default(),
             main: NONE,
             trace: Trace::default(),

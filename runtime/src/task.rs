@@ -130,6 +130,20 @@ pub enum Wake {
     Value(Value),
     /// A failure, raised where it waits.
     Raise(Value),
+    /// The failure of the construct it waited for. It is fixed: an evaporation does not take its place.
+    Outcome(Value),
+}
+
+/// Whether what a task finds when it goes on is a failure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Raises {
+    /// No.
+    #[default]
+    Nothing,
+    /// A failure.
+    Failure,
+    /// The failure of a construct.
+    Outcome,
 }
 
 /// A departure from the ordinary course of a task.
@@ -243,8 +257,8 @@ pub struct Children {
     pub timer: u64,
     /// For a timeout of time worked.
     pub active: Option<ActiveTime>,
-    /// The deadline came while the task was suspended; it takes effect at the resume.
-    pub expired: bool,
+    /// When the deadline came, if the task was suspended then; it takes effect at the resume.
+    pub expired_us: Option<u64>,
 }
 
 impl Children {
@@ -337,15 +351,24 @@ pub struct Rare {
     pub resters: Vec<TaskRef>,
     /// Tasks that wait for its death.
     pub mourners: Vec<TaskRef>,
-    /// A requester whose way it blocks: while it does, it runs at least at that priority.
+    /// The priority of who waits for the clean-up or the hooks it belongs to: meanwhile it runs at
+    /// least at that.
     pub boost: Option<u32>,
-    /// Valves for which its hooks run.
+    /// It runs hooks for this valve.
     pub hooks_for: Option<u32>,
+    /// Valves it has taken, one for each hold.
+    pub held: Vec<u32>,
+    /// Valves that were taken away from it or from below it, and for which it is suspended.
+    pub marked: Vec<u32>,
+    /// Valves that somebody cannot take before the clean-ups or hooks in its subtree have ended.
+    pub claimed: Vec<u32>,
     /// Counts suspensions of its own and of its ancestors. What runs in a clean-up of an ancestor
     /// does not count those of that ancestor and above.
     pub stop: u32,
-    /// It was evaporated while a clean-up or a departure was under way.
+    /// It was evaporated while a clean-up, a departure or the end of a construct was under way.
     pub evaporation_pending: bool,
+    /// A plan call of it keeps the failure of a spawned child until nothing is in its way.
+    pub failure_pending: bool,
     /// A departure that waits for children or for the next run.
     pub leaving: Option<Leaving>,
     /// It waits for a time worked.
@@ -417,8 +440,8 @@ pub struct Task {
     pub scopes: Stack<Scope>,
     /// What it finds when it goes on, [`Value::Unbound`] if nothing; once dead, its value or failure.
     pub value: Value,
-    /// Whether it finds a failure, raised where it waits.
-    pub raises: bool,
+    /// Whether that is a failure, raised where it waits.
+    pub raises: Raises,
     /// What few tasks have.
     pub rare: Option<Box<Rare>>,
     /// The register that gets the value it waits for.
@@ -459,7 +482,8 @@ pub struct Task {
     pub previous: u32,
     /// What it waits for.
     pub waiting: Waiting,
-    /// Counts its waits, so that a late timer is recognised.
+    /// Which wait of all it is, or was last: a late timer is recognised by it, and who began to wait
+    /// first.
     pub wait_number: u32,
     /// Steps in the instant `budget_instant`.
     pub steps: u32,
@@ -479,7 +503,7 @@ impl Task {
             frames: Stack::default(),
             scopes: Stack::default(),
             value: Value::Unbound,
-            raises: false,
+            raises: Raises::Nothing,
             rare: None,
             wake_register: 0,
             state: State::Created,
@@ -509,9 +533,10 @@ impl Task {
     /// What it finds when it goes on.
     pub fn set_wake(&mut self, wake: Wake) {
         (self.value, self.raises) = match wake {
-            Wake::Nothing => (Value::Unbound, false),
-            Wake::Value(value) => (value, false),
-            Wake::Raise(failure) => (failure, true),
+            Wake::Nothing => (Value::Unbound, Raises::Nothing),
+            Wake::Value(value) => (value, Raises::Nothing),
+            Wake::Raise(failure) => (failure, Raises::Failure),
+            Wake::Outcome(failure) => (failure, Raises::Outcome),
         };
     }
 
@@ -519,8 +544,9 @@ impl Task {
     pub fn take_wake(&mut self) -> Wake {
         match (std::mem::replace(&mut self.value, Value::Unbound), std::mem::take(&mut self.raises)) {
             (Value::Unbound, _) => Wake::Nothing,
-            (value, false) => Wake::Value(value),
-            (failure, true) => Wake::Raise(failure),
+            (value, Raises::Nothing) => Wake::Value(value),
+            (failure, Raises::Failure) => Wake::Raise(failure),
+            (failure, Raises::Outcome) => Wake::Outcome(failure),
         }
     }
 
@@ -539,9 +565,28 @@ impl Task {
         self.rare().leaving = Some(leaving);
     }
 
+    /// The failure of a spawned child that one of its plan calls keeps, with the index of the call.
+    pub fn take_call_failure(&mut self) -> Option<(u32, Value)> {
+        let rare = self.rare.as_mut().filter(|rare| rare.failure_pending)?;
+        let failed = self.scopes.iter_mut().enumerate().rev().find_map(|(index, scope)| match &mut scope.kind {
+            ScopeKind::Call(call) => call.failure.take().map(|failure| (index as u32, failure)),
+            _ => None,
+        });
+        rare.failure_pending = failed.is_some();
+        failed
+    }
+
     /// Ends the departure under way.
     pub fn take_leaving(&mut self) -> Option<Leaving> {
         self.rare.as_mut()?.leaving.take()
+    }
+
+    /// Whether the construct it waits for, or waited for, is decided and has not had its effect.
+    pub fn is_committed(&self) -> bool {
+        let is_decided =
+            |scope: &Scope| matches!(&scope.kind, ScopeKind::Children(children) if children.decided.is_some());
+        self.raises == Raises::Outcome
+            || self.waiting == Waiting::Children && self.scopes.last().is_some_and(is_decided)
     }
 
     /// Whether it was evaporated while a clean-up or a departure was under way.

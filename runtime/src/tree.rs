@@ -199,20 +199,6 @@ impl Machine {
         }
     }
 
-    /// Lets a task run at least at this priority.
-    pub(crate) fn boost(&mut self, task: u32, priority: u32) {
-        let queued = self.is_queued(task);
-        if queued {
-            let line = self.effective_priority(task);
-            self.priorities.withdraw(&mut self.tasks, task, line);
-        }
-        self.tasks[task].rare().boost = Some(priority);
-        if queued {
-            let line = self.effective_priority(task);
-            self.priorities.enqueue(&mut self.tasks, task, line, false);
-        }
-    }
-
     /// Whether the task stands in the run queue: ready, and not held by a suspension.
     pub(crate) fn is_queued(&self, task: u32) -> bool {
         let record = &self.tasks[task];
@@ -243,6 +229,9 @@ impl Machine {
 
     #[inline]
     fn queue(&mut self, task: u32, front: bool) {
+        if self.claims > 0 {
+            self.renew_boost(task);
+        }
         let record = &self.tasks[task];
         let priority = if record.rare.is_none() && record.state == State::Ready {
             record.priority
@@ -294,10 +283,17 @@ impl Machine {
         self.make_ready(task);
     }
 
+    /// Gives a task's wait a number that no wait had before. The counter goes round, so that of two
+    /// waits the earlier one is known as long as there are less than 2³¹ between them.
+    pub(crate) fn number_wait(&mut self, task: u32) {
+        self.waits = self.waits.wrapping_add(1);
+        self.tasks[task].wait_number = self.waits;
+    }
+
     /// Withdraws a task from whatever it waits for.
     pub(crate) fn stop_waiting(&mut self, task: u32) {
         let waiting = std::mem::take(&mut self.tasks[task].waiting);
-        self.tasks[task].wait_number += 1;
+        self.number_wait(task);
         match waiting {
             Waiting::Fluent { fluent, owned, timed } => {
                 self.leave_fluent(task, fluent, owned);
@@ -340,9 +336,9 @@ impl Machine {
 
     /// Suspends a task and what is below it, once more, until `resume` takes it back; `by` is the
     /// task that wants it, if one does.
-    pub(crate) fn suspend(&mut self, task: u32, by: u32) {
+    pub(crate) fn suspend(&mut self, around: &mut Surroundings<'_>, task: u32, by: u32) {
         self.tasks[task].rare().suspensions += 1;
-        self.add_stop(task, by);
+        self.add_stop(around, task, by);
     }
 
     /// Takes one suspension back; a surplus one does nothing.
@@ -355,14 +351,14 @@ impl Machine {
     }
 
     /// Suspends a task and what is below it for a valve.
-    pub(crate) fn hold(&mut self, task: u32) {
-        self.hold_for(task, NONE);
+    pub(crate) fn hold(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        self.hold_for(around, task, NONE);
     }
 
     /// Suspends a task and what is below it for a scope of the task `by`, or for none.
-    pub(crate) fn hold_for(&mut self, task: u32, by: u32) {
+    pub(crate) fn hold_for(&mut self, around: &mut Surroundings<'_>, task: u32, by: u32) {
         self.tasks[task].rare().holds += 1;
-        self.add_stop(task, by);
+        self.add_stop(around, task, by);
     }
 
     /// Ends what [`Machine::hold`] began.
@@ -386,11 +382,11 @@ impl Machine {
         children
     }
 
-    fn add_stop(&mut self, root: u32, by: u32) {
+    fn add_stop(&mut self, around: &mut Surroundings<'_>, root: u32, by: u32) {
         let mut waiting = vec![root];
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
-            self.tasks[task].rare().stop += 1;
+            self.change_line(task, |machine| machine.tasks[task].rare().stop += 1);
             if self.tasks[task].stop() == 1 {
                 self.trace_suspended(task, by);
             }
@@ -405,6 +401,7 @@ impl Machine {
             self.note_status(task);
             waiting.extend(self.suspended_with(task).into_iter().rev());
         }
+        self.serve_valves(around);
     }
 
     fn remove_stop(&mut self, around: &mut Surroundings<'_>, root: u32) {
@@ -412,24 +409,20 @@ impl Machine {
         let mut resumed = Vec::new();
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
-            self.tasks[task].rare().stop -= 1;
+            self.change_line(task, |machine| machine.tasks[task].rare().stop -= 1);
             if !was_queued {
                 self.queue(task, false);
             }
             self.turn_clocks(task);
             if self.tasks[task].stop() == 0 {
                 self.trace_resumed(task);
-                resumed.push(self.tasks.reference(task));
+                resumed.push(task);
             }
             self.note_status(task);
             waiting.extend(self.suspended_with(task).into_iter().rev());
         }
-        for &task in &resumed {
-            self.take_up_deadlines(around, task);
-        }
-        if !resumed.is_empty() {
-            self.serve_lines(around);
-        }
+        self.take_up_deadlines(around, &resumed);
+        self.serve_valves(around);
     }
 
     /// Whether no task of a subtree runs a clean-up, so that a suspension has reached all of it.
@@ -476,7 +469,7 @@ impl Machine {
             }
             at = self.tasks[at].parent;
         }
-        self.serve_lines(around);
+        self.stir_claims_above(around, task);
     }
 
     /// Notes that the state of a task has changed, for its status fluent.

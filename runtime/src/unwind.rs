@@ -5,8 +5,9 @@
 
 use crate::failure::Raise;
 use crate::machine::{Channel, Machine, SCRATCH_TASK, Surroundings};
-use crate::task::{Leaving, Scope, ScopeKind, Stack, State, Then, Waiting, Wake};
+use crate::task::{Decision, Leaving, Raises, Scope, ScopeKind, Stack, State, Then, Waiting, Wake};
 use crate::value::{TaskRef, Value};
+use crate::waiting::form_in_plan;
 use rpl_lang::code::{NO_REG, Program, Reg};
 
 /// Where a departure goes on in code.
@@ -76,6 +77,7 @@ impl Machine {
             }
         }
         self.scratch.is_departing = false;
+        self.serve_valves(around);
     }
 
     /// Runs `act` as one decision: departures it causes are looked at when it is over.
@@ -92,8 +94,12 @@ impl Machine {
         if record.state == State::Created || (record.state == State::Ready && !has_begun) {
             self.unqueue(task);
             self.die(around, task, State::Evaporated, Value::Nil);
-        } else if record.is_protected() {
+        } else if record.is_protected() || record.is_committed() {
+            let outcome = (record.raises == Raises::Outcome && !record.is_protected()).then_some(record.value);
             self.tasks[task].rare().evaporation_pending = true;
+            if let Some(failure) = outcome {
+                self.depart_failing(around, task, failure);
+            }
         } else {
             self.depart(around, task, Leaving::Evaporate);
         }
@@ -124,6 +130,18 @@ impl Machine {
         self.tasks[task].set_wake(Wake::Nothing);
         self.tasks[task].leave(leaving);
         self.unwind(around, task);
+    }
+
+    /// Starts the departure of a task that is not running with the failure of its construct.
+    pub(crate) fn depart_failing(&mut self, around: &mut Surroundings<'_>, task: u32, failure: Value) {
+        let record = &self.tasks[task];
+        let span = form_in_plan(around.program, record.frame, &record.frames);
+        if let Value::Failure(index) = failure {
+            let known = &mut self.heap.failures[index].span;
+            *known = known.or(span);
+        }
+        self.trace_failed(around.program, task, failure);
+        self.depart(around, task, Leaving::Fail(failure));
     }
 
     /// Goes on with the departure of a task that is not running, as far as that needs no code.
@@ -198,8 +216,8 @@ impl Machine {
         }
         let is_terminal = match record.leaving() {
             Some(Leaving::Evaporate) => true,
-            Some(Leaving::Fail(failure)) => !self.is_handled(around.program, task, *failure, record.scopes.len()),
-            _ => false,
+            Some(leaving) => self.unhandled(around.program, task, leaving, record.scopes.len()).is_some(),
+            None => false,
         };
         if !is_terminal {
             self.tasks[task].leave(Leaving::Evaporate);
@@ -207,22 +225,47 @@ impl Machine {
         self.tasks[task].rare().evaporation_pending = false;
     }
 
-    /// The failure a task is on its way out with, if nothing in it can change that.
+    /// The failure a task will end with, whatever comes: that of a departure or of a decided construct
+    /// which nothing in it handles.
     pub(crate) fn fixed_failure(&self, around: &Surroundings<'_>, task: u32) -> Option<Value> {
-        let record = &self.tasks[task];
-        let clean_up = record.scopes.iter().enumerate().find_map(|(index, scope)| match &scope.kind {
-            ScopeKind::InCleanup(then) => Some((index, &**then)),
-            _ => None,
-        });
-        let (within, leaving) = match clean_up {
-            Some((index, Then::Leave(leaving))) => (index, leaving),
-            Some((_, Then::Continue)) => return None,
-            None => (record.scopes.len(), record.leaving()?),
-        };
-        match leaving {
-            Leaving::Fail(failure) if !self.is_handled(around.program, task, *failure, within) => Some(*failure),
-            _ => None,
+        let (program, record) = (around.program, &self.tasks[task]);
+        for (index, scope) in record.scopes.iter().enumerate() {
+            match &scope.kind {
+                ScopeKind::InCleanup(then) => {
+                    if let Then::Leave(leaving) = &**then {
+                        return self.unhandled(program, task, leaving, index);
+                    }
+                }
+                ScopeKind::Children(children) if !record.is_leaving() => {
+                    if let Some(Decision::Fail(failure)) = children.decided {
+                        return self.unhandled(program, task, &Leaving::Fail(failure), index);
+                    }
+                }
+                ScopeKind::Children(_)
+                | ScopeKind::Block { .. }
+                | ScopeKind::Handler { .. }
+                | ScopeKind::Cleanup { .. }
+                | ScopeKind::Call(_)
+                | ScopeKind::Valve(_)
+                | ScopeKind::OnInterrupt(_)
+                | ScopeKind::OnResume(_)
+                | ScopeKind::Suspended(_)
+                | ScopeKind::Watch(_) => {}
+            }
         }
+        let outcome = (record.raises == Raises::Outcome).then_some(Leaving::Fail(record.value));
+        let leaving = record.leaving().or(outcome.as_ref())?;
+        self.unhandled(program, task, leaving, record.scopes.len())
+    }
+
+    /// The failure of a departure, unless one of the first scopes handles it.
+    fn unhandled(&self, program: &Program, task: u32, leaving: &Leaving, within: usize) -> Option<Value> {
+        let (failure, within) = match leaving {
+            Leaving::Fail(failure) => (*failure, within),
+            Leaving::FailCall { scope, failure } => (*failure, within.min(*scope as usize)),
+            Leaving::Evaporate | Leaving::Block { .. } | Leaving::Jump { .. } => return None,
+        };
+        (!self.is_handled(program, task, failure, within)).then_some(failure)
     }
 
     fn is_handled(&self, program: &Program, task: u32, failure: Value, within: usize) -> bool {
@@ -310,17 +353,11 @@ impl Machine {
             record.leave(Leaving::Evaporate);
             return true;
         }
-        let failed = record.scopes.iter_mut().enumerate().rev().find_map(|(index, scope)| match &mut scope.kind {
-            ScopeKind::Call(call) => call.failure.take().map(|failure| (index as u32, failure)),
-            _ => None,
-        });
-        if let Some((scope, failure)) = failed {
+        if let Some((scope, failure)) = record.take_call_failure() {
             record.leave(Leaving::FailCall { scope, failure });
             return true;
         }
-        if let Some(rare) = &mut self.tasks[task].rare {
-            rare.boost = None;
-        }
+        self.refresh_boost(task);
         self.note_status(task);
         self.protection_ended(around, task);
         self.scratch.switch |= self.tasks[task].is_held();
@@ -329,18 +366,24 @@ impl Machine {
 
     fn land(&mut self, task: u32, landing: Landing) -> Unwound {
         self.tasks[task].take_leaving();
+        // Whoever has become ready meanwhile and is more important goes first.
+        self.scratch.switch = true;
         Unwound::Land(landing)
     }
 
     fn land_in(&mut self, task: u32, scope: Scope, leaving: Leaving, landing: Landing) -> Unwound {
         self.tasks[task].scopes.pop();
+        let landed = self.land(task, landing);
         if let ScopeKind::Cleanup { .. } = scope.kind {
             let then = Box::new(Then::Leave(leaving));
             self.tasks[task].scopes.push(Scope { kind: ScopeKind::InCleanup(then), depth: scope.depth });
+            self.refresh_boost(task);
+            // It goes on leaving: what it gave back on its way does not keep it from its clean-ups.
+            self.scratch.switch = false;
         } else {
             self.trace_handled(task, &leaving);
         }
-        self.land(task, landing)
+        landed
     }
 
     /// Leaves one scope without running code.
@@ -352,7 +395,7 @@ impl Machine {
                     && children.decided.is_none()
                 {
                     // No child decides anything any more.
-                    children.decided = Some(crate::task::Decision::Succeed(Value::Nil));
+                    children.decided = Some(Decision::Succeed(Value::Nil));
                 }
                 if self.evaporate_children(around, task, index) > 0 {
                     return Popped::Wait(Waiting::Children);
@@ -494,8 +537,15 @@ impl Machine {
         }
     }
 
-    /// Makes a task dead and lets everybody know.
+    /// Makes a task dead and lets everybody know. What its parent decides then is a part of it.
     pub(crate) fn die(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
+        self.as_one(around, |machine, around| machine.die_now(around, task, state, result));
+        if !self.tasks[task].exposed {
+            self.tasks.free(task);
+        }
+    }
+
+    fn die_now(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
         if matches!(self.tasks[task].state, State::Created | State::Ready | State::Blocked)
             && state != State::Evaporated
         {
@@ -507,7 +557,7 @@ impl Machine {
         let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
         let record = &mut self.tasks[task];
         record.value = result;
-        record.raises = false;
+        record.raises = Raises::Nothing;
         record.frames = Stack::default();
         record.waiting = Waiting::Nothing;
         if let Some(rare) = &mut record.rare {
@@ -517,7 +567,7 @@ impl Machine {
         self.tasks.set_registers(task, &[]);
         self.trace_task_end(around.program, task);
         self.end_activations_of(around, task);
-        self.drop_holds_of(around, task);
+        self.drop_links_of(around, task);
         self.update_task_fluents(around, task);
         if was_protected || self.waits_for_rest > 0 {
             self.protection_ended(around, task);
@@ -539,9 +589,6 @@ impl Machine {
         } else if parent != crate::task::NONE {
             self.disown(task);
             self.unwind(around, parent);
-        }
-        if !self.tasks[task].exposed {
-            self.tasks.free(task);
         }
     }
 

@@ -5,9 +5,9 @@
 use crate::fluent::Origin;
 use crate::machine::{Machine, SCRATCH_TASK};
 use crate::scheduler::Line;
-use crate::task::{Children, Decision, Leaving, NONE, Scope, ScopeKind, Task, Then, Waiting};
+use crate::task::{Children, Decision, Leaving, NONE, Raises, Scope, ScopeKind, Task, Then, Waiting};
 use crate::value::{TaskRef, Value};
-use crate::valve::{Handover, Purpose};
+use crate::valve::{LinkKind, Purpose};
 use rpl_lang::code::{Op, Program};
 use rpl_lang::symbol::Symbol;
 
@@ -183,23 +183,29 @@ impl Machine {
     fn validate_valves(&self, bounds: &Bounds<'_>) -> Check {
         for valve in &self.valves {
             self.symbol(valve.name)?;
-            for hold in &valve.holds {
-                self.validate_reference(hold.task)?;
-                hold.interrupted.map_or(Ok(()), |task| self.validate_reference(task))?;
-                ensure(hold.count > 0 && hold.count <= MAX_COUNT, "a hold counts nothing")?;
-                if let Purpose::Activation(behaviour) = hold.purpose {
-                    ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")?;
+            for link in &valve.links {
+                self.validate_reference(link.task)?;
+                if let LinkKind::Hold { count, purpose } = link.kind {
+                    ensure(count > 0 && count <= MAX_COUNT, "a hold counts nothing")?;
+                    if let Purpose::Activation(behaviour) = purpose {
+                        ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")?;
+                    }
                 }
             }
-            valve.line.iter().try_for_each(|&task| self.validate_reference(task))?;
-            match valve.handover {
-                Some(Handover::Lend { to, interrupted }) => {
-                    self.validate_reference(to)?;
-                    self.validate_reference(interrupted)?;
-                }
-                Some(Handover::GiveBack { to }) => self.validate_reference(to)?,
-                None => {}
+            for (&task, waiter) in &valve.waiters {
+                ensure(self.tasks.get_alive(task).is_some(), "a task that waits for a valve is not in its table")?;
+                ensure(self.priorities.knows(waiter.place.priority), "a priority is not in its table")?;
             }
+            let lines = valve.lines.values().flat_map(|below| below.line.iter());
+            for (place, task) in valve.line.iter().chain(lines) {
+                ensure(self.priorities.knows(place.priority), "a priority is not in its table")?;
+                ensure(valve.waiters.contains_key(&task), "a line has a task that does not wait")?;
+            }
+            if let Some(claim) = valve.claim {
+                self.validate_reference(claim.root)?;
+                ensure(self.priorities.knows(claim.priority), "a priority is not in its table")?;
+            }
+            ensure(valve.asked <= u64::MAX / 2 && valve.last_link <= u64::MAX / 2, "a counter has run out")?;
         }
         ensure(self.activations.len() <= bounds.behaviours, "there is no such behaviour")?;
         for activation in &self.activations {
@@ -214,7 +220,7 @@ impl Machine {
         self.symbol(task.name)?;
         self.validate_values(bounds, self.tasks.registers.get(task.registers).iter().chain([&task.value]))?;
         ensure(
-            !task.raises || task.state.is_dead() || matches!(task.value, Value::Failure(_)),
+            task.raises == Raises::Nothing || task.state.is_dead() || matches!(task.value, Value::Failure(_)),
             "what is raised is no failure",
         )?;
         // The record of a dead task may outlive those around it, and its links are followed no more.
@@ -224,7 +230,7 @@ impl Machine {
             links.into_iter().try_for_each(|link| self.validate_link(link))?;
         }
         ensure(self.priorities.knows(task.priority), "a priority is not in its table")?;
-        ensure(task.wait_number <= MAX_COUNT && task.stop() <= MAX_COUNT, "a counter has run out")?;
+        ensure(task.stop() <= MAX_COUNT, "a counter has run out")?;
         if has_code {
             let mut base = 0;
             for frame in task.frames.iter().chain([&task.frame]) {
@@ -260,7 +266,8 @@ impl Machine {
         rare.resters.iter().chain(&rare.mourners).try_for_each(|&task| self.validate_reference(task))?;
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
-        ensure(rare.hooks_for.is_none_or(|valve| (valve as usize) < self.valves.len()), "there is no such valve")
+        let mut valves = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
+        ensure(valves.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
     }
 
     fn validate_scope(&self, bounds: &Bounds<'_>, task: &Task, scope: &Scope) -> Check {

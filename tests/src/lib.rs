@@ -3,6 +3,7 @@
 pub mod forger;
 pub mod generated;
 pub mod mission;
+pub mod valves;
 
 use rpl_runtime::behaviour::NoRobot;
 use rpl_runtime::library::Library;

@@ -308,3 +308,120 @@ fn what_comes_late_is_attached() {
         "=> (\"first\" (\"spawned\") 2.0)",
     );
 }
+
+/// r[construct.stands]
+#[test]
+fn what_a_construct_has_decided_stands_whatever_comes_while_it_cleans_up() {
+    // An evaporation.
+    check(
+        "(par (:tag c (par (seq (wait-time 1) (fail \"lost\")) (evap-protect (wait-time 9) (wait-time 2))))
+              (seq (wait-time 2) (evaporate c)))",
+        "failed: plan-failure: lost",
+    );
+    // A deadline.
+    check(
+        "(with-timeout 2 (par (seq (wait-time 1) (fail \"x\")) (evap-protect (wait-time 9) (wait-time 3))))",
+        "failed: plan-failure: x",
+    );
+    check(
+        "(with-failure-handling ((failure (f) (map failure-class (failure-while-cleaning-up f))))
+           (with-timeout 2 (par (seq (wait-time 1) (fail \"x\")) (evap-protect (wait-time 9) (wait-time 3)))))",
+        "=> (timeout)",
+    );
+    // Every construct alike.
+    for form in [
+        "(par (seq (wait-time 1) (fail \"first\")) (evap-protect (wait-time 9) (wait-time 3)))",
+        "(pursue (seq (wait-time 1) (fail \"first\")) (evap-protect (wait-time 9) (wait-time 3)))",
+        "(par-map (x (list 1 2)) (if (= x 1) (seq (wait-time 1) (fail \"first\")) (evap-protect (wait-time 9) (wait-time 3))))",
+        "(plan ((seq (wait-time 1) (fail \"first\")) (evap-protect (wait-time 9) (wait-time 3))))",
+        "(with-policy (seq (wait-time 1) (fail \"first\")) (evap-protect (wait-time 9) (wait-time 3)))",
+        "(with-policy (evap-protect (wait-time 9) (wait-time 3)) (wait-time 1) (fail \"first\"))",
+        "(seq (spawn (seq (wait-time 1) (fail \"first\"))) (evap-protect (wait-time 9) (wait-time 3)))",
+        "(unwind-protect (seq (wait-time 1) (fail \"first\")) (wait-time 3))",
+        "(with-retry-counters ((k 1)) (with-failure-handling ((timeout () (retry)))
+           (unwind-protect (seq (wait-time 1) (fail \"first\")) (wait-time 3))))",
+    ] {
+        for end in ["(evaporate c)", "(par (suspend c) (seq (wait-time 4) (evaporate c)))"] {
+            let text = format!(
+                "(def-plan p () {form})
+                 (ignore-failures (failure) (par (:tag c (p)) (seq (wait-time 2) {end}))
+                   (print 'no-failure))
+                 (def-plan q () (with-failure-handling ((failure (f) (print (failure-message f))))
+                   (par (:tag c (p)) (seq (wait-time 2) {end}))))
+                 (q) nil"
+            );
+            assert_eq!(run(&text), "first\n=> nil", "{text}");
+        }
+    }
+}
+
+/// r[construct.stands], r[construct.fixed]
+#[test]
+fn an_evaporation_waits_for_the_end_of_a_construct_that_has_succeeded() {
+    check(
+        "(par (:tag c (print (pursue (seq (wait-time 1) 'won) (evap-protect (wait-time 9) (wait-time 3)))) (print 'never))
+              (seq (wait-time 2) (evaporate c) (print (list (value (status c)) (now)))))",
+        "(evaporated 4.0)\n=> (evaporated 4.0)",
+    );
+    // A failure that is handled is no outcome of the task.
+    check(
+        "(par (:tag c (with-failure-handling ((failure () (print 'handled)))
+                (par (seq (wait-time 1) (fail)) (evap-protect (wait-time 9) (wait-time 3)))))
+              (seq (wait-time 2) (evaporate c) (print (list (value (status c)) (now)))))",
+        "(evaporated 4.0)\n=> (evaporated 4.0)",
+    );
+}
+
+/// r[construct.stands], r[spawn.failure]
+#[test]
+fn a_spawned_failure_does_not_take_the_place_of_a_decided_one() {
+    check(
+        "(def-plan p ()
+           (spawn (seq (wait-time 2) (fail \"spawned\")))
+           (par (seq (wait-time 1) (fail \"first\")) (evap-protect (wait-time 9) (wait-time 3))))
+         (with-failure-handling ((failure (f) (list (failure-message f) (now) (map failure-message (failure-while-cleaning-up f))))) (p))",
+        "=> (\"first\" 4.0 (\"spawned\"))",
+    );
+    // Where the construct succeeds, it is the plan call's after that.
+    check(
+        "(def-plan p ()
+           (spawn (seq (wait-time 2) (fail \"spawned\")))
+           (pursue (wait-time 1) (evap-protect (wait-time 9) (wait-time 3)))
+           (print 'never))
+         (with-failure-handling ((failure (f) (list (failure-message f) (now)))) (p))",
+        "=> (\"spawned\" 4.0)",
+    );
+}
+
+/// r[timeout.wins], r[timeout.suspended]
+#[test]
+fn a_deadline_that_passes_with_the_end_of_its_body_while_suspended_wins() {
+    check(
+        "(par (:tag a (with-failure-handling ((timeout () (print (list 'timeout (now))))) (with-timeout 4 (wait-time 2) (print 'done))))
+              (seq (wait-time 1) (suspend a) (wait-time 5) (resume a)))",
+        "(timeout 6.0)\n=> nil",
+    );
+    // The body ends in a clean-up, which no suspension stops, after the deadline.
+    check(
+        "(par (:tag a (with-failure-handling ((timeout () (print (list 'timeout (now))))) (with-timeout 2 (unwind-protect nil (wait-time 3)))))
+              (seq (wait-time 1) (suspend a) (wait-time 5) (resume a)))",
+        "(timeout 8.0)\n=> nil",
+    );
+    // Of two, the earlier one.
+    check(
+        "(par (:tag a (with-failure-handling ((timeout (f) (print (failure-slot f 'seconds)))) (with-timeout 3 (with-timeout 2 (wait-time 9)))))
+              (seq (wait-time 1) (suspend a) (wait-time 5) (resume a)))",
+        "2.0\n=> nil",
+    );
+}
+
+/// r[timeout.one-by-one]
+#[test]
+fn deadlines_of_one_instant_take_effect_one_by_one() {
+    check(
+        "(def-fluent go nil)
+         (par (ignore-failures (timeout) (with-timeout 2 (unwind-protect (wait-time 9) (setf (value go) t))))
+              (with-failure-handling ((timeout () (print 'timeout))) (with-timeout 2 (wait-for go) (print 'in-time))))",
+        "in-time\n=> in-time",
+    );
+}

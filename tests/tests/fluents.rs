@@ -361,3 +361,27 @@ fn negative_times() {
         "line\nend\nlow\n=> line",
     );
 }
+
+/// r[wait-for.order]
+#[test]
+fn whoever_one_propagation_wakes_is_woken_in_the_order_of_waiting() {
+    // The network the first waits for is brought up to date last.
+    check(
+        "(def-fluent f nil)
+         (def-fluent g (fluent (and f t)))
+         (def-fluent h (fluent (and g t)))
+         (par (seq (wait-for h) (print 1))
+              (seq (wait-for f) (print 2))
+              (seq (wait-for (and g t)) (print 3))
+              (whenever f (print 4) (return nil))
+              (seq (wait-for f) (print 5))
+              (seq (wait-time 1) (setf (value f) t)))",
+        "1\n2\n3\n4\n5\n=> t",
+    );
+    check(
+        "(def-fluent f nil)
+         (par (seq (wait-for f) (print 1)) (whenever f (print 2) (return nil)) (seq (wait-for f) (print 3))
+              (seq (wait-time 1) (pulse f)))",
+        "1\n2\n3\n=> nil",
+    );
+}

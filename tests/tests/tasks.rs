@@ -365,3 +365,58 @@ fn a_tag_is_not_known_outside_its_plan() {
     assert!(found.starts_with("error[unbound-name]"), "{found}");
     check("(seq (:tag a (print (task-path a))) (process b (print (task-path b))))", "main/a\nmain/b\n=> \"main/b\"");
 }
+
+/// r[suspend.form-only]
+#[test]
+fn a_resume_does_not_take_back_what_a_form_suspends() {
+    check(
+        "(par (:tag a (wait-time 1) (print (list 'a (now))))
+              (seq (with-task-suspended (a) (wait-time 3)) nil)
+              (seq (wait-time 2) (resume a) (resume a)))",
+        "(a 3.0)\n=> nil",
+    );
+}
+
+/// r[resume.order]
+#[test]
+fn tasks_that_become_ready_in_one_resume_run_in_order_of_position() {
+    check(
+        "(par (:tag a (par (seq (wait-time 4) (print 1)) (seq (wait-time 2) (print 2)) (seq (wait-time 3) (print 3))))
+              (seq (wait-time 1) (suspend a) (wait-time 5) (resume a)))",
+        "1\n2\n3\n=> nil",
+    );
+}
+
+/// r[tag.lone]
+#[test]
+fn where_a_lone_tag_is_the_child() {
+    let is_child = |form: &str| {
+        let told = run(&format!("(def-plan p () {form} nil) (p)"));
+        let path = told.lines().next().unwrap_or_default().to_string();
+        path.matches('/').count()
+    };
+    let tag = "(:tag a (print (task-path (this-task))))";
+    for form in [
+        format!("(par {tag})"),
+        format!("(pursue {tag})"),
+        format!("(try-all {tag})"),
+        format!("(plan ({tag}))"),
+        format!("(with-policy {tag} nil)"),
+        format!("(with-policy nil {tag})"),
+        format!("(spawn {tag})"),
+        format!("(seq {tag})"),
+    ] {
+        let form = if form.starts_with("(spawn") { format!("(seq {form} (wait-time 1))") } else { form };
+        assert_eq!(is_child(&form), 2, "{form}: main/p/a");
+    }
+    for form in [
+        format!("(with-timeout 1 {tag})"),
+        format!("(with-priority 1 {tag})"),
+        format!("(par-map (x '(1)) {tag})"),
+        format!("(par (seq {tag}))"),
+        format!("(process b {tag})"),
+        format!("(with-policy nil {tag} nil)"),
+    ] {
+        assert_eq!(is_child(&form), 3, "{form}: a task of its own below the form's");
+    }
+}

@@ -7,7 +7,6 @@ use crate::situation::{Situation, Standing, ValveStanding};
 use rpl_runtime::system::System;
 use rpl_runtime::task::State;
 use rpl_runtime::value::TaskRef;
-use rpl_runtime::valve::Handover;
 use std::collections::BTreeMap;
 
 /// The events of the run, and how the living stand now: asked of the run, but for who suspended a
@@ -36,13 +35,9 @@ pub fn situation(session: &Session) -> Situation {
         .valves
         .iter()
         .map(|valve| {
-            let taken = valve.holds.iter().filter_map(|hold| Some((path(hold.interrupted?)?, path(hold.task)?)));
-            let holders = valve.holds.iter().filter_map(|hold| path(hold.task)).collect();
-            let pre_empted = match valve.handover {
-                Some(Handover::Lend { interrupted, .. }) => path(interrupted),
-                Some(Handover::GiveBack { .. }) | None => None,
-            };
-            let standing = ValveStanding { holders, taken: taken.collect(), pre_empted };
+            let holders = valve.holders().filter_map(path).collect();
+            let interrupted = valve.interrupted().filter_map(path).collect();
+            let standing = ValveStanding { holders, interrupted };
             (machine.symbols.name(valve.name).to_string(), standing)
         })
         .collect();

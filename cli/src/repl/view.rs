@@ -43,7 +43,7 @@ fn task_line(system: &System<Robot>, ends_us: &WaitEnds, task: u32, whole_path: 
         Some(own) if !whole_path => own.trim_start_matches('/').to_string(),
         _ => path,
     };
-    let holder = |valve: &&Valve| valve.holds.last().and_then(|hold| machine.tasks.find(hold.task));
+    let holder = |valve: &&Valve| valve.holders().next_back().and_then(|holder| machine.tasks.find(holder));
     let held: Vec<&str> = machine
         .valves
         .iter()
@@ -120,15 +120,13 @@ pub fn valves(system: &System<Robot>) -> Vec<String> {
     let mut lines = Vec::new();
     for valve in &machine.valves {
         let name = machine.symbols.name(valve.name);
-        match valve.holds.split_last() {
-            None => lines.push(format!("{name}  free")),
-            Some((current, below)) => {
-                lines.push(format!("{name}  held by {}", path(current.task)));
-                let kept = below.iter().rev().map(|hold| format!("    before it: {}", path(hold.task)));
-                lines.extend(kept);
-            }
-        }
-        lines.extend(valve.line.iter().map(|&task| format!("    in line: {}", path(task))));
+        let mut holders = valve.holders().rev();
+        lines.push(match holders.next() {
+            None => format!("{name}  free"),
+            Some(holder) => format!("{name}  held by {}", path(holder)),
+        });
+        lines.extend(holders.map(|holder| format!("    before it: {}", path(holder))));
+        lines.extend(valve.in_line().into_iter().map(|task| format!("    in line: {}", machine.path(task))));
     }
     lines
 }

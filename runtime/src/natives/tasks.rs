@@ -138,7 +138,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn suspend(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let task = call.named_task(0)?;
     if let Some(index) = call.machine.tasks.find_alive(task) {
-        call.machine.suspend(index, call.machine.current);
+        call.machine.suspend(call.around, index, call.machine.current);
         if call.machine.wait_for_rest(index) {
             return Ok(Reply::Wait);
         }

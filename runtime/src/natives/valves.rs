@@ -50,9 +50,8 @@ fn release(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let valve = valve(call)?;
     let current = call.machine.current;
     let me = call.machine.tasks.reference(current);
-    let entry = &call.machine.valves[valve as usize];
-    if !entry.holds.iter().any(|hold| hold.task == me && hold.purpose == crate::valve::Purpose::Plan) {
-        let name = call.machine.symbols.name(entry.name).to_string();
+    if !call.machine.valves[valve as usize].is_taken_by(me) {
+        let name = call.machine.valve_name(valve);
         return Err(Raise::new("valve-error", format!("this task does not hold the valve `{name}`")));
     }
     call.machine.release_valve(call.around, current, valve);

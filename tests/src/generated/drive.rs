@@ -302,11 +302,7 @@ impl Run<'_> {
         if let Some((index, task)) = machine.tasks.iter().skip(1).find(|(_, task)| !task.state.is_dead()) {
             return Err(format!("main is dead and {} is {}", machine.path(index), task.state.name()));
         }
-        if let Some(valve) = machine
-            .valves
-            .iter()
-            .find(|valve| !(valve.holds.is_empty() && valve.line.is_empty() && valve.handover.is_none()))
-        {
+        if let Some(valve) = machine.valves.iter().find(|valve| !valve.is_at_rest()) {
             return Err(format!("main is dead and a valve is not free: {valve:?}"));
         }
         if machine.watches.iter().next().is_some() {
