@@ -420,7 +420,7 @@ fn a_plan_comes_from_standard_input() {
     let folder = folder("stdin");
     plan(&folder, "loaded.rpl", "(defvar loaded 'beside)");
     let found = with_input(&["run", "-"], "(print (+ 1 2))");
-    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("3\n", "", 0));
+    assert_eq!((stdout(&found), stderr(&found), status(&found)), ("3\n", "value: 3\n", 0));
     let found = with_input(&["run", "-", "--json"], "(fail \"no\")");
     assert_eq!(status(&found), 1);
     assert!(stdout(&found).contains("\"file\":\"<stdin>\""), "{}", stdout(&found));
@@ -702,7 +702,7 @@ fn a_door_closed_on_the_way_holds_a_delivery_up_and_no_more() {
         stdout(&found)
     );
     let unknown = output(&["experiment", "doors", "--row", "flt"]);
-    assert!(stderr(&unknown).contains("the experiment `doors` has no row `flt`, did you mean `flat`?"));
+    assert!(stderr(&unknown).contains("the experiment `doors` has no row `flt`; did you mean `flat`?"));
 }
 
 #[test]

@@ -190,7 +190,7 @@ pub const COMMANDS: &[Entry] = &[
     Entry {
         name: ":back",
         arguments: "[N|TIME|failure]",
-        doc: "goes back a step, N steps, a time such as 10s, or to the last failure",
+        doc: "goes back a step, N steps, a time, or to the last failure",
         verb: Verb::Back,
         example: ":back 10s",
         more: "All is as it was then, definitions included; what came after is forgotten. `:fork` keeps it.",
