@@ -3,7 +3,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token, lex, unescape};
 use crate::nesting::Nesting;
-use crate::source::{SourceId, Span, line_start};
+use crate::source::{LINE_ENDS, SourceId, Span};
 use crate::symbol::Symbols;
 use crate::syntax::{Kind, NodeId, Tree};
 use chumsky::error::{Error, LabelError};
@@ -142,7 +142,7 @@ fn lexeme(token: Token) -> Option<Lexeme> {
 }
 
 fn is_first_in_line(text: &str, span: Span) -> bool {
-    span.start > 0 && line_start(text, span.start as usize) == span.start as usize
+    text[..span.start as usize].ends_with(LINE_ENDS)
 }
 
 fn is_definition(text: &str, head: Option<&(Token, Span)>) -> bool {
