@@ -127,8 +127,8 @@ fn suspended(situation: &Situation, task: &str, standing: &Standing, depth: usiz
         say(lines, depth, "it is suspended by");
         waits(situation, by, "", depth + 1, lines);
     }
-    let mut taken = situation.valves.values().flat_map(|valve| &valve.taken);
-    if by.is_empty() && !taken.any(|(root, _)| is_within(task, root)) {
+    let mut interrupted = situation.valves.values().flat_map(|valve| &valve.interrupted);
+    if by.is_empty() && !interrupted.any(|root| is_within(task, root)) {
         say(lines, depth, "it was suspended by `suspend`, or a task above it was; `resume` lets it go on");
     }
 }

@@ -20,5 +20,5 @@ pub fn closed_room() -> Arc<OfficeModel> {
 pub fn wheels_are_free(system: &System<OfficeRobot>) -> bool {
     let machine = &system.machine;
     let wheels = machine.valves.iter().find(|valve| machine.symbols.name(valve.name) == "wheels").expect("a valve");
-    wheels.holds.is_empty() && wheels.line.is_empty() && wheels.handover.is_none()
+    wheels.is_at_rest()
 }
