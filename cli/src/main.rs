@@ -151,7 +151,7 @@ fn main() -> ExitCode {
         Err(error) if is_closed_pipe(&error) => Status::Succeeded.into(),
         Err(error) => {
             console.end_status();
-            console.note(&format!("error: {error:#}"));
+            console.note(&format!("error: {}", told(&error)));
             Status::Wrong.into()
         }
     }
@@ -165,7 +165,7 @@ fn answered(error: clap::Error) -> ExitCode {
         // Whoever closed the pipe has read enough.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => status.into(),
         Err(error) => {
-            console::note(&format!("error: {error}"));
+            console::note(&format!("error: {CANNOT_WRITE}: {error}"));
             Status::Wrong.into()
         }
     }
@@ -208,6 +208,13 @@ fn dispatch(command: &Command, console: &mut Console) -> Result<Status> {
         Command::Man(arguments) => man::run(arguments, console),
     }
 }
+
+/// Files are named where they are read and written; what has no name is standard output.
+fn told(error: &anyhow::Error) -> String {
+    if error.is::<io::Error>() { format!("{CANNOT_WRITE}: {error}") } else { format!("{error:#}") }
+}
+
+const CANNOT_WRITE: &str = "cannot write to standard output";
 
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error

@@ -194,7 +194,7 @@ impl Session<'_> {
         let tests: Vec<&Test> = loaded.tests.iter().filter(|test| test.name.contains(filter)).collect();
         let width = tests.iter().map(|test| test.name.chars().count()).max().unwrap_or(0);
         if !self.is_one && !tests.is_empty() && !self.arguments.json {
-            console.print(&plan.name)?;
+            console.explain(&plan.name)?;
         }
         for test in tests {
             let record = self.test(plan, test, (&site, &loaded))?;
@@ -308,7 +308,7 @@ impl Session<'_> {
     fn tell(&self, record: &Record, width: usize, console: &mut Console) -> Result<()> {
         let (word, colour) = if record.has_succeeded() { ("ok    ", 32) } else { ("FAILED", 31) };
         let word = if self.colour { format!("\u{1b}[{colour}m{word}\u{1b}[0m") } else { word.to_string() };
-        console.print(&format!("{word}  {:width$}  {:>8.1} s", record.name, record.time_s))?;
+        console.explain(&format!("{word}  {:width$}  {:>8.1} s", record.name, record.time_s))?;
         if !record.has_succeeded() {
             let printed = record.output.iter().flat_map(|text| text.lines()).map(|line| format!("printed: {line}"));
             for line in record.reason.lines().map(str::to_string).chain(printed) {

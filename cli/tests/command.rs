@@ -383,7 +383,8 @@ fn what_cannot_be_written_is_told() {
     ] {
         let found = rpl(line).stdout(full()).output().expect("the command runs");
         assert_eq!(status(&found), 2, "{line:?}");
-        assert!(stderr(&found).starts_with("error: "), "{line:?}: {}", stderr(&found));
+        let told = "error: cannot write to standard output: No space left";
+        assert!(stderr(&found).starts_with(told), "{line:?}: {}", stderr(&found));
     }
 }
 
@@ -487,6 +488,20 @@ fn a_folder_stands_for_the_plans_below_it() {
     plan(&folder, "b/ugly.rpl", "( print   1)\n");
     let found = in_folder(&["fmt", "--check", "."]);
     assert_eq!((stdout(&found), status(&found)), ("b/ugly.rpl\n", 1));
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        let name = std::ffi::OsStr::from_bytes(b"\xff.rpl");
+        fs::write(folder.join(name), "(print 1)").expect("the file can be written");
+        let found = in_folder(&["check", "."]);
+        assert!(
+            stderr(&found).contains(".rpl` is not UTF-8") && stdout(&found).contains("z.rpl"),
+            "{}",
+            stderr(&found)
+        );
+        assert_eq!(status(&found), 2);
+        fs::remove_file(folder.join(name)).expect("the file can go");
+    }
     for command in ["check", "test", "fmt"] {
         let found = in_folder(&[command, "empty", "z.rpl"]);
         assert!(stderr(&found).contains("there is no plan in the folder `empty`"), "{}", stderr(&found));

@@ -153,6 +153,22 @@ fn tables_are_whole_at_every_width() {
     }
 }
 
+#[test]
+fn tests_fit_every_width() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("layout-tests");
+    std::fs::create_dir_all(&folder).expect("the folder can be made");
+    let plan = folder.join("long.rpl");
+    let text = "(deftest the-kettle-is-filled-before-it-is-put-on-the-stove (wait-time 1))\n\
+                (deftest fails (fail \"the message of this failure is longer than a line of forty columns\"))\n";
+    std::fs::write(&plan, text).expect("it can be written");
+    let arguments = ["test", &plan.display().to_string()];
+    for columns in WIDTHS {
+        let shown = at_terminal(&arguments, columns, &[]);
+        assert!(shown.broken().is_empty(), "at {columns}: {:#?}", shown.broken());
+        assert!(shown.text().contains("the-kettle-is-filled-before-it-is-put-on-the-stove") || columns < 60);
+    }
+}
+
 /// A program of this test's own that a pager can be.
 #[cfg(unix)]
 fn script(name: &str, text: &str) -> PathBuf {
