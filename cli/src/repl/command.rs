@@ -294,7 +294,7 @@ pub const COMMANDS: &[Entry] = &[
     Entry {
         name: ":source",
         arguments: "NAME",
-        doc: "shows the text of a definition, your own or one of the library",
+        doc: "shows the text of a definition, the library's too",
         verb: Verb::Source,
         example: ":source for-each",
         more: "",
@@ -302,7 +302,7 @@ pub const COMMANDS: &[Entry] = &[
     Entry {
         name: ":edit",
         arguments: "[NAME]",
-        doc: "edits the last form, or a definition, in your editor, and runs it",
+        doc: "edits the last form or a definition, and runs it",
         verb: Verb::Edit,
         example: ":edit greet",
         more: "The editor is the one that VISUAL or EDITOR names. What it leaves is run if it is another text than before; a text that is wrong is there again at the next `:edit`.",
