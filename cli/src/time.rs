@@ -22,7 +22,7 @@ pub fn parse_duration_us(text: &str) -> Result<u64, String> {
         Ok(Number::Float(value)) => value,
         Err(_) => return Err(EXPECTED.to_string()),
     };
-    microseconds(seconds).ok_or_else(|| format!("the clock ends at {} s, after 285 years", LAST_INSTANT_US / 1_000_000))
+    microseconds(seconds).ok_or_else(|| format!("the clock ends at {} s, after 253 years", LAST_INSTANT_US / 1_000_000))
 }
 
 #[cfg(test)]

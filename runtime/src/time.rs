@@ -6,9 +6,9 @@ use crate::value::Value;
 use rpl_lang::kind::Kind;
 use rpl_lang::number::format_float;
 
-/// The last instant of the clock, after some 285 years. Up to here every instant is exact as a float
-/// of seconds, in plans, traces and records.
-pub const LAST_INSTANT_US: u64 = 9_000_000_000_000_000;
+/// The last instant of the clock, after some 253 years. Up to 2³³ seconds floats are less than a
+/// microsecond apart, so that every instant is exact in seconds: in plans, traces and records.
+pub const LAST_INSTANT_US: u64 = 8_000_000_000_000_000;
 
 /// Seconds as microseconds, to the nearest, those before the start as 0; none behind the end of the
 /// clock and for what is no number.
@@ -55,7 +55,7 @@ impl Machine {
 
 fn beyond_clock(what: &str, seconds: f64) -> Raise {
     let message = format!(
-        "{what} is {}, and the clock ends at {} s, after 285 years; to wait without an end, wait for a fluent that \
+        "{what} is {}, and the clock ends at {} s, after 253 years; to wait without an end, wait for a fluent that \
          stays nil",
         format_float(seconds),
         LAST_INSTANT_US / 1_000_000
@@ -73,8 +73,8 @@ mod tests {
         assert_eq!(microseconds(4e-7), Some(0));
         assert_eq!(microseconds(-3.0), Some(0));
         assert_eq!(microseconds(f64::NEG_INFINITY), Some(0));
-        assert_eq!(microseconds(9e9), Some(LAST_INSTANT_US));
-        for never in [9.1e9, 1e300, f64::INFINITY, f64::NAN] {
+        assert_eq!(microseconds(8e9), Some(LAST_INSTANT_US));
+        for never in [8.1e9, 1e300, f64::INFINITY, f64::NAN] {
             assert_eq!(microseconds(never), None, "{never}");
         }
     }

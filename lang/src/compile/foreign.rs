@@ -11,10 +11,10 @@ const WORDS: &[(&[&str], &str)] = &[
         &["printf", "println", "princ", "prin1", "echo", "puts", "display", "write-line", "terpri"],
         "`(print VALUE)` writes a line; `(print (format \"~a of ~a\" A B))` puts several values into one",
     ),
-    (&["for", "foreach", "for-each", "doseq"], "`(dolist (NAME LIST) FORM...)` runs forms for each element"),
+    (&["for", "foreach", "doseq"], "`(dolist (NAME LIST) FORM...)` runs forms for each element"),
     (&["repeat"], "`(n-times N FORM...)` runs forms so many times, `(loop FORM... until TEST)` until a test is true"),
-    (&["mapcar", "mapc"], "`(map FUNCTION LIST)` gives the list of the values"),
-    (&["remove-if-not", "find-all"], "`(filter FUNCTION LIST)` keeps the elements for which the function is true"),
+    (&["transform"], "`(map FUNCTION LIST)` gives the list of the values"),
+    (&["find-all", "where"], "`(filter FUNCTION LIST)` keeps the elements for which the function is true"),
     (&["fold", "foldl", "fold-left"], "`(reduce FUNCTION LIST)` combines the elements"),
     (
         &["define", "def", "defparameter"],
@@ -24,7 +24,6 @@ const WORDS: &[(&[&str], &str)] = &[
         &["defn", "def-cram-function", "def-top-level-cram-function", "def-process-module"],
         "`(def-plan NAME (PARAMETER...) FORM...)` defines a plan, `(defun NAME (PARAMETER...) FORM...)` a function",
     ),
-    (&["flet", "labels"], "`(letrec ((NAME (lambda (PARAMETER...) FORM...))) FORM...)` binds functions"),
     (&["begin", "do-all", "sequence", "top-level"], "`(seq FORM...)` runs forms one after the other"),
     (
         &["selector", "fallback", "first-of"],
