@@ -102,7 +102,7 @@ const WORDS: &[(Kind, &[&str])] = &[
         ],
     ),
     (Kind::Integer, &["count", "end", "integer", "integers", "length", "position", "start", "times"]),
-    (Kind::Seconds, &["seconds", "time"]),
+    (Kind::Seconds, &["patience", "seconds", "time"]),
     (
         Kind::Text,
         &[

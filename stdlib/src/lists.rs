@@ -132,6 +132,9 @@ fn copy_list(call: &mut Call<'_, '_>) -> Answer {
 }
 
 fn acons(call: &mut Call<'_, '_>) -> Answer {
+    if !matches!(call.argument(2), Value::Nil | Value::Cons(_)) {
+        return Err(call.wrong_type(2));
+    }
     let entry = call.machine.heap.cons(call.arguments[0], call.arguments[1]);
     value(call.machine.heap.cons(entry, call.arguments[2]))
 }

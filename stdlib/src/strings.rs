@@ -199,8 +199,8 @@ pub const NATIVES: &[Native] = &[
     ),
     pure(
         "string-join",
-        "values &optional separator",
-        "The values, as they are printed, with a separator between them.",
+        "list &optional separator",
+        "The elements, as they are printed, with a separator between them.",
         join,
     ),
     pure(
