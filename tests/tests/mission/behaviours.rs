@@ -104,7 +104,7 @@ fn what_blocks_the_way_is_told_with_its_place() {
                            (print (failure-message f))
                            (map (lambda (slot) (failure-slot f slot)) '(obstacle room x y))))
                       (go-to-point 6.0 3.0))";
-        let run = Mission::new(test_room(), plan).with_scenario(scenario).run(1, 300.0);
+        let run = Mission::new(test_room(), plan).with_scenario(scenario).run(1, 1800.0);
         (run.output.join("\n"), run.outcome())
     };
     let (message, slots) = told("(wait-time 1) (close-door! 'east)");
