@@ -32,7 +32,6 @@ pub struct Arguments {
 /// # Errors
 /// The world cannot be read, standard input cannot be read, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    interrupt::catch();
     let (name, text) = match arguments.expression.as_str() {
         "-" => ("<stdin>", files::standard_input()?),
         text => ("<eval>", text.to_string()),
@@ -48,7 +47,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
     };
     let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
-    let ending = drive(&mut system, Pace::default(), console, &mut Records::default())?;
+    let ending = {
+        let _stops = interrupt::stops_runs();
+        drive(&mut system, Pace::default(), console, &mut Records::default())?
+    };
     match ending {
         Ending::Outcome(Outcome::Succeeded(value)) => {
             console.print(&laid_out(system.machine.write(&system.program, value)))?;
@@ -57,7 +59,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             let reporter = Reporter { machine: &system.machine, program: &system.program, colour: console.colour };
             console.note(reporter.text(PLAN_FAILED, failure).trim_end());
         }
-        Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted => {}
+        Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted | Ending::GivenUp => {}
     }
     console.flush()?;
     Ok(status(ending))

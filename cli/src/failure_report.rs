@@ -36,6 +36,23 @@ struct CallRecord {
     line: Option<usize>,
 }
 
+impl FailureRecord {
+    /// What kept a run from starting.
+    pub fn of_set_up(message: &str) -> Self {
+        Self {
+            class: "set-up".to_string(),
+            message: message.to_string(),
+            path: String::new(),
+            file: None,
+            line: None,
+            column: None,
+            calls: Vec::new(),
+            causes: Vec::new(),
+            while_cleaning_up: Vec::new(),
+        }
+    }
+}
+
 /// What is needed to tell of a failure.
 #[derive(Clone, Copy)]
 pub struct Reporter<'a> {

@@ -113,6 +113,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    interrupt::catch();
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command: Some(command), .. }) => command,
         Ok(CommandLine { prompt: setting, .. }) => Command::Repl(repl::Arguments { file: None, setting }),

@@ -79,7 +79,6 @@ struct Summary {
 /// # Errors
 /// The text or the command line is wrong, or a file cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    interrupt::catch();
     let began = Instant::now();
     let plan = files::plan(&arguments.file)?;
     let mut overrides = Overrides::parse(&arguments.set)?;
@@ -100,7 +99,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         system.machine.limits.steps = steps;
     }
     let pace = Pace { until_us: arguments.until, factor: arguments.realtime };
-    let ending = drive(&mut system, pace, console, &mut records)?;
+    let ending = {
+        let _stops = interrupt::stops_runs();
+        drive(&mut system, pace, console, &mut records)?
+    };
     if let Some(trace) = &mut records.trace {
         trace.finish().context("the trace cannot be written")?;
     }
@@ -161,7 +163,7 @@ pub fn status(ending: Ending) -> Status {
         Ending::Outcome(Outcome::Succeeded(_)) => Status::Succeeded,
         Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => Status::Failed,
         Ending::TimeUp => Status::TimeUp,
-        Ending::Interrupted => Status::Interrupted,
+        Ending::Interrupted | Ending::GivenUp => Status::Interrupted,
     }
 }
 
@@ -185,7 +187,7 @@ fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u6
             Ending::Outcome(Outcome::Succeeded(_)) => "succeeded",
             Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => "failed",
             Ending::TimeUp => "timeout",
-            Ending::Interrupted => "interrupted",
+            Ending::Interrupted | Ending::GivenUp => "interrupted",
         },
         value,
         time_s: system.machine.now_s(),
@@ -215,6 +217,9 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
         Ending::Outcome(Outcome::Evaporated) => format!("ended itself after {:.1} s", summary.time_s),
         Ending::TimeUp => format!("cut off by --until, the last instant at {:.1} s", summary.time_s),
         Ending::Interrupted => format!("interrupted at {:.1} s, clean-ups done", summary.time_s),
+        Ending::GivenUp => {
+            format!("interrupted at {:.1} s, a clean-up that computed without end given up", summary.time_s)
+        }
     };
     let robot = system.outside.account().map_or(String::new(), |account| describe(account, summary.relocalizations));
     console.note(&format!("{how}{robot} ({:.1} s of computing)", summary.wall_s));

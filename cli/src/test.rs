@@ -48,6 +48,8 @@ struct Report {
     tests: Vec<Record>,
     succeeded: usize,
     failed: usize,
+    /// Not all tests have come to their end.
+    interrupted: bool,
     wall_s: f64,
 }
 
@@ -71,9 +73,9 @@ struct Record {
 /// Runs the tests of all files.
 ///
 /// # Errors
-/// A world or scenario is wrong, or standard output is closed.
+/// There is no test, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    interrupt::catch();
+    let _stops = interrupt::stops_runs();
     let began = Instant::now();
     let colour = console.colour && io::stdout().is_terminal();
     let mut session = Session { arguments, colour, sites: BTreeMap::new(), report: Report::default() };
@@ -88,15 +90,19 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             }
         }
         if interrupt::is_asked() {
-            return Ok(Status::Interrupted);
+            break;
         }
     }
     let mut report = session.report;
+    report.interrupted = interrupt::is_asked();
     report.wall_s = (began.elapsed().as_secs_f64() * 1e3).round() / 1e3;
     if arguments.json {
         console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
     } else if !report.tests.is_empty() {
         console.print(&summary(&report))?;
+    }
+    if report.interrupted {
+        return Ok(Status::Interrupted);
     }
     if report.tests.is_empty() && !is_wrong {
         match &arguments.filter {
@@ -114,10 +120,13 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 fn summary(report: &Report) -> String {
     let count = report.tests.len();
     let tests = if count == 1 { "1 test".to_string() } else { format!("{count} tests") };
-    match report.failed {
-        0 => format!("{tests}, all ok, in {:.1} s", report.wall_s),
-        failed => format!("{tests}, {failed} failed, in {:.1} s", report.wall_s),
-    }
+    let how = match (report.failed, report.interrupted) {
+        (0, false) => "all ok".to_string(),
+        (0, true) => "then interrupted".to_string(),
+        (failed, false) => format!("{failed} failed"),
+        (failed, true) => format!("{failed} failed, then interrupted"),
+    };
+    format!("{tests}, {how}, in {:.1} s", report.wall_s)
 }
 
 /// World and scenario of a test.
@@ -152,7 +161,7 @@ impl Session<'_> {
         }
         for test in tests {
             let record = self.test(plan, test, (&site, &loaded))?;
-            if interrupt::is_asked() {
+            if record.outcome == "interrupted" {
                 return Ok(true);
             }
             let has_succeeded = record.outcome == "succeeded";
@@ -162,11 +171,15 @@ impl Session<'_> {
                 self.tell(&record, width, console)?;
             }
             self.report.tests.push(record);
+            if interrupt::is_asked() {
+                break;
+            }
         }
         Ok(true)
     }
 
-    /// Runs a test in its world, or else where its file was compiled.
+    /// Runs a test in its world, or else where its file was compiled. What keeps it from running is
+    /// its failure; the others can still run.
     fn test(&mut self, plan: &PlanText, test: &Test, without_world: (&Site, &Loaded)) -> Result<Record> {
         let world = test.options.world.as_deref().map(str::to_string).or_else(|| self.arguments.world.clone());
         let scenario = test.options.scenario.as_deref().map(str::to_string);
@@ -174,27 +187,46 @@ impl Session<'_> {
             let (site, loaded) = without_world;
             return self.run_test(site, loaded.clone(), test, None);
         }
-        let site = self.site((world.clone(), scenario), test)?;
-        match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
-            Ok(loaded) => self.run_test(&site, loaded, test, world),
-            // With a robot, names of the file's own may be the robot's.
-            Err(rejected) => {
-                bail!("the test `{}` cannot run in a world\n{}", test.name, rejected.render(false).trim_end())
-            }
+        let (_, loaded) = without_world;
+        match self.set_up(plan, (world.clone(), scenario)) {
+            Ok((site, loaded)) => self.run_test(&site, loaded, test, world),
+            Err(error) => Ok(self.never_run(test, loaded, world, &format!("it cannot run: {error:#}"))),
         }
     }
 
-    fn site(&mut self, place: Place, test: &Test) -> Result<Site> {
+    fn set_up(&mut self, plan: &PlanText, place: Place) -> Result<(Site, Loaded)> {
+        let site = self.site(place)?;
+        match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+            Ok(loaded) => Ok((site, loaded)),
+            // With a robot, names of the file's own may be the robot's.
+            Err(rejected) => bail!("in a world its text is wrong\n{}", rejected.render(self.colour).trim_end()),
+        }
+    }
+
+    fn never_run(&self, test: &Test, loaded: &Loaded, world: Option<String>, reason: &str) -> Record {
+        let (file, line) = place(test, loaded);
+        Record {
+            name: test.name.to_string(),
+            file,
+            line,
+            outcome: "failed",
+            time_s: 0.0,
+            seed: test.options.seed.unwrap_or(self.arguments.seed),
+            world,
+            failure: Some(FailureRecord::of_set_up(reason)),
+            output: Vec::new(),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn site(&mut self, place: Place) -> Result<Site> {
         if let Some(site) = self.sites.get(&place) {
             return Ok(site.clone());
         }
         let (world, scenario) = &place;
-        let build = || {
-            let world = world.as_deref().map(mission::world).transpose()?;
-            let scenario = scenario.as_deref().map(files::scenario).transpose()?;
-            Site::new(world, scenario, OfficeSettings::default())
-        };
-        let site = build().with_context(|| format!("the test `{}` cannot run", test.name))?;
+        let world = world.as_deref().map(mission::world).transpose()?;
+        let scenario = scenario.as_deref().map(files::scenario).transpose()?;
+        let site = Site::new(world, scenario, OfficeSettings::default())?;
         self.sites.insert(place, site.clone());
         Ok(site)
     }
@@ -203,10 +235,7 @@ impl Session<'_> {
         // The same text at another site: its tests are the same but for the numbers of their code.
         let code = loaded.tests.iter().find(|known| known.name == test.name).map_or(test.code, |known| known.code);
         loaded.main = code;
-        let (file, (line, _)) = {
-            let sources = &loaded.program.sources;
-            (sources.get(test.span.source).name.to_string(), sources.line_column(test.span))
-        };
+        let (file, line) = place(test, &loaded);
         let seed = test.options.seed.unwrap_or(self.arguments.seed);
         let until_us = test.options.until_s.map_or(self.arguments.until, |until_s| (until_s * 1e6).round() as u64);
         let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
@@ -250,7 +279,7 @@ impl Session<'_> {
             }
             Ending::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),
             Ending::TimeUp => ("timeout", None, format!("it had not ended after {} s", until_us as f64 / 1e6)),
-            Ending::Interrupted => ("interrupted", None, String::new()),
+            Ending::Interrupted | Ending::GivenUp => ("interrupted", None, String::new()),
         }
     }
 
@@ -267,6 +296,13 @@ impl Session<'_> {
         }
         Ok(console.flush()?)
     }
+}
+
+/// The file and the line a test stands in.
+fn place(test: &Test, loaded: &Loaded) -> (String, usize) {
+    let sources = &loaded.program.sources;
+    let (line, _) = sources.line_column(test.span);
+    (sources.get(test.span.source).name.to_string(), line)
 }
 
 /// The plan compiled without a robot, or, if it names the robot's things, with the robot's names.

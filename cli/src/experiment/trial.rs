@@ -120,7 +120,7 @@ fn fault_of(system: &System<Robot>, ending: Ending) -> Option<String> {
         }),
         Ending::Outcome(Outcome::Evaporated) => Some("ended itself".to_string()),
         Ending::TimeUp => Some("time is up".to_string()),
-        Ending::Interrupted => Some("interrupted by hand".to_string()),
+        Ending::Interrupted | Ending::GivenUp => Some("interrupted by hand".to_string()),
     }
 }
 

@@ -52,7 +52,6 @@ pub struct Arguments {
 /// # Errors
 /// The command line is wrong, or standard output is closed.
 pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -> Result<Status> {
-    interrupt::catch_for_prompt();
     let (site, world) = arguments.setting.site()?;
     let plan = arguments.file.as_deref().map(files::plan).transpose()?;
     let places = world.as_ref().map_or_else(Vec::new, |world| {
@@ -117,6 +116,7 @@ impl Prompt<'_> {
         let mut bytes = Vec::new();
         io::stdin().read_to_end(&mut bytes)?;
         let text = files::text_of(bytes).map_err(|reason| anyhow::anyhow!("cannot read standard input: {reason}"))?;
+        let _stops = interrupt::stops_runs();
         let mut waiting = String::new();
         for line in text.lines() {
             waiting.push_str(line);
@@ -128,10 +128,23 @@ impl Prompt<'_> {
             if self.handle(&std::mem::take(&mut waiting))? == Next::Quit {
                 return Ok(());
             }
+            if interrupt::is_asked() {
+                return self.stop();
+            }
         }
         if !waiting.trim().is_empty() {
             self.handle(&waiting)?;
         }
+        if interrupt::is_asked() { self.stop() } else { Ok(()) }
+    }
+
+    /// Told to stop where nobody sits at the prompt: what runs is given up.
+    fn stop(&mut self) -> Result<()> {
+        interrupt::forget();
+        if self.session.branch.is_running {
+            self.session.give_up(self.console)?;
+        }
+        self.worst = Status::Interrupted;
         Ok(())
     }
 
