@@ -5,7 +5,7 @@ use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
-use crate::run::status;
+use crate::run::{status, tell_failed_scenario};
 use crate::setting::Setting;
 use crate::status::Status;
 use anyhow::Result;
@@ -61,8 +61,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted | Ending::GivenUp => {}
     }
+    tell_failed_scenario(&system, console);
     console.flush()?;
-    Ok(status(ending))
+    Ok(status(&system, ending))
 }
 
 /// A long value as the formatter lays out a text.

@@ -98,18 +98,19 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             let rows = missions(arguments, &chosen()?, console)?;
             console.print(&comparison(&rows))?;
             write_results(arguments, &rows, &[])?;
-            Ok(Status::Succeeded)
+            Ok(whether_measured(&rows))
         }
         Report::Calibration => {
             let rows = missions(arguments, &chosen()?, console)?;
-            let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
+            let all: Vec<&Trial> =
+                rows.iter().flat_map(|(_, trials)| trials).filter(|trial| trial.is_measured()).collect();
             let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
             console.print(&calibration::table(&all, &used))?;
             console.print("")?;
             console.print(&comparison(&rows))?;
             let diagram = chart::reliability(&calibration::bins(&all));
             write_results(arguments, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;
-            Ok(Status::Succeeded)
+            Ok(whether_measured(&rows))
         }
     }
 }
@@ -171,6 +172,12 @@ fn write_files(arguments: &Arguments, files: &[(String, String)]) -> Result<()> 
 
 fn status(trials: &[Trial]) -> Status {
     if trials.iter().all(|trial| trial.succeeded()) { Status::Succeeded } else { Status::Failed }
+}
+
+/// The status of a comparison, in which runs may fail, but must count.
+fn whether_measured(rows: &[(&str, Vec<Trial>)]) -> Status {
+    let is_measured = rows.iter().flat_map(|(_, trials)| trials).all(Trial::is_measured);
+    if is_measured { Status::Succeeded } else { Status::Failed }
 }
 
 /// A plan of the user's own, over seeds.

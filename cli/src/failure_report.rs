@@ -12,6 +12,9 @@ use std::fmt::Write;
 /// What stands before the failure of a run.
 pub const PLAN_FAILED: &str = "the plan failed: ";
 
+/// What stands before the failure of a scenario.
+pub const SCENARIO_FAILED: &str = "the scenario failed: ";
+
 /// Parts of parts are shown down to this depth.
 const MAX_DEPTH: usize = 8;
 

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter};
+use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter, SCENARIO_FAILED};
 use crate::figures;
 use crate::files::{self, PlanText};
 use crate::interrupt;
@@ -67,6 +67,7 @@ struct Summary {
     value: Option<String>,
     time_s: f64,
     failure: Option<FailureRecord>,
+    scenario_failure: Option<FailureRecord>,
     #[serde(flatten)]
     account: Account,
     relocalizations: u64,
@@ -115,7 +116,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         console.print(&serde_json::to_string(&summary).context("the summary cannot be written as JSON")?)?;
     }
     console.flush()?;
-    Ok(status(ending))
+    Ok(status(&system, ending))
 }
 
 /// Compiles a plan, and shows what was found. None if it cannot run.
@@ -157,9 +158,11 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
     Ok(Some(trace))
 }
 
-/// The exit status an ending means.
-pub fn status(ending: Ending) -> Status {
+/// The exit status an ending means. What a plan did beside a scenario that failed is not what it was
+/// to show.
+pub fn status(system: &System<Robot>, ending: Ending) -> Status {
     match ending {
+        Ending::Outcome(Outcome::Succeeded(_)) if system.outside.failed_scenario().is_some() => Status::Failed,
         Ending::Outcome(Outcome::Succeeded(_)) => Status::Succeeded,
         Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => Status::Failed,
         Ending::TimeUp => Status::TimeUp,
@@ -190,6 +193,9 @@ fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed: u6
             Ending::Interrupted | Ending::GivenUp => "interrupted",
         },
         value,
+        scenario_failure: system.outside.failed_scenario().and_then(|(scenario, failure)| {
+            Reporter { machine: &scenario.machine, program: &scenario.program, colour: false }.record(failure)
+        }),
         time_s: system.machine.now_s(),
         failure,
         account: system.outside.account().unwrap_or_default(),
@@ -205,6 +211,7 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
         let text = reporter(system, console).text(PLAN_FAILED, failure);
         console.note(text.trim_end());
     }
+    tell_failed_scenario(system, console);
     // A plan without a robot that succeeded has already said what it had to say.
     let is_plain_success =
         matches!(ending, Ending::Outcome(Outcome::Succeeded(_))) && system.outside.account().is_none();
@@ -222,7 +229,16 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
         }
     };
     let robot = system.outside.account().map_or(String::new(), |account| describe(account, summary.relocalizations));
-    console.note(&format!("{how}{robot} ({:.1} s of computing)", summary.wall_s));
+    let scenario = if summary.scenario_failure.is_some() { ", beside a scenario that failed" } else { "" };
+    console.note(&format!("{how}{scenario}{robot} ({:.1} s of computing)", summary.wall_s));
+}
+
+/// Tells of the failure of the scenario, if it has failed.
+pub fn tell_failed_scenario(system: &System<Robot>, console: &mut Console) {
+    if let Some((scenario, failure)) = system.outside.failed_scenario() {
+        let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour: console.colour };
+        console.note(reporter.text(SCENARIO_FAILED, failure).trim_end());
+    }
 }
 
 fn describe(account: Account, relocalizations: u64) -> String {

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::{FailureRecord, Reporter};
+use crate::failure_report::{FailureRecord, Reporter, SCENARIO_FAILED};
 use crate::files::{self, PlanText};
 use crate::interrupt;
 use crate::mission::{self, Robot, Site};
@@ -271,10 +271,18 @@ impl Session<'_> {
         ending: Ending,
         until_us: u64,
     ) -> (&'static str, Option<FailureRecord>, String) {
+        let colour = self.colour;
         match ending {
-            Ending::Outcome(Outcome::Succeeded(_)) => ("succeeded", None, String::new()),
+            Ending::Outcome(Outcome::Succeeded(_)) => match system.outside.failed_scenario() {
+                None => ("succeeded", None, String::new()),
+                Some((scenario, failure)) => {
+                    let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour };
+                    let text = reporter.text(SCENARIO_FAILED, failure);
+                    ("failed", reporter.record(failure), text.trim_end().to_string())
+                }
+            },
             Ending::Outcome(Outcome::Failed(failure)) => {
-                let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.colour };
+                let reporter = Reporter { machine: &system.machine, program: &system.program, colour };
                 ("failed", reporter.record(failure), reporter.text("", failure).trim_end().to_string())
             }
             Ending::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),

@@ -186,7 +186,13 @@ mod tests {
         let samples = |errors: &[f32]| {
             errors.iter().map(|&off_m| Sample { certainty: 1.0, off_m, is_right: true }).collect::<Vec<_>>()
         };
-        let trial = |errors: &[f32]| Trial { seed: 1, fault: None, measures: vec![], samples: samples(errors) };
+        let trial = |errors: &[f32]| Trial {
+            seed: 1,
+            fault: None,
+            unmeasured: None,
+            measures: vec![],
+            samples: samples(errors),
+        };
         let trials = [trial(&[4.0]), trial(&[2.0; 201])];
         assert_eq!(error_at(&trials, 20).1, 3.0);
         assert!(error_over_time(&[("a row", trials.to_vec())]).contains("a row"));

@@ -38,18 +38,18 @@ pub fn run_all<T: Send>(seeds: &[u64], jobs: usize, run: impl Fn(u64) -> T + Syn
 /// The table of an experiment.
 pub fn table(name: &str, trials: &[Trial]) -> String {
     let successes = trials.iter().filter(|trial| trial.succeeded()).count();
-    let (low, high) = wilson_95(successes, trials.len());
+    let measured = trials.iter().filter(|trial| trial.is_measured()).count();
+    let (low, high) = wilson_95(successes, measured);
     let seeds = match (trials.first(), trials.last()) {
         (Some(first), Some(last)) if trials.len() > 1 => format!("seeds {} to {}", first.seed, last.seed),
         (Some(first), _) => format!("seed {}", first.seed),
         _ => "no seeds".to_string(),
     };
-    let rate = if trials.is_empty() { 0.0 } else { 100.0 * successes as f64 / trials.len() as f64 };
+    let rate = if measured == 0 { 0.0 } else { 100.0 * successes as f64 / measured as f64 };
     let mut lines = vec![
         format!("{name}: {} runs, {seeds}", trials.len()),
         format!(
-            "succeeded {successes} of {}: {rate:.1} %, 95 % interval {:.1} to {:.1} % (Wilson)",
-            trials.len(),
+            "succeeded {successes} of {measured}: {rate:.1} %, 95 % interval {:.1} to {:.1} % (Wilson)",
             100.0 * low,
             100.0 * high
         ),
@@ -72,6 +72,7 @@ pub fn table(name: &str, trials: &[Trial]) -> String {
         }
     }
     lines.extend(failures(trials).map(|failures| format!("failed with seed {failures}")));
+    lines.extend(not_measured(trials));
     lines.join("\n")
 }
 
@@ -83,6 +84,18 @@ pub fn failures(trials: &[Trial]) -> Option<String> {
     (!named.is_empty()).then(|| named.join(", "))
 }
 
+/// Which runs count for nothing, and why; none if all count.
+pub fn not_measured(trials: &[Trial]) -> Option<String> {
+    let unmeasured: Vec<(u64, &str)> =
+        trials.iter().filter_map(|trial| Some((trial.seed, trial.unmeasured.as_deref()?))).collect();
+    let named: Vec<String> = unmeasured.iter().take(3).map(|(seed, why)| format!("{seed} ({why})")).collect();
+    let (count, all) = (unmeasured.len(), trials.len());
+    let more = if count > named.len() { ", …" } else { "" };
+    (count > 0).then(|| {
+        format!("not measured: {count} of {all}, because the scenario failed with seed {}{more}", named.join(", "))
+    })
+}
+
 /// One line for each row of an experiment, so that they can be compared.
 pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
     let mut lines = vec![format!(
@@ -90,6 +103,7 @@ pub fn comparison(rows: &[(&str, Vec<Trial>)]) -> String {
         "", "succeeded", "95 % interval", "contacts", "wrong (95 %)", "noticed", "≤ 2 m", "time", "alarms/km (95 %)"
     )];
     lines.extend(rows.iter().map(|(name, trials)| compared(name, trials)));
+    lines.extend(rows.iter().filter_map(|(name, trials)| Some(format!("{name}: {}", not_measured(trials)?))));
     lines.push(
         "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it".into(),
     );
@@ -108,6 +122,7 @@ fn compared(name: &str, trials: &[Trial]) -> String {
         Spread::of(&numbers(measure)).map_or("–".to_string(), |spread| format!("{:.2}", spread.median))
     };
     let successes = trials.iter().filter(|trial| trial.succeeded()).count();
+    let measured = trials.iter().filter(|trial| trial.is_measured()).count();
     let disturbed = numbers("wrong recoveries");
     let wrong = disturbed.iter().filter(|&&count| count > 0.0).count();
     let wrong = if disturbed.is_empty() {
@@ -126,8 +141,8 @@ fn compared(name: &str, trials: &[Trial]) -> String {
     let (low, high) = poisson_95(alarms as u32);
     format!(
         "{name:18} {:>9} {:>15} {:>8} {wrong:>14} {:>9} {within:>7} {:>8} {:>17}",
-        format!("{successes}/{}", trials.len()),
-        rate(successes, trials.len()),
+        format!("{successes}/{measured}"),
+        rate(successes, measured),
         total("contacts caused"),
         median("noticed after [m]"),
         median("time [s]"),
@@ -160,8 +175,10 @@ pub fn raw_rows(rows: &[(&str, Vec<Trial>)]) -> String {
         for trial in trials {
             let value = |name: &&str| trial.measure(name).map_or(String::new(), |value| value.to_string());
             let values: Vec<String> = names.iter().map(value).collect();
-            let fault = trial.fault.as_deref().unwrap_or_default().replace('"', "'");
-            lines.push(format!("\"{row}\",{},{},\"{fault}\",{}", trial.seed, trial.succeeded(), values.join(",")));
+            let unmeasured = trial.unmeasured.as_ref().map(|why| format!("not measured: {why}"));
+            let fault = trial.fault.clone().or(unmeasured).unwrap_or_default().replace('"', "'");
+            let succeeded = if trial.is_measured() { trial.succeeded().to_string() } else { String::new() };
+            lines.push(format!("\"{row}\",{},{succeeded},\"{fault}\",{}", trial.seed, values.join(",")));
         }
     }
     lines.join("\n") + "\n"
@@ -189,6 +206,7 @@ mod tests {
         let trial = |seed, fault: Option<&str>, time_s| Trial {
             seed,
             fault: fault.map(str::to_string),
+            unmeasured: None,
             measures: vec![("time [s]", time_s)],
             samples: vec![],
         };
