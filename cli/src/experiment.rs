@@ -17,9 +17,10 @@ pub use statistics::{Spread, wilson_95};
 use crate::console::Console;
 use crate::files::{self, PlanText};
 use crate::mission::{self, Site};
+use crate::outputs::OutputFolder;
 use crate::status::Status;
 use crate::time::parse_duration_us;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use catalogue::{EXPERIMENTS, Experiment, Report, Row};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rpl_lang::suggest::suggest;
@@ -27,7 +28,6 @@ use rpl_robot::geometry::Pose;
 use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::System;
-use std::fs;
 use std::io::IsTerminal;
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -72,6 +72,8 @@ pub struct Arguments {
 /// # Errors
 /// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    // Nobody waits for results that cannot be kept.
+    results_folder(arguments)?;
     let experiment = EXPERIMENTS.iter().find(|known| known.name == arguments.name);
     let Some(experiment) = experiment else {
         let trials = own_plan(arguments, console)?;
@@ -159,15 +161,18 @@ fn write_results(arguments: &Arguments, rows: &[(&str, Vec<Trial>)], charts: &[(
     write_files(arguments, &files)
 }
 
+/// The folder for results, if there is to be one, tried.
+fn results_folder(arguments: &Arguments) -> Result<Option<OutputFolder>> {
+    arguments.results.as_deref().map(|path| OutputFolder::open(path, "experiment")).transpose()
+}
+
 /// Writes texts into the folder for results, if there is to be one.
 fn write_files(arguments: &Arguments, files: &[(String, String)]) -> Result<()> {
-    let Some(folder) = &arguments.results else { return Ok(()) };
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    for (name, text) in files {
-        let path = folder.join(name);
-        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
-    Ok(())
+    let Some(mut folder) = results_folder(arguments)? else { return Ok(()) };
+    files.iter().try_for_each(|(name, text)| match name.ends_with(".svg") {
+        true => folder.draw(name, text),
+        false => folder.write(name, text),
+    })
 }
 
 fn status(trials: &[Trial]) -> Status {

@@ -3,11 +3,11 @@
 
 use crate::drive::Records;
 use crate::mission::{PositionBelief, Sight};
-use anyhow::{Context, Result};
+use crate::outputs::OutputFolder;
+use anyhow::Result;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::world::{ROBOT_RADIUS_M, Room, World};
-use std::fs;
 use std::path::Path;
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Text};
@@ -77,13 +77,25 @@ impl<'a> Figure<'a> {
     }
 }
 
-/// Writes the drawings of a mission into a folder, which is made if it is not there.
+/// The folder for the drawings of a mission, tried.
 ///
 /// # Errors
-/// The folder or a drawing cannot be written.
-pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Option<&PositionBelief>) -> Result<()> {
+/// It cannot be written, or holds drawings that are not ours.
+pub fn open_folder(path: &Path) -> Result<OutputFolder> {
+    OutputFolder::open_for(path, "run", &["paths.svg", "belief.svg"])
+}
+
+/// Writes the drawings of a mission into a folder.
+///
+/// # Errors
+/// A drawing cannot be written.
+pub fn write_mission(
+    folder: &mut OutputFolder,
+    world: &World,
+    records: &Records,
+    belief: Option<&PositionBelief>,
+) -> Result<()> {
     let track = &records.track;
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     let map = world.map(RESOLUTION_M);
     let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", &map, &world.rooms);
     figure.true_paths_in_map.push(track.iter().map(|sight| sight.robot_in_map.point()).collect());
@@ -93,14 +105,14 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
         figure.markers.push(Marker { pose_in_map: first.robot_in_map, label: "start", is_true: true });
         figure.markers.push(Marker { pose_in_map: last.robot_in_map, label: "end", is_true: true });
     }
-    write(folder, "paths.svg", &figure)?;
+    folder.draw("paths.svg", &draw(&figure))?;
     if belief.is_some() {
         let mut figure = Figure::of_map("belief at the end, and the robot", &map, &world.rooms);
         figure.belief = belief;
         if let Some(last) = track.last() {
             figure.mark(last);
         }
-        write(folder, "belief.svg", &figure)?;
+        folder.draw("belief.svg", &draw(&figure))?;
     }
     for (number, scene) in records.scenes.iter().flatten().enumerate() {
         let title = format!("{:.1} s: {}, certainty {:.2}", scene.time_s, scene.what, scene.sight.certainty);
@@ -109,14 +121,10 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
         let before = &track[..scene.track_length];
         figure.true_paths_in_map.push(before.iter().map(|sight| sight.robot_in_map.point()).collect());
         figure.mark(&scene.sight);
-        write(folder, &format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-")), &figure)?;
+        let name = format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-"));
+        folder.draw(&name, &draw(&figure))?;
     }
     Ok(())
-}
-
-fn write(folder: &Path, name: &str, figure: &Figure<'_>) -> Result<()> {
-    let path = folder.join(name);
-    fs::write(&path, draw(figure)).with_context(|| format!("cannot write the drawing `{}`", path.display()))
 }
 
 /// From the map frame to the drawing: y downwards, below the title.

@@ -20,6 +20,7 @@ mod interrupt;
 mod layout;
 mod localize;
 mod mission;
+mod outputs;
 mod overrides;
 mod reference;
 mod repl;

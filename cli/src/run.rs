@@ -7,6 +7,7 @@ use crate::figures;
 use crate::files::{self, PlanText};
 use crate::interrupt;
 use crate::mission::{Account, Robot};
+use crate::outputs::OutputFile;
 use crate::overrides::{Overrides, OverridingLoader};
 use crate::setting::Setting;
 use crate::status::Status;
@@ -87,6 +88,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
+    let figures = arguments.figures.as_deref().map(figures::open_folder).transpose()?;
     let scenes = arguments.figures.is_some().then(Vec::new);
     let mut records = Records { trace: create_trace(arguments)?, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
@@ -107,8 +109,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Some(trace) = &mut records.trace {
         trace.finish().context("the trace cannot be written")?;
     }
-    if let (Some(folder), Some(world)) = (&arguments.figures, &world) {
-        figures::write_mission(folder, world, &records, system.outside.belief().as_ref())?;
+    if let (Some(mut folder), Some(world)) = (figures, &world) {
+        figures::write_mission(&mut folder, world, &records, system.outside.belief().as_ref())?;
     }
     let summary = summarize(&system, ending, &records, arguments.setting.seed, began);
     report(&system, ending, &summary, console);
@@ -153,8 +155,9 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
         scenario: arguments.setting.scenario.clone(),
         seed: arguments.setting.seed,
     };
+    let file = OutputFile::open(path, "the trace")?.begin()?;
     let trace =
-        TraceFile::create(path, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+        TraceFile::begin(file, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
     Ok(Some(trace))
 }
 

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 /// The version of the lines that are written.
 pub const VERSION: u64 = 1;
@@ -40,8 +39,8 @@ impl TraceFile {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn create(path: &Path, header: &Header) -> io::Result<Self> {
-        let mut out = BufWriter::new(File::create(path)?);
+    pub fn begin(file: File, header: &Header) -> io::Result<Self> {
+        let mut out = BufWriter::new(file);
         writeln!(out, "{}", serde_json::to_string(header)?)?;
         Ok(Self { out })
     }

@@ -1,13 +1,14 @@
 //! Reading a trace file, line by line, as far as it goes.
 
 use super::file::{Header, VERSION};
+use crate::files;
 use anyhow::{Result, anyhow, bail};
 use rpl_runtime::trace::{Event, EventKind};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::Value;
 use std::fmt;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
 
 /// A longer line is no event.
 const MAX_LINE_BYTES: u64 = 64 << 20;
@@ -49,7 +50,7 @@ impl TraceReader {
         let input: Box<dyn BufRead> = match name {
             "-" => Box::new(BufReader::new(io::stdin())),
             _ => Box::new(BufReader::new(
-                File::open(name).map_err(|error| anyhow!("cannot read the trace `{name}`: {error}"))?,
+                files::open(Path::new(name)).map_err(|error| anyhow!("cannot read the trace `{name}`: {error}"))?,
             )),
         };
         let mut reader = Self { name: name.to_string(), header: None, damage: None, input, number: 0, first: None };
