@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::events;
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
-use crate::trace::TraceFile;
+use crate::trace::{Seen, TraceFile};
 use rpl_robot::localization::Localization;
 use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
 use rpl_runtime::system::{Outcome, System, Turn};
@@ -59,6 +59,8 @@ enum Course {
 pub struct Records {
     /// Where the trace goes.
     pub trace: Option<TraceFile>,
+    /// How often the trace tells where the robot is, if it does.
+    pub pose_every_us: Option<u64>,
     /// What was seen of the robot, ten times a second.
     pub track: Vec<Sight>,
     /// What the plan logged.
@@ -118,8 +120,16 @@ pub fn drive(
 ) -> io::Result<Ending> {
     silence_continuous_fluents(system);
     console.begin_status();
-    let mut driver =
-        Driver { system, pace, console, records, began: Instant::now(), track_due_us: 0, course: Course::Runs };
+    let mut driver = Driver {
+        system,
+        pace,
+        console,
+        records,
+        began: Instant::now(),
+        track_due_us: 0,
+        pose_due_us: 0,
+        course: Course::Runs,
+    };
     let ending = driver.run();
     driver.console.end_status();
     ending
@@ -132,11 +142,21 @@ struct Driver<'a> {
     records: &'a mut Records,
     began: Instant,
     track_due_us: u64,
+    pose_due_us: u64,
     course: Course,
 }
 
 impl Driver<'_> {
     fn run(&mut self) -> io::Result<Ending> {
+        self.record_pose()?;
+        let ending = self.go()?;
+        // Where it came to, whenever the next look was due.
+        self.pose_due_us = 0;
+        self.record_pose()?;
+        Ok(ending)
+    }
+
+    fn go(&mut self) -> io::Result<Ending> {
         loop {
             self.settle().inspect_err(|_| self.stop_quietly())?;
             if let Some(outcome) = self.system.outcome() {
@@ -164,7 +184,21 @@ impl Driver<'_> {
             }
             self.next_instant();
             self.look_at_robot();
+            self.record_pose().inspect_err(|_| self.stop_quietly())?;
         }
+    }
+
+    /// Tells the trace where the robot is, if it is to know and it is time.
+    fn record_pose(&mut self) -> io::Result<()> {
+        let time_us = self.system.machine.now_us;
+        if let (Some(trace), Some(every_us)) = (&mut self.records.trace, self.records.pose_every_us)
+            && time_us >= self.pose_due_us
+            && let Some(sight) = self.system.outside.sight()
+        {
+            self.pose_due_us = time_us + every_us;
+            trace.write_pose(&Seen { time_us, sight })?;
+        }
+        Ok(())
     }
 
     fn stop(&mut self) {

@@ -46,8 +46,10 @@ use std::process::ExitCode;
 /// Reactive plans, and a robot that carries them out
 #[derive(Parser, Debug)]
 #[command(name = "rpl", version)]
-#[command(after_help = "Exit status: 0 success, 1 the plan failed, 2 the text or the command line is wrong, \
-                        3 --until was reached, 130 interrupted.")]
+#[command(
+    after_help = "Exit status: 0 success, 1 the plan or its scenario failed, 2 the text or the command line is wrong, \
+                        3 --until was reached, 130 interrupted."
+)]
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,

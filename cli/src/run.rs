@@ -37,11 +37,15 @@ pub struct Arguments {
     /// Writes what happens as JSON Lines
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// The trace also tells where the robot is, N times a second: its true pose, the estimate, and
+    /// how certain that is
+    #[arg(long, value_name = "N", requires_all = ["trace", "world"], value_parser = parse_rate)]
+    pub trace_poses: Option<f64>,
     /// Writes one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
     /// Draws map, paths and belief as SVG into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", requires = "world")]
     pub figures: Option<PathBuf>,
     /// Keeps pace with the wall clock, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
@@ -58,6 +62,16 @@ fn parse_factor(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
         _ => Err("the factor must be a number above 0".to_string()),
+    }
+}
+
+/// The robot makes no more steps in a second.
+const MAX_POSES_PER_S: f64 = 20.0;
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if rate > 0.0 && rate <= MAX_POSES_PER_S => Ok(rate),
+        _ => Err(format!("a number above 0 and at most {MAX_POSES_PER_S} is expected")),
     }
 }
 
@@ -90,7 +104,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 
     let figures = arguments.figures.as_deref().map(figures::open_folder).transpose()?;
     let scenes = arguments.figures.is_some().then(Vec::new);
-    let mut records = Records { trace: create_trace(arguments)?, scenes, ..Records::default() };
+    let pose_every_us = arguments.trace_poses.map(|rate| (1e6 / rate).round() as u64);
+    let mut records = Records { trace: create_trace(arguments)?, pose_every_us, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
     let seed = arguments.setting.seed;
     let (library, robot) = (site.library.clone(), site.robot(seed));
@@ -150,8 +165,10 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
     let Some(path) = &arguments.trace else { return Ok(None) };
     let header = Header {
         version: trace::VERSION,
+        rpl: Some(env!("CARGO_PKG_VERSION").to_string()),
         plan: arguments.file.clone(),
         world: arguments.setting.world.clone(),
+        map: arguments.setting.world.is_some().then(|| arguments.setting.map.name().to_string()),
         scenario: arguments.setting.scenario.clone(),
         seed: arguments.setting.seed,
     };
