@@ -6,7 +6,7 @@ use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
 use crate::trace::TraceFile;
 use rpl_robot::localization::Localization;
-use rpl_runtime::machine::{MAX_WAITING_OUTPUT, Output};
+use rpl_runtime::machine::Output;
 use rpl_runtime::system::{Outcome, Progress, System};
 use rpl_runtime::trace::{Event, EventKind};
 use rpl_runtime::value::Value;
@@ -146,7 +146,7 @@ impl Driver<'_> {
     fn settle(&mut self, stopped: bool) -> io::Result<()> {
         while self.system.step_task() {
             // What happens in one instant is told together, unless it grows too long.
-            if self.system.machine.output.len() >= MAX_WAITING_OUTPUT {
+            if self.system.machine.is_output_full() {
                 self.hand_on()?;
             }
             if interrupt::is_asked() && !stopped {

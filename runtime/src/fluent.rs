@@ -7,6 +7,7 @@
 
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
+use crate::memory;
 use crate::scheduler::Line;
 use crate::task::{NONE, Waiting, Wake};
 use crate::value::Value;
@@ -55,15 +56,15 @@ pub struct Fluent {
     /// The failure of a network that could not be evaluated.
     pub failure: Option<Value>,
     /// Networks that read it.
-    pub dependents: Vec<u32>,
+    pub dependents: BTreeSet<u32>,
     /// Fluents a network read when it was last evaluated.
     pub inputs: Vec<u32>,
     /// Longest chain of inputs below it.
     pub height: u32,
     /// Tasks that wait for it, in the order in which they began to.
     pub waiters: Line,
-    /// Watches of it, in the order in which they began.
-    pub watches: Vec<u32>,
+    /// Watches of it, in the order in which they began: number and slot.
+    pub watches: BTreeSet<(u64, u32)>,
     /// It is pulsed in the propagation under way.
     pub is_pulsed: bool,
     /// It changed in the propagation under way.
@@ -79,11 +80,11 @@ impl Fluent {
             value,
             origin,
             failure: None,
-            dependents: Vec::new(),
+            dependents: BTreeSet::new(),
             inputs: Vec::new(),
             height: 0,
             waiters: Line::default(),
-            watches: Vec::new(),
+            watches: BTreeSet::new(),
             is_pulsed: false,
             is_changed: false,
         }
@@ -114,6 +115,8 @@ impl Fluent {
 /// A `whenever` that counts how often its fluent becomes true.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watch {
+    /// Grows from watch to watch.
+    pub number: u64,
     /// The fluent.
     pub fluent: u32,
     /// The task.
@@ -136,7 +139,11 @@ const MAX_EVALUATIONS: usize = 1_000_000;
 impl Machine {
     /// Makes a fluent.
     pub fn create_fluent(&mut self, mut fluent: Fluent) -> Value {
-        self.heap.allocated += 4;
+        let captured = match &fluent.origin {
+            Origin::Network { captured, .. } => captured.len(),
+            Origin::Plan | Origin::System | Origin::Pulsed | Origin::Changed | Origin::Count => 0,
+        };
+        self.heap.allocated += memory::fluent(captured);
         fluent.number = self.next_identity;
         self.next_identity += 1;
         Value::Fluent(self.fluents.insert(fluent))
@@ -294,7 +301,8 @@ impl Machine {
         (fluent.height, fluent.number, network)
     }
 
-    fn mark_dependents(&self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
+    fn mark_dependents(&mut self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
+        self.scratch.work += self.fluents[fluent].dependents.len() as u64;
         for &dependent in &self.fluents[fluent].dependents {
             dirty.insert(self.turn(dependent));
         }
@@ -305,8 +313,8 @@ impl Machine {
         let reading = self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
         let is_true = reading.is_true() || failure.is_some();
-        for at in 0..self.fluents[fluent].watches.len() {
-            let watch = self.fluents[fluent].watches[at];
+        let watches: Vec<u32> = self.fluents[fluent].watches.iter().map(|&(_, watch)| watch).collect();
+        for watch in watches {
             let Some(entry) = self.watches.get_mut(watch) else { continue };
             if is_true && (!entry.was_true || is_pulse) {
                 entry.events = entry.events.saturating_add(1);
@@ -355,7 +363,7 @@ impl Machine {
     fn end_event(&mut self, fluent: u32) {
         let Some(entry) = self.fluents.get(fluent) else { return };
         let is_true = entry.reading().is_true();
-        for &watch in &entry.watches {
+        for &(_, watch) in &entry.watches {
             if let Some(entry) = self.watches.get_mut(watch) {
                 entry.was_true = is_true;
             }
@@ -395,6 +403,7 @@ impl Machine {
 
     /// Brings one network up to date.
     fn evaluate(&mut self, around: &mut Surroundings<'_>, network: u32) {
+        self.scratch.work += 1;
         let input = self.fluents[network].inputs.first().copied();
         let input_is = |machine: &Machine, test: fn(&Fluent) -> bool| {
             input.and_then(|input| machine.fluents.get(input)).is_some_and(test)
@@ -441,11 +450,12 @@ impl Machine {
         if self.fluents[network].inputs != inputs {
             for input in std::mem::take(&mut self.fluents[network].inputs) {
                 if let Some(fluent) = self.fluents.get_mut(input) {
-                    fluent.dependents.retain(|&dependent| dependent != network);
+                    fluent.dependents.remove(&network);
                 }
             }
+            self.heap.allocated += 2 * memory::EDGE * inputs.len();
             for &input in &inputs {
-                self.fluents[input].dependents.push(network);
+                self.fluents[input].dependents.insert(network);
             }
             self.fluents[network].inputs = inputs;
         }
@@ -480,9 +490,12 @@ impl Machine {
     pub(crate) fn start_watch(&mut self, task: u32, fluent: u32, missed: Missed, owned: bool) -> u32 {
         let is_true = self.fluents[fluent].reading().is_true() || self.fluents[fluent].failure.is_some();
         let events = u32::from(is_true);
-        let entry = Watch { fluent, task, was_true: is_true, events, missed, owned, waits: false };
+        let number = self.next_identity;
+        self.next_identity += 1;
+        let entry = Watch { number, fluent, task, was_true: is_true, events, missed, owned, waits: false };
+        self.heap.allocated += memory::WATCH;
         let watch = self.watches.insert(entry);
-        self.fluents[fluent].watches.push(watch);
+        self.fluents[fluent].watches.insert((number, watch));
         watch
     }
 
@@ -490,7 +503,7 @@ impl Machine {
     pub(crate) fn end_watch(&mut self, watch: u32) {
         let Some(entry) = self.watches.remove(watch) else { return };
         if let Some(fluent) = self.fluents.get_mut(entry.fluent) {
-            fluent.watches.retain(|&other| other != watch);
+            fluent.watches.remove(&(entry.number, watch));
             if entry.owned {
                 self.free_network(entry.fluent);
             }

@@ -1,6 +1,7 @@
 //! What is true of a machine between two steps, whatever runs in it.
 
 use crate::machine::{Machine, SCRATCH_TASK};
+use crate::scheduler::Line;
 use crate::slab::Marks;
 use crate::task::{NONE, ScopeKind, State, Task, Waiting};
 use crate::valve::Handover;
@@ -116,20 +117,28 @@ impl Machine {
                 ensure(is_next || valve.line.contains(&me), || "is not in the line of its valve".into())
             }
             Waiting::Death(other) => {
-                let me = self.tasks.reference(index);
                 let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
-                ensure(other.is_some_and(|other| other.mourners.contains(&me)), || "waits for nobody's death".into())
+                let is_in_line = other.is_some_and(|other| self.stands_in(index, other.mourners));
+                ensure(is_in_line, || "waits for nobody's death".into())
             }
             Waiting::Rest(other) => {
-                let me = self.tasks.reference(index);
                 let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
-                ensure(other.is_some_and(|other| other.resters.contains(&me)), || "waits for nobody's rest".into())
+                let is_in_line = other.is_some_and(|other| self.stands_in(index, other.resters));
+                ensure(is_in_line, || "waits for nobody's rest".into())
             }
             Waiting::Children | Waiting::Spawned => {
                 ensure(task.first_child != NONE, || "waits for children and has none".into())
             }
             Waiting::Nothing | Waiting::Time | Waiting::Signal(_) => Ok(()),
         }
+    }
+
+    /// Whether a task's neighbours in a line know it. Cost: constant, if every task is asked.
+    fn stands_in(&self, task: u32, line: Line) -> bool {
+        let record = &self.tasks[task];
+        let before = if record.previous == NONE { line.first } else { self.tasks[record.previous].next };
+        let behind = if record.next == NONE { line.last } else { self.tasks[record.next].previous };
+        before == task && behind == task
     }
 
     fn check_fluents(&self) -> Check {
@@ -164,7 +173,7 @@ impl Machine {
             let has_scope = |task: &Task| task.scopes.iter().any(|scope| scope.kind == ScopeKind::Watch(index));
             ensure(task.is_some_and(has_scope), || format!("watch {index} belongs to no task"))?;
             let fluent = self.fluents.get(watch.fluent);
-            ensure(fluent.is_some_and(|fluent| fluent.watches.contains(&index)), || {
+            ensure(fluent.is_some_and(|fluent| fluent.watches.contains(&(watch.number, index))), || {
                 format!("watch {index} is not known to its fluent")
             })?;
         }

@@ -210,7 +210,8 @@ impl Machine {
     /// The failure a task is on its way out with, if nothing in it can change that.
     pub(crate) fn fixed_failure(&self, around: &Surroundings<'_>, task: u32) -> Option<Value> {
         let record = &self.tasks[task];
-        let clean_up = record.scopes.iter().enumerate().find_map(|(index, scope)| match &scope.kind {
+        let clean_up = record.scopes.first_clean_up().map(|index| index as usize);
+        let clean_up = clean_up.and_then(|index| match &record.scopes[index].kind {
             ScopeKind::InCleanup(then) => Some((index, &**then)),
             _ => None,
         });
@@ -418,7 +419,8 @@ impl Machine {
         if alive(self) == 0 {
             return 0;
         }
-        let children = self.children_of_scope(task, scope);
+        let (children, looked_at) = self.look_for_children(task, scope);
+        self.scratch.work += looked_at;
         self.evaporate_all(around, &children);
         alive(self)
     }
@@ -522,11 +524,9 @@ impl Machine {
         if was_protected || self.waits_for_rest > 0 {
             self.protection_ended(around, task);
         }
-        if let Some(rare) = &mut self.tasks[task].rare {
-            for mourner in std::mem::take(&mut rare.mourners) {
-                if let Some(mourner) = self.tasks.find_alive(mourner) {
-                    self.wake(mourner, Wake::Value(Value::Nil));
-                }
+        if let Some(mourners) = self.tasks[task].rare.as_ref().map(|rare| rare.mourners) {
+            for mourner in mourners.tasks(&self.tasks) {
+                self.wake(mourner, Wake::Value(Value::Nil));
             }
         }
         self.hooks_ended(around, task);

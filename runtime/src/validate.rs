@@ -170,7 +170,7 @@ impl Machine {
                 ensure(captured.len() == captures, "a network has captured what its code does not name")?;
                 self.validate_values(bounds, captured)?;
             }
-            let known = |&watch: &u32| self.watches.get(watch).is_some();
+            let known = |&(_, watch): &(u64, u32)| self.watches.get(watch).is_some();
             ensure(fluent.watches.iter().all(known), "a watch is not in its table")?;
         }
         for (_, watch) in self.watches.iter() {
@@ -256,8 +256,7 @@ impl Machine {
         let Some(rare) = &task.rare else { return Ok(()) };
         let fluents = [rare.fluents.status, rare.fluents.result, rare.fluents.begin, rare.fluents.end];
         fluents.into_iter().flatten().try_for_each(|fluent| self.fluent(fluent))?;
-        rare.counters.iter().try_for_each(|&(name, _)| self.symbol(name))?;
-        rare.resters.iter().chain(&rare.mourners).try_for_each(|&task| self.validate_reference(task))?;
+        rare.counters.keys().try_for_each(|&name| self.symbol(name))?;
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
         ensure(rare.hooks_for.is_none_or(|valve| (valve as usize) < self.valves.len()), "there is no such valve")
@@ -284,7 +283,7 @@ impl Machine {
             },
             ScopeKind::Call(call) => {
                 self.symbol(call.name)?;
-                call.counters.iter().try_for_each(|&(name, _)| self.symbol(name))?;
+                call.counters.keys().try_for_each(|&name| self.symbol(name))?;
                 call.tags.iter().try_for_each(|&tag| self.validate_reference(tag))?;
                 call.failure.map_or(Ok(()), |failure| self.validate_failure(bounds, failure))
             }
@@ -327,7 +326,9 @@ impl Machine {
     fn validate_lines(&self) -> Check {
         let mut seen = crate::slab::Marks::new(self.tasks.slots());
         let fluents = self.fluents.iter().map(|(_, fluent)| fluent.waiters);
-        for line in fluents.chain(self.priorities.lines()) {
+        let rare = self.tasks.iter().filter_map(|(_, task)| task.rare.as_ref());
+        let of_tasks = rare.flat_map(|rare| [rare.mourners, rare.resters]);
+        for line in fluents.chain(of_tasks).chain(self.priorities.lines()) {
             self.validate_line(line, &mut seen)?;
         }
         let mut children = crate::slab::Marks::new(self.tasks.slots());
@@ -394,6 +395,13 @@ pub(crate) fn validate_program(program: &Program, from: usize) -> Check {
             ensure(holds, "an instruction names what is not there")?;
         }
     }
+    let is_free = |free: &[u32], first: usize, end: usize| {
+        let mut seen = crate::slab::Marks::new(end);
+        free.iter().all(|&place| (first..end).contains(&(place as usize)) && seen.set(place))
+    };
+    ensure(is_free(&program.free_codes, from, program.codes.len()), "a free place is not in the program")?;
+    ensure(is_free(&program.free_constants, 0, program.constants.len()), "a free place is not in the program")?;
+    ensure(is_free(program.sources.free_places(), 0, program.sources.len()), "a free place is not in the program")?;
     let known = |code: &u32| has_code(*code);
     ensure(program.macros.values().all(known), "a macro has no code")?;
     ensure(program.names.values().all(|&global| (global as usize) < program.globals.len()), "a name has no global")

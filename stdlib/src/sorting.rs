@@ -1,6 +1,6 @@
 //! Sorting by an order that is known here, without a call for each comparison.
 
-use crate::arguments::{Answer, elements, list, pure, value};
+use crate::arguments::{Answer, elements, list, pure, room_for, value};
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 use std::cmp::Ordering;
@@ -60,6 +60,7 @@ fn sorted(call: &mut Call<'_, '_>) -> Answer {
         _ => return value(Value::True),
     };
     let items = elements(call, 1)?;
+    room_for(call, items.len() * 6 * size_of::<Value>())?;
     let by_pairs = call.argument(2).is_true();
     let keys: Vec<Value> = items
         .iter()

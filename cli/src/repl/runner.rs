@@ -6,7 +6,6 @@ use super::view::is_shown;
 use crate::console::Console;
 use crate::events;
 use crate::interrupt;
-use rpl_runtime::machine::MAX_WAITING_OUTPUT;
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::timeline::Position;
 use std::io;
@@ -45,7 +44,7 @@ impl<'a> Runner<'a> {
                 false if self.session.branch.system.step_task() => Stepped::Ran,
                 false => Stepped::Settled,
             };
-            if self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT || stepped == Stepped::Settled {
+            if self.session.branch.system.machine.is_output_full() || stepped == Stepped::Settled {
                 self.session.hand_on(self.console)?;
             }
             match stepped {

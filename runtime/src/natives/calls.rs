@@ -1,7 +1,8 @@
 //! Calls of function values, plans as data, and output.
 
 use crate::failure::Raise;
-use crate::machine::{MAX_WAITING_OUTPUT, Machine, Output};
+use crate::machine::{MAX_WAITING_OUTPUT, MAX_WAITING_OUTPUT_BYTES, Machine, Output};
+use crate::memory::block;
 use crate::native::{Call, Effect, Native, Reply};
 use crate::value::Value;
 
@@ -73,18 +74,34 @@ fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn print(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
+    call.burn_text(text.len());
     put_out(call.machine, Output::Print(text));
     Ok(Reply::Value(value))
 }
 
 fn put_out(machine: &mut Machine, output: Output) {
+    let (Output::Print(text) | Output::Log(text)) = &output;
+    if machine.output.is_empty() {
+        machine.scratch.output_bytes = 0;
+    }
+    machine.heap.allocated += size_of::<Output>() + block(text.len());
+    machine.scratch.output_bytes += text.len();
     machine.output.push(output);
-    machine.scratch.switch |= machine.output.len() >= MAX_WAITING_OUTPUT;
+    machine.scratch.switch |= machine.is_output_full();
+}
+
+impl Machine {
+    /// Whether so much output waits to be taken that a task gives way for it.
+    pub fn is_output_full(&self) -> bool {
+        let bytes = if self.output.is_empty() { 0 } else { self.scratch.output_bytes };
+        self.output.len() >= MAX_WAITING_OUTPUT || bytes >= MAX_WAITING_OUTPUT_BYTES
+    }
 }
 
 fn log(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
+    call.burn_text(text.len());
     call.machine.trace_log(&text);
     put_out(call.machine, Output::Log(text));
     Ok(Reply::Value(value))
