@@ -66,6 +66,16 @@ pub enum Grid {
     Coarse,
 }
 
+impl Map {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Map::World => "world",
+            Map::None => "none",
+        }
+    }
+}
+
 impl Setting {
     /// The site, and the world of its robot if there is one.
     ///

@@ -35,6 +35,8 @@ pub struct Surroundings<'a> {
     pub signatures: &'a [NativeSignature],
     /// The robot, or [`crate::behaviour::NoRobot`].
     pub outside: &'a mut dyn Outside,
+    /// Steps a task takes before control goes back to the caller for a moment.
+    pub slice_steps: u32,
 }
 
 /// Limits that turn endless plans into failures.
@@ -119,6 +121,8 @@ pub struct Scratch {
     pub(crate) burned: u32,
     /// The running task goes to the end of its line.
     pub(crate) gives_way: bool,
+    /// Steps the last task to run took in its turn.
+    pub(crate) taken: u32,
     /// Somebody steps through the run, and how far.
     pub(crate) stepping: crate::stepping::Stepping,
 }

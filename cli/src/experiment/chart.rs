@@ -134,8 +134,9 @@ pub fn success_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
     let latest_s = rows.iter().flat_map(|(_, trials)| trials).map(time_s).fold(1.0, f64::max);
     let line = |trials: &[Trial]| -> Vec<Point> {
         let done_s: Vec<f64> = trials.iter().filter(|trial| trial.succeeded()).map(time_s).collect();
+        let measured = trials.iter().filter(|trial| trial.is_measured()).count();
         let at = |point: usize| latest_s * point as f64 / POINTS as f64;
-        let share = |at_s: f64| Share::new(done_s.iter().filter(|&&done_s| done_s <= at_s).count(), trials.len());
+        let share = |at_s: f64| Share::new(done_s.iter().filter(|&&done_s| done_s <= at_s).count(), measured);
         let point = |at_s: f64| {
             let Share { rate, interval_95: (low, high), .. } = share(at_s);
             Point { time_s: at_s, value: rate.unwrap_or(0.0), low, high }
@@ -220,7 +221,13 @@ mod tests {
         let samples = |errors: &[f32]| {
             errors.iter().map(|&off_m| Sample { certainty: 1.0, off_m, is_right: true }).collect::<Vec<_>>()
         };
-        let trial = |errors: &[f32]| Trial { seed: 1, fault: None, measures: vec![], samples: samples(errors) };
+        let trial = |errors: &[f32]| Trial {
+            seed: 1,
+            fault: None,
+            unmeasured: None,
+            measures: vec![],
+            samples: samples(errors),
+        };
         let trials = [trial(&[4.0]), trial(&[2.0; 201])];
         assert_eq!(error_at(&trials, 20).value, 3.0);
         assert!(error_over_time(&[("a row", trials.to_vec())]).contains("a row"));
@@ -231,6 +238,7 @@ mod tests {
         let trial = |fault: Option<&str>, time_s: f64| Trial {
             seed: 1,
             fault: fault.map(str::to_string),
+            unmeasured: None,
             measures: vec![("time [s]", Some(time_s))],
             samples: vec![],
         };

@@ -9,6 +9,9 @@ use serde::Serialize;
 /// Seeds of runs that failed, named in the tables.
 const NAMED: usize = 20;
 
+/// Runs that count for nothing, named in the tables with the reason.
+const NAMED_UNMEASURED: usize = 3;
+
 /// What came of the runs of a row.
 #[derive(Clone, Debug, Serialize)]
 pub struct RowResult {
@@ -22,6 +25,8 @@ pub struct RowResult {
     pub succeeded: Share,
     /// Runs that did not, with the reason.
     pub failures: Vec<FailedRun>,
+    /// Runs that are in no other figure.
+    pub not_measured: NotMeasured,
     /// What was measured.
     pub measures: Vec<Measure>,
     /// Disturbed runs in which a position counted as found where it was not.
@@ -39,6 +44,35 @@ pub struct FailedRun {
     pub seed: u64,
     /// What went wrong, the class of the failure first.
     pub fault: String,
+}
+
+/// Runs that count for nothing, because their scenario failed.
+#[derive(Clone, Debug, Serialize)]
+pub struct NotMeasured {
+    /// How many.
+    pub count: usize,
+    /// Which.
+    pub runs: Vec<UnmeasuredRun>,
+}
+
+/// A run that counts for nothing.
+#[derive(Clone, Debug, Serialize)]
+pub struct UnmeasuredRun {
+    /// Its seed.
+    pub seed: u64,
+    /// How its scenario failed, the class of the failure first.
+    pub reason: String,
+}
+
+impl NotMeasured {
+    fn among(trials: &[Trial]) -> Self {
+        let unmeasured = trials.iter().filter_map(|trial| {
+            let reason = trial.unmeasured.clone()?;
+            Some(UnmeasuredRun { seed: trial.seed, reason })
+        });
+        let runs: Vec<UnmeasuredRun> = unmeasured.collect();
+        Self { count: runs.len(), runs }
+    }
 }
 
 /// What was measured in the runs of a row.
@@ -74,12 +108,15 @@ impl RowResult {
             let fault = trial.fault.clone()?;
             Some(FailedRun { seed: trial.seed, fault })
         });
+        let not_measured = NotMeasured::among(trials);
+        let measured = trials.len() - not_measured.count;
         Self {
             name: name.to_string(),
             runs: trials.len(),
             seeds: trials.first().zip(trials.last()).map(|(first, last)| (first.seed, last.seed)),
-            succeeded: Share::new(trials.iter().filter(|trial| trial.succeeded()).count(), trials.len()),
+            succeeded: Share::new(trials.iter().filter(|trial| trial.succeeded()).count(), measured),
             failures: failed.collect(),
+            not_measured,
             measures: names.iter().filter_map(|&(name, _)| Measure::of(name, numbers(name))).collect(),
             wrong_recoveries: Share::among(&numbers("wrong recoveries"), |count| count > 0.0),
             noticed_within_2_m: Share::among(&numbers("noticed within 2 m"), |within| within > 0.0),
@@ -116,6 +153,18 @@ impl RowResult {
         (!named.is_empty()).then(|| named.join(", ") + &more)
     }
 
+    /// Which runs count for nothing, and why; none if all count.
+    pub fn unmeasured_seeds(&self) -> Option<String> {
+        let NotMeasured { count, runs } = &self.not_measured;
+        let named: Vec<String> =
+            runs.iter().take(NAMED_UNMEASURED).map(|run| format!("{} ({})", run.seed, run.reason)).collect();
+        let more = if *count > NAMED_UNMEASURED { ", …" } else { "" };
+        (*count > 0).then(|| {
+            let (all, named) = (self.runs, named.join(", "));
+            format!("not measured: {count} of {all}, because the scenario failed with seed {named}{more}")
+        })
+    }
+
     /// The row as a table of its own, with all that was measured.
     pub fn blocks(&self) -> Vec<Block> {
         let seeds = match self.seeds {
@@ -140,6 +189,7 @@ impl RowResult {
             Block::Table(table),
         ];
         blocks.extend(self.failed_seeds().map(|seeds| Block::Lines(format!("failed with seed {seeds}"))));
+        blocks.extend(self.unmeasured_seeds().map(Block::Lines));
         blocks
     }
 }
@@ -161,14 +211,15 @@ pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
         "alarms/km (95 %)",
     ]);
     rows.iter().for_each(|row| table.row(compared(row)));
-    vec![
-        Block::Table(table),
-        Block::Lines(
-            "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it \
-             was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right"
-                .into(),
-        ),
-    ]
+    let unmeasured = rows.iter().filter_map(|row| Some(format!("{}: {}", row.name, row.unmeasured_seeds()?)));
+    let mut blocks = vec![Block::Table(table)];
+    blocks.extend(unmeasured.map(Block::Lines));
+    blocks.push(Block::Lines(
+        "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it \
+         was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right"
+            .into(),
+    ));
+    blocks
 }
 
 fn compared(row: &RowResult) -> [String; 9] {
@@ -196,7 +247,13 @@ mod tests {
     use super::*;
 
     fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> Trial {
-        Trial { seed, fault: fault.map(str::to_string), measures: vec![("time [s]", time_s)], samples: vec![] }
+        Trial {
+            seed,
+            fault: fault.map(str::to_string),
+            unmeasured: None,
+            measures: vec![("time [s]", time_s)],
+            samples: vec![],
+        }
     }
 
     fn text(blocks: &[Block]) -> String {
@@ -215,6 +272,16 @@ mod tests {
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
         assert!(text.contains("time [s]     2  20.00   19.60"), "{text}");
         assert!(text.ends_with("failed with seed 2 (blocked)"), "{text}");
+    }
+
+    #[test]
+    fn runs_whose_scenario_failed_are_in_no_other_figure() {
+        let unmeasured = Trial { unmeasured: Some("type-error: a number".to_string()), ..trial(2, None, None) };
+        let row = RowResult::of("rotated", &[trial(1, None, Some(10.0)), unmeasured]);
+        assert_eq!((row.succeeded.count, row.succeeded.of, row.not_measured.count), (1, 1, 1));
+        let told = "not measured: 1 of 2, because the scenario failed with seed 2 (type-error: a number)";
+        assert!(text(&row.blocks()).ends_with(told), "{}", text(&row.blocks()));
+        assert!(text(&comparison(&[row])).contains(&format!("rotated: {told}")));
     }
 
     #[test]
