@@ -117,7 +117,7 @@ const WORDS: &[(Kind, &[&str])] = &[
             "template",
         ],
     ),
-    (Kind::List, &["alist", "columns", "elements", "list", "other", "parts", "plist"]),
+    (Kind::List, &["pose", "alist", "columns", "elements", "list", "other", "parts", "plist"]),
     (Kind::ListOrEnd, &["argument", "lists", "more"]),
     (Kind::Sequence, &["list-or-string"]),
     (Kind::Symbol, &["symbol"]),
