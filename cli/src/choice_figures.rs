@@ -1,12 +1,11 @@
 //! What active navigation considered, as pictures like the papers': probability of being occupied,
 //! cost, expected entropy and pay-off of every action, the darker the more.
 
-use anyhow::{Context, Result};
+use crate::outputs::OutputFolder;
+use anyhow::Result;
 use rpl_robot::active::{ActionField, Choice, choose};
 use rpl_robot::localization::Localization;
 use rpl_robot::office::{MapModel, OfficeModel};
-use std::fs;
-use std::path::Path;
 use svg::Document;
 use svg::node::element::{Circle, Group, Rectangle, Text};
 
@@ -19,16 +18,15 @@ const SHADES: f64 = 12.0;
 /// Room above a picture for its title.
 const TITLE: usize = 40;
 
-/// Writes the pictures of one choice into a folder, which is made if it is not there.
+/// Writes the pictures of one choice into a folder.
 ///
 /// # Errors
-/// The folder or a picture cannot be written.
-pub fn write(folder: &Path, name: &str, office: &OfficeModel, localization: &Localization) -> Result<()> {
+/// A picture cannot be written.
+pub fn write(folder: &mut OutputFolder, name: &str, office: &OfficeModel, localization: &Localization) -> Result<()> {
     let Some(MapModel { localization: model, .. }) = &office.map else { return Ok(()) };
     let parameters = &office.settings.active;
     let maxima = localization.maxima(model, parameters.max_maxima, parameters.min_mass);
     let Some((choice, field)) = choose(model, &maxima, &[], parameters) else { return Ok(()) };
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     let widened = |values: &[f32]| values.iter().map(|&value| f64::from(value)).collect::<Vec<f64>>();
     let pictures = [
         ("occupancy", "P_occ: probability of being occupied", widened(&field.occupancy)),
@@ -37,9 +35,7 @@ pub fn write(folder: &Path, name: &str, office: &OfficeModel, localization: &Loc
         ("payoff", "pay-off [nats]", widened(&field.payoff)),
     ];
     for (kind, title, values) in pictures {
-        let path = folder.join(format!("{name}-{kind}.svg"));
-        let text = draw(title, &values, &field, &choice);
-        fs::write(&path, text).with_context(|| format!("cannot write the drawing `{}`", path.display()))?;
+        folder.draw(&format!("{name}-{kind}.svg"), &draw(title, &values, &field, &choice))?;
     }
     Ok(())
 }

@@ -4,10 +4,10 @@ use crate::console::Console;
 use crate::events::{self, Told};
 use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
-use crate::trace::TraceFile;
+use crate::trace::{Seen, TraceFile};
 use rpl_robot::localization::Localization;
 use rpl_runtime::machine::{Channel, MAX_WAITING_OUTPUT};
-use rpl_runtime::system::{Outcome, Progress, System};
+use rpl_runtime::system::{Outcome, System, Turn};
 use rpl_runtime::trace::{Event, EventKind};
 use rpl_runtime::value::Value;
 use std::io;
@@ -18,6 +18,10 @@ const NAP: Duration = Duration::from_millis(50);
 
 /// How often the robot is looked at for the drawing of its path.
 const TRACK_EVERY_US: u64 = 100_000;
+
+/// How long the clean-ups of a run that was told to stop may compute without coming to the end of
+/// their instant. What they wait for may take as long as it takes.
+const CLEAN_UP_PATIENCE: Duration = Duration::from_secs(1);
 
 /// How a run is driven.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,6 +41,17 @@ pub enum Ending {
     TimeUp,
     /// It was told to stop, and its clean-ups have run.
     Interrupted,
+    /// It was told to stop, and its clean-ups computed on and on.
+    GivenUp,
+}
+
+/// What becomes of a run that was told to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Course {
+    /// It was not.
+    Runs,
+    /// Its clean-ups run; those of this instant until then.
+    CleansUp(Instant),
 }
 
 /// What is kept of a run while it goes on.
@@ -44,6 +59,8 @@ pub enum Ending {
 pub struct Records {
     /// Where the trace goes.
     pub trace: Option<TraceFile>,
+    /// How often the trace tells where the robot is, if it does.
+    pub pose_every_us: Option<u64>,
     /// What was seen of the robot, ten times a second.
     pub track: Vec<Sight>,
     /// What the plan logged.
@@ -90,6 +107,8 @@ pub struct Mark {
 
 /// Runs a system to its end.
 ///
+/// A signal stops it if the command has said so ([`interrupt::stops_runs`]).
+///
 /// # Errors
 /// Standard output or the trace cannot be written; the system was stopped, and its clean-ups have
 /// run.
@@ -101,7 +120,16 @@ pub fn drive(
 ) -> io::Result<Ending> {
     silence_continuous_fluents(system);
     console.begin_status();
-    let mut driver = Driver { system, pace, console, records, began: Instant::now(), track_due_us: 0 };
+    let mut driver = Driver {
+        system,
+        pace,
+        console,
+        records,
+        began: Instant::now(),
+        track_due_us: 0,
+        pose_due_us: 0,
+        course: Course::Runs,
+    };
     let ending = driver.run();
     driver.console.end_status();
     ending
@@ -114,42 +142,103 @@ struct Driver<'a> {
     records: &'a mut Records,
     began: Instant,
     track_due_us: u64,
+    pose_due_us: u64,
+    course: Course,
 }
 
 impl Driver<'_> {
     fn run(&mut self) -> io::Result<Ending> {
-        let mut stopped = false;
+        self.record_pose()?;
+        let ending = self.go()?;
+        // Where it came to, whenever the next look was due.
+        self.pose_due_us = 0;
+        self.record_pose()?;
+        Ok(ending)
+    }
+
+    fn go(&mut self) -> io::Result<Ending> {
         loop {
-            self.settle(stopped).inspect_err(|_| self.stop_quietly())?;
+            self.settle().inspect_err(|_| self.stop_quietly())?;
             if let Some(outcome) = self.system.outcome() {
-                return Ok(if stopped { Ending::Interrupted } else { Ending::Outcome(outcome) });
+                return Ok(match self.course {
+                    Course::Runs => Ending::Outcome(outcome),
+                    Course::CleansUp(_) => Ending::Interrupted,
+                });
             }
-            if interrupt::is_asked() && !stopped {
-                stopped = true;
-                self.system.stop();
-                continue;
+            match self.course {
+                Course::Runs if interrupt::is_asked() => {
+                    self.stop();
+                    continue;
+                }
+                Course::CleansUp(until) if Instant::now() >= until => return Ok(Ending::GivenUp),
+                Course::Runs | Course::CleansUp(_) => {}
             }
             if let Some(next_us) = self.system.next_instant_us() {
-                if !stopped && self.pace.until_us.is_some_and(|until_us| next_us > until_us) {
+                let is_late = self.pace.until_us.is_some_and(|until_us| next_us > until_us);
+                if is_late && self.course == Course::Runs {
                     return Ok(Ending::TimeUp);
                 }
-                if !self.wait_for_clock(next_us, stopped) {
+                if !self.wait_for_clock(next_us) {
                     continue;
                 }
             }
-            self.system.next_instant();
+            self.next_instant();
             self.look_at_robot();
+            self.record_pose().inspect_err(|_| self.stop_quietly())?;
+        }
+    }
+
+    /// Tells the trace where the robot is, if it is to know and it is time.
+    fn record_pose(&mut self) -> io::Result<()> {
+        let time_us = self.system.machine.now_us;
+        if let (Some(trace), Some(every_us)) = (&mut self.records.trace, self.records.pose_every_us)
+            && time_us >= self.pose_due_us
+            && let Some(sight) = self.system.outside.sight()
+        {
+            self.pose_due_us = time_us + every_us;
+            trace.write_pose(&Seen { time_us, sight })?;
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self) {
+        self.course = Course::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
+        self.system.stop();
+    }
+
+    fn next_instant(&mut self) {
+        let before_us = self.system.machine.now_us;
+        self.system.next_instant();
+        if let Course::CleansUp(until) = &mut self.course
+            && self.system.machine.now_us > before_us
+        {
+            *until = Instant::now() + CLEAN_UP_PATIENCE;
+            interrupt::beat();
+        }
+    }
+
+    /// Whether the instant is to be left before its end.
+    fn is_cut_short(&self) -> bool {
+        match self.course {
+            Course::Runs => interrupt::is_asked(),
+            Course::CleansUp(until) => Instant::now() >= until,
         }
     }
 
     /// Runs every ready task until it blocks, or until the process is told to stop.
-    fn settle(&mut self, stopped: bool) -> io::Result<()> {
-        while self.system.step_task() {
+    fn settle(&mut self) -> io::Result<()> {
+        loop {
             // What happens in one instant is told together, unless it grows too long.
-            if self.system.machine.output.len() >= MAX_WAITING_OUTPUT {
-                self.hand_on()?;
+            match self.system.step_slice() {
+                Turn::Idle => break,
+                Turn::Over if self.system.machine.output.len() < MAX_WAITING_OUTPUT => {}
+                Turn::Over => self.hand_on()?,
+                Turn::Cut => {
+                    self.hand_on()?;
+                    self.console.flush()?;
+                }
             }
-            if interrupt::is_asked() && !stopped {
+            if self.is_cut_short() {
                 break;
             }
         }
@@ -209,12 +298,14 @@ impl Driver<'_> {
     }
 
     /// Waits until the wall clock has come as far as the plan. False if something happened before.
-    fn wait_for_clock(&self, next_us: u64, stopped: bool) -> bool {
+    fn wait_for_clock(&self, next_us: u64) -> bool {
         let Some(factor) = self.pace.factor else { return true };
         let due = Duration::from_secs_f64(next_us as f64 / 1e6 / factor);
         while let Some(left) = due.checked_sub(self.began.elapsed()).filter(|left| !left.is_zero()) {
-            if interrupt::is_asked() && !stopped {
-                return false;
+            match self.course {
+                Course::Runs if interrupt::is_asked() => return false,
+                Course::Runs => {}
+                Course::CleansUp(_) => interrupt::beat(),
             }
             std::thread::sleep(left.min(NAP));
         }
@@ -243,9 +334,9 @@ impl Driver<'_> {
     /// Nobody reads any more: the clean-ups run, what they print is lost. The trace goes on for as
     /// long as it can be written.
     fn stop_quietly(&mut self) {
-        self.system.stop();
+        self.stop();
         loop {
-            let progress = self.system.advance();
+            while !self.is_cut_short() && self.system.step_slice() != Turn::Idle {}
             self.system.machine.output.clear();
             for event in self.system.machine.trace.take() {
                 if let Some(trace) = &mut self.records.trace
@@ -254,9 +345,10 @@ impl Driver<'_> {
                     self.records.trace = None;
                 }
             }
-            if progress == Progress::Ended {
+            if self.system.outcome().is_some() || self.is_cut_short() {
                 return;
             }
+            self.next_instant();
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::drive::{Ending, Pace, Records, drive};
 use crate::failure_report::{PLAN_FAILED, Reporter};
 use crate::files::{self, Folder};
 use crate::interrupt;
-use crate::run::{status, summarize};
+use crate::run::{status, summarize, tell_failed_scenario};
 use crate::setting::Setting;
 use crate::status::Status;
 use anyhow::Result;
@@ -36,7 +36,6 @@ pub struct Arguments {
 /// # Errors
 /// The world cannot be read, standard input cannot be read, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    interrupt::catch();
     let began = Instant::now();
     let (name, text) = match arguments.expression.as_str() {
         "-" => ("<stdin>", files::standard_input()?),
@@ -54,7 +53,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     };
     let mut system = System::new(site.library.clone(), loaded, site.robot(seed), seed);
     let mut records = Records::default();
-    let ending = drive(&mut system, Pace::default(), console, &mut records)?;
+    let ending = {
+        let _stops = interrupt::stops_runs();
+        drive(&mut system, Pace::default(), console, &mut records)?
+    };
     if arguments.json {
         console.print(&summarize(&system, ending, &records, seed, began).as_json()?)?;
         console.flush()?;
@@ -68,10 +70,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             let reporter = Reporter { machine: &system.machine, program: &system.program, colour: console.colour };
             console.note(reporter.text(PLAN_FAILED, failure).trim_end());
         }
-        Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted => {}
+        Ending::Outcome(Outcome::Evaporated) | Ending::TimeUp | Ending::Interrupted | Ending::GivenUp => {}
     }
+    tell_failed_scenario(&system, console);
     console.flush()?;
-    Ok(status(ending))
+    Ok(status(&system, ending))
 }
 
 /// A long value as the formatter lays out a text.

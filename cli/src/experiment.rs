@@ -21,10 +21,11 @@ use crate::completion;
 use crate::console::Console;
 use crate::files::{self, PlanText};
 use crate::mission::{self, Site};
+use crate::outputs::OutputFolder;
 use crate::page::Block;
 use crate::status::Status;
 use crate::time::parse_duration_us;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use catalogue::{EXPERIMENTS, Experiment, Report, Row};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
@@ -35,7 +36,6 @@ use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::system::System;
 use serde_json::{Map, Value, json};
-use std::fs;
 use std::io::IsTerminal;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -108,6 +108,8 @@ fn jobs_at_a_time(text: &str) -> Result<NonZero<usize>, String> {
 /// # Errors
 /// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    // Nobody waits for results that cannot be kept.
+    results_folder(arguments)?;
     let findings = find_out(arguments, console)?;
     if arguments.json {
         console.print(&as_json(arguments, findings.figures).to_string())?;
@@ -153,12 +155,13 @@ fn find_out(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
             let results = results(&rows);
             write_results(arguments, &rows, &[])?;
             let blocks = comparison(&results);
-            Ok(Findings { status: Status::Succeeded, blocks, figures: json!({ "rows": results }) })
+            Ok(Findings { status: whether_measured(&rows), blocks, figures: json!({ "rows": results }) })
         }
         Report::Calibration => {
             let rows = missions(arguments, &chosen()?, console)?;
             let results = results(&rows);
-            let all: Vec<&Trial> = rows.iter().flat_map(|(_, trials)| trials).collect();
+            let all: Vec<&Trial> =
+                rows.iter().flat_map(|(_, trials)| trials).filter(|trial| trial.is_measured()).collect();
             let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
             let reliability = calibration::Reliability::of(&all, &used);
             let diagram = chart::reliability(&reliability.bins);
@@ -167,7 +170,7 @@ fn find_out(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
             blocks.push(Block::Lines(String::new()));
             blocks.extend(comparison(&results));
             let figures = json!({ "reliability": reliability, "rows": results });
-            Ok(Findings { status: Status::Succeeded, blocks, figures })
+            Ok(Findings { status: whether_measured(&rows), blocks, figures })
         }
     }
 }
@@ -179,6 +182,8 @@ fn results(rows: &[(&str, Vec<Trial>)]) -> Vec<RowResult> {
 /// The charts of missions: how many have succeeded by which time, and, where there is a robot, how
 /// far its estimate is off.
 fn over_time(rows: &[(&str, Vec<Trial>)]) -> Vec<(&'static str, String)> {
+    let measured = |trials: &[Trial]| trials.iter().filter(|trial| trial.is_measured()).cloned().collect();
+    let rows: &[(&str, Vec<Trial>)] = &rows.iter().map(|(name, trials)| (*name, measured(trials))).collect::<Vec<_>>();
     let has_robot = rows.iter().flat_map(|(_, trials)| trials).any(|trial| !trial.samples.is_empty());
     let mut charts = vec![("success.svg", chart::success_over_time(rows))];
     charts.extend(has_robot.then(|| ("error.svg", chart::error_over_time(rows))));
@@ -258,19 +263,28 @@ fn write_results(arguments: &Arguments, rows: &[(&str, Vec<Trial>)], charts: &[(
     write_files(arguments, &files)
 }
 
+/// The folder for results, if there is to be one, tried.
+fn results_folder(arguments: &Arguments) -> Result<Option<OutputFolder>> {
+    arguments.results.as_deref().map(|path| OutputFolder::open(path, "experiment")).transpose()
+}
+
 /// Writes texts into the folder for results, if there is to be one.
 fn write_files(arguments: &Arguments, files: &[(String, String)]) -> Result<()> {
-    let Some(folder) = &arguments.results else { return Ok(()) };
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    for (name, text) in files {
-        let path = folder.join(name);
-        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
-    Ok(())
+    let Some(mut folder) = results_folder(arguments)? else { return Ok(()) };
+    files.iter().try_for_each(|(name, text)| match name.ends_with(".svg") {
+        true => folder.draw(name, text),
+        false => folder.write(name, text),
+    })
 }
 
 fn status(trials: &[Trial]) -> Status {
     if trials.iter().all(|trial| trial.succeeded()) { Status::Succeeded } else { Status::Failed }
+}
+
+/// The status of a comparison, in which runs may fail, but must count.
+fn whether_measured(rows: &[(&str, Vec<Trial>)]) -> Status {
+    let is_measured = rows.iter().flat_map(|(_, trials)| trials).all(Trial::is_measured);
+    if is_measured { Status::Succeeded } else { Status::Failed }
 }
 
 /// A plan of the user's own, over seeds.

@@ -13,6 +13,9 @@ use std::fmt::Write;
 /// What stands before the failure of a run.
 pub const PLAN_FAILED: &str = "the plan failed: ";
 
+/// What stands before the failure of a scenario.
+pub const SCENARIO_FAILED: &str = "the scenario failed: ";
+
 /// Parts of parts are shown down to this depth.
 const MAX_DEPTH: usize = 8;
 
@@ -44,6 +47,23 @@ struct CallRecord {
     plan: String,
     file: Option<String>,
     line: Option<usize>,
+}
+
+impl FailureRecord {
+    /// What kept a run from starting.
+    pub fn of_set_up(message: &str) -> Self {
+        Self {
+            class: "set-up".to_string(),
+            message: message.to_string(),
+            path: String::new(),
+            file: None,
+            line: None,
+            column: None,
+            calls: Vec::new(),
+            causes: Vec::new(),
+            while_cleaning_up: Vec::new(),
+        }
+    }
 }
 
 /// What is needed to tell of a failure.

@@ -3,11 +3,12 @@
 
 use crate::drive::Records;
 use crate::mission::{PositionBelief, Sight};
-use anyhow::{Context, Result};
+use crate::outputs::OutputFolder;
+use crate::trace::Seen;
+use anyhow::Result;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::world::{ROBOT_RADIUS_M, Room, World};
-use std::fs;
 use std::path::Path;
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Text};
@@ -17,6 +18,12 @@ const RESOLUTION_M: f64 = 0.1;
 
 /// Room for the title above and the scale below.
 const MARGIN_M: f64 = 1.2;
+
+/// The drawing of the paths.
+const PATHS: &str = "paths.svg";
+
+/// The drawing of the belief at the end.
+const BELIEF: &str = "belief.svg";
 
 /// Steps of darkness of a belief: few, so that neighbouring cells make long rectangles.
 const SHADES: usize = 8;
@@ -77,30 +84,58 @@ impl<'a> Figure<'a> {
     }
 }
 
-/// Writes the drawings of a mission into a folder, which is made if it is not there.
+/// The folder for the drawings of a mission, tried.
 ///
 /// # Errors
-/// The folder or a drawing cannot be written.
-pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Option<&PositionBelief>) -> Result<()> {
-    let track = &records.track;
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    let map = world.map(RESOLUTION_M);
-    let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", &map, &world.rooms);
+/// It cannot be written, or holds drawings that are not ours.
+pub fn open_folder(path: &Path) -> Result<OutputFolder> {
+    OutputFolder::open_for(path, "run", &[PATHS, BELIEF])
+}
+
+/// Writes the drawing of the paths that poses tell of.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_paths(folder: &mut OutputFolder, world: &World, poses: &[Seen]) -> Result<()> {
+    let track: Vec<Sight> = poses.iter().map(|seen| seen.sight).collect();
+    let longest_us = poses.windows(2).map(|pair| pair[1].time_us - pair[0].time_us).max().unwrap_or(0);
+    let jump_m = JUMP_M + MAX_SPEED_M_PER_S * longest_us as f64 / 1e6;
+    folder.draw(PATHS, &draw(&paths(&world.map(RESOLUTION_M), world, &track, jump_m)))
+}
+
+/// The true and the estimated path, which breaks where the estimate jumps further than this.
+fn paths<'a>(map: &'a OccupancyGrid, world: &'a World, track: &[Sight], jump_m: f64) -> Figure<'a> {
+    let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", map, &world.rooms);
     figure.true_paths_in_map.push(track.iter().map(|sight| sight.robot_in_map.point()).collect());
     let estimated: Vec<Point> = track.iter().map(|sight| sight.estimate_in_map.point()).collect();
-    figure.estimated_paths_in_map = without_jumps(&estimated);
+    figure.estimated_paths_in_map = without_jumps(&estimated, jump_m);
     if let (Some(first), Some(last)) = (track.first(), track.last()) {
         figure.markers.push(Marker { pose_in_map: first.robot_in_map, label: "start", is_true: true });
         figure.markers.push(Marker { pose_in_map: last.robot_in_map, label: "end", is_true: true });
     }
-    write(folder, "paths.svg", &figure)?;
+    figure
+}
+
+/// Writes the drawings of a mission into a folder.
+///
+/// # Errors
+/// A drawing cannot be written.
+pub fn write_mission(
+    folder: &mut OutputFolder,
+    world: &World,
+    records: &Records,
+    belief: Option<&PositionBelief>,
+) -> Result<()> {
+    let track = &records.track;
+    let map = world.map(RESOLUTION_M);
+    folder.draw(PATHS, &draw(&paths(&map, world, track, JUMP_M)))?;
     if belief.is_some() {
         let mut figure = Figure::of_map("belief at the end, and the robot", &map, &world.rooms);
         figure.belief = belief;
         if let Some(last) = track.last() {
             figure.mark(last);
         }
-        write(folder, "belief.svg", &figure)?;
+        folder.draw(BELIEF, &draw(&figure))?;
     }
     for (number, scene) in records.scenes.iter().flatten().enumerate() {
         let title = format!("{:.1} s: {}, certainty {:.2}", scene.time_s, scene.what, scene.sight.certainty);
@@ -109,14 +144,10 @@ pub fn write_mission(folder: &Path, world: &World, records: &Records, belief: Op
         let before = &track[..scene.track_length];
         figure.true_paths_in_map.push(before.iter().map(|sight| sight.robot_in_map.point()).collect());
         figure.mark(&scene.sight);
-        write(folder, &format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-")), &figure)?;
+        let name = format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-"));
+        folder.draw(&name, &draw(&figure))?;
     }
     Ok(())
-}
-
-fn write(folder: &Path, name: &str, figure: &Figure<'_>) -> Result<()> {
-    let path = folder.join(name);
-    fs::write(&path, draw(figure)).with_context(|| format!("cannot write the drawing `{}`", path.display()))
 }
 
 /// From the map frame to the drawing: y downwards, below the title.
@@ -242,8 +273,11 @@ fn shading(belief: &PositionBelief, sheet: Sheet) -> Group {
 /// An estimate that jumps between two looks was not driven: the line breaks there.
 const JUMP_M: f64 = 0.5;
 
-fn without_jumps(points_in_map: &[Point]) -> Vec<Vec<Point>> {
-    points_in_map.chunk_by(|before, after| (after - before).norm() <= JUMP_M).map(<[Point]>::to_vec).collect()
+/// No estimate is driven faster.
+const MAX_SPEED_M_PER_S: f64 = 2.0;
+
+fn without_jumps(points_in_map: &[Point], jump_m: f64) -> Vec<Vec<Point>> {
+    points_in_map.chunk_by(|before, after| (after - before).norm() <= jump_m).map(<[Point]>::to_vec).collect()
 }
 
 fn path(points_in_map: &[Point], sheet: Sheet, class: &str) -> Polyline {

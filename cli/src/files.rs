@@ -9,6 +9,7 @@ use rpl_robot::world::{GreyImage, Greys, RosMap};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A longer text is refused: places in a text are counted in 32 bits, and no plan is that long.
@@ -125,6 +126,39 @@ pub fn read_text(path: &Path) -> Result<String, String> {
     text_of(read_bytes(path, MAX_BYTES)?)
 }
 
+/// What makes a file the same under whatever name.
+#[cfg(unix)]
+pub type Identity = (u64, u64);
+
+/// What makes a file the same under whatever name.
+#[cfg(not(unix))]
+pub type Identity = PathBuf;
+
+/// The identity of a file; none of what is not there, or is a pipe or a device.
+pub fn identity(path: &Path) -> Option<Identity> {
+    let known = path.metadata().ok().filter(std::fs::Metadata::is_file)?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        Some((known.dev(), known.ino()))
+    }
+    #[cfg(not(unix))]
+    {
+        drop(known);
+        path.canonicalize().ok()
+    }
+}
+
+/// The files this process has read.
+static INPUTS: Mutex<Vec<(Identity, PathBuf)>> = Mutex::new(Vec::new());
+
+/// The name under which this process has read the file that is at a path, if it has.
+pub fn input_at(path: &Path) -> Option<PathBuf> {
+    let identity = identity(path)?;
+    let inputs = INPUTS.lock().ok()?;
+    inputs.iter().find(|(known, _)| *known == identity).map(|(_, input)| input.clone())
+}
+
 /// The text of a world file.
 ///
 /// # Errors
@@ -141,12 +175,17 @@ pub fn short_text(path: &Path) -> Result<String, String> {
     text_of(read_bytes(path, SHORT_BYTES)?)
 }
 
-/// A file or a pipe to read from.
+/// A file or a pipe to read from, remembered as read.
 ///
 /// # Errors
 /// One clause that says why not.
 pub fn open(path: &Path) -> Result<File, String> {
     let file = File::open(path).map_err(|error| reason(&error))?;
+    if let Some(identity) = identity(path)
+        && let Ok(mut inputs) = INPUTS.lock()
+    {
+        inputs.push((identity, path.to_path_buf()));
+    }
     if file.metadata().is_ok_and(|known| known.is_dir()) {
         return Err("it is a folder; name a file in it".to_string());
     }
@@ -236,7 +275,8 @@ pub fn write_new(path: &Path, text: &str, may_overwrite: bool) -> Result<(), Str
     file.write_all(text.as_bytes()).map_err(|error| reason(&error))
 }
 
-fn reason(error: &io::Error) -> String {
+/// Why a file cannot be read or written, as a clause.
+pub fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_string(),
         io::ErrorKind::PermissionDenied => "permission denied".to_string(),

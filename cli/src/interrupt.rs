@@ -1,33 +1,128 @@
-//! Ctrl-C and SIGTERM: the first asks for an orderly end, the second ends the process at once.
+//! Ctrl-C and SIGTERM. What a signal does depends on what goes on:
+//!
+//! - Where there is nothing to clean up (reading, checking, compiling, building the models of a
+//!   world, waiting for input) it ends the process at once.
+//! - A run is told to stop, and its clean-ups run. The second signal ends the process at once; so
+//!   does a run that gives no sign of life for too long, whatever it is busy with.
+//! - While another program runs in the foreground, such as a pager, it is for that program.
+//! - At the prompt it gives the prompt back, and only the third without an answer ends the process.
 
+use crate::console;
 use crate::status::Status;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
 
-static ASKED_TO_STOP: AtomicBool = AtomicBool::new(false);
+/// A run that was told to stop and ends no instant for so long is not waited for.
+const PATIENCE: Duration = Duration::from_millis(1_700);
+
+/// Signals that have not been answered.
+static ASKED: AtomicU32 = AtomicU32::new(0);
+
+/// Runs under way.
+static RUNS: AtomicU32 = AtomicU32::new(0);
+
+/// Prompts at which something is done.
+static PROMPTS: AtomicU32 = AtomicU32::new(0);
+
+/// Programs that are run and answer the signals themselves.
+static OTHERS: AtomicU32 = AtomicU32::new(0);
+
+/// Counts the signs of life.
+static BEATS: AtomicU64 = AtomicU64::new(0);
 
 /// Catches the signals from now on. Where that is impossible they keep their usual effect.
 pub fn catch() {
-    ctrlc::set_handler(|| {
-        if ASKED_TO_STOP.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(Status::Interrupted.code()));
-        }
-        crate::console::note("stopping: the clean-ups of the plan run; once more to exit at once");
-    })
-    .ok();
+    ctrlc::set_handler(answer).ok();
 }
 
-/// Catches Ctrl-C from now on for a prompt: it interrupts what runs and ends nothing. Where that is
-/// impossible it keeps its usual effect.
-pub fn catch_for_prompt() {
-    ctrlc::set_handler(|| ASKED_TO_STOP.store(true, Ordering::SeqCst)).ok();
+/// What is done at a signal, in a thread of its own.
+fn answer() {
+    if OTHERS.load(Ordering::SeqCst) > 0 {
+        return;
+    }
+    let earlier = ASKED.fetch_add(1, Ordering::SeqCst);
+    let is_run = RUNS.load(Ordering::SeqCst) > 0;
+    let is_prompt = PROMPTS.load(Ordering::SeqCst) > 0;
+    match (is_run, is_prompt, earlier) {
+        (true, _, 0) => {
+            console::note("stopping: the clean-ups of the plan run; once more to exit at once");
+            std::thread::spawn(watch);
+        }
+        (false, true, 0) => {}
+        (false, true, 1) => console::note("still computing; once more ends rpl, and all that is in it"),
+        _ => exit(),
+    }
+}
+
+/// Ends the process when no run that was told to stop shows signs of life.
+fn watch() {
+    let mut seen = BEATS.load(Ordering::SeqCst);
+    loop {
+        std::thread::sleep(PATIENCE);
+        if RUNS.load(Ordering::SeqCst) == 0 {
+            return;
+        }
+        let now = BEATS.load(Ordering::SeqCst);
+        if now == seen {
+            exit();
+        }
+        seen = now;
+    }
+}
+
+fn exit() -> ! {
+    std::process::exit(i32::from(Status::Interrupted.code()))
+}
+
+/// While it lives, a signal means this.
+#[derive(Debug)]
+pub struct Meaning(&'static AtomicU32);
+
+impl Meaning {
+    fn new(count: &'static AtomicU32) -> Self {
+        count.fetch_add(1, Ordering::SeqCst);
+        Self(count)
+    }
+}
+
+impl Drop for Meaning {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// While what is returned lives, there are runs that look at [`is_asked`] and stop, with a [`beat`]
+/// at each instant.
+#[must_use]
+pub fn stops_runs() -> Meaning {
+    Meaning::new(&RUNS)
+}
+
+/// While what is returned lives, something is done at a prompt that is given back when [`is_asked`].
+/// What was asked before is forgotten.
+#[must_use]
+pub fn gives_prompt_back() -> Meaning {
+    forget();
+    Meaning::new(&PROMPTS)
+}
+
+/// While what is returned lives, signals are for a program that this one has started.
+#[must_use]
+pub fn is_for_another() -> Meaning {
+    Meaning::new(&OTHERS)
+}
+
+/// A run that was told to stop has come a step further.
+pub fn beat() {
+    BEATS.fetch_add(1, Ordering::SeqCst);
 }
 
 /// What was asked has been done.
 pub fn forget() {
-    ASKED_TO_STOP.store(false, Ordering::SeqCst);
+    ASKED.store(0, Ordering::SeqCst);
 }
 
 /// Whether the process was told to stop.
 pub fn is_asked() -> bool {
-    ASKED_TO_STOP.load(Ordering::SeqCst)
+    ASKED.load(Ordering::SeqCst) > 0
 }

@@ -6,6 +6,7 @@ mod table;
 
 use crate::console::Console;
 use crate::files::{self, MapFile};
+use crate::outputs::{OutputFile, OutputFolder};
 use crate::status::Status;
 use anyhow::{Context, Result, anyhow, bail};
 pub use arguments::{Arguments, positive};
@@ -14,9 +15,7 @@ use rpl_robot::geometry::Vector;
 use rpl_robot::localization::{LocalizationModel, LocalizationParameters};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::recording::{BeamChoice, Recording, Start, Trial, Window, fit_odometry, fit_sensor, localize};
-use std::fs;
 use std::io::IsTerminal;
-use std::path::Path;
 use std::time::Instant;
 
 /// A log belongs to a map if this share of its poses lies on free space.
@@ -58,13 +57,17 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         );
     }
     if let Some(path) = &arguments.fit {
-        return fit(path, LocalizationModel::new(&map, parameters)?, &recording, &beams, console);
+        let file = OutputFile::open(path, "the parameters")?;
+        return fit(file, LocalizationModel::new(&map, parameters)?, &recording, &beams, console);
     }
     let windows = windows(arguments, &recording)?;
+    let figures = arguments.figures.as_deref();
+    let figures = figures.map(|path| OutputFolder::open_for(path, "localize", &[PATHS, ERRORS])).transpose()?;
     let model = LocalizationModel::new(&map, parameters)?;
     let trials = all_trials(arguments, console, &model, &recording, &beams, windows);
-    if let Some(folder) = &arguments.figures {
-        write_figures(folder, &map, &trials)?;
+    if let Some(mut folder) = figures {
+        folder.draw(PATHS, &figure::paths(&map, &trials))?;
+        folder.draw(ERRORS, &figure::errors(&trials))?;
     }
     if arguments.json {
         console.print(&table::json(&trials))?;
@@ -75,14 +78,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     Ok(if all_found { Status::Succeeded } else { Status::Failed })
 }
 
-fn write_figures(folder: &Path, map: &OccupancyGrid, trials: &[Timed]) -> Result<()> {
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    for (name, drawing) in [("paths.svg", figure::paths(map, trials)), ("errors.svg", figure::errors(trials))] {
-        let path = folder.join(name);
-        fs::write(&path, drawing).with_context(|| format!("cannot write the drawing `{}`", path.display()))?;
-    }
-    Ok(())
-}
+/// Names of the figures.
+const PATHS: &str = "paths.svg";
+const ERRORS: &str = "errors.svg";
 
 fn read_log(arguments: &Arguments) -> Result<Recording> {
     let name = arguments.log.display();
@@ -142,7 +140,7 @@ fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Window>> 
 
 /// Fits sensor and odometry and writes the parameters.
 fn fit(
-    path: &Path,
+    file: OutputFile,
     model: LocalizationModel,
     recording: &Recording,
     beams: &BeamChoice,
@@ -153,7 +151,7 @@ fn fit(
     console.print(&table::fitted(&sensor, &odometry))?;
     let parameters = LocalizationParameters { sensor, odometry, ..model.parameters };
     let text = serde_json::to_string_pretty(&parameters)?;
-    fs::write(path, text + "\n").with_context(|| format!("cannot write the parameters `{}`", path.display()))?;
+    file.write((text + "\n").as_bytes())?;
     Ok(Status::Succeeded)
 }
 

@@ -23,6 +23,7 @@ mod layout;
 mod localize;
 mod man;
 mod mission;
+mod outputs;
 mod overrides;
 mod page;
 mod pager;
@@ -59,8 +60,10 @@ const VERSION: &str = env!("RPL_VERSION");
 /// Reactive plans, and a robot that carries them out
 #[derive(Parser, Debug)]
 #[command(name = "rpl", version = VERSION, max_term_width = layout::HELP_COLUMNS)]
-#[command(after_help = "Exit status: 0 success, 1 the plan failed, 2 the text or the command line is wrong, \
-                        3 --until was reached, 130 interrupted.")]
+#[command(
+    after_help = "Exit status: 0 success, 1 the plan or its scenario failed, 2 the text or the command line is wrong, \
+                        3 --until was reached, 130 interrupted."
+)]
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,
@@ -131,6 +134,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    interrupt::catch();
     completion::answer();
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command, prompt: setting, color }) => {

@@ -1,12 +1,12 @@
 //! `rpl man FOLDER`: manual pages, one for each command.
 
 use crate::console::Console;
+use crate::outputs::OutputFolder;
 use crate::status::Status;
 use crate::{CommandLine, VERSION};
 use anyhow::{Context, Result};
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
-use std::fs;
 use std::path::PathBuf;
 
 /// Arguments of `rpl man`.
@@ -23,12 +23,9 @@ pub struct Arguments {
 /// The folder or a page cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let folder = &arguments.folder;
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    let output = OutputFolder::open(folder, "man")?;
     let pages = pages()?;
-    for (name, text) in &pages {
-        let path = folder.join(name);
-        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
+    pages.iter().try_for_each(|(name, text)| output.write(name, text))?;
     console.note(&format!("{} pages in {}", pages.len(), folder.display()));
     Ok(Status::Succeeded)
 }

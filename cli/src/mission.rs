@@ -9,8 +9,8 @@ use rpl_robot::geometry::{Point, Pose, Vector};
 use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::office::{
-    self, BEHAVIOURS, Cost, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SimulatedHost,
-    VALVES,
+    self, BEHAVIOURS, Cost, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SCENARIO_NAMES,
+    SimulatedHost, VALVES,
 };
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
@@ -19,7 +19,7 @@ use rpl_runtime::failure::Raise;
 use rpl_runtime::library::{Library, Loaded};
 use rpl_runtime::machine::Machine;
 use rpl_runtime::native::Native;
-use rpl_runtime::system::System;
+use rpl_runtime::system::{Outcome, System};
 use rpl_runtime::value::Value;
 use serde::Serialize;
 use std::any::Any;
@@ -86,7 +86,7 @@ impl Site {
     /// The prelude does not compile.
     pub fn without_robot() -> Result<Self> {
         Ok(Self {
-            library: library(base_natives(), &NoRobot, &[], ROBOT_NAMES)?,
+            library: plan_library(base_natives(), &NoRobot, &[], ROBOT_NAMES)?,
             office: None,
             scenario: None,
             lacks_world: false,
@@ -332,6 +332,16 @@ impl Robot {
         }
     }
 
+    /// The scenario beside it, if that has failed, and its failure.
+    pub fn failed_scenario(&self) -> Option<(&System<Oracle>, Value)> {
+        let Robot::Office(robot) = self else { return None };
+        let scenario = robot.host.scenario.as_deref()?;
+        match scenario.outcome()? {
+            Outcome::Failed(failure) => Some((scenario, failure)),
+            Outcome::Succeeded(_) | Outcome::Evaporated => None,
+        }
+    }
+
     /// What it did so far.
     pub fn account(&self) -> Option<Account> {
         match self {
@@ -438,11 +448,20 @@ pub fn natives() -> Vec<Native> {
 }
 
 fn robot_library() -> Result<Arc<Library>> {
-    library(natives(), &RobotTables(NoRobot), &[("robot", office::PLANS)], RESERVED_NAMES)
+    plan_library(natives(), &RobotTables(NoRobot), &[("robot", office::PLANS)], RESERVED_NAMES)
 }
 
 fn scenario_library(oracle: &Oracle) -> Result<Arc<Library>> {
-    library([base_natives(), office::oracle_natives()].concat(), oracle, &[], &[])
+    Ok(Arc::new(library([base_natives(), office::oracle_natives()].concat(), oracle, &[], &[])?))
+}
+
+fn plan_library(
+    natives: Vec<Native>,
+    outside: &dyn Outside,
+    plans: &[(&str, &str)],
+    robot_names: &'static [&'static str],
+) -> Result<Arc<Library>> {
+    Ok(Arc::new(library(natives, outside, plans, robot_names)?.without_scenario_names(SCENARIO_NAMES)))
 }
 
 fn library(
@@ -450,10 +469,10 @@ fn library(
     outside: &dyn Outside,
     plans: &[(&str, &str)],
     robot_names: &'static [&'static str],
-) -> Result<Arc<Library>> {
+) -> Result<Library> {
     let preludes = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
     match Library::new(natives, &preludes, outside, robot_names) {
-        Ok(library) => Ok(Arc::new(library)),
+        Ok(library) => Ok(library),
         Err(rejected) => bail!("the prelude does not compile, which is a fault of rpl\n{}", rejected.render(false)),
     }
 }

@@ -37,7 +37,7 @@ fn wanted() -> Option<String> {
 /// Whether a pager has shown a text; one that is not there, or gives up, has not.
 fn has_shown(command: &str, text: &str) -> bool {
     // Ctrl-C is for the pager, which ends by itself.
-    interrupt::catch_for_prompt();
+    let _is_for_pager = interrupt::is_for_another();
     let Ok(mut pager) = shell(command).stdin(Stdio::piped()).spawn() else { return false };
     hand_over(&mut pager, text);
     // A pager that was killed was there, and its reader knows why.

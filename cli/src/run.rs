@@ -3,11 +3,12 @@
 use crate::completion;
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter};
+use crate::failure_report::{FailureRecord, PLAN_FAILED, Reporter, SCENARIO_FAILED};
 use crate::figures;
 use crate::files::{self, PlanText};
 use crate::interrupt;
 use crate::mission::{Account, Robot};
+use crate::outputs::OutputFile;
 use crate::overrides::{Overrides, OverridingLoader};
 use crate::setting::Setting;
 use crate::status::Status;
@@ -43,11 +44,15 @@ pub struct Arguments {
     /// Writes what happens as JSON Lines
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub trace: Option<PathBuf>,
+    /// The trace also tells where the robot is, N times a second: its true pose, the estimate, and
+    /// how certain that is
+    #[arg(long, value_name = "N", requires_all = ["trace", "world"], value_parser = parse_rate)]
+    pub trace_poses: Option<f64>,
     /// Writes one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
     /// Draws map, paths and belief as SVG into this folder
-    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    #[arg(long, value_name = "DIR", requires = "world", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
     /// Keeps pace with the wall clock, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
@@ -67,6 +72,16 @@ fn parse_factor(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The robot makes no more steps in a second.
+const MAX_POSES_PER_S: f64 = 20.0;
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if rate > 0.0 && rate <= MAX_POSES_PER_S => Ok(rate),
+        _ => Err(format!("a number above 0 and at most {MAX_POSES_PER_S} is expected")),
+    }
+}
+
 /// What `--json` writes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
@@ -74,6 +89,7 @@ pub struct Summary {
     value: Option<String>,
     time_s: f64,
     failure: Option<FailureRecord>,
+    scenario_failure: Option<FailureRecord>,
     #[serde(flatten)]
     account: Account,
     relocalizations: u64,
@@ -86,7 +102,6 @@ pub struct Summary {
 /// # Errors
 /// The text or the command line is wrong, or a file cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    interrupt::catch();
     let began = Instant::now();
     let plan = files::plan(&arguments.file)?;
     let mut overrides = Overrides::parse(&arguments.set)?;
@@ -94,8 +109,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
+    let figures = arguments.figures.as_deref().map(figures::open_folder).transpose()?;
     let scenes = arguments.figures.is_some().then(Vec::new);
-    let mut records = Records { trace: create_trace(arguments)?, scenes, ..Records::default() };
+    let pose_every_us = arguments.trace_poses.map(|rate| (1e6 / rate).round() as u64);
+    let mut records = Records { trace: create_trace(arguments)?, pose_every_us, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
     let seed = arguments.setting.seed;
     let (library, robot) = (site.library.clone(), site.robot(seed));
@@ -107,12 +124,15 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         system.machine.limits.steps = steps;
     }
     let pace = Pace { until_us: arguments.until, factor: arguments.realtime };
-    let ending = drive(&mut system, pace, console, &mut records)?;
+    let ending = {
+        let _stops = interrupt::stops_runs();
+        drive(&mut system, pace, console, &mut records)?
+    };
     if let Some(trace) = &mut records.trace {
         trace.finish().context("the trace cannot be written")?;
     }
-    if let (Some(folder), Some(world)) = (&arguments.figures, &world) {
-        figures::write_mission(folder, world, &records, system.outside.belief().as_ref())?;
+    if let (Some(mut folder), Some(world)) = (figures, &world) {
+        figures::write_mission(&mut folder, world, &records, system.outside.belief().as_ref())?;
     }
     let summary = summarize(&system, ending, &records, arguments.setting.seed, began);
     report(&system, ending, &summary, console);
@@ -120,7 +140,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         console.print(&summary.as_json()?)?;
     }
     console.flush()?;
-    Ok(status(ending))
+    Ok(status(&system, ending))
 }
 
 /// Compiles a plan, and shows what was found. None if it cannot run.
@@ -152,23 +172,28 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
     let Some(path) = &arguments.trace else { return Ok(None) };
     let header = Header {
         version: trace::VERSION,
+        rpl: Some(env!("CARGO_PKG_VERSION").to_string()),
         plan: arguments.file.clone(),
         world: arguments.setting.world.clone(),
+        map: arguments.setting.world.is_some().then(|| arguments.setting.map.name().to_string()),
         scenario: arguments.setting.scenario.clone(),
         seed: arguments.setting.seed,
     };
+    let file = OutputFile::open(path, "the trace")?.begin()?;
     let trace =
-        TraceFile::create(path, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+        TraceFile::begin(file, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
     Ok(Some(trace))
 }
 
-/// The exit status an ending means.
-pub fn status(ending: Ending) -> Status {
+/// The exit status an ending means. What a plan did beside a scenario that failed is not what it was
+/// to show.
+pub fn status(system: &System<Robot>, ending: Ending) -> Status {
     match ending {
+        Ending::Outcome(Outcome::Succeeded(_)) if system.outside.failed_scenario().is_some() => Status::Failed,
         Ending::Outcome(Outcome::Succeeded(_)) => Status::Succeeded,
         Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => Status::Failed,
         Ending::TimeUp => Status::TimeUp,
-        Ending::Interrupted => Status::Interrupted,
+        Ending::Interrupted | Ending::GivenUp => Status::Interrupted,
     }
 }
 
@@ -203,9 +228,12 @@ pub fn summarize(system: &System<Robot>, ending: Ending, records: &Records, seed
             Ending::Outcome(Outcome::Succeeded(_)) => "succeeded",
             Ending::Outcome(Outcome::Failed(_) | Outcome::Evaporated) => "failed",
             Ending::TimeUp => "timeout",
-            Ending::Interrupted => "interrupted",
+            Ending::Interrupted | Ending::GivenUp => "interrupted",
         },
         value,
+        scenario_failure: system.outside.failed_scenario().and_then(|(scenario, failure)| {
+            Reporter { machine: &scenario.machine, program: &scenario.program, colour: false }.record(failure)
+        }),
         time_s: system.machine.now_s(),
         failure,
         account: system.outside.account().unwrap_or_default(),
@@ -221,6 +249,7 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
         let text = reporter(system, console).text(PLAN_FAILED, failure);
         console.note(text.trim_end());
     }
+    tell_failed_scenario(system, console);
     if console.quiet {
         return;
     }
@@ -241,9 +270,21 @@ fn report(system: &System<Robot>, ending: Ending, summary: &Summary, console: &m
         Ending::Outcome(Outcome::Evaporated) => format!("ended itself after {:.1} s", summary.time_s),
         Ending::TimeUp => format!("cut off by --until, the last instant at {:.1} s", summary.time_s),
         Ending::Interrupted => format!("interrupted at {:.1} s, clean-ups done", summary.time_s),
+        Ending::GivenUp => {
+            format!("interrupted at {:.1} s, a clean-up that computed without end given up", summary.time_s)
+        }
     };
     let robot = system.outside.account().map_or(String::new(), |account| describe(account, summary.relocalizations));
-    console.note(&format!("{how}{robot} ({:.1} s of computing)", summary.wall_s));
+    let scenario = if summary.scenario_failure.is_some() { ", beside a scenario that failed" } else { "" };
+    console.note(&format!("{how}{scenario}{robot} ({:.1} s of computing)", summary.wall_s));
+}
+
+/// Tells of the failure of the scenario, if it has failed.
+pub fn tell_failed_scenario(system: &System<Robot>, console: &mut Console) {
+    if let Some((scenario, failure)) = system.outside.failed_scenario() {
+        let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour: console.colour };
+        console.note(reporter.text(SCENARIO_FAILED, failure).trim_end());
+    }
 }
 
 /// As much of a value as a person wants to see; `--json` has all of it.

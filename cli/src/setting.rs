@@ -57,6 +57,16 @@ pub enum Map {
     None,
 }
 
+impl Map {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Map::World => "world",
+            Map::None => "none",
+        }
+    }
+}
+
 /// How fine the grid of the belief is.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {

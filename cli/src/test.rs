@@ -5,10 +5,11 @@ mod junit;
 use crate::completion;
 use crate::console::Console;
 use crate::drive::{Ending, Pace, Records, drive};
-use crate::failure_report::{FailureRecord, Reporter};
+use crate::failure_report::{FailureRecord, Reporter, SCENARIO_FAILED};
 use crate::files::{self, PlanText};
 use crate::interrupt;
 use crate::mission::{self, Robot, Site};
+use crate::outputs::OutputFile;
 use crate::plan_files;
 use crate::status::Status;
 use crate::time::parse_duration_us;
@@ -23,7 +24,6 @@ use rpl_runtime::system::{Outcome, System};
 use rpl_runtime::time::{LAST_INSTANT_US, microseconds};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -59,6 +59,8 @@ struct Report {
     tests: Vec<Record>,
     succeeded: usize,
     failed: usize,
+    /// Not all tests have come to their end.
+    interrupted: bool,
     /// Files that could not be read or compiled.
     faulty_files: Vec<FaultyFile>,
     wall_s: f64,
@@ -98,9 +100,10 @@ impl Record {
 /// Runs the tests of all files.
 ///
 /// # Errors
-/// A world or scenario is wrong, or standard output is closed.
+/// There is no test, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    interrupt::catch();
+    let junit = arguments.junit.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
+    let _stops = interrupt::stops_runs();
     let began = Instant::now();
     let files = plan_files::named(&arguments.files);
     let colour = console.out_colour();
@@ -120,19 +123,22 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             }
         }
         if interrupt::is_asked() {
-            return Ok(Status::Interrupted);
+            break;
         }
     }
     let mut report = session.report;
+    report.interrupted = interrupt::is_asked();
     report.wall_s = to_milliseconds(began);
-    if let Some(path) = &arguments.junit {
-        fs::write(path, junit::xml(&report))
-            .with_context(|| format!("cannot write the report `{}`", path.display()))?;
+    if let Some(file) = junit {
+        file.write(junit::xml(&report).as_bytes())?;
     }
     if arguments.json {
         console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
     } else if !report.tests.is_empty() {
         console.print(&summary(&report))?;
+    }
+    if report.interrupted {
+        return Ok(Status::Interrupted);
     }
     let is_wrong = !report.faulty_files.is_empty();
     if report.tests.is_empty() && !is_wrong {
@@ -156,10 +162,13 @@ fn to_milliseconds(began: Instant) -> f64 {
 fn summary(report: &Report) -> String {
     let count = report.tests.len();
     let tests = if count == 1 { "1 test".to_string() } else { format!("{count} tests") };
-    match report.failed {
-        0 => format!("{tests}, all ok, in {:.1} s", report.wall_s),
-        failed => format!("{tests}, {failed} failed, in {:.1} s", report.wall_s),
-    }
+    let how = match (report.failed, report.interrupted) {
+        (0, false) => "all ok".to_string(),
+        (0, true) => "then interrupted".to_string(),
+        (failed, false) => format!("{failed} failed"),
+        (failed, true) => format!("{failed} failed, then interrupted"),
+    };
+    format!("{tests}, {how}, in {:.1} s", report.wall_s)
 }
 
 /// World and scenario of a test.
@@ -198,7 +207,7 @@ impl Session<'_> {
         }
         for test in tests {
             let record = self.test(plan, test, (&site, &loaded))?;
-            if interrupt::is_asked() {
+            if record.outcome == "interrupted" {
                 return Ok(());
             }
             self.report.succeeded += usize::from(record.has_succeeded());
@@ -207,11 +216,15 @@ impl Session<'_> {
                 self.tell(&record, width, console)?;
             }
             self.report.tests.push(record);
+            if interrupt::is_asked() {
+                break;
+            }
         }
         Ok(())
     }
 
-    /// Runs a test in its world, or else where its file was compiled.
+    /// Runs a test in its world, or else where its file was compiled. What keeps it from running is
+    /// its failure; the others can still run.
     fn test(&mut self, plan: &PlanText, test: &Test, without_world: (&Site, &Loaded)) -> Result<Record> {
         let world = test.options.world.as_deref().map(str::to_string).or_else(|| self.arguments.world.clone());
         let scenario = test.options.scenario.as_deref().map(str::to_string);
@@ -219,27 +232,47 @@ impl Session<'_> {
             let (site, loaded) = without_world;
             return self.run_test(site, loaded.clone(), test, None);
         }
-        let site = self.site((world.clone(), scenario), test)?;
-        match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
-            Ok(loaded) => self.run_test(&site, loaded, test, world),
-            // With a robot, names of the file's own may be the robot's.
-            Err(rejected) => {
-                bail!("the test `{}` cannot run in a world\n{}", test.name, rejected.render(false).trim_end())
-            }
+        let (_, loaded) = without_world;
+        match self.set_up(plan, (world.clone(), scenario)) {
+            Ok((site, loaded)) => self.run_test(&site, loaded, test, world),
+            Err(error) => Ok(self.never_run(test, loaded, world, &format!("it cannot run: {error:#}"))),
         }
     }
 
-    fn site(&mut self, place: Place, test: &Test) -> Result<Site> {
+    fn set_up(&mut self, plan: &PlanText, place: Place) -> Result<(Site, Loaded)> {
+        let site = self.site(place)?;
+        match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+            Ok(loaded) => Ok((site, loaded)),
+            // With a robot, names of the file's own may be the robot's.
+            Err(rejected) => bail!("in a world its text is wrong\n{}", rejected.render(self.colour).trim_end()),
+        }
+    }
+
+    fn never_run(&self, test: &Test, loaded: &Loaded, world: Option<String>, reason: &str) -> Record {
+        let (file, line) = place(test, loaded);
+        Record {
+            name: test.name.to_string(),
+            file,
+            line,
+            outcome: "failed",
+            time_s: 0.0,
+            wall_s: 0.0,
+            seed: test.options.seed.unwrap_or(self.arguments.seed),
+            world,
+            failure: Some(FailureRecord::of_set_up(reason)),
+            output: Vec::new(),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn site(&mut self, place: Place) -> Result<Site> {
         if let Some(site) = self.sites.get(&place) {
             return Ok(site.clone());
         }
         let (world, scenario) = &place;
-        let build = || {
-            let world = world.as_deref().map(mission::world).transpose()?;
-            let scenario = scenario.as_deref().map(files::scenario).transpose()?;
-            Site::new(world, scenario, OfficeSettings::default())
-        };
-        let site = build().with_context(|| format!("the test `{}` cannot run", test.name))?;
+        let world = world.as_deref().map(mission::world).transpose()?;
+        let scenario = scenario.as_deref().map(files::scenario).transpose()?;
+        let site = Site::new(world, scenario, OfficeSettings::default())?;
         self.sites.insert(place, site.clone());
         Ok(site)
     }
@@ -248,10 +281,7 @@ impl Session<'_> {
         // The same text at another site: its tests are the same but for the numbers of their code.
         let code = loaded.tests.iter().find(|known| known.name == test.name).map_or(test.code, |known| known.code);
         loaded.main = code;
-        let (file, (line, _)) = {
-            let sources = &loaded.program.sources;
-            (sources.get(test.span.source).name.to_string(), sources.line_column(test.span))
-        };
+        let (file, line) = place(test, &loaded);
         let seed = test.options.seed.unwrap_or(self.arguments.seed);
         let until_us = match test.options.until_s {
             // The clock goes no further.
@@ -293,15 +323,23 @@ impl Session<'_> {
         ending: Ending,
         until_us: u64,
     ) -> (&'static str, Option<FailureRecord>, String) {
+        let colour = self.colour;
         match ending {
-            Ending::Outcome(Outcome::Succeeded(_)) => ("succeeded", None, String::new()),
+            Ending::Outcome(Outcome::Succeeded(_)) => match system.outside.failed_scenario() {
+                None => ("succeeded", None, String::new()),
+                Some((scenario, failure)) => {
+                    let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour };
+                    let text = reporter.text(SCENARIO_FAILED, failure);
+                    ("failed", reporter.record(failure), text.trim_end().to_string())
+                }
+            },
             Ending::Outcome(Outcome::Failed(failure)) => {
-                let reporter = Reporter { machine: &system.machine, program: &system.program, colour: self.colour };
+                let reporter = Reporter { machine: &system.machine, program: &system.program, colour };
                 ("failed", reporter.record(failure), reporter.text("", failure).trim_end().to_string())
             }
             Ending::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),
             Ending::TimeUp => ("timeout", None, format!("it had not ended after {} s", until_us as f64 / 1e6)),
-            Ending::Interrupted => ("interrupted", None, String::new()),
+            Ending::Interrupted | Ending::GivenUp => ("interrupted", None, String::new()),
         }
     }
 
@@ -317,6 +355,13 @@ impl Session<'_> {
         }
         Ok(console.flush()?)
     }
+}
+
+/// The file and the line a test stands in.
+fn place(test: &Test, loaded: &Loaded) -> (String, usize) {
+    let sources = &loaded.program.sources;
+    let (line, _) = sources.line_column(test.span);
+    (sources.get(test.span.source).name.to_string(), line)
 }
 
 /// The plan compiled without a robot, or, if it names the robot's things, with the robot's names.

@@ -3,20 +3,25 @@
 mod diff;
 mod file;
 mod filter;
+mod named;
 mod reader;
 
-pub use file::{Header, TraceFile, VERSION};
+pub use file::{Header, Seen, TraceFile, VERSION};
 
 use crate::console::Console;
 use crate::event_line::event_line;
+use crate::figures;
+use crate::mission;
 use crate::situation::Situation;
 use crate::status::Status;
 use crate::why;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use filter::Filter;
+use named::Named;
 use reader::{Line, TraceReader};
 use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `rpl trace`.
 #[derive(clap::Args, Clone, Debug)]
@@ -36,6 +41,9 @@ pub struct Arguments {
     /// The events as they stand in the file
     #[arg(long)]
     json: bool,
+    /// Instead of events: draws the paths of the robot into this folder, from the poses in the trace
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["task", "fluent", "last", "json", "why"])]
+    figures: Option<PathBuf>,
     #[command(subcommand)]
     comparison: Option<Comparison>,
 }
@@ -65,9 +73,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Some(caution) = reader.caution() {
         console.note(&format!("note: {caution}"));
     }
-    match &arguments.why {
-        Some(path) => explain(&mut reader, path, &arguments.filter, console)?,
-        None => show(&mut reader, arguments, console)?,
+    match (&arguments.why, &arguments.figures) {
+        (Some(path), _) => explain(&mut reader, path, &arguments.filter, console)?,
+        (None, Some(folder)) => draw(&mut reader, folder, &arguments.filter)?,
+        (None, None) => show(&mut reader, arguments, console)?,
     }
     match &reader.damage {
         Some(damage) => {
@@ -84,15 +93,48 @@ fn show(reader: &mut TraceReader, arguments: &Arguments, console: &mut Console) 
     let text = |line: Line| if arguments.json { line.text } else { event_line(&line.event, colour) };
     let mut tell = |line: &str| if arguments.json { console.print(line) } else { console.explain(line) };
     let filter = &arguments.filter;
-    let mut admitted =
-        reader.take_while(|line| !filter.is_over(&line.event)).filter(|line| filter.admits(&line.event)).map(text);
-    let Some(last) = arguments.last else { return Ok(admitted.try_for_each(|line| tell(&line))?) };
     let mut kept = VecDeque::new();
-    for line in admitted {
-        kept.push_back(line);
-        kept.drain(..kept.len().saturating_sub(last));
+    let mut named = Named::default();
+    for line in reader {
+        // What is asked for may come later: that it is there at all is worth the reading.
+        if filter.is_over(&line.event) && named.has_all(filter) {
+            break;
+        }
+        named.note(&line.event, filter);
+        if !filter.admits(&line.event) {
+            continue;
+        }
+        match arguments.last {
+            None => tell(&text(line))?,
+            Some(last) => {
+                kept.push_back(text(line));
+                kept.drain(..kept.len().saturating_sub(last));
+            }
+        }
     }
-    Ok(kept.iter().try_for_each(|line| tell(line))?)
+    kept.iter().try_for_each(|line| tell(line))?;
+    named.missing(filter).map_or(Ok(()), |missing| bail!(missing))
+}
+
+/// Draws the paths that the poses of a trace tell of.
+fn draw(reader: &mut TraceReader, folder: &Path, filter: &Filter) -> Result<()> {
+    let name = reader.name.clone();
+    let Some(world) = reader.header.as_ref().and_then(|header| header.world.clone()) else {
+        bail!("the trace `{name}` names no world to draw the paths in");
+    };
+    let world = mission::world(&world).with_context(|| format!("the world of the trace `{name}` is missing"))?;
+    let mut folder = figures::open_folder(folder)?;
+    reader.by_ref().for_each(drop);
+    let is_wanted = |seen: &&Seen| {
+        filter.from.is_none_or(|from_us| seen.time_us >= from_us) && filter.to.is_none_or(|to_us| seen.time_us <= to_us)
+    };
+    let poses: Vec<Seen> = reader.poses.iter().filter(is_wanted).copied().collect();
+    if poses.is_empty() {
+        bail!(
+            "the trace `{name}` has no poses there; `rpl run FILE --world W --trace {name} --trace-poses 5` records some"
+        );
+    }
+    figures::write_paths(&mut folder, &world, &poses)
 }
 
 fn explain(reader: &mut TraceReader, path: &str, filter: &Filter, console: &mut Console) -> Result<()> {

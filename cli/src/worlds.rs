@@ -4,8 +4,9 @@ use crate::completion;
 use crate::console::Console;
 use crate::figures::{self, Figure};
 use crate::mission::{self, MEMORY_GIB};
+use crate::outputs::OutputFile;
 use crate::status::Status;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::geometry::{Point, distance_m};
@@ -13,9 +14,7 @@ use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::simulator::PERSON_RADIUS_M;
 use rpl_robot::world::{ROBOT_RADIUS_M, World};
-use std::fs::File;
-use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Edge of a cell in drawings of a world; a pixel of an image.
@@ -55,17 +54,19 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         return Ok(Status::Succeeded);
     };
     let world = mission::world(name)?;
+    let open = |path: &PathBuf| OutputFile::open(path, "the drawing");
+    let (svg, png) = (arguments.svg.as_ref().map(open).transpose()?, arguments.png.as_ref().map(open).transpose()?);
     console.explain(&describe(&world))?;
     for warning in warnings(name, &world)? {
         console.note(&format!("warning: {warning}"));
     }
-    if arguments.svg.is_some() || arguments.png.is_some() {
-        draw(arguments, &world)?;
+    if svg.is_some() || png.is_some() {
+        draw(&world, svg, png)?;
     }
     Ok(Status::Succeeded)
 }
 
-fn draw(arguments: &Arguments, world: &World) -> Result<()> {
+fn draw(world: &World, svg: Option<OutputFile>, png: Option<OutputFile>) -> Result<()> {
     let pixels = world.size_m.x * world.size_m.y / (RESOLUTION_M * RESOLUTION_M);
     if pixels > MOST_PIXELS {
         bail!(
@@ -77,12 +78,11 @@ fn draw(arguments: &Arguments, world: &World) -> Result<()> {
         );
     }
     let map = world.map(RESOLUTION_M);
-    if let Some(path) = &arguments.svg {
-        let drawing = figures::draw(&Figure::of_map(&world.name, &map, &world.rooms));
-        std::fs::write(path, drawing).with_context(|| cannot_draw(path))?;
+    if let Some(svg) = svg {
+        svg.write(figures::draw(&Figure::of_map(&world.name, &map, &world.rooms)).as_bytes())?;
     }
-    if let Some(path) = &arguments.png {
-        write_png(path, world, &map).with_context(|| cannot_draw(path))?;
+    if let Some(png) = png {
+        png.write(&png_bytes(world, &map)?)?;
     }
     Ok(())
 }
@@ -103,19 +103,15 @@ fn warnings(name: &str, world: &World) -> Result<Vec<String>> {
     Ok(concerns.iter().map(|concern| concern.in_file(&file, &text).to_string()).collect())
 }
 
-fn cannot_draw(path: &Path) -> String {
-    format!("cannot write the drawing `{}`", path.display())
-}
-
-fn write_png(path: &Path, world: &World, map: &OccupancyGrid) -> Result<()> {
-    let file = BufWriter::new(File::create(path)?);
-    let mut encoder = png::Encoder::new(file, u32::try_from(map.columns)?, u32::try_from(map.rows)?);
+fn png_bytes(world: &World, map: &OccupancyGrid) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, u32::try_from(map.columns)?, u32::try_from(map.rows)?);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&pixels(world, map))?;
     writer.finish()?;
-    Ok(())
+    Ok(bytes)
 }
 
 type Colour = [u8; 3];

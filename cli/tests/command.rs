@@ -800,6 +800,42 @@ fn test_reports_as_json() {
 }
 
 #[test]
+fn a_test_that_cannot_be_set_up_has_failed_and_the_others_run() {
+    let folder = folder("test-set-up");
+    let broken = plan(&folder, "broken.toml", "this is no world");
+    let tests = plan(
+        &folder,
+        "tests.rpl",
+        &format!(
+            "; nothing else\n(deftest one (assert (= 1 1)))\n(deftest nowhere :world \"dpt\" (wait-time 1))\n\
+             (deftest broken :world {broken:?} (wait-time 1))\n\
+             (deftest without :world \"test-room\" :scenario \"none.rpl\" (wait-time 1))\n\
+             (deftest wrong :world \"test-room\" :scenario {:?} (wait-time 1))\n(deftest last (assert (= 1 1)))",
+            plan(&folder, "wrong.rpl", "(undefined)")
+        ),
+    );
+    let found = output(&["test", &tests]);
+    let shown = stdout(&found);
+    let lines: Vec<&str> = shown.lines().filter(|line| line.starts_with("ok") || line.starts_with("FAILED")).collect();
+    assert_eq!(lines.len(), 6, "{shown}");
+    assert!(lines[0].starts_with("ok") && lines[5].starts_with("ok"), "{shown}");
+    for expected in [
+        "did you mean `dept`?",
+        "broken.toml",
+        "there is no plan `none.rpl`",
+        "`undefined` is not defined anywhere",
+        "6 tests, 4 failed",
+    ] {
+        assert!(shown.contains(expected), "{expected}\n{shown}");
+    }
+    assert_eq!(status(&found), 1);
+    let found = output(&["test", &tests, "--json"]);
+    let report: Value = serde_json::from_str(stdout(&found)).expect("one JSON object");
+    assert_eq!((&report["succeeded"], &report["failed"]), (&2.into(), &4.into()));
+    assert_eq!((&report["tests"][1]["failure"]["class"], &report["tests"][1]["line"]), (&"set-up".into(), &3.into()));
+}
+
+#[test]
 fn a_test_runs_in_the_world_it_names() {
     let folder = folder("test-world");
     let tests = plan(

@@ -14,6 +14,7 @@ fn folder() -> PathBuf {
     fs::create_dir_all(&folder).expect("the folder can be made");
     for (name, text) in [
         ("fails.rpl", "(def-plan inner () (fail \"no\"))\n(par (inner) (unwind-protect (inner) (fail \"x\")))\n"),
+        ("idle.rpl", "(wait-time 1)\n"),
         ("tests.rpl", "(deftest good (print 1))\n(deftest bad (fail \"no\"))\n"),
         ("wrong.rpl", "(defun twice (x) x)\n(defun twice (y) 2)\n(undefined)\n(let ((unused 1)) (print 2))\n"),
     ] {
@@ -81,7 +82,9 @@ fn tests_are_as_documented() {
 fn experiments_are_as_documented() {
     let rotated: &[&str] = &["experiment", "rotated", "--row", "rotated", "--runs", "1", "--json"];
     let failing: &[&str] = &["experiment", "fails.rpl", "--runs", "2", "--json"];
-    assert_documented("rpl experiment NAME", &[rotated, failing]);
+    let unmeasured: &[&str] =
+        &["experiment", "idle.rpl", "--world", "test-room", "--scenario", "fails.rpl", "--runs", "1", "--json"];
+    assert_documented("rpl experiment NAME", &[rotated, failing, unmeasured]);
     let calibration: &[&str] = &["experiment", "calibration", "--row", "rotated", "--runs", "1", "--json"];
     let found: BTreeSet<String> =
         keys::found(&object(calibration)).difference(&keys::found(&object(rotated))).cloned().collect();

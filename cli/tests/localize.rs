@@ -79,6 +79,8 @@ const DRIVE: [&str; 5] = ["localize", "--map", ".", "--log", "drive.log"];
 #[test]
 fn a_recorded_drive_is_found_fitted_and_drawn() {
     let folder = folder("localize");
+    // The drawings of an earlier run may not be there.
+    fs::remove_dir_all(folder.join("figures")).ok();
     let fit = rpl(&folder, &[&DRIVE[..], &["--fit", "laser.json"]].concat());
     assert!(fit.status.success(), "{}", text(&fit.stderr));
     assert!(text(&fit.stdout).contains("depth of walls"), "{}", text(&fit.stdout));
@@ -101,6 +103,8 @@ fn a_recorded_drive_is_found_fitted_and_drawn() {
 #[test]
 fn what_is_wrong_with_a_recording_is_told_and_nothing_is_written() {
     let folder = folder("localize-faults");
+    // Nor may those of an earlier run.
+    fs::remove_dir_all(folder.join("figures")).ok();
     let long = log();
     let cut = &long[..long.len() - 200];
     fs::write(folder.join("cut.log"), cut).expect("the log can be written");

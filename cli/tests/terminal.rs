@@ -253,6 +253,24 @@ fn ctrl_c_interrupts_a_plan_and_leaves_everything_intact() {
 }
 
 #[test]
+fn ctrl_c_gives_the_prompt_back_from_the_middle_of_an_instant() {
+    let mut terminal = Terminal::start("interrupt-instant", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(progn (print 'begun) (unwind-protect (loop) (progn (print 'cleans) (loop))))\r");
+    terminal.shows("\nbegun");
+    terminal.keys(INTERRUPT);
+    terminal.shows("interrupted; `:continue` goes on");
+    terminal.stands_behind_an("stopped> ");
+    // A clean-up that computes on and on is interrupted like everything else.
+    terminal.keys(":abort\r");
+    terminal.shows("\ncleans");
+    terminal.keys(INTERRUPT);
+    terminal.stands_behind_an("stopped> ");
+    terminal.keys("(list 'still 'here)\r");
+    terminal.shows("(still here)");
+}
+
+#[test]
 fn a_whole_file_can_be_pasted() {
     let mut terminal = Terminal::start("paste", &[]);
     terminal.stands_behind("rpl> ");

@@ -68,7 +68,13 @@ impl Recorded {
 fn every_event_is_a_line() {
     let run = recorded("lines");
     let header = run.trace.lines().next().expect("there is a header");
-    assert_eq!(header, "{\"trace\":1,\"plan\":\"plan.rpl\",\"world\":null,\"scenario\":null,\"seed\":1}");
+    let version = env!("CARGO_PKG_VERSION");
+    assert_eq!(
+        header,
+        format!(
+            "{{\"trace\":1,\"rpl\":\"{version}\",\"plan\":\"plan.rpl\",\"world\":null,\"map\":null,\"scenario\":null,\"seed\":1}}"
+        )
+    );
     let shown = run.ask(&[]);
     assert_eq!(shown.lines().count(), run.trace.lines().count() - 1);
     for line in [
@@ -98,7 +104,6 @@ fn filters_narrow_together() {
     assert!(run.ask(&[]).ends_with(&last));
     let raw = run.ask(&["--json", "--fluent", "ready"]);
     assert!(!raw.is_empty() && raw.lines().all(|line| run.trace.contains(line)), "{raw}");
-    assert_eq!(run.ask(&["--task", "nobody"]), "");
 }
 
 #[test]
@@ -310,5 +315,106 @@ fn the_commands_of_the_page_about_traces_run_as_printed() {
         let arguments: Vec<&str> = command.strip_prefix("rpl ").expect("it is ours").split(' ').collect();
         let found = rpl(&folder, &arguments);
         assert_eq!(found.out, shown, "{command}: {}", found.errors);
+    }
+}
+
+#[test]
+fn a_name_the_trace_does_not_tell_of_is_an_error_with_a_suggestion() {
+    let run = recorded("names");
+    for (arguments, said) in [
+        (&["--task", "nosuch"][..], "the trace tells of no task or plan call `nosuch`"),
+        (&["--task", "main/stuk"], "did you mean `stuck`?"),
+        (&["--fluent", "nosuch"], "the trace tells of no fluent `nosuch`"),
+        (&["--fluent", "lvel"], "did you mean `level`?"),
+        (&["--fluent", "x*"], "`x*` changes in every step"),
+        (&["--task", "nosuch", "-n", "3"], "no task or plan call `nosuch`"),
+        (&["--fluent", "nosuch", "--to", "1s", "--json"], "no fluent `nosuch`"),
+    ] {
+        let found = rpl(&run.folder, &[&["trace", "run.jsonl"], arguments].concat());
+        assert_eq!((found.out.as_str(), found.status), ("", 2), "{arguments:?}");
+        assert!(found.errors.contains(said), "{arguments:?}: {}", found.errors);
+    }
+    // What comes later is there, and has only nothing to show yet.
+    assert_eq!(run.ask(&["--task", "holder", "--to", "0.5s"]), "");
+    assert_eq!(run.ask(&["--fluent", "open?", "--to", "0.5s"]), "");
+}
+
+/// The points of all lines of a class in a drawing.
+fn points(drawing: &str, class: &str) -> Vec<Vec<[f64; 2]>> {
+    let tags =
+        drawing.split('<').filter(|tag| tag.starts_with("polyline") && tag.contains(&format!("class=\"{class}\"")));
+    let point = |pair: &str| {
+        let numbers: Vec<f64> = pair.split(',').map(|number| number.parse().expect("a number")).collect();
+        [numbers[0], numbers[1]]
+    };
+    let of_tag = |tag: &str| {
+        let points = tag.split(" points=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("points");
+        points.split_whitespace().map(point).collect()
+    };
+    tags.map(of_tag).collect()
+}
+
+fn distance_to_path_m(point: [f64; 2], path: &[[f64; 2]]) -> f64 {
+    let to_segment = |pair: &[[f64; 2]]| {
+        let ([x0, y0], [x1, y1], [x, y]) = (pair[0], pair[1], point);
+        let (dx, dy) = (x1 - x0, y1 - y0);
+        let length_2 = dx * dx + dy * dy;
+        let share = if length_2 > 0.0 { (((x - x0) * dx + (y - y0) * dy) / length_2).clamp(0.0, 1.0) } else { 0.0 };
+        (x0 + share * dx - x).hypot(y0 + share * dy - y)
+    };
+    path.windows(2).map(to_segment).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn a_run_is_redrawn_from_its_trace() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("trace-poses");
+    // The one before may not be there.
+    fs::remove_dir_all(&folder).ok();
+    fs::create_dir_all(&folder).expect("the folder can be made");
+    fs::write(folder.join("plan.rpl"), "(go-to 'corner)").expect("the plan can be written");
+    let run = ["run", "plan.rpl", "--world", "test-room", "-q", "--trace"];
+    let found = rpl(&folder, &[&run[..], &["run.jsonl", "--trace-poses", "5", "--figures", "of-the-run"]].concat());
+    assert_eq!((found.errors.as_str(), found.status), ("", 0));
+    let trace = fs::read_to_string(folder.join("run.jsonl")).expect("the trace is there");
+    let header = trace.lines().next().expect("a header");
+    assert!(header.contains("\"world\":\"test-room\",\"map\":\"world\",\"scenario\":null"), "{header}");
+    let times: Vec<f64> = trace
+        .lines()
+        .filter(|line| line.contains("\"kind\":\"pose\""))
+        .map(|line| {
+            serde_json::from_str::<serde_json::Value>(line).expect("an object")["time_s"].as_f64().expect("a time")
+        })
+        .collect();
+    assert_eq!(times[0], 0.0, "the start is there");
+    let apart = times.windows(2).map(|pair| pair[1] - pair[0]);
+    assert!(times.len() > 20 && apart.clone().all(|apart| apart < 0.2001), "{times:?}");
+    let found = rpl(&folder, &["trace", "run.jsonl", "--figures", "of-the-trace"]);
+    assert_eq!((found.out.as_str(), found.errors.as_str(), found.status), ("", "", 0));
+    let drawn = |folder_name: &str| {
+        fs::read_to_string(folder.join(folder_name).join("paths.svg")).expect("the drawing is there")
+    };
+    let (of_run, of_trace) = (drawn("of-the-run"), drawn("of-the-trace"));
+    for class in ["true-path", "estimated-path"] {
+        let redrawn = points(&of_trace, class).concat();
+        let original = points(&of_run, class).concat();
+        assert!(original.len() > 40 && redrawn.len() * 2 < original.len() + 10, "{class}");
+        // At 5 a second a robot of 1 m/s is never further than 10 cm from the line between two looks.
+        let furthest_m = original.iter().map(|&point| distance_to_path_m(point, &redrawn)).fold(0.0, f64::max);
+        assert!(furthest_m < 0.1, "{class}: {furthest_m} m");
+        let (first, last) = (original[0], original[original.len() - 1]);
+        let ends_m = distance_to_path_m(first, &redrawn[..2]) + distance_to_path_m(last, &redrawn[redrawn.len() - 2..]);
+        assert!(ends_m < 0.05, "{class}: {ends_m} m");
+    }
+    // The poses are no events: the run is the same without them, and reads the same.
+    let found = rpl(&folder, &[&run[..], &["without.jsonl"]].concat());
+    assert_eq!(found.status, 0, "{}", found.errors);
+    let found = rpl(&folder, &["trace", "diff", "run.jsonl", "without.jsonl"]);
+    assert!(found.status == 0 && found.out.starts_with("the same: "), "{}", found.out);
+    let shown = ["run.jsonl", "without.jsonl"].map(|trace| rpl(&folder, &["trace", trace]).out);
+    assert_eq!(shown[0], shown[1]);
+    let found = rpl(&folder, &["trace", "without.jsonl", "--figures", "nothing"]);
+    assert!(found.status == 2 && found.errors.contains("has no poses"), "{}", found.errors);
+    for wrong in [&["--trace-poses", "0"][..], &["--trace-poses", "21"], &["--trace-poses", "often"]] {
+        assert_eq!(rpl(&folder, &[&run[..], &["x.jsonl"], wrong].concat()).status, 2, "{wrong:?}");
     }
 }

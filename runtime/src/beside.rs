@@ -7,7 +7,7 @@ use crate::machine::{Machine, Surroundings};
 use crate::registers::Registers;
 use crate::session::{Answer, Submitted};
 use crate::stepping::Stop;
-use crate::system::System;
+use crate::system::{System, Turn};
 use crate::task::{ScopeKind, Task};
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::GlobalKind;
@@ -102,13 +102,13 @@ impl<O: Outside> System<O> {
         (number, task)
     }
 
-    /// Runs the task until it waits, ends or something more important is ready; false if it has
-    /// ended or waits. What has ended at once has assigned the variables of the call it sees.
+    /// Runs the task until it waits, ends or something more important is ready, at most for a slice;
+    /// false if it has ended or waits. What has ended at once has assigned the variables of the call it sees.
     pub fn step_beside(&mut self, beside: &Beside) -> bool {
         let task = self.machine.tasks.find_alive(beside.task).filter(|&task| self.machine.is_queued(task));
         let Some(task) = task else { return false };
         let ran = self.with_machine(|machine, around| machine.run_ahead(around, task));
-        self.answer_asked(ran)
+        self.answer_asked(ran) != Turn::Idle
     }
 
     /// How those ended that have ended since the last call, in order.

@@ -34,7 +34,8 @@ pub(crate) enum Exit {
     Blocked,
     /// A more important task is ready, or the task is suspended.
     Switched,
-    /// The stepper is to look at the task before the next instruction.
+    /// Somebody is to look at the task before the next instruction: the stepper, or the caller
+    /// because a slice of steps is over.
     Paused,
     /// The task is dead.
     Dead,
@@ -46,7 +47,23 @@ pub(crate) enum Exit {
 #[derive(Clone, Copy)]
 struct Place {
     frame: Frame,
+    /// Steps until control goes back to the caller.
     fuel: u32,
+    /// Steps that the task may take in this instant after those.
+    reserve: u32,
+}
+
+impl Place {
+    /// So many steps in slices.
+    fn new(frame: Frame, steps: u32, slice: u32) -> Self {
+        let fuel = steps.min(slice);
+        Self { frame, fuel, reserve: steps - fuel }
+    }
+
+    /// Steps left of the budget.
+    fn steps(&self) -> u32 {
+        self.fuel + self.reserve
+    }
 }
 
 impl Limits {
@@ -85,6 +102,8 @@ pub(crate) enum Ran {
     Nothing,
     /// A task ran.
     Task,
+    /// A task ran and has not come to its end: the next turn is its own.
+    Slice,
     /// A task ran and asks for a datum to be compiled.
     Asked(u32, Value),
 }
@@ -108,15 +127,12 @@ impl Machine {
         if around.outside.period_us().is_some() {
             self.note_progress(task);
         }
-        match self.run_task(around, task) {
-            None => Ran::Task,
-            Some(datum) => Ran::Asked(task, datum),
-        }
+        self.run_task(around, task)
     }
 
-    /// Runs a ready task until it blocks, ends or is switched out. A datum to compile is answered;
-    /// the task then goes on with [`Machine::enter`].
-    fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Option<Value> {
+    /// Runs a ready task until it blocks, ends, is switched out or has taken a slice of steps. After
+    /// a datum to compile is answered, the task goes on with [`Machine::enter`].
+    fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
         self.set_state(task, State::Running);
         self.current = task;
         self.scratch.switch = false;
@@ -130,8 +146,8 @@ impl Machine {
         self.scratch.burned = 0;
         self.flush_status(around);
         let record = &self.tasks[task];
-        let fuel = self.limits.steps.saturating_sub(record.steps);
-        let mut place = Place { frame: record.frame, fuel };
+        let steps = self.limits.steps.saturating_sub(record.steps);
+        let mut place = Place::new(record.frame, steps, around.slice_steps);
         self.scratch.frames.clear();
         if !record.frames.is_empty() {
             self.scratch.frames.extend_from_slice(&record.frames);
@@ -142,9 +158,9 @@ impl Machine {
             None => self.execute(around, &mut place, 0),
         };
         // One that ran out of its limit has got it anew.
-        self.steps += 1 + u64::from(fuel.checked_sub(place.fuel).unwrap_or(self.limits.steps));
+        self.steps += 1 + u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
         if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
-            return None;
+            return Ran::Task;
         }
         self.after_exit(around, task, place, exit)
     }
@@ -193,7 +209,7 @@ impl Machine {
             return false;
         }
         record.state = State::Blocked;
-        record.steps = self.limits.steps.saturating_sub(place.fuel);
+        record.steps = self.limits.steps.saturating_sub(place.steps());
         let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
         self.store(task, place.frame, registers);
         self.trace_blocked(around.program, task);
@@ -218,11 +234,11 @@ impl Machine {
         stack[kept..].fill(Value::Nil);
     }
 
-    fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Option<Value> {
-        let mut datum = None;
+    fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Ran {
+        let mut ran = Ran::Task;
         let alive = self.tasks.get(task).is_some_and(|record| !record.state.is_dead());
         if alive {
-            self.tasks[task].steps = self.limits.steps.saturating_sub(place.fuel);
+            self.tasks[task].steps = self.limits.steps.saturating_sub(place.steps());
         }
         match exit {
             Exit::Returned(value) => self.finish(around, task, value),
@@ -233,10 +249,17 @@ impl Machine {
                 self.current = NONE;
                 match exit {
                     Exit::Switched => self.requeue_running(task),
-                    Exit::Paused => self.set_aside(task),
+                    Exit::Paused => {
+                        // Going on is no step: how often a task was looked at makes no difference.
+                        let record = &mut self.tasks[task];
+                        record.steps = record.steps.saturating_sub(1);
+                        self.steps -= 1;
+                        self.set_aside(task);
+                        ran = Ran::Slice;
+                    }
                     Exit::Execute(value, register) => {
                         self.tasks[task].wake_register = register;
-                        datum = Some(value);
+                        ran = Ran::Asked(task, value);
                     }
                     _ => {
                         let gives_way = std::mem::take(&mut self.scratch.gives_way);
@@ -257,7 +280,7 @@ impl Machine {
         }
         self.current = NONE;
         self.flush_status(around);
-        datum
+        ran
     }
 
     /// The task's own code has ended: the children it spawned go first.
@@ -322,9 +345,10 @@ impl Machine {
         self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
         let entry = self.scratch.frames.len();
         let frame = Frame { code, pc: 0, base: base as u32 };
-        let mut place = Place { frame, fuel: self.limits.steps / 10 };
+        let mut place = Place::new(frame, self.limits.steps / 10, u32::MAX);
         let exit = self.execute(around, &mut place, entry);
-        self.scratch.burned = self.scratch.burned.saturating_add((self.limits.steps / 10).saturating_sub(place.fuel));
+        self.scratch.burned =
+            self.scratch.burned.saturating_add((self.limits.steps / 10).saturating_sub(place.steps()));
         self.scratch.evaluations -= 1;
         self.scratch.frames.truncate(entry);
         self.scratch.top = outer_top;
@@ -600,7 +624,7 @@ impl Machine {
             () => {
                 (code_number, pc, base) = (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
                 code = &program.codes[code_number as usize];
-                fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                spend!();
                 check_leaving!();
                 check_switch!();
             };
@@ -613,12 +637,28 @@ impl Machine {
                 return Ok(Exit::Blocked);
             }};
         }
+        // What a native or a network has burned, taken from the slice and then from what is behind it.
+        macro_rules! spend {
+            () => {
+                let burned = std::mem::take(&mut self.scratch.burned);
+                place.reserve = place.reserve.saturating_sub(burned.saturating_sub(fuel));
+                fuel = fuel.saturating_sub(burned);
+            };
+        }
+        // Before anything of the instruction is done: where a slice is over it begins anew.
         macro_rules! burn {
             () => {
                 match fuel.checked_sub(1) {
                     Some(rest) => fuel = rest,
+                    None if place.reserve > 0 => {
+                        pc -= 1;
+                        save!();
+                        self.end_slice::<STEPPING>(place.frame);
+                        return Ok(Exit::Paused);
+                    }
                     None => {
-                        fuel = self.limits.steps;
+                        let again = self.budget_anew(around, place.frame);
+                        (fuel, place.reserve) = (again.fuel, again.reserve);
                         fail!(self.runaway());
                     }
                 }
@@ -1026,7 +1066,7 @@ impl Machine {
                                 self.call_native(around, native, &arguments)
                             }
                         };
-                        fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                        spend!();
                         match attempt!(reply) {
                             Reply::Value(value) => {
                                 self.scratch.stack[base + usize::from(to)] = value;
@@ -1343,7 +1383,7 @@ impl Machine {
                         let captured = inner.captures.iter().map(|&register| r!(register)).collect();
                         save!();
                         let fluent = self.create_network(around, number, captured);
-                        fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                        spend!();
                         self.scratch.stack[base + usize::from(a)] = fluent;
                         collect_if_full!();
                         continue 'frame;
@@ -1410,7 +1450,7 @@ impl Machine {
                         save!();
                         attempt!(self.refuse_in_network("a fluent cannot be assigned"));
                         attempt!(self.assign_fluent(around, fluent, value));
-                        fuel = fuel.saturating_sub(std::mem::take(&mut self.scratch.burned));
+                        spend!();
                         collect_if_full!();
                         check_switch!();
                         continue 'frame;
@@ -1447,6 +1487,13 @@ impl Machine {
         record.is_held()
             || self.output.len() >= MAX_WAITING_OUTPUT
             || self.priorities.has_higher(self.effective_priority(self.current))
+    }
+
+    /// The place of a task that has spent its budget and gets it once more. What is evaluated without
+    /// a task is not cut.
+    fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Place {
+        let slice = if self.current == SCRATCH_TASK { u32::MAX } else { around.slice_steps };
+        Place::new(frame, self.limits.steps, slice)
     }
 
     /// The running task has spent its budget, and begins a new one.
@@ -1528,8 +1575,9 @@ impl Machine {
                     (function, arguments) = (next, Cow::Owned(further));
                     (first, tail) = (usize::from(result), false);
                     self.scratch.burned = self.scratch.burned.saturating_add(1);
-                    if self.scratch.burned >= place.fuel {
-                        (self.scratch.burned, place.fuel) = (0, self.limits.steps);
+                    if self.scratch.burned >= place.steps() {
+                        self.scratch.burned = 0;
+                        *place = self.budget_anew(around, place.frame);
                         return Err(self.runaway());
                     }
                 }

@@ -51,6 +51,7 @@ pub struct Library {
     program: Program,
     symbols: Symbols,
     robot_names: &'static [&'static str],
+    scenario_names: &'static [&'static str],
     /// What a check needs to know beyond the program.
     behaviours: Arc<[BehaviourSignature]>,
     resolved: Arc<Vec<Resolved>>,
@@ -88,8 +89,16 @@ impl Library {
         let signatures = natives.iter().map(Native::signature).collect();
         let behaviours = outside.behaviours().iter().map(BehaviourSpec::signature).collect();
         let resolved = Arc::default();
-        let mut library =
-            Self { natives: natives.into(), signatures, program, symbols, robot_names, behaviours, resolved };
+        let mut library = Self {
+            natives: natives.into(),
+            signatures,
+            program,
+            symbols,
+            robot_names,
+            scenario_names: &[],
+            behaviours,
+            resolved,
+        };
         let mut resolved = Vec::new();
         for &(name, text) in preludes {
             let source = library.program.sources.add(name, text);
@@ -109,6 +118,13 @@ impl Library {
         Ok(library)
     }
 
+    /// A library of plans that knows which names only scenarios have, so that a scenario that is taken
+    /// for a plan gets a helpful error.
+    #[must_use]
+    pub fn without_scenario_names(self, scenario_names: &'static [&'static str]) -> Self {
+        Self { scenario_names, ..self }
+    }
+
     fn compile(
         &self,
         program: &mut Program,
@@ -125,6 +141,7 @@ impl Library {
             macros: &mut macros,
             loader,
             robot_names: self.robot_names,
+            scenario_names: self.scenario_names,
         };
         compile::compile_text(surroundings, source, purpose)
     }
@@ -201,6 +218,7 @@ impl Library {
             macros: &mut macros,
             loader: &mut NoFiles,
             robot_names: self.robot_names,
+            scenario_names: self.scenario_names,
         };
         compile::compile_datum(surroundings, tree, root)
     }

@@ -35,6 +35,8 @@ pub struct Surroundings<'a> {
     pub signatures: &'a [NativeSignature],
     /// The robot, or [`crate::behaviour::NoRobot`].
     pub outside: &'a mut dyn Outside,
+    /// Steps a task takes before control goes back to the caller for a moment.
+    pub slice_steps: u32,
 }
 
 /// Limits that turn endless plans into failures.

@@ -51,8 +51,14 @@ impl MacroMachine {
             .iter()
             .map(|&item| datum::to_value(&mut self.machine.heap, &self.machine.symbols, tree, item, origins))
             .collect();
-        let mut around =
-            Surroundings { program, natives: &self.natives, signatures: &self.signatures, outside: &mut NoRobot };
+        let mut around = Surroundings {
+            program,
+            natives: &self.natives,
+            signatures: &self.signatures,
+            outside: &mut NoRobot,
+            // What is evaluated without a task is not cut.
+            slice_steps: u32::MAX,
+        };
         self.machine.scratch.burned = 0;
         let result = self.machine.evaluate_function(&mut around, code, &arguments);
         self.steps += u64::from(self.machine.scratch.burned);

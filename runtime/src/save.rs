@@ -14,7 +14,7 @@ use crate::behaviour::{NoRobot, Outside};
 use crate::difference::{Difference, difference};
 use crate::library::{Library, Loaded};
 use crate::machine::Machine;
-use crate::system::{System, Units};
+use crate::system::{SLICE_STEPS, System, Units};
 use crate::validate::{Bounds, validate_program};
 use rpl_lang::code::{Code, Constant, FailureClass, Global, Program};
 use rpl_lang::source::{Source, SourceId};
@@ -246,6 +246,16 @@ impl<O: SaveOutside> System<O> {
             .and_then(|()| machine.validate(&bounds))
             .and_then(|()| machine.check_invariants())
             .map_err(SaveError::Inconsistent)?;
-        Ok(Self { program, units: Arc::new(units), machine, outside, library, base: Arc::new(base), next_step_us })
+        Ok(Self {
+            program,
+            units: Arc::new(units),
+            machine,
+            outside,
+            library,
+            base: Arc::new(base),
+            next_step_us,
+            slice_steps: SLICE_STEPS,
+            slice_left: SLICE_STEPS,
+        })
     }
 }

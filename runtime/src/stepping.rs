@@ -4,7 +4,7 @@
 
 use crate::behaviour::Outside;
 use crate::machine::{Machine, SCRATCH_TASK};
-use crate::system::System;
+use crate::system::{System, Turn};
 use crate::task::Frame;
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Code, Local, NO_REG, Op, Program, Reg};
@@ -33,7 +33,7 @@ pub(crate) struct Stepping {
 pub enum Stepped {
     /// No task is ready.
     Settled,
-    /// A task ran until it blocked, ended or was switched out.
+    /// A task ran until it blocked, ended or was switched out, or its slice was over.
     Ran,
     /// A task stands before a form.
     Before(Stop),
@@ -80,6 +80,14 @@ impl Machine {
         stepping.has_stopped = stepping.stopped != Some(here);
         stepping.stopped = stepping.has_stopped.then_some(here);
         stepping.has_stopped
+    }
+
+    /// A slice of steps ends before the instruction of a frame: when the stepper comes back it has
+    /// stopped there already, if it did.
+    pub(crate) fn end_slice<const STEPPING: bool>(&mut self, frame: Frame) {
+        if STEPPING {
+            self.scratch.stepping.stopped = Some((self.tasks.reference(self.current), frame));
+        }
     }
 
     /// Variables of the text that a task sees where it stands, innermost call first: the function's
@@ -132,7 +140,7 @@ impl Machine {
 
 impl<O: Outside> System<O> {
     /// Runs the first ready task up to the next form that calls, waits, assigns or opens a
-    /// construct; does not enter networks. [`System::step_task`] goes on from there in one go.
+    /// construct, at most for a slice; does not enter networks. [`System::step_task`] goes on from there in one go.
     pub fn step_form(&mut self) -> Stepped {
         self.step(false)
     }
@@ -146,15 +154,15 @@ impl<O: Outside> System<O> {
         self.machine.scratch.stepping.is_fine = is_fine;
         self.machine.scratch.stepping.is_on = true;
         self.machine.scratch.stepping.has_stopped = false;
-        let ran = self.step_task();
+        let turn = self.step_slice();
         let stepping = &mut self.machine.scratch.stepping;
         stepping.is_on = false;
-        match stepping.stopped {
-            Some((task, frame)) if stepping.has_stopped => {
+        match (stepping.stopped, turn) {
+            (Some((task, frame)), _) if stepping.has_stopped => {
                 self.stop_at(task, frame).map_or(Stepped::Ran, Stepped::Before)
             }
-            _ if ran => Stepped::Ran,
-            _ => Stepped::Settled,
+            (_, Turn::Over | Turn::Cut) => Stepped::Ran,
+            (_, Turn::Idle) => Stepped::Settled,
         }
     }
 

@@ -28,6 +28,17 @@ pub enum Progress {
     Ended,
 }
 
+/// What became of a turn of a ready task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// No task is ready.
+    Idle,
+    /// A task ran until it blocked, ended or was switched out.
+    Over,
+    /// A slice of steps is over; the run goes on in the next turn as if nothing had been.
+    Cut,
+}
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
@@ -58,7 +69,16 @@ pub struct System<O> {
     pub(crate) base: Arc<Base>,
     /// When the robot's next step is due.
     pub(crate) next_step_us: u64,
+    /// Steps that tasks take before [`System::step_slice`] tells that a slice is over, at least 1. It
+    /// makes no difference to the run and is not saved with it.
+    pub slice_steps: u32,
+    /// Steps left of the slice.
+    pub(crate) slice_left: u32,
 }
+
+/// So many steps take some ten milliseconds, and switching a task out and in again costs little
+/// beside them, however deep its calls are.
+pub(crate) const SLICE_STEPS: u32 = 1 << 20;
 
 /// Width at which plans made at run time are printed for their errors.
 const PLAN_WIDTH: usize = 100;
@@ -89,7 +109,17 @@ impl<O: Outside> System<O> {
             }
         }
         let base = Arc::new(Base::new(program.clone()));
-        let mut system = Self { program, units: Arc::default(), machine, outside, library, base, next_step_us: 0 };
+        let mut system = Self {
+            program,
+            units: Arc::default(),
+            machine,
+            outside,
+            library,
+            base,
+            next_step_us: 0,
+            slice_steps: SLICE_STEPS,
+            slice_left: SLICE_STEPS,
+        };
         system.step_robot();
         system.machine.start_main(main);
         system
@@ -102,6 +132,7 @@ impl<O: Outside> System<O> {
             natives: &self.library.natives,
             signatures: &self.library.signatures,
             outside: &mut self.outside,
+            slice_steps: self.slice_steps,
         };
         act(&mut self.machine, &mut around)
     }
@@ -129,18 +160,48 @@ impl<O: Outside> System<O> {
 
     /// Runs one ready task until it blocks; tells whether there was one.
     pub fn step_task(&mut self) -> bool {
-        let ran = self.with_machine(|machine, around| machine.run_next(around));
-        self.answer_asked(ran)
+        loop {
+            match self.step_slice() {
+                Turn::Idle => return false,
+                Turn::Over => return true,
+                Turn::Cut => {}
+            }
+        }
     }
 
-    /// Compiles what a task asked for; tells whether a task ran.
-    pub(crate) fn answer_asked(&mut self, ran: Ran) -> bool {
-        match ran {
-            Ran::Nothing => return false,
-            Ran::Task => {}
-            Ran::Asked(task, datum) => self.execute_datum(task, datum),
+    /// The same, but comes back after a slice of steps, however long the task goes on, and tells when
+    /// all tasks together have taken one: for those who must look at something else now and then.
+    pub fn step_slice(&mut self) -> Turn {
+        if self.slice_left == 0 {
+            self.slice_left = self.slice_steps;
+            return Turn::Cut;
         }
-        true
+        let slice_left = self.slice_left.min(self.slice_steps);
+        let before = self.machine.steps;
+        let ran = self.with_machine(|machine, around| {
+            around.slice_steps = slice_left;
+            machine.run_next(around)
+        });
+        let taken = u32::try_from(self.machine.steps - before).unwrap_or(u32::MAX);
+        let turn = self.answer_asked(ran);
+        self.slice_left = match turn {
+            Turn::Cut => self.slice_steps,
+            Turn::Idle | Turn::Over => slice_left.saturating_sub(taken),
+        };
+        turn
+    }
+
+    /// Compiles what a task asked for; tells what became of its turn.
+    pub(crate) fn answer_asked(&mut self, ran: Ran) -> Turn {
+        match ran {
+            Ran::Nothing => Turn::Idle,
+            Ran::Task => Turn::Over,
+            Ran::Slice => Turn::Cut,
+            Ran::Asked(task, datum) => {
+                self.execute_datum(task, datum);
+                Turn::Over
+            }
+        }
     }
 
     /// Runs ready tasks until all are blocked.
@@ -150,7 +211,7 @@ impl<O: Outside> System<O> {
                 loop {
                     match machine.run_next(around) {
                         Ran::Nothing => return None,
-                        Ran::Task => {}
+                        Ran::Task | Ran::Slice => {}
                         Ran::Asked(task, datum) => return Some((task, datum)),
                     }
                 }

@@ -7,7 +7,7 @@
 use crate::behaviour::Outside;
 use crate::failure::Failure;
 use crate::stepping::{Stepped, Stop};
-use crate::system::System;
+use crate::system::{System, Turn};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -190,15 +190,15 @@ impl<O: Outside + Clone> Timeline<O> {
         let copy = self.last_copy(|copy| copy.segment <= position.segment);
         let mut system = System::clone(&copy.system);
         for _ in copy.segment..position.segment {
-            if is_given_up() {
-                return None;
-            }
-            system.settle();
+            settle_unless(&mut system, is_given_up)?;
             system.next_instant();
         }
         let mut reached = Position { segment: position.segment, step: 0 };
         let mut stop = None;
         while reached.step < position.step {
+            if is_given_up() {
+                return None;
+            }
             match system.step_form() {
                 Stepped::Before(before) => {
                     stop = Some(before);
@@ -223,13 +223,10 @@ impl<O: Outside + Clone> Timeline<O> {
         let last = end.unwrap_or(self.position.segment + 1) - 1;
         let mut system = System::clone(&copy.system);
         let mut segment = copy.segment;
-        system.settle();
+        settle_unless(&mut system, is_given_up)?;
         while segment < last && system.next_instant_us().is_some_and(|next_us| next_us <= time_us) {
-            if is_given_up() {
-                return None;
-            }
             system.next_instant();
-            system.settle();
+            settle_unless(&mut system, is_given_up)?;
             segment += 1;
         }
         discard(&mut system);
@@ -312,6 +309,9 @@ fn stops_between<O: Outside + Clone>(
     let mut system = System::clone(&copy.system);
     let mut position = Position { segment: copy.segment, step: 0 };
     while position < end {
+        if is_given_up() {
+            return None;
+        }
         match system.step_form() {
             Stepped::Before(stop) => {
                 position.step += 1;
@@ -322,15 +322,24 @@ fn stops_between<O: Outside + Clone>(
             Stepped::Ran => {}
             Stepped::Settled if position.segment == end.segment => break,
             Stepped::Settled => {
-                if is_given_up() {
-                    return None;
-                }
                 system.next_instant();
                 position = Position { segment: position.segment + 1, step: 0 };
             }
         }
     }
     Some(stops)
+}
+
+/// Runs ready tasks until all are blocked. None if `is_given_up` says so on the way.
+fn settle_unless<O: Outside>(system: &mut System<O>, is_given_up: &dyn Fn() -> bool) -> Option<()> {
+    loop {
+        if is_given_up() {
+            return None;
+        }
+        if system.step_slice() == Turn::Idle {
+            return Some(());
+        }
+    }
 }
 
 /// Whether a failure is one of another state of the run.

@@ -1,6 +1,7 @@
-//! Sorting by an order that is known here, without a call for each comparison.
+//! Sorting by an order that is known here, without a call for each comparison: pieces, which the
+//! prelude has merged, so that control comes back between them.
 
-use crate::arguments::{Answer, elements, list, pure, value};
+use crate::arguments::{Answer, elements, list, natural, pure, value};
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 use std::cmp::Ordering;
@@ -48,38 +49,94 @@ fn all<T>(items: &[Value], kind: impl Fn(Value) -> Option<T>) -> Option<Vec<T>> 
     items.iter().map(|&item| kind(item)).collect()
 }
 
-/// The elements in order if the predicate is `<`, `>`, `string<` or `string>` and the elements, or
-/// the first halves of the pairs, are all of one kind; else `t`.
-fn sorted(call: &mut Call<'_, '_>) -> Answer {
-    let Value::Native(number) = call.argument(0) else { return value(Value::True) };
-    let (strings, descending) = match call.around.natives[usize::from(number)].name {
-        "<" => (false, false),
-        ">" => (false, true),
-        "string<" => (true, false),
-        "string>" => (true, true),
-        _ => return value(Value::True),
+/// The order of a predicate, if it is `<`, `>`, `string<` or `string>`.
+#[derive(Clone, Copy)]
+struct Order {
+    strings: bool,
+    descending: bool,
+}
+
+impl Order {
+    fn of(call: &Call<'_, '_>, predicate: Value) -> Option<Self> {
+        let Value::Native(number) = predicate else { return None };
+        let (strings, descending) = match call.around.natives[usize::from(number)].name {
+            "<" => (false, false),
+            ">" => (false, true),
+            "string<" => (true, false),
+            "string>" => (true, true),
+            _ => return None,
+        };
+        Some(Self { strings, descending })
+    }
+
+    /// How two keys stand to each other in this order.
+    fn compare(self, keys: &Keys, left: usize, right: usize) -> Ordering {
+        if self.descending { keys.compare(right, left) } else { keys.compare(left, right) }
+    }
+}
+
+/// The keys of some elements: they themselves, or the first halves of the pairs.
+fn keys_of(call: &Call<'_, '_>, items: &[Value], by_pairs: bool, order: Order) -> Option<Keys> {
+    let key = |&item: &Value| match item {
+        Value::Cons(index) if by_pairs => call.machine.heap.pair(index).0,
+        other => other,
     };
-    let items = elements(call, 1)?;
-    let by_pairs = call.argument(2).is_true();
-    let keys: Vec<Value> = items
-        .iter()
-        .map(|&item| match item {
-            Value::Cons(index) if by_pairs => call.machine.heap.pair(index).0,
-            other => other,
-        })
-        .collect();
-    let Some(keys) = Keys::of(call, &keys, strings) else { return value(Value::True) };
-    let mut order: Vec<usize> = (0..items.len()).collect();
-    order.sort_by(|&left, &right| if descending { keys.compare(right, left) } else { keys.compare(left, right) });
+    Keys::of(call, &items.iter().map(key).collect::<Vec<Value>>(), order.strings)
+}
+
+/// The first so many elements in order, if the order is known and their keys are all of one kind;
+/// else `t`.
+fn sorted(call: &mut Call<'_, '_>) -> Answer {
+    let Some(order) = Order::of(call, call.argument(0)) else { return value(Value::True) };
+    let count = natural(call, 2)?;
+    let mut items = Vec::with_capacity(count);
+    let mut rest = call.argument(1);
+    while let Value::Cons(pair) = rest
+        && items.len() < count
+    {
+        let (item, next) = call.machine.heap.pair(pair);
+        items.push(item);
+        rest = next;
+    }
+    let by_pairs = call.argument(3).is_true();
+    let Some(keys) = keys_of(call, &items, by_pairs, order) else { return value(Value::True) };
+    let mut places: Vec<usize> = (0..items.len()).collect();
+    places.sort_by(|&left, &right| order.compare(&keys, left, right));
     call.burn(items.len() * items.len().max(1).ilog2() as usize);
-    let items: Vec<Value> = order.into_iter().map(|at| items[at]).collect();
+    let items: Vec<Value> = places.into_iter().map(|at| items[at]).collect();
     list(call, &items)
 }
 
+/// One list in order of two that are, those of the left first among equals; `t` if one of them is
+/// `t` or their keys are not all of one kind.
+fn merged(call: &mut Call<'_, '_>) -> Answer {
+    let Some(order) = Order::of(call, call.argument(0)) else { return value(Value::True) };
+    if [1, 2].iter().any(|&at| call.argument(at) == Value::True) {
+        return value(Value::True);
+    }
+    let (mut items, right) = (elements(call, 1)?, elements(call, 2)?);
+    let middle = items.len();
+    items.extend(right);
+    let by_pairs = call.argument(3).is_true();
+    let Some(keys) = keys_of(call, &items, by_pairs, order) else { return value(Value::True) };
+    let (mut left, mut right) = (0, middle);
+    let mut in_order = Vec::with_capacity(items.len());
+    while left < middle || right < items.len() {
+        let takes_left = right == items.len() || left < middle && order.compare(&keys, right, left) != Ordering::Less;
+        let next = if takes_left { &mut left } else { &mut right };
+        in_order.push(items[*next]);
+        *next += 1;
+    }
+    list(call, &in_order)
+}
+
 /// Sorting.
-pub const NATIVES: &[Native] = &[pure(
-    "%sorted",
-    "less elements by-pairs",
-    "The elements in a known order of numbers or strings, or t if the order is not known.",
-    sorted,
-)];
+pub const NATIVES: &[Native] = &[
+    pure(
+        "%sorted",
+        "less elements count by-pairs",
+        "The first so many elements in a known order of numbers or strings, or t if the order is not known.",
+        sorted,
+    ),
+    pure("%merged", "less value rest by-pairs", "Two lists in such an order as one, or t.", merged),
+];

@@ -43,6 +43,16 @@ fn stepping_does_not_change_the_run() {
 }
 
 #[test]
+fn a_slice_that_ends_is_no_stop() {
+    let (mut whole, mut sliced) = (system(PROGRAM), system(PROGRAM));
+    sliced.slice_steps = 1;
+    assert_eq!(stepped_to_the_end(&mut whole), stepped_to_the_end(&mut sliced));
+    // Where nothing is stopped at, control comes back all the same.
+    let mut busy = system("(loop)");
+    assert!((0..5).all(|_| busy.step_form() == Stepped::Ran));
+}
+
+#[test]
 fn it_stops_before_each_call_in_the_order_of_evaluation() {
     let mut system = system("(defun double (x) (* 2 x)) (print (list (double 1) (double 2)))");
     let texts: Vec<String> =

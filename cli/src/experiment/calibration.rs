@@ -238,7 +238,7 @@ mod tests {
 
     fn trial(samples: impl Iterator<Item = (f64, bool)>) -> Trial {
         let samples = samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, is_right }).collect();
-        Trial { seed: 1, fault: None, measures: vec![], samples }
+        Trial { seed: 1, fault: None, unmeasured: None, measures: vec![], samples }
     }
 
     #[test]

@@ -220,7 +220,13 @@ mod tests {
         let samples = |errors: &[f32]| {
             errors.iter().map(|&off_m| Sample { certainty: 1.0, off_m, is_right: true }).collect::<Vec<_>>()
         };
-        let trial = |errors: &[f32]| Trial { seed: 1, fault: None, measures: vec![], samples: samples(errors) };
+        let trial = |errors: &[f32]| Trial {
+            seed: 1,
+            fault: None,
+            unmeasured: None,
+            measures: vec![],
+            samples: samples(errors),
+        };
         let trials = [trial(&[4.0]), trial(&[2.0; 201])];
         assert_eq!(error_at(&trials, 20).value, 3.0);
         assert!(error_over_time(&[("a row", trials.to_vec())]).contains("a row"));
@@ -232,6 +238,7 @@ mod tests {
             seed: 1,
             fault: fault.map(str::to_string),
             measures: vec![("time [s]", Some(time_s))],
+            unmeasured: None,
             samples: vec![],
         };
         let trials = vec![trial(None, 10.0), trial(None, 40.0), trial(Some("blocked"), 5.0), trial(None, 100.0)];

@@ -3,7 +3,7 @@
 
 use super::catalogue::Row;
 use super::statistics::{Share, Summary};
-use super::{Arguments, Findings, NOTHING, seeds, site_of};
+use super::{Arguments, Findings, NOTHING, results_folder, seeds, site_of};
 use crate::choice_figures;
 use crate::console::Console;
 use crate::drive::{Pace, Records, drive};
@@ -41,6 +41,7 @@ struct Pair {
 /// The plan's text is wrong, a run cannot be driven, or the figures cannot be written.
 pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) -> Result<Findings> {
     let mut pairs = Vec::new();
+    let mut folder = results_folder(arguments)?;
     for row in rows {
         let (site, _) = site_of(arguments, row)?;
         let Some(office) = site.office().cloned() else { bail!("there is no robot; add `--world dept`") };
@@ -59,7 +60,7 @@ pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) 
                 if let Some(map) = &office.map {
                     pairs.extend(pair(&map.localization, localization, parameters));
                 }
-                if let Some(folder) = &arguments.results {
+                if let Some(folder) = &mut folder {
                     let name = format!("seed-{seed}-choice-{}", number + 1);
                     choice_figures::write(folder, &name, &office, localization)?;
                 }

@@ -22,6 +22,8 @@ pub struct RowResult {
     pub succeeded: Share,
     /// Runs that did not, with the reason.
     pub failures: Vec<FailedRun>,
+    /// Runs that count for nothing, with the failure of their scenario.
+    pub not_measured: Vec<FailedRun>,
     /// What was measured.
     pub measures: Vec<Measure>,
     /// Disturbed runs in which a position counted as found where it was not.
@@ -70,16 +72,18 @@ impl RowResult {
             |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
         let names = trials.first().map_or(&[][..], |trial| &trial.measures[..]);
         let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
-        let failed = trials.iter().filter_map(|trial| {
-            let fault = trial.fault.clone()?;
-            Some(FailedRun { seed: trial.seed, fault })
-        });
+        let runs = |why: fn(&Trial) -> &Option<String>| {
+            let run = |trial: &Trial| Some(FailedRun { seed: trial.seed, fault: why(trial).clone()? });
+            trials.iter().filter_map(run).collect::<Vec<_>>()
+        };
+        let measured = trials.iter().filter(|trial| trial.is_measured()).count();
         Self {
             name: name.to_string(),
             runs: trials.len(),
             seeds: trials.first().zip(trials.last()).map(|(first, last)| (first.seed, last.seed)),
-            succeeded: Share::new(trials.iter().filter(|trial| trial.succeeded()).count(), trials.len()),
-            failures: failed.collect(),
+            succeeded: Share::new(trials.iter().filter(|trial| trial.succeeded()).count(), measured),
+            failures: runs(|trial| &trial.fault),
+            not_measured: runs(|trial| &trial.unmeasured),
             measures: names.iter().filter_map(|&(name, _)| Measure::of(name, numbers(name))).collect(),
             wrong_recoveries: Share::among(&numbers("wrong recoveries"), |count| count > 0.0),
             noticed_within_2_m: Share::among(&numbers("noticed within 2 m"), |within| within > 0.0),
@@ -116,6 +120,18 @@ impl RowResult {
         (!named.is_empty()).then(|| named.join(", ") + &more)
     }
 
+    /// How many runs count for nothing, and why; none if all count.
+    pub fn unmeasured_seeds(&self) -> Option<String> {
+        let named: Vec<String> =
+            self.not_measured.iter().take(NAMED).map(|run| format!("{} ({})", run.seed, run.fault)).collect();
+        let count = self.not_measured.len();
+        let more = if count > NAMED { ", …" } else { "" };
+        (count > 0).then(|| {
+            let (all, named) = (self.runs, named.join(", "));
+            format!("not measured: {count} of {all}, because the scenario failed with seed {named}{more}")
+        })
+    }
+
     /// The row as a table of its own, with all that was measured.
     pub fn blocks(&self) -> Vec<Block> {
         let seeds = match self.seeds {
@@ -140,6 +156,7 @@ impl RowResult {
             Block::Table(table),
         ];
         blocks.extend(self.failed_seeds().map(|seeds| Block::Lines(format!("failed with seed {seeds}"))));
+        blocks.extend(self.unmeasured_seeds().map(Block::Lines));
         blocks
     }
 }
@@ -161,14 +178,15 @@ pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
         "alarms/km (95 %)",
     ]);
     rows.iter().for_each(|row| table.row(compared(row)));
-    vec![
-        Block::Table(table),
-        Block::Lines(
-            "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it \
-             was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right"
-                .into(),
-        ),
-    ]
+    let mut blocks = vec![Block::Table(table)];
+    let unmeasured = rows.iter().filter_map(|row| Some(format!("{}: {}", row.name, row.unmeasured_seeds()?)));
+    blocks.extend(unmeasured.map(Block::Lines));
+    blocks.push(Block::Lines(
+        "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it \
+         was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right"
+            .into(),
+    ));
+    blocks
 }
 
 fn compared(row: &RowResult) -> [String; 9] {
@@ -196,7 +214,8 @@ mod tests {
     use super::*;
 
     fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> Trial {
-        Trial { seed, fault: fault.map(str::to_string), measures: vec![("time [s]", time_s)], samples: vec![] }
+        let fault = fault.map(str::to_string);
+        Trial { seed, fault, unmeasured: None, measures: vec![("time [s]", time_s)], samples: vec![] }
     }
 
     fn text(blocks: &[Block]) -> String {

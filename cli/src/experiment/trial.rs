@@ -6,10 +6,13 @@ use crate::drive::{Ending, Mark, Pace, Records, drive};
 use crate::failure_report::Reporter;
 use crate::mission::{Robot, Sight};
 use anyhow::{Context, Result};
+use rpl_lang::code::Program;
 use rpl_robot::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use rpl_robot::office::OfficeRobot;
 use rpl_robot::simulator::ItemPlace;
+use rpl_runtime::machine::Machine;
 use rpl_runtime::system::{Outcome, System};
+use rpl_runtime::value::Value;
 
 /// How near to the goal the robot must really be.
 const AT_GOAL_M: f64 = 0.5;
@@ -34,6 +37,8 @@ pub struct Trial {
     /// What went wrong, if anything: the plan failed, ended at the wrong place, or did less than its
     /// day asked for.
     pub fault: Option<String>,
+    /// Why the run counts for nothing: its scenario failed, so that it was not what it was to be.
+    pub unmeasured: Option<String>,
     /// What was measured: name with unit, and value, if there was anything to measure in this run;
     /// the same names in every run.
     pub measures: Vec<(&'static str, Option<f64>)>,
@@ -53,9 +58,14 @@ pub struct Sample {
 }
 
 impl Trial {
-    /// Whether the plan succeeded, at the right place.
+    /// Whether the plan succeeded, at the right place, in a run that counts.
     pub fn succeeded(&self) -> bool {
-        self.fault.is_none()
+        self.fault.is_none() && self.is_measured()
+    }
+
+    /// Whether the run counts.
+    pub fn is_measured(&self) -> bool {
+        self.unmeasured.is_none()
     }
 
     /// What was measured under a name, if anything.
@@ -128,26 +138,35 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
             }
         }
     }
+    if let Some((scenario, failure)) = system.outside.failed_scenario() {
+        let unmeasured = Some(described(&scenario.machine, &scenario.program, failure));
+        measures.iter_mut().for_each(|(_, value)| *value = None);
+        return Ok(Trial { seed, fault: None, unmeasured, measures, samples: Vec::new() });
+    }
     let sample = |sight: &Sight| Sample {
         certainty: sight.certainty,
         off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
         is_right: is_right(sight),
     };
-    Ok(Trial { seed, fault, measures, samples: records.track.iter().map(sample).collect() })
+    Ok(Trial { seed, fault, unmeasured: None, measures, samples: records.track.iter().map(sample).collect() })
 }
 
 /// Why a plan did not succeed, the class of the failure first.
 fn fault_of(system: &System<Robot>, ending: Ending) -> Option<String> {
-    let reporter = Reporter { machine: &system.machine, program: &system.program, colour: false };
     match ending {
         Ending::Outcome(Outcome::Succeeded(_)) => None,
-        Ending::Outcome(Outcome::Failed(failure)) => Some(match reporter.record(failure) {
-            Some(record) => format!("{}: {}", record.class, record.message),
-            None => "plan-failure".to_string(),
-        }),
+        Ending::Outcome(Outcome::Failed(failure)) => Some(described(&system.machine, &system.program, failure)),
         Ending::Outcome(Outcome::Evaporated) => Some("ended itself".to_string()),
         Ending::TimeUp => Some("time is up".to_string()),
-        Ending::Interrupted => Some("interrupted by hand".to_string()),
+        Ending::Interrupted | Ending::GivenUp => Some("interrupted by hand".to_string()),
+    }
+}
+
+/// A failure, its class first.
+fn described(machine: &Machine, program: &Program, failure: Value) -> String {
+    match (Reporter { machine, program, colour: false }).record(failure) {
+        Some(record) => format!("{}: {}", record.class, record.message),
+        None => "plan-failure".to_string(),
     }
 }
 

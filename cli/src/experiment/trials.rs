@@ -59,8 +59,10 @@ pub fn raw_rows(rows: &[(&str, Vec<Trial>)]) -> String {
         for trial in trials {
             let value = |name: &&str| trial.measure(name).map_or(String::new(), |value| value.to_string());
             let values: Vec<String> = names.iter().map(value).collect();
-            let fault = trial.fault.as_deref().unwrap_or_default().replace('"', "'");
-            lines.push(format!("\"{row}\",{},{},\"{fault}\",{}", trial.seed, trial.succeeded(), values.join(",")));
+            let unmeasured = trial.unmeasured.as_ref().map(|why| format!("not measured: {why}"));
+            let fault = trial.fault.clone().or(unmeasured).unwrap_or_default().replace('"', "'");
+            let succeeded = if trial.is_measured() { trial.succeeded().to_string() } else { String::new() };
+            lines.push(format!("\"{row}\",{},{succeeded},\"{fault}\",{}", trial.seed, values.join(",")));
         }
     }
     lines.join("\n") + "\n"

@@ -41,6 +41,7 @@ fn run_editor(file: &Path, has_terminal: bool) -> Result<(), String> {
     if !has_terminal {
         command.stdin(Stdio::null());
     }
+    let _is_for_editor = interrupt::is_for_another();
     let status = command.status().map_err(|error| format!("the editor `{editor}` cannot be started: {error}"))?;
     match status.code() {
         Some(0) => Ok(()),

@@ -6,6 +6,7 @@ use super::session::{Halt, Until};
 use super::terminal::Terminal;
 use super::vocabulary::Vocabulary;
 use super::{Next, Prompt};
+use crate::interrupt;
 use crate::status::Status;
 use anyhow::Result;
 use std::io::{self, IsTerminal};
@@ -44,6 +45,7 @@ impl Prompt<'_> {
                 _ => text,
             };
             self.console.keep(self.clock.is_some());
+            let _gives_back = interrupt::gives_prompt_back();
             if self.handle(&text)? == Next::Quit {
                 break;
             }
@@ -57,6 +59,7 @@ impl Prompt<'_> {
     /// The next line; until it is there the run goes on if the clock does.
     fn typed(&mut self, terminal: &mut Terminal) -> Result<Line> {
         let mut shown = Instant::now();
+        let gives_back = self.clock.map(|_| interrupt::gives_prompt_back());
         while let Some(clock) = self.clock {
             let next_us = self.session.branch.system.next_instant_us();
             let has_work = self.session.has_work();
@@ -72,6 +75,7 @@ impl Prompt<'_> {
                 shown = Instant::now();
             }
         }
+        drop(gives_back);
         terminal.line()
     }
 

@@ -63,7 +63,6 @@ pub struct Arguments {
 /// # Errors
 /// The command line is wrong, or standard output is closed.
 pub fn run(arguments: &Arguments, stops_at_start: bool, console: &mut Console) -> Result<Status> {
-    interrupt::catch_for_prompt();
     let (site, world) = arguments.setting.site()?;
     if arguments.file.as_deref() == Some(files::STANDARD_INPUT) {
         bail!("standard input is what the prompt reads; `rpl run -` runs a plan from there");
@@ -154,6 +153,7 @@ impl Prompt<'_> {
         let mut bytes = Vec::new();
         io::stdin().read_to_end(&mut bytes)?;
         let text = files::text_of(bytes).map_err(|reason| anyhow::anyhow!("cannot read standard input: {reason}"))?;
+        let _stops = interrupt::stops_runs();
         let mut waiting = String::new();
         for line in text.lines() {
             let is_command = line.trim_start().starts_with(':');
@@ -176,10 +176,23 @@ impl Prompt<'_> {
             if self.handle(&std::mem::take(&mut waiting))? == Next::Quit {
                 return Ok(());
             }
+            if interrupt::is_asked() {
+                return self.stop();
+            }
         }
         if !waiting.trim().is_empty() {
             self.handle(&waiting)?;
         }
+        if interrupt::is_asked() { self.stop() } else { Ok(()) }
+    }
+
+    /// Told to stop where nobody sits at the prompt: what runs is given up.
+    fn stop(&mut self) -> Result<()> {
+        interrupt::forget();
+        if self.session.branch.is_running {
+            self.session.give_up(self.console)?;
+        }
+        self.worst = Status::Interrupted;
         Ok(())
     }
 

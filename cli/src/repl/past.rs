@@ -37,7 +37,6 @@ fn texts(system: &System<Robot>) -> BTreeMap<String, String> {
 
 impl Prompt<'_> {
     pub(super) fn back(&mut self, rest: &str) -> Result<()> {
-        interrupt::forget();
         let now_us = self.session.branch.system.machine.now_us;
         if rest == FAILURE {
             return self.back_to_failure();
@@ -85,7 +84,6 @@ impl Prompt<'_> {
     }
 
     pub(super) fn at(&mut self, rest: &str) -> Result<()> {
-        interrupt::forget();
         match parse_duration_us(rest) {
             Ok(time_us) if time_us > self.session.branch.system.machine.now_us => {
                 self.wrong(&format!("{rest} has not come yet; `:until {rest}` goes there"))

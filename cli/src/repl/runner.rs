@@ -10,6 +10,7 @@ use crate::situation::is_within;
 use rpl_lang::source::Span;
 use rpl_runtime::machine::MAX_WAITING_OUTPUT;
 use rpl_runtime::stepping::{Stepped, Stop};
+use rpl_runtime::system::Turn;
 use rpl_runtime::timeline::Position;
 use std::collections::BTreeMap;
 use std::io;
@@ -42,18 +43,24 @@ impl<'a> Runner<'a> {
             self.enters(start);
         }
         let stops_at_forms = self.stops_at_forms();
-        interrupt::forget();
         loop {
             if interrupt::is_asked() {
-                interrupt::forget();
                 return Ok(Halt::Interrupted);
             }
+            let mut is_cut = false;
             let stepped = match stops_at_forms {
                 true => self.session.branch.system.step_form(),
-                false if self.session.branch.system.step_task() => Stepped::Ran,
-                false => Stepped::Settled,
+                false => match self.session.branch.system.step_slice() {
+                    Turn::Idle => Stepped::Settled,
+                    Turn::Over => Stepped::Ran,
+                    Turn::Cut => {
+                        is_cut = true;
+                        Stepped::Ran
+                    }
+                },
             };
-            if self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT || stepped == Stepped::Settled {
+            let is_much = self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT;
+            if is_much || is_cut || stepped == Stepped::Settled {
                 self.session.hand_on(self.console)?;
             }
             match stepped {
@@ -66,7 +73,15 @@ impl<'a> Runner<'a> {
                         return Ok(halt);
                     }
                 }
-                Stepped::Ran => {}
+                Stepped::Ran => {
+                    // Something may be typed in the middle of a long instant.
+                    if let &Until::Clock { before, .. } = self.until
+                        && Instant::now() >= before
+                    {
+                        self.session.hand_on(self.console)?;
+                        return Ok(Halt::Arrived);
+                    }
+                }
                 Stepped::Settled => {
                     if let Some(halt) = self.settled() {
                         return Ok(halt);
@@ -158,6 +173,7 @@ impl<'a> Runner<'a> {
             return Some(Halt::Arrived);
         }
         branch.system.next_instant();
+        interrupt::beat();
         branch.timeline.next_instant(&branch.system, self.computed.elapsed());
         self.computed = Instant::now();
         if let Some(room) = self.console.status_room() {

@@ -6,6 +6,7 @@ use crate::console::Console;
 use crate::events::{self, Told};
 use crate::failure_report::Reporter;
 use crate::files::Folder;
+use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
 use anyhow::{Result, anyhow};
 use rpl_lang::symbol::Symbol;
@@ -184,7 +185,8 @@ impl Session {
         let stop = branch.stop.as_ref();
         branch.system.keep_value_as(number.map(kept_name).as_deref());
         let (submitted, beside) = branch.system.submit_beside(&name, &text, stop, &mut folder)?;
-        while branch.system.step_beside(&beside) {}
+        // Told to stop, it goes on with the run.
+        while !interrupt::is_asked() && branch.system.step_beside(&beside) {}
         let answers = branch.system.take_beside_answers();
         let answer = answers.into_iter().find(|answer| answer.number == beside.number);
         let assigned = answer.as_ref().map_or(Vec::new(), |answer| branch.system.assign_seen(&beside, answer));

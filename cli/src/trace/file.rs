@@ -1,11 +1,13 @@
-//! The trace as JSON Lines: a header that says of which run, then one object for each event.
+//! The trace as JSON Lines: a header that says of which run, then one object for each event, and, if
+//! asked for, for where the robot was now and then.
 
+use crate::mission::Sight;
+use rpl_robot::geometry::Pose;
 use rpl_runtime::trace::Event;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 /// The version of the lines that are written.
 pub const VERSION: u64 = 1;
@@ -16,12 +18,18 @@ pub struct Header {
     /// The version of the lines.
     #[serde(rename = "trace")]
     pub version: u64,
+    /// The version of the program that wrote it.
+    #[serde(default)]
+    pub rpl: Option<String>,
     /// The plan's file.
     #[serde(default)]
     pub plan: String,
     /// The world, if there is one.
     #[serde(default)]
     pub world: Option<String>,
+    /// What the robot knows of the world, if there is one: `world` or `none`.
+    #[serde(default)]
+    pub map: Option<String>,
     /// The scenario's file, if there is one.
     #[serde(default)]
     pub scenario: Option<String>,
@@ -40,8 +48,8 @@ impl TraceFile {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn create(path: &Path, header: &Header) -> io::Result<Self> {
-        let mut out = BufWriter::new(File::create(path)?);
+    pub fn begin(file: File, header: &Header) -> io::Result<Self> {
+        let mut out = BufWriter::new(file);
         writeln!(out, "{}", serde_json::to_string(header)?)?;
         Ok(Self { out })
     }
@@ -54,6 +62,14 @@ impl TraceFile {
         writeln!(self.out, "{}", line(event))
     }
 
+    /// Adds where the robot is.
+    ///
+    /// # Errors
+    /// The disk is full.
+    pub fn write_pose(&mut self, seen: &Seen) -> io::Result<()> {
+        writeln!(self.out, "{}", pose_line(seen))
+    }
+
     /// Hands everything to the disk.
     ///
     /// # Errors
@@ -61,6 +77,33 @@ impl TraceFile {
     pub fn finish(&mut self) -> io::Result<()> {
         self.out.flush()
     }
+}
+
+/// Where the robot was seen at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// When, in virtual time.
+    pub time_us: u64,
+    /// What was seen.
+    pub sight: Sight,
+}
+
+/// The kind of a line that tells of a pose.
+pub(super) const POSE: &str = "pose";
+
+/// `{"time_s":…,"kind":"pose","true":[x, y, heading],"estimated":[x, y, heading],"certainty":…}` in
+/// metres and radians, to the millimetre and less than a hundredth of a degree.
+pub(super) fn pose_line(seen: &Seen) -> String {
+    let Sight { robot_in_map, estimate_in_map, certainty } = seen.sight;
+    let rounded = |value: f64, steps: f64| (value * steps).round() / steps;
+    let numbers = |pose: Pose| json!([rounded(pose.x_m, 1e3), rounded(pose.y_m, 1e3), rounded(pose.heading_rad, 1e4)]);
+    format!(
+        "{{\"time_s\":{},\"kind\":\"{POSE}\",\"true\":{},\"estimated\":{},\"certainty\":{}}}",
+        json!(seen.time_us as f64 / 1e6),
+        numbers(robot_in_map),
+        numbers(estimate_in_map),
+        json!(rounded(certainty, 1e4))
+    )
 }
 
 /// `{"time_s":…,"seq":…,"task":…,"kind":…,…}` with the details in their order.

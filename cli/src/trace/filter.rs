@@ -37,14 +37,15 @@ impl Filter {
 }
 
 /// Whether the names of a part of a path stand in it one after the other.
-fn lies_in(path: &str, part: &str) -> bool {
+pub fn lies_in(path: &str, part: &str) -> bool {
     let is_border = |c: Option<char>| c.is_none_or(|c| c == '/');
     path.match_indices(part.trim_matches('/')).any(|(at, found)| {
         is_border(path[..at].chars().next_back()) && is_border(path[at + found.len()..].chars().next())
     })
 }
 
-fn concerns(event: &Event, fluent: &str) -> bool {
+/// Whether an event changes a fluent, or is about a task that waits for it.
+pub fn concerns(event: &Event, fluent: &str) -> bool {
     let is_border = |c: char| c.is_whitespace() || matches!(c, '(' | ')');
     match event.kind {
         EventKind::Fluent | EventKind::Pulse => detail(event, "fluent") == fluent,

@@ -1,8 +1,10 @@
 //! Reading a trace file, line by line, as far as it goes.
 
-use super::file::{Header, VERSION};
+use super::file::{Header, POSE, Seen, VERSION};
 use crate::files;
+use crate::mission::Sight;
 use anyhow::{Result, anyhow, bail};
+use rpl_robot::geometry::Pose;
 use rpl_runtime::time::LAST_INSTANT_US;
 use rpl_runtime::trace::{Event, EventKind};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -36,6 +38,8 @@ pub struct TraceReader {
     pub header: Option<Header>,
     /// Why reading ended before the end of the file.
     pub damage: Option<String>,
+    /// Where the robot was, as far as the file has been read.
+    pub poses: Vec<Seen>,
     input: Box<dyn BufRead>,
     number: usize,
     /// A first line that is an event already.
@@ -54,15 +58,26 @@ impl TraceReader {
                 files::open(Path::new(name)).map_err(|reason| anyhow!("cannot read the trace `{name}`: {reason}"))?,
             )),
         };
-        let mut reader = Self { name: name.to_string(), header: None, damage: None, input, number: 0, first: None };
+        let mut reader = Self {
+            name: name.to_string(),
+            header: None,
+            damage: None,
+            poses: Vec::new(),
+            input,
+            number: 0,
+            first: None,
+        };
         let bytes = reader.next_bytes().map_err(|error| anyhow!("cannot read the trace `{name}`: {error}"))?;
         if bytes.is_empty() {
             bail!("the trace `{name}` is empty; `rpl run FILE --trace {name}` writes one");
         }
         let text = String::from_utf8_lossy(&bytes);
-        match (serde_json::from_str::<Header>(&text), event_in(text.trim_end())) {
+        match (serde_json::from_str::<Header>(&text), told_in(text.trim_end())) {
             (Ok(header), _) => reader.header = Some(header),
-            (_, Ok(event)) => reader.first = Some(Line { number: 1, text: text.trim_end().to_string(), event }),
+            (_, Ok(Told::Event(event))) => {
+                reader.first = Some(Line { number: 1, text: text.trim_end().to_string(), event });
+            }
+            (_, Ok(Told::Pose(seen))) => reader.poses.push(seen),
             (_, Err(reason)) => {
                 bail!("`{name}` is no trace: line 1 {reason}; `rpl run FILE --trace {name}` writes one")
             }
@@ -93,20 +108,23 @@ impl TraceReader {
     }
 
     fn next_line(&mut self) -> Result<Option<Line>, String> {
-        let bytes = self.next_bytes().map_err(|error| format!("cannot be read: {error}"))?;
-        if bytes.is_empty() {
-            return Ok(None);
-        }
-        if bytes.len() as u64 == MAX_LINE_BYTES {
-            return Err(format!("is longer than {} MiB", MAX_LINE_BYTES >> 20));
-        }
-        let is_whole = bytes.ends_with(b"\n");
-        let text = String::from_utf8(bytes).map_err(|_| "is not text".to_string())?;
-        let text = text.trim_end().to_string();
-        match event_in(&text) {
-            Ok(event) => Ok(Some(Line { number: self.number, text, event })),
-            Err(_) if !is_whole => Err("is cut off".to_string()),
-            Err(reason) => Err(reason),
+        loop {
+            let bytes = self.next_bytes().map_err(|error| format!("cannot be read: {error}"))?;
+            if bytes.is_empty() {
+                return Ok(None);
+            }
+            if bytes.len() as u64 == MAX_LINE_BYTES {
+                return Err(format!("is longer than {} MiB", MAX_LINE_BYTES >> 20));
+            }
+            let is_whole = bytes.ends_with(b"\n");
+            let text = String::from_utf8(bytes).map_err(|_| "is not text".to_string())?;
+            let text = text.trim_end().to_string();
+            match told_in(&text) {
+                Ok(Told::Event(event)) => return Ok(Some(Line { number: self.number, text, event })),
+                Ok(Told::Pose(seen)) => self.poses.push(seen),
+                Err(_) if !is_whole => return Err("is cut off".to_string()),
+                Err(reason) => return Err(reason),
+            }
         }
     }
 }
@@ -157,12 +175,47 @@ impl<'de> Deserialize<'de> for Fields {
     }
 }
 
-/// The event a line tells of.
+/// What a line tells of.
+#[derive(Clone, Debug, PartialEq)]
+enum Told {
+    Event(Event),
+    Pose(Seen),
+}
+
+/// What a line tells of.
 ///
 /// # Errors
 /// What is wrong with the line, as said after its number.
-fn event_in(text: &str) -> Result<Event, String> {
+fn told_in(text: &str) -> Result<Told, String> {
     let Fields(fields) = serde_json::from_str(text).map_err(|_| "is no JSON object".to_string())?;
+    match fields.iter().any(|(name, value)| name == "kind" && value == POSE) {
+        true => pose_of(&fields).map(Told::Pose),
+        false => event_of(fields).map(Told::Event),
+    }
+}
+
+fn time_us_of(time_s: f64) -> Option<u64> {
+    (0.0..=MAX_TIME_S).contains(&time_s).then_some((time_s * 1e6).round() as u64)
+}
+
+fn pose_of(fields: &[(String, Value)]) -> Result<Seen, String> {
+    let field = |wanted: &str| fields.iter().find(|(name, _)| name == wanted).map(|(_, value)| value);
+    let number = |wanted: &str| field(wanted).and_then(Value::as_f64).filter(|number| number.is_finite());
+    let pose = |wanted: &str| {
+        let numbers: Vec<f64> = field(wanted)?.as_array()?.iter().filter_map(Value::as_f64).collect();
+        let &[x_m, y_m, heading_rad] = numbers.as_slice() else { return None };
+        Some(Pose { x_m, y_m, heading_rad })
+    };
+    let time_us = number("time_s").and_then(time_us_of);
+    match (time_us, pose("true"), pose("estimated"), number("certainty")) {
+        (Some(time_us), Some(robot_in_map), Some(estimate_in_map), Some(certainty)) => {
+            Ok(Seen { time_us, sight: Sight { robot_in_map, estimate_in_map, certainty } })
+        }
+        _ => Err("is no pose: `time_s`, `true`, `estimated` and `certainty` are expected".to_string()),
+    }
+}
+
+fn event_of(fields: Vec<(String, Value)>) -> Result<Event, String> {
     let (mut time_s, mut sequence, mut path, mut kind) = (None, None, None, None);
     let mut details = Vec::new();
     for (name, value) in fields {
@@ -178,18 +231,15 @@ fn event_in(text: &str) -> Result<Event, String> {
             (_, value) => details.push((name, value.to_string())),
         }
     }
-    let time_s = time_s.filter(|time_s| (0.0..=MAX_TIME_S).contains(time_s));
-    match (time_s, sequence, path, kind) {
-        (Some(time_s), Some(sequence), Some(path), Some(kind)) => {
-            Ok(Event { time_us: (time_s * 1e6).round() as u64, sequence, path, kind, details })
-        }
+    match (time_s.and_then(time_us_of), sequence, path, kind) {
+        (Some(time_us), Some(sequence), Some(path), Some(kind)) => Ok(Event { time_us, sequence, path, kind, details }),
         _ => Err("is no event: `time_s`, `seq`, `task` and `kind` are expected".to_string()),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::file::line;
+    use super::super::file::{line, pose_line};
     use super::*;
 
     #[test]
@@ -201,7 +251,11 @@ mod tests {
             kind: EventKind::Blocked,
             details: vec![("reads".into(), "level open?".into()), ("level".into(), "\"ü\n\"".into())],
         };
-        assert_eq!(event_in(&line(&event)), Ok(event));
+        assert_eq!(told_in(&line(&event)), Ok(Told::Event(event)));
+        let pose = |x_m| Pose { x_m, y_m: -2.5, heading_rad: 1.2345 };
+        let sight = Sight { robot_in_map: pose(1.125), estimate_in_map: pose(-0.001), certainty: 0.875 };
+        let seen = Seen { time_us: 1_250_000, sight };
+        assert_eq!(told_in(&pose_line(&seen)), Ok(Told::Pose(seen)));
     }
 
     #[test]
@@ -210,14 +264,15 @@ mod tests {
             ("", "no JSON object"),
             ("[1]", "no JSON object"),
             ("{\"time_s\":1}", "`kind` are expected"),
+            ("{\"time_s\":1,\"kind\":\"pose\",\"true\":[1,2],\"estimated\":[1,2,3],\"certainty\":1}", "is no pose"),
             ("{\"time_s\":-1,\"seq\":1,\"task\":\"\",\"kind\":\"log\"}", "no event"),
             ("{\"time_s\":1e300,\"seq\":1,\"task\":\"\",\"kind\":\"log\"}", "no event"),
             ("{\"time_s\":1,\"seq\":1,\"task\":\"\",\"kind\":\"fly\"}", "the kind \"fly\", which is not known"),
         ] {
-            let error = event_in(text).expect_err(text);
+            let error = told_in(text).expect_err(text);
             assert!(error.contains(reason), "{text}: {error}");
         }
         let deep = "[".repeat(100_000);
-        assert!(event_in(&format!("{{\"a\":{deep}")).is_err());
+        assert!(told_in(&format!("{{\"a\":{deep}")).is_err());
     }
 }

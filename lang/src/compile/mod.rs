@@ -107,6 +107,8 @@ pub struct Compilation<'a> {
     pub loader: &'a mut dyn Loader,
     /// Names that exist only with a robot, so that an error can say so.
     pub robot_names: &'a [&'static str],
+    /// Names that only a scenario has, so that an error can say so.
+    pub scenario_names: &'a [&'static str],
 }
 
 /// The result of a compilation: the code of its forms, and the findings.
@@ -191,6 +193,7 @@ pub(crate) struct Compiler<'a> {
     macros: &'a mut dyn MacroHost,
     loader: &'a mut dyn Loader,
     robot_names: &'a [&'static str],
+    scenario_names: &'a [&'static str],
     purpose: Purpose,
     tree: Tree,
     diagnostics: Vec<Diagnostic>,
@@ -230,7 +233,7 @@ const MAX_FORMS_DEEP: u32 = 10_000;
 
 impl<'a> Compiler<'a> {
     fn new(surroundings: Compilation<'a>, tree: Tree, purpose: Purpose) -> Self {
-        let Compilation { program, symbols, natives, macros, loader, robot_names } = surroundings;
+        let Compilation { program, symbols, natives, macros, loader, robot_names, scenario_names } = surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
         let specials = special::names().map(|(name, special)| (symbols.intern(name), special)).collect();
@@ -243,6 +246,7 @@ impl<'a> Compiler<'a> {
             macros,
             loader,
             robot_names,
+            scenario_names,
             purpose,
             tree,
             diagnostics: Vec::new(),
@@ -400,6 +404,17 @@ impl<'a> Compiler<'a> {
                     "needs a world",
                 )
                 .help = Some("add `--world dept` to the command".into());
+            } else if self.scenario_names.contains(&text.as_str()) {
+                self.error(
+                    "needs-a-scenario",
+                    span,
+                    format!("`{text}` belongs to scenarios, and this text is read as a plan"),
+                    "only a scenario has it",
+                )
+                .help = Some(
+                    "`rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
+                        .into(),
+                );
             } else {
                 let goal = text
                     .strip_prefix(goal::PREFIX)

@@ -29,9 +29,12 @@ pub enum Variation {
     Saved,
     /// Garbage is collected as often as can be.
     Collected,
+    /// Control comes back from the middle of a task every few steps.
+    Sliced,
 }
 
-const VARIATIONS: [Variation; 4] = [Variation::Plain, Variation::Forked, Variation::Saved, Variation::Collected];
+const VARIATIONS: [Variation; 5] =
+    [Variation::Plain, Variation::Forked, Variation::Saved, Variation::Collected, Variation::Sliced];
 
 /// A run to be judged.
 #[derive(Clone, Debug)]
@@ -96,7 +99,7 @@ fn judge_run(loaded: &Loaded, seed: u64, tally: &mut Tally) -> Result<(), String
     let mut dice = Dice::new(seed ^ 0xd15e_a5ed);
     let period_us = [None, None, Some(70_000), Some(300_000)][dice.below(4)];
     let mischief = [0, 40, 12, 6, 3][dice.below(5)];
-    let variation = VARIATIONS[dice.below(4)];
+    let variation = VARIATIONS[dice.below(VARIATIONS.len())];
     let run = |variation| Run {
         system: start(loaded, period_us),
         loaded,
@@ -228,6 +231,7 @@ impl Run<'_> {
                 }
             }
             Variation::Collected => self.system.machine.heap.threshold = self.vary.below(8),
+            Variation::Sliced => self.system.slice_steps = 1 + self.vary.below(7) as u32,
         }
         Ok(())
     }
