@@ -17,6 +17,7 @@ mod fluents;
 mod kinds;
 mod names;
 mod places;
+mod suspension;
 mod unknown_places;
 mod unused;
 mod valve_order;
@@ -59,6 +60,7 @@ pub const RULES: &[&str] = &[
     "wrong-format",
     "valve-order",
     "needs-valve",
+    "suspends-itself",
 ];
 
 /// A behaviour, as a text can use it.
@@ -107,6 +109,7 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     behaviours::find(&check, found);
     unknown_places::find(&check, found);
     valve_order::find(&check, found);
+    suspension::find(&check, found);
     let faulty = check.faulty(errors);
     warnings.retain(|warning| !faulty.iter().any(|&span| lies_in(warning.span, span)));
     warnings.retain(|warning| !places::is_allowed(&subject.program.sources, warning));
