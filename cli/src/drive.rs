@@ -6,7 +6,7 @@ use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
 use crate::trace::{Seen, TraceFile};
 use rpl_robot::localization::Localization;
-use rpl_runtime::machine::{Channel, MAX_WAITING_OUTPUT};
+use rpl_runtime::machine::Channel;
 use rpl_runtime::system::{Outcome, System, Turn};
 use rpl_runtime::trace::{Event, EventKind};
 use rpl_runtime::value::Value;
@@ -231,7 +231,7 @@ impl Driver<'_> {
             // What happens in one instant is told together, unless it grows too long.
             match self.system.step_slice() {
                 Turn::Idle => break,
-                Turn::Over if self.system.machine.output.len() < MAX_WAITING_OUTPUT => {}
+                Turn::Over if !self.system.machine.is_output_full() => {}
                 Turn::Over => self.hand_on()?,
                 Turn::Cut => {
                     self.hand_on()?;

@@ -488,7 +488,8 @@ pub struct FailureClass {
     pub slots: Vec<Symbol>,
 }
 
-/// All code of a system; append-only.
+/// All code of a system. What was there at its start, and what is defined later, stays; code that runs
+/// once can be given back.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Program {
     /// All bodies.
@@ -505,6 +506,10 @@ pub struct Program {
     pub failure_classes: BTreeMap<Symbol, FailureClass>,
     /// The texts.
     pub sources: Sources,
+    /// Places of codes that were given back, and are used again.
+    pub free_codes: Vec<u32>,
+    /// Places of constants that were given back.
+    pub free_constants: Vec<u32>,
     /// How many globals belong to the library and the robot; those may be defined again.
     pub library_globals: u32,
     /// How many texts are the library's and the robot's; a failure in them is shown where the plan
@@ -512,7 +517,88 @@ pub struct Program {
     pub library_sources: u32,
 }
 
+/// What an allocator adds to the tables of a code.
+const BLOCKS_OF_CODE: usize = 160;
+
+impl Code {
+    /// Bytes it takes.
+    pub fn bytes(&self) -> usize {
+        let children = self.constructs.iter().map(|construct| size_of_val(construct.children.as_slice()));
+        size_of::<Self>()
+            + BLOCKS_OF_CODE
+            + size_of_val(self.captures.as_slice())
+            + size_of_val(self.ops.as_slice())
+            + size_of_val(self.spans.as_slice())
+            + size_of_val(self.locals.as_slice())
+            + self.constructs.len() * size_of::<Construct>()
+            + children.sum::<usize>()
+            + self.handlers.len() * size_of::<Vec<Vec<Symbol>>>()
+    }
+
+    /// What stands in a place that was given back.
+    fn none(code: &Code) -> Self {
+        let (name, span) = (code.name, code.span);
+        Self {
+            name,
+            kind: CodeKind::Function,
+            parameters: Parameters::default(),
+            registers: 1,
+            exact_count: 0,
+            captures: Vec::new(),
+            ops: vec![Op::Return(0)],
+            spans: vec![span],
+            constructs: Vec::new(),
+            handlers: Vec::new(),
+            locals: Vec::new(),
+            doc: None,
+            span,
+        }
+    }
+}
+
 impl Program {
+    /// Adds a code and gives its number.
+    pub fn add_code(&mut self, code: Code) -> u32 {
+        let code = Arc::new(code);
+        match self.free_codes.pop() {
+            Some(place) => {
+                self.codes[place as usize] = code;
+                place
+            }
+            None => {
+                self.codes.push(code);
+                self.codes.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Adds a constant and gives its number.
+    pub fn add_constant(&mut self, constant: Constant) -> u32 {
+        match self.free_constants.pop() {
+            Some(place) => {
+                self.constants[place as usize] = constant;
+                place
+            }
+            None => {
+                self.constants.push(constant);
+                self.constants.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Gives the place of a code back that nothing refers to.
+    pub fn free_code(&mut self, code: u32) {
+        let none = Code::none(&self.codes[code as usize]);
+        self.codes[code as usize] = Arc::new(none);
+        self.free_codes.push(code);
+    }
+
+    /// Gives the place of a constant back that nothing refers to.
+    pub fn free_constant(&mut self, constant: u32) {
+        self.constants[constant as usize] = Constant::Atom(Atom::Nil);
+        self.free_constants.push(constant);
+    }
+
     /// Whether `class` is `ancestor` or below it.
     pub fn is_failure_subclass(&self, class: Symbol, ancestor: Symbol) -> bool {
         let mut at = Some(class);

@@ -35,17 +35,53 @@ pub struct Source {
     pub text: Arc<str>,
 }
 
-/// All texts of a program; append-only, so a span stays valid.
+/// All texts of a program. One is given back only when no span leads into it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sources {
     list: Vec<Source>,
+    /// Places that were given back, and are used again.
+    free: Vec<u32>,
+    /// How many texts there have ever been.
+    made: u32,
 }
 
 impl Sources {
     /// Adds a text.
     pub fn add(&mut self, name: &str, text: &str) -> SourceId {
-        self.list.push(Source { name: name.into(), text: text.into() });
-        SourceId(self.list.len() as u32 - 1)
+        let source = Source { name: name.into(), text: text.into() };
+        let id = self.next();
+        self.made += 1;
+        match self.free.pop() {
+            Some(place) => self.list[place as usize] = source,
+            None => self.list.push(source),
+        }
+        id
+    }
+
+    /// The number the next text gets.
+    pub fn next(&self) -> SourceId {
+        SourceId(self.free.last().copied().unwrap_or(self.list.len() as u32))
+    }
+
+    /// Places that were given back.
+    pub fn free_places(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// Takes over which places were given back, and how many texts there have ever been.
+    pub fn restore(&mut self, free: Vec<u32>, made: u32) {
+        (self.free, self.made) = (free, made);
+    }
+
+    /// How many texts there have ever been.
+    pub fn made(&self) -> u32 {
+        self.made
+    }
+
+    /// Gives the place of a text back that no span leads into.
+    pub fn free(&mut self, id: SourceId) {
+        self.list[id.0 as usize] = Source { name: "".into(), text: "".into() };
+        self.free.push(id.0);
     }
 
     /// The text of a number this table gave out.

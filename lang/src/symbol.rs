@@ -14,7 +14,12 @@ pub struct Symbols {
     names: Vec<Arc<str>>,
     /// Interned names only: an uninterned symbol is in `names` and not here.
     by_name: BTreeMap<Arc<str>, Symbol>,
+    /// Bytes of all names.
+    bytes: usize,
 }
+
+/// What a name takes beside its text: its place in both tables, and the counters in front of it.
+const BYTES_A_NAME: usize = 96;
 
 impl Symbols {
     /// The symbol of this name, made if need be. The name is taken as it is: folding to lower
@@ -24,10 +29,20 @@ impl Symbols {
             return symbol;
         }
         let name: Arc<str> = name.into();
-        let symbol = Symbol(self.names.len() as u32);
-        self.names.push(name.clone());
+        let symbol = self.add(name.clone());
         self.by_name.insert(name, symbol);
         symbol
+    }
+
+    fn add(&mut self, name: Arc<str>) -> Symbol {
+        self.bytes += BYTES_A_NAME + name.len();
+        self.names.push(name);
+        Symbol(self.names.len() as u32 - 1)
+    }
+
+    /// Bytes of all names.
+    pub fn bytes(&self) -> usize {
+        self.bytes
     }
 
     /// The symbol of this name, if there is one.
@@ -37,9 +52,7 @@ impl Symbols {
 
     /// A new symbol that no text can name, printed as `#:stem12`.
     pub fn uninterned(&mut self, stem: &str) -> Symbol {
-        let symbol = Symbol(self.names.len() as u32);
-        self.names.push(format!("#:{stem}{}", symbol.0).into());
-        symbol
+        self.add(format!("#:{stem}{}", self.names.len()).into())
     }
 
     /// The name of a symbol of this table.
@@ -78,6 +91,7 @@ impl<'de> Deserialize<'de> for Symbols {
             .filter(|(_, name)| !name.starts_with("#:"))
             .map(|(index, name)| (name.clone(), Symbol(index as u32)))
             .collect();
-        Ok(Self { names, by_name })
+        let bytes = names.iter().map(|name| BYTES_A_NAME + name.len()).sum();
+        Ok(Self { names, by_name, bytes })
     }
 }

@@ -123,8 +123,7 @@ impl Machine {
             found.extend(is_awaited.then_some(record.parent));
         }
         if let Some(rare) = &record.rare {
-            let others = rare.mourners.iter().chain(&rare.resters);
-            found.extend(others.filter_map(|&other| self.tasks.find_alive(other)));
+            found.extend([rare.mourners, rare.resters].iter().flat_map(|line| line.tasks(&self.tasks)));
             let held = rare.held.iter().filter(|&&valve| self.holder_of(valve) == Some(task));
             found.extend(held.flat_map(|&valve| self.valves[valve as usize].waiters.keys().copied()));
         }
@@ -145,6 +144,6 @@ impl Machine {
     fn crowd_behind(&self, task: u32) -> usize {
         let Some(rare) = &self.tasks[task].rare else { return 1 };
         let in_lines = rare.held.iter().map(|&valve| self.valves[valve as usize].waiters.len());
-        1 + rare.mourners.len() + rare.resters.len() + in_lines.sum::<usize>()
+        1 + rare.in_lines as usize + in_lines.sum::<usize>()
     }
 }

@@ -3,6 +3,7 @@
 use crate::active_time::ActiveTime;
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
+use crate::memory;
 use crate::scheduler::Alarm;
 use crate::task::{Children, Decision, Held, Leaving, NONE, Scope, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::Value;
@@ -23,6 +24,7 @@ impl Machine {
         let stack = &self.scratch.stack[base..];
         let captured = code.captures.iter().map(|&register| stack[usize::from(register)]);
         let count = usize::from(argument.is_some()) + code.captures.len();
+        self.heap.allocated += memory::TASK + count * size_of::<Value>();
         let registers = self.tasks.registers.make(count, argument.into_iter().chain(captured));
         let mut task = Task::new(child.code, registers, code.name, priority.0);
         task.priority_depth = priority.1;
@@ -92,6 +94,11 @@ impl Machine {
             }
             _ => None,
         };
+        let appends = construct.rule == Rule::Policy || construct.with_priority;
+        if appends && self.tasks[parent].priority_depth == u16::MAX {
+            let message = format!("policies and priorities are nested more than {} deep", u16::MAX);
+            return Err(Raise::new("stack-overflow", message));
+        }
         let occurrence = self.count_use(parent, construct.name);
         if total == 0 {
             return self.empty_construct(construct.rule);
@@ -115,7 +122,10 @@ impl Machine {
             active: due_us.filter(|_| construct.active).map(ActiveTime::Due),
             expired_us: None,
         };
-        self.tasks[parent].scopes.push(Scope { kind: ScopeKind::Children(Box::new(children)), depth });
+        let kind = ScopeKind::Children(Box::new(children));
+        let is_first = self.tasks[parent].scopes.is_empty();
+        self.heap.allocated += memory::scope(&kind) + if is_first { memory::SCOPE_STACK } else { 0 };
+        self.tasks[parent].scopes.push(Scope { kind, depth });
         let constraints = constraints_of(&construct.order, total);
         let mut held = Vec::new();
         let mut rest = elements.unwrap_or_default();
@@ -158,15 +168,7 @@ impl Machine {
         base: usize,
     ) -> Result<Value, Raise> {
         let child = &construct.children[0];
-        let (mut owner, mut scope) = (self.current, None);
-        while owner != NONE {
-            scope = self.tasks[owner].scopes.iter().rposition(|scope| matches!(scope.kind, ScopeKind::Call(_)));
-            if scope.is_some() {
-                break;
-            }
-            owner = self.tasks[owner].parent;
-        }
-        let Some(scope) = scope else {
+        let Some((owner, scope)) = self.plan_call_around(self.current) else {
             return Err(Raise::new("control-error", "`spawn` needs a plan around it that the child belongs to"));
         };
         let record = &self.tasks[self.current];
@@ -227,6 +229,7 @@ impl Machine {
     }
 
     fn set_deadline(&mut self, parent: u32, scope: u32, due_us: u64) {
+        self.heap.allocated += memory::TIMER;
         let timer = self.timers.set(due_us, self.tasks.reference(parent), Alarm::Deadline);
         if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
             children.timer = timer;
@@ -375,7 +378,8 @@ impl Machine {
             }
             children.decided = Some(decision);
         }
-        let children = self.children_of_scope(parent, scope);
+        let (children, looked_at) = self.look_for_children(parent, scope);
+        self.scratch.work += looked_at;
         self.evaporate_all(around, &children);
     }
 
@@ -459,7 +463,8 @@ impl Machine {
     fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
         if state == State::Failed {
             let record = &self.tasks[owner];
-            if record.is_leaving() || record.is_committed() || record.scopes[scope as usize..].iter().any(is_clean_up) {
+            let clean_up = record.scopes.last_clean_up();
+            if record.is_leaving() || record.is_committed() || clean_up.is_some_and(|clean_up| clean_up >= scope) {
                 // It takes effect when the clean-up is over, or is attached to what is under way.
                 self.tasks[owner].rare().failure_pending = true;
                 if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope as usize].kind {
@@ -498,10 +503,6 @@ fn constraints_of(order: &[(u16, u16)], children: usize) -> Vec<u32> {
         constraints[usize::from(after)] += 1;
     }
     constraints
-}
-
-fn is_clean_up(scope: &Scope) -> bool {
-    matches!(scope.kind, ScopeKind::InCleanup(_))
 }
 
 /// What the end of one child decides.

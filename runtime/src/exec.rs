@@ -2,7 +2,8 @@
 
 use crate::failure::Raise;
 use crate::fluent::{Fluent, Origin};
-use crate::machine::{Limits, MAX_WAITING_OUTPUT, Machine, SCRATCH_TASK, Surroundings};
+use crate::machine::{Limits, Machine, SCRATCH_TASK, Surroundings};
+use crate::memory;
 use crate::native::{Call as NativeCall, Reply};
 use crate::registers::Registers;
 use crate::task::{self, Frame, Leaving, NONE, Raises, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
@@ -13,6 +14,7 @@ use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Parameters, Program, Reg};
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::kind::Kind;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::hint::black_box;
 
 /// How far the window of one frame reaches.
@@ -21,6 +23,9 @@ const WINDOW: usize = 256;
 /// Registers within reach of the current frame: its own, those of any frame it calls, and a few
 /// that are cleared along with them.
 const REACH: usize = 2 * WINDOW + 4;
+
+/// Registers that are kept from a task that needed them for one that does not.
+const MAX_SPARE_REGISTERS: usize = 1 << 16;
 
 /// Evaluations of networks inside one another; each takes some Rust stack.
 const MAX_EVALUATIONS_DEEP: u32 = 64;
@@ -44,8 +49,8 @@ pub(crate) enum Exit {
 }
 
 /// The place of execution; in local variables while the loop runs.
-#[derive(Clone, Copy)]
-struct Place {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
     frame: Frame,
     /// Steps until control goes back to the caller.
     fuel: u32,
@@ -64,13 +69,26 @@ impl Place {
     fn steps(&self) -> u32 {
         self.fuel + self.reserve
     }
+
+    /// Takes steps, from the slice first.
+    fn spend(&mut self, steps: usize) {
+        let steps = u32::try_from(steps).unwrap_or(u32::MAX);
+        *self = Self::new(self.frame, self.steps().saturating_sub(steps), self.fuel.saturating_sub(steps));
+    }
+
+    /// The frame that runs.
+    pub(crate) fn frame(&self) -> Frame {
+        self.frame
+    }
 }
 
 impl Limits {
     /// Whether one more frame may start at this register above so many others.
+    ///
+    /// The calls of the running task take a quarter of the memory at most, beside the data.
     #[inline]
     fn allow(&self, frames: usize, base: usize) -> bool {
-        frames < self.frames as usize && base < self.bytes / (2 * size_of::<Value>())
+        frames < self.frames as usize && frames * size_of::<Frame>() + base * size_of::<Value>() < self.bytes / 4
     }
 }
 
@@ -104,8 +122,8 @@ pub(crate) enum Ran {
     Task,
     /// A task ran and has not come to its end: the next turn is its own.
     Slice,
-    /// A task ran and asks for a datum to be compiled.
-    Asked(u32, Value),
+    /// The task that runs asks for a datum to be compiled.
+    Asked(Value),
 }
 
 impl Machine {
@@ -130,8 +148,8 @@ impl Machine {
         self.run_task(around, task)
     }
 
-    /// Runs a ready task until it blocks, ends, is switched out or has taken a slice of steps. After
-    /// a datum to compile is answered, the task goes on with [`Machine::enter`].
+    /// Runs a ready task until it blocks, ends, is switched out or has taken a slice of steps. A datum
+    /// to compile is answered; the task then goes on with [`Machine::enter`], before anything else runs.
     fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
         self.set_state(task, State::Running);
         self.current = task;
@@ -157,12 +175,46 @@ impl Machine {
             Some(exit) => exit,
             None => self.execute(around, &mut place, 0),
         };
+        self.steps += 1;
+        self.leave_off(around, task, place, exit, steps)
+    }
+
+    /// Lays aside what ran and had so many steps left at first, as far as its exit asks for.
+    fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit, steps: u32) -> Ran {
         // One that ran out of its limit has got it anew.
-        self.steps += 1 + u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
+        self.steps += u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
+        if let Exit::Execute(datum, register) = exit {
+            self.scratch.asked = Some((place, register));
+            return Ran::Asked(datum);
+        }
         if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
             return Ran::Task;
         }
         self.after_exit(around, task, place, exit)
+    }
+
+    /// Lets the running task, which asked for a datum to be compiled, go on in its code, or fail
+    /// instead. It may ask again.
+    pub(crate) fn enter(&mut self, around: &mut Surroundings<'_>, code: Result<u32, Raise>, steps: usize) -> Ran {
+        let Some((mut place, register)) = self.scratch.asked.take() else { return Ran::Task };
+        let (task, left) = (self.current, place.steps());
+        place.spend(steps);
+        let base = place.frame.base as usize + usize::from(register);
+        let code = code.and_then(|code| match self.limits.allow(self.scratch.frames.len(), base) {
+            true => Ok(code),
+            false => Err(self.too_deep()),
+        });
+        let exit = match code {
+            Ok(code) => {
+                self.scratch.frames.push(place.frame);
+                place.frame = Frame { code, pc: 0, base: base as u32 };
+                self.clear_frame(&around.program.codes[code as usize], base);
+                None
+            }
+            Err(raise) => self.raise(around, &mut place, raise),
+        };
+        let exit = exit.unwrap_or_else(|| self.execute(around, &mut place, 0));
+        self.leave_off(around, task, place, exit, left)
     }
 
     /// Gives a task that goes on what it was woken with; answers how it left, if it did.
@@ -224,10 +276,15 @@ impl Machine {
         let top = self.scratch.frames.iter().map(end).fold(end(&frame), usize::max);
         if self.scratch.stack.len() < top + WINDOW {
             self.scratch.stack.resize(top + 4 * WINDOW, Value::Nil);
+        } else if self.scratch.stack.len() > (top + MAX_SPARE_REGISTERS) * 2 {
+            self.scratch.stack.truncate(top + 4 * WINDOW);
+            self.scratch.stack.shrink_to_fit();
+            self.scratch.frames.shrink_to(self.scratch.frames.len() * 2);
         }
         let stack = &mut self.scratch.stack[..top];
         let values = self.tasks.registers_of(task);
         let kept = values.len().min(top);
+        self.scratch.work += kept as u64;
         for (register, &value) in stack.iter_mut().zip(values) {
             *register = value;
         }
@@ -243,7 +300,7 @@ impl Machine {
         match exit {
             Exit::Returned(value) => self.finish(around, task, value),
             Exit::Dead => {}
-            Exit::Blocked | Exit::Switched | Exit::Paused | Exit::Execute(..) if alive => {
+            Exit::Blocked | Exit::Switched | Exit::Paused if alive => {
                 let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
                 self.store(task, place.frame, registers);
                 self.current = NONE;
@@ -256,10 +313,6 @@ impl Machine {
                         self.steps -= 1;
                         self.set_aside(task);
                         ran = Ran::Slice;
-                    }
-                    Exit::Execute(value, register) => {
-                        self.tasks[task].wake_register = register;
-                        ran = Ran::Asked(task, value);
                     }
                     _ => {
                         let gives_way = std::mem::take(&mut self.scratch.gives_way);
@@ -291,27 +344,6 @@ impl Machine {
             }
         }
         self.die(around, task, State::Succeeded, value);
-    }
-
-    /// Lets a task that asked for a datum to be compiled go on in its code.
-    pub(crate) fn enter(&mut self, task: u32, code: u32) {
-        let record = &self.tasks[task];
-        let frame = record.frame;
-        let base = frame.base as usize + usize::from(record.wake_register);
-        let values = self.tasks.registers_of(task);
-        let below = values[..values.len().min(base)].to_vec();
-        self.tasks.set_registers(task, &below);
-        let record = &mut self.tasks[task];
-        record.frames.push(frame);
-        record.frame = Frame { code, pc: 0, base: base as u32 };
-        record.wake_register = NO_REG;
-        self.requeue_running(task);
-    }
-
-    /// Lets a task that asked for a datum to be compiled fail instead.
-    pub(crate) fn fail_execution(&mut self, task: u32, failure: Value) {
-        self.tasks[task].set_wake(Wake::Raise(failure));
-        self.requeue_running(task);
     }
 
     /// Evaluates the code of a network in the scratch task, above whatever runs now.
@@ -456,6 +488,8 @@ impl Machine {
     fn push_scope(&mut self, kind: ScopeKind) {
         let depth = self.scratch.frames.len() as u32;
         let task = self.current;
+        let is_first = self.tasks[task].scopes.is_empty();
+        self.heap.allocated += memory::scope(&kind) + if is_first { memory::SCOPE_STACK } else { 0 };
         self.tasks[task].scopes.push(Scope { kind, depth });
     }
 
@@ -1067,7 +1101,15 @@ impl Machine {
                             }
                         };
                         spend!();
-                        match attempt!(reply) {
+                        let reply = match reply {
+                            Ok(reply) => reply,
+                            Err(raise) => {
+                                let arguments = base + first..base + first + usize::from(count);
+                                let arguments = self.scratch.stack[arguments].to_vec();
+                                attempt!(self.call_with_room(around, native, &arguments, raise))
+                            }
+                        };
+                        match reply {
                             Reply::Value(value) => {
                                 self.scratch.stack[base + usize::from(to)] = value;
                                 collect_if_full!();
@@ -1143,13 +1185,14 @@ impl Machine {
                             name: code.name,
                             occurrence: self.count_use(task, code.name),
                             span,
-                            counters: Vec::new(),
+                            counters: BTreeMap::new(),
                             spawned: 0,
                             tags: Vec::new(),
                             failure: None,
                         };
                         self.push_scope(ScopeKind::Call(Box::new(call)));
                         self.trace_call(task);
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::LeavePlan(a) => {
@@ -1174,14 +1217,16 @@ impl Machine {
                             let tag = self.new_tag(name);
                             self.scratch.stack[base + usize::from(a)] = tag;
                         }
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::Parallel(a, number) => {
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
-                        self.heap.allocated += 1;
-                        collect_if_full!();
                         let construct = &code.constructs[number as usize];
+                        let top = self.scratch.top;
+                        attempt!(self.make_room(top, construct.children.len() * memory::TASK));
+                        collect_if_full!();
                         match self.start_construct(around, construct, None, a, base)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,
                             None => {
@@ -1196,9 +1241,13 @@ impl Machine {
                         let list = r!(list);
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
-                        if self.heap.length(list).is_err() {
-                            fail!(self.wrong_type("what is mapped over", Kind::List.noun(), list));
-                        }
+                        let count = match self.heap.length(list) {
+                            Ok(count) => count,
+                            Err(_) => fail!(self.wrong_type("what is mapped over", Kind::List.noun(), list)),
+                        };
+                        let top = self.scratch.top;
+                        attempt!(self.make_room(top, count * memory::TASK));
+                        collect_if_full!();
                         let construct = &code.constructs[number as usize];
                         match self.start_construct(around, construct, Some(list), a, base)? {
                             Some(value) => self.scratch.stack[base + usize::from(a)] = value,
@@ -1213,7 +1262,6 @@ impl Machine {
                     Op::Spawn(a, number) => {
                         attempt!(self.refuse_in_network("a task cannot be started"));
                         save!();
-                        self.heap.allocated += 1;
                         collect_if_full!();
                         let value = self.start_spawned(around, &code.constructs[number as usize], base)?;
                         self.scratch.stack[base + usize::from(a)] = value;
@@ -1226,6 +1274,7 @@ impl Machine {
                         r!(a) = Value::Int(identity as i64);
                         let target = (pc as i64 + i64::from(distance)) as u32;
                         self.push_scope(ScopeKind::Block { identity, result, target });
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::ReturnFrom(a, b) => {
@@ -1233,7 +1282,7 @@ impl Machine {
                         save!();
                         let identity = if let Value::Int(identity) = identity { identity as u64 } else { u64::MAX };
                         let task = self.current;
-                        let is_here = self.tasks[task].scopes.iter().any(
+                        let is_here = self.tasks[task].scopes.iter().rev().any(
                             |scope| matches!(scope.kind, ScopeKind::Block { identity: known, .. } if known == identity),
                         );
                         if !is_here {
@@ -1253,11 +1302,13 @@ impl Machine {
                             failure,
                             target,
                         });
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::PushCleanup(distance) => {
                         let target = (pc as i64 + i64::from(distance)) as u32;
                         self.push_scope(ScopeKind::Cleanup { target });
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::BeginCleanup => {
@@ -1304,11 +1355,13 @@ impl Machine {
                     Op::PushOnInterrupt(a) => {
                         let hook = r!(a);
                         self.push_scope(ScopeKind::OnInterrupt(hook));
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::PushOnResume(a) => {
                         let hook = r!(a);
                         self.push_scope(ScopeKind::OnResume(hook));
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::PushSuspended(a) => {
@@ -1341,6 +1394,7 @@ impl Machine {
                         }
                         let watch = self.start_watch(task, fluent, missed, owned);
                         self.push_scope(ScopeKind::Watch(watch));
+                        collect_if_full!();
                         continue 'frame;
                     }
                     Op::WatchWait => {
@@ -1473,20 +1527,14 @@ impl Machine {
         if self.current != SCRATCH_TASK {
             self.collect();
         }
-        if self.used_bytes() > self.limits.bytes {
-            let message = format!("heap and tasks have grown beyond {} bytes", self.limits.bytes);
-            return Err(Raise::new("out-of-memory", message));
-        }
-        Ok(())
+        if self.has_room(0) { Ok(()) } else { Err(self.out_of_memory()) }
     }
 
     /// Whether the running task must give way: something more important is ready, or it is
     /// suspended itself.
     fn must_switch(&self) -> bool {
         let record = &self.tasks[self.current];
-        record.is_held()
-            || self.output.len() >= MAX_WAITING_OUTPUT
-            || self.priorities.has_higher(self.effective_priority(self.current))
+        record.is_held() || self.is_output_full() || self.priorities.has_higher(self.effective_priority(self.current))
     }
 
     /// The place of a task that has spent its budget and gets it once more. What is evaluated without
@@ -1524,7 +1572,8 @@ impl Machine {
     #[cold]
     #[inline(never)]
     fn grow_stack(&mut self, base: usize) {
-        self.scratch.stack.resize((base + REACH) * 2, Value::Nil);
+        // By a little only: what is grown is filled, and so taken from the system.
+        self.scratch.stack.resize((base + REACH) / 8 * 9, Value::Nil);
     }
 
     fn clear_frame(&mut self, code: &Code, base: usize) {
@@ -1542,6 +1591,29 @@ impl Machine {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
         (entry.code)(&mut NativeCall { machine: self, around, native: entry, arguments })
+    }
+
+    /// Calls a native that has found no room once more, when what nobody needs is gone.
+    #[cold]
+    #[inline(never)]
+    fn call_with_room(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        native: u16,
+        arguments: &[Value],
+        raise: Raise,
+    ) -> Result<Reply, Raise> {
+        let Raise::NoRoom(bytes) = raise else { return Err(raise) };
+        // Not all arguments need to stand in registers.
+        let (top, above) = (self.scratch.top, self.scratch.top + arguments.len());
+        if self.scratch.stack.len() < above {
+            self.scratch.stack.resize(above, Value::Nil);
+        }
+        self.scratch.stack[top..above].copy_from_slice(arguments);
+        let room = self.make_room(above, bytes);
+        self.scratch.top = top;
+        room?;
+        self.call_native(around, native, arguments)
     }
 
     /// Calls any function value. On return `place` tells where to go on; an exit if the task stops.
@@ -1606,7 +1678,7 @@ impl Machine {
         let base = place.frame.base as usize + if tail { 0 } else { first };
         let needed = base + WINDOW.max(arguments.len());
         if self.scratch.stack.len() < needed {
-            self.scratch.stack.resize(needed * 2, Value::Nil);
+            self.grow_stack(needed);
         }
         self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
         self.arrange(callee, base, arguments.len())?;
@@ -1638,23 +1710,21 @@ impl Machine {
             let name = around.natives[usize::from(native)].name;
             return Err(Raise::new("arity-error", format!("`{name}` cannot take {count} arguments")));
         }
-        self.call_native(around, native, arguments)
+        match self.call_native(around, native, arguments) {
+            Ok(reply) => Ok(reply),
+            Err(raise) => self.call_with_room(around, native, arguments, raise),
+        }
     }
 
     fn new_tag(&mut self, name: rpl_lang::symbol::Symbol) -> Value {
         let task = self.current;
         let priority = self.tasks[task].priority;
+        self.heap.allocated += memory::TASK;
         let index = self.tasks.insert(Task::new(0, Registers::default(), name, priority));
         let value = self.expose(index);
         let reference = self.tasks.reference(index);
-        let mut at = task;
-        while at != NONE {
-            let scope = self.tasks[at].scopes.iter().rposition(|scope| matches!(scope.kind, ScopeKind::Call(_)));
-            if let Some(scope) = scope {
-                self.note_tag(at, scope, reference);
-                break;
-            }
-            at = self.tasks[at].parent;
+        if let Some((owner, call)) = self.plan_call_around(task) {
+            self.note_tag(owner, call, reference);
         }
         value
     }
@@ -1676,10 +1746,7 @@ impl Machine {
     /// Evaporates what the innermost plan call spawned; tells whether some of it still lives.
     fn must_wait_for_spawned(&mut self, around: &mut Surroundings<'_>) -> bool {
         let task = self.current;
-        let Some(index) = self.tasks[task].scopes.iter().rposition(|scope| matches!(scope.kind, ScopeKind::Call(_)))
-        else {
-            return false;
-        };
+        let Some(index) = self.tasks[task].scopes.call_within(usize::MAX) else { return false };
         let waits = self.evaporate_children(around, task, index as u32) > 0;
         if waits {
             self.tasks[task].waiting = Waiting::Spawned;
@@ -1747,6 +1814,7 @@ impl Machine {
         if self.trace.enabled {
             self.scratch.wake_at = Some((task, due_us));
         }
+        self.heap.allocated += memory::TIMER;
         self.timers.set(due_us, reference, crate::scheduler::Alarm::Wake(number));
     }
 }

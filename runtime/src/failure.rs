@@ -46,6 +46,8 @@ pub enum Raise {
     },
     /// A failure that exists.
     Again(Value),
+    /// So many bytes are wanted at once: a native is called again when there is room for them.
+    NoRoom(usize),
 }
 
 impl Raise {

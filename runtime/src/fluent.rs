@@ -7,7 +7,9 @@
 
 use crate::failure::Raise;
 use crate::machine::{Machine, Surroundings};
+use crate::memory;
 use crate::scheduler::Line;
+use crate::small_set::SmallSet;
 use crate::task::{NONE, Waiting, Wake};
 use crate::value::Value;
 use rpl_lang::code::Missed;
@@ -55,15 +57,15 @@ pub struct Fluent {
     /// The failure of a network that could not be evaluated.
     pub failure: Option<Value>,
     /// Networks that read it.
-    pub dependents: Vec<u32>,
+    pub dependents: SmallSet<u32>,
     /// Fluents a network read when it was last evaluated.
     pub inputs: Vec<u32>,
     /// Longest chain of inputs below it.
     pub height: u32,
     /// Tasks that wait for it, in the order in which they began to.
     pub waiters: Line,
-    /// Watches of it, in the order in which they began.
-    pub watches: Vec<u32>,
+    /// Watches of it, in the order in which they began: number and slot.
+    pub watches: SmallSet<(u64, u32)>,
     /// It is pulsed in the propagation under way.
     pub is_pulsed: bool,
     /// It changed in the propagation under way.
@@ -79,11 +81,11 @@ impl Fluent {
             value,
             origin,
             failure: None,
-            dependents: Vec::new(),
+            dependents: SmallSet::default(),
             inputs: Vec::new(),
             height: 0,
             waiters: Line::default(),
-            watches: Vec::new(),
+            watches: SmallSet::default(),
             is_pulsed: false,
             is_changed: false,
         }
@@ -114,6 +116,8 @@ impl Fluent {
 /// A `whenever` that counts how often its fluent becomes true.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watch {
+    /// Grows from watch to watch.
+    pub number: u64,
     /// The fluent.
     pub fluent: u32,
     /// The task.
@@ -136,7 +140,11 @@ const MAX_EVALUATIONS: usize = 1_000_000;
 impl Machine {
     /// Makes a fluent.
     pub fn create_fluent(&mut self, mut fluent: Fluent) -> Value {
-        self.heap.allocated += 4;
+        let captured = match &fluent.origin {
+            Origin::Network { captured, .. } => captured.len(),
+            Origin::Plan | Origin::System | Origin::Pulsed | Origin::Changed | Origin::Count => 0,
+        };
+        self.heap.allocated += memory::fluent(captured);
         fluent.number = self.next_identity;
         self.next_identity += 1;
         Value::Fluent(self.fluents.insert(fluent))
@@ -292,10 +300,11 @@ impl Machine {
         (fluent.height, fluent.number, network)
     }
 
-    fn mark_dependents(&self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
-        for &dependent in &self.fluents[fluent].dependents {
+    fn mark_dependents(&mut self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
+        self.scratch.work += self.fluents[fluent].dependents.len() as u64;
+        self.fluents[fluent].dependents.for_each(|dependent| {
             dirty.insert(self.turn(dependent));
-        }
+        });
     }
 
     /// Releases waiters and counts events of fluents that have changed together. Whoever is released
@@ -317,9 +326,8 @@ impl Machine {
         let reading = self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
         let is_true = reading.is_true() || failure.is_some();
-        for at in 0..self.fluents[fluent].watches.len() {
-            let watch = self.fluents[fluent].watches[at];
-            let Some(entry) = self.watches.get_mut(watch) else { continue };
+        self.fluents[fluent].watches.for_each(|(_, watch)| {
+            let Some(entry) = self.watches.get_mut(watch) else { return };
             if is_true && (!entry.was_true || is_pulse) {
                 entry.events = entry.events.saturating_add(1);
                 if std::mem::take(&mut entry.waits) {
@@ -328,7 +336,7 @@ impl Machine {
                 }
             }
             entry.was_true = is_true;
-        }
+        });
         if is_true {
             let wake = failure.map_or(Wake::Value(reading), Wake::Raise);
             let waiters = self.fluents[fluent].waiters.tasks(&self.tasks);
@@ -364,11 +372,11 @@ impl Machine {
     fn end_event(&mut self, fluent: u32) {
         let Some(entry) = self.fluents.get(fluent) else { return };
         let is_true = entry.reading().is_true();
-        for &watch in &entry.watches {
+        entry.watches.for_each(|(_, watch)| {
             if let Some(entry) = self.watches.get_mut(watch) {
                 entry.was_true = is_true;
             }
-        }
+        });
     }
 
     /// Ends pulses and changes: what read them is evaluated again, silently.
@@ -379,13 +387,13 @@ impl Machine {
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
             entry.is_pulsed = false;
             entry.is_changed = false;
-            for dependent in entry.dependents.clone() {
+            self.fluents[fluent].dependents.for_each(|dependent| {
                 let reads_events = matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
                     || self.scratch.event_readers.contains(&dependent);
                 if pulsed || (changed && reads_events) {
                     again.insert(self.turn(dependent));
                 }
-            }
+            });
         }
         while let Some((_, _, network)) = again.pop_first() {
             let before = self.fluents[network].value;
@@ -404,6 +412,7 @@ impl Machine {
 
     /// Brings one network up to date.
     fn evaluate(&mut self, around: &mut Surroundings<'_>, network: u32) {
+        self.scratch.work += 1;
         let input = self.fluents[network].inputs.first().copied();
         let input_is = |machine: &Machine, test: fn(&Fluent) -> bool| {
             input.and_then(|input| machine.fluents.get(input)).is_some_and(test)
@@ -450,11 +459,12 @@ impl Machine {
         if self.fluents[network].inputs != inputs {
             for input in std::mem::take(&mut self.fluents[network].inputs) {
                 if let Some(fluent) = self.fluents.get_mut(input) {
-                    fluent.dependents.retain(|&dependent| dependent != network);
+                    fluent.dependents.remove(&network);
                 }
             }
+            self.heap.allocated += 2 * memory::EDGE * inputs.len();
             for &input in &inputs {
-                self.fluents[input].dependents.push(network);
+                self.fluents[input].dependents.insert(network);
             }
             self.fluents[network].inputs = inputs;
         }
@@ -489,9 +499,12 @@ impl Machine {
     pub(crate) fn start_watch(&mut self, task: u32, fluent: u32, missed: Missed, owned: bool) -> u32 {
         let is_true = self.fluents[fluent].reading().is_true() || self.fluents[fluent].failure.is_some();
         let events = u32::from(is_true);
-        let entry = Watch { fluent, task, was_true: is_true, events, missed, owned, waits: false };
+        let number = self.next_identity;
+        self.next_identity += 1;
+        let entry = Watch { number, fluent, task, was_true: is_true, events, missed, owned, waits: false };
+        self.heap.allocated += memory::WATCH;
         let watch = self.watches.insert(entry);
-        self.fluents[fluent].watches.push(watch);
+        self.fluents[fluent].watches.insert((number, watch));
         watch
     }
 
@@ -499,7 +512,7 @@ impl Machine {
     pub(crate) fn end_watch(&mut self, watch: u32) {
         let Some(entry) = self.watches.remove(watch) else { return };
         if let Some(fluent) = self.fluents.get_mut(entry.fluent) {
-            fluent.watches.retain(|&other| other != watch);
+            fluent.watches.remove(&(entry.number, watch));
             if entry.owned {
                 self.free_network(entry.fluent);
             }

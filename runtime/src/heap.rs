@@ -1,7 +1,8 @@
 //! The heap: pairs, strings, cells, closures and hash tables in slabs of their own.
 
 use crate::failure::Failure;
-use crate::slab::{Marks, Slab, is_free_list};
+use crate::memory::{MIN_THRESHOLD, block, table_entry};
+use crate::slab::{Marks, Slab, give_back, is_free_list};
 use crate::value::Value;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
@@ -104,18 +105,17 @@ pub struct Heap {
     pub tables: Slab<Table>,
     /// Failures.
     pub failures: Slab<Failure>,
-    /// Objects allocated since the last collection, large ones for several.
+    /// Bytes that were made since the last collection, here and elsewhere in the machine.
     pub allocated: usize,
-    /// The same up to the last collection.
+    /// The same for the time before.
     pub allocated_before: u64,
     /// A collection is due when `allocated` passes this.
     pub threshold: usize,
-    /// Bytes of strings and closures, roughly; what a limit on memory counts.
-    pub bytes: usize,
+    /// Bytes that were found alive by the last collection, in the whole machine.
+    pub live: usize,
+    /// Bytes of the texts of strings.
+    pub text_bytes: usize,
 }
-
-/// What one counts for in [`Heap::made_bytes`]: a pair.
-const OBJECT_BYTES: u64 = 32;
 
 /// Pairs a key may have. A list that shares its parts can be far larger than the memory it takes.
 pub const MAX_KEY_PAIRS: usize = 100_000;
@@ -214,7 +214,7 @@ impl Heap {
 
     /// A new pair.
     pub fn cons(&mut self, car: Value, cdr: Value) -> Value {
-        self.allocated += 1;
+        self.allocated += PAIR;
         match self.free_pairs.pop() {
             Some(index) => {
                 self.pairs[index as usize] = (car, cdr);
@@ -229,21 +229,40 @@ impl Heap {
 
     /// A new string.
     pub fn string(&mut self, text: &str) -> Value {
-        self.allocated += 1 + text.len() / 32;
-        self.bytes += text.len();
+        let bytes = text_block(text);
+        self.allocated += STRING + bytes;
+        self.text_bytes += bytes;
         Value::Str(self.strings.insert(text.into()))
     }
 
     /// A new cell.
     pub fn cell(&mut self, value: Value) -> Value {
-        self.allocated += 1;
+        self.allocated += CELL;
         Value::Cell(self.cells.insert(value))
     }
 
     /// A new closure.
     pub fn closure(&mut self, code: u32, captured: Box<[Value]>) -> Value {
-        self.allocated += 1 + captured.len() / 2;
+        self.allocated += CLOSURE + block(captured.len() * size_of::<Value>());
         Value::Closure(self.closures.insert(Closure { code, captured }))
+    }
+
+    /// A new hash table. Its entries are counted where they are made.
+    pub fn table(&mut self) -> Value {
+        self.allocated += TABLE;
+        Value::Table(self.tables.insert(Table::default()))
+    }
+
+    /// A new failure.
+    pub(crate) fn failure(&mut self, failure: Failure) -> Value {
+        self.allocated += FAILURE + crate::memory::failure(&failure);
+        Value::Failure(self.failures.insert(failure))
+    }
+
+    /// Puts an entry into a hash table.
+    pub fn enter(&mut self, table: u32, key: Key, entry: (Value, Value)) {
+        self.allocated += table_entry(&key);
+        self.tables[table].entries.insert(key, entry);
     }
 
     /// A new list.
@@ -394,7 +413,7 @@ impl Heap {
     pub(crate) fn is_whole(&self) -> bool {
         let pairs = is_free_list(&self.free_pairs, self.pairs.len(), |index| self.pairs[index].0 == Value::Unbound);
         let slabs = [self.strings.is_whole(), self.cells.is_whole(), self.closures.is_whole()];
-        let counts = self.allocated <= usize::MAX / 4 && self.bytes <= usize::MAX / 4;
+        let counts = [self.allocated, self.live, self.text_bytes].iter().all(|&count| count <= usize::MAX / 8);
         pairs && slabs == [true; 3] && self.tables.is_whole() && self.failures.is_whole() && counts
     }
 
@@ -403,53 +422,76 @@ impl Heap {
         self.allocated >= self.threshold
     }
 
-    /// Frees what is not marked and sets the next threshold.
-    pub fn sweep(&mut self, marks: &HeapMarks) {
-        let mut live = 0;
-        for (group, pairs) in self.pairs.chunks_mut(64).enumerate() {
+    /// Frees what is not marked. A table keeps so many bytes of free room.
+    pub fn sweep(&mut self, marks: &HeapMarks, slack: usize) {
+        self.sweep_pairs(&marks.pairs, slack);
+        let mut freed = 0;
+        self.strings.sweep(&marks.strings, slack, |text| freed += text_block(&text));
+        self.text_bytes = self.text_bytes.saturating_sub(freed);
+        self.cells.sweep(&marks.cells, slack, drop);
+        self.closures.sweep(&marks.closures, slack, drop);
+        self.tables.sweep(&marks.tables, slack, drop);
+        self.failures.sweep(&marks.failures, slack, drop);
+    }
+
+    /// The free pairs are used again from the first on, so that those at the end can be given back.
+    fn sweep_pairs(&mut self, marks: &Marks, slack: usize) {
+        let used = marks.last().map_or(0, |last| last as usize + 1);
+        self.pairs.truncate(used);
+        give_back(&mut self.pairs, slack);
+        self.free_pairs.clear();
+        for (group, pairs) in self.pairs.chunks_mut(64).enumerate().rev() {
             let first = group * 64;
-            if marks.pairs.are_all_set(first) {
-                live += pairs.len();
+            if marks.are_all_set(first) {
                 continue;
             }
-            for (index, pair) in (first as u32..).zip(pairs) {
-                if marks.pairs.is_set(index) {
-                    live += 1;
-                } else if !matches!(pair.0, Value::Unbound) {
+            for (offset, pair) in pairs.iter_mut().enumerate().rev() {
+                let index = (first + offset) as u32;
+                if !marks.is_set(index) {
                     *pair = (Value::Unbound, Value::Nil);
                     self.free_pairs.push(index);
                 }
             }
         }
-        let mut string_bytes = 0;
-        live += self.strings.sweep(&marks.strings, |_, text| string_bytes += text.len());
-        self.bytes = self.bytes.saturating_sub(string_bytes);
-        live += self.cells.sweep(&marks.cells, |_, _| {});
-        live += self.closures.sweep(&marks.closures, |_, _| {});
-        live += self.tables.sweep(&marks.tables, |_, _| {});
-        live += self.failures.sweep(&marks.failures, |_, _| {});
-        self.allocated_before += self.allocated as u64;
-        self.allocated = 0;
-        self.threshold = live.max(MIN_THRESHOLD);
+        give_back(&mut self.free_pairs, slack);
     }
 
-    /// Bytes ever allocated, roughly.
+    /// Bytes ever made.
     pub fn made_bytes(&self) -> u64 {
-        (self.allocated_before + self.allocated as u64) * OBJECT_BYTES
+        self.allocated_before + self.allocated as u64
     }
 
-    /// Bytes in use, roughly: what the limit on memory compares.
-    pub fn used_bytes(&self) -> usize {
-        self.bytes
-            + (self.pairs.len() - self.free_pairs.len()) * 32
-            + self.cells.slots() * 24
-            + self.closures.slots() * 32
-            + self.tables.slots() * 64
+    /// Bytes of all tables, free places included, and of texts.
+    pub(crate) fn bytes(&self) -> usize {
+        self.pairs.len() * PAIR
+            + self.free_pairs.len() * size_of::<u32>()
+            + self.strings.slots() * STRING
+            + self.text_bytes
+            + self.cells.slots() * CELL
+            + self.closures.slots() * CLOSURE
+            + self.tables.slots() * TABLE
+            + self.failures.slots() * FAILURE
     }
 }
 
-/// Collections come at least this many allocations apart.
-pub const MIN_THRESHOLD: usize = 1 << 18;
+/// Bytes of a pair.
+pub const PAIR: usize = size_of::<(Value, Value)>();
+/// Bytes of a string, its text not counted.
+const STRING: usize = size_of::<Option<Arc<str>>>();
+/// Bytes of a cell.
+const CELL: usize = size_of::<Option<Value>>();
+/// Bytes of a closure, what it captured not counted.
+const CLOSURE: usize = size_of::<Option<Closure>>();
+/// Bytes of a hash table, its entries not counted.
+const TABLE: usize = size_of::<Option<Table>>();
+
+/// Bytes of a failure, what it holds not counted.
+const FAILURE: usize = size_of::<Option<Failure>>();
+
+/// Bytes of a text and the two counters in front of it.
+fn text_block(text: &str) -> usize {
+    block(text.len() + 2 * size_of::<usize>())
+}
 
 /// Marks of one collection, and the objects still to be looked into.
 #[derive(Debug)]

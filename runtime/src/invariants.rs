@@ -1,10 +1,11 @@
 //! What is true of a machine between two steps, whatever runs in it.
 
-use crate::line::Line;
 use crate::machine::{Machine, SCRATCH_TASK};
+use crate::scheduler::Line;
 use crate::slab::Marks;
 use crate::task::{NONE, ScopeKind, State, Task, Waiting};
 use crate::valve::{Below, Link, LinkKind, NO_LINK, Valve};
+use crate::valve_line::ValveLine;
 use std::collections::BTreeMap;
 
 type Check = Result<(), String>;
@@ -119,20 +120,28 @@ impl Machine {
                 })
             }
             Waiting::Death(other) => {
-                let me = self.tasks.reference(index);
                 let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
-                ensure(other.is_some_and(|other| other.mourners.contains(&me)), || "waits for nobody's death".into())
+                let is_in_line = other.is_some_and(|other| self.stands_in(index, other.mourners));
+                ensure(is_in_line, || "waits for nobody's death".into())
             }
             Waiting::Rest(other) => {
-                let me = self.tasks.reference(index);
                 let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
-                ensure(other.is_some_and(|other| other.resters.contains(&me)), || "waits for nobody's rest".into())
+                let is_in_line = other.is_some_and(|other| self.stands_in(index, other.resters));
+                ensure(is_in_line, || "waits for nobody's rest".into())
             }
             Waiting::Children | Waiting::Spawned => {
                 ensure(task.first_child != NONE, || "waits for children and has none".into())
             }
             Waiting::Nothing | Waiting::Time | Waiting::Signal(_) => Ok(()),
         }
+    }
+
+    /// Whether a task's neighbours in a line know it. Cost: constant, if every task is asked.
+    fn stands_in(&self, task: u32, line: Line) -> bool {
+        let record = &self.tasks[task];
+        let before = if record.previous == NONE { line.first } else { self.tasks[record.previous].next };
+        let behind = if record.next == NONE { line.last } else { self.tasks[record.next].previous };
+        before == task && behind == task
     }
 
     fn check_fluents(&self) -> Check {
@@ -144,7 +153,7 @@ impl Machine {
                     format!("fluent {index} is no dependent of its input")
                 })?;
             }
-            for &dependent in &fluent.dependents {
+            for &dependent in fluent.dependents.iter() {
                 let dependent = self.fluents.get(dependent);
                 ensure(dependent.is_some_and(|dependent| dependent.inputs.contains(&index)), || {
                     format!("fluent {index} is no input of its dependent")
@@ -167,7 +176,7 @@ impl Machine {
             let has_scope = |task: &Task| task.scopes.iter().any(|scope| scope.kind == ScopeKind::Watch(index));
             ensure(task.is_some_and(has_scope), || format!("watch {index} belongs to no task"))?;
             let fluent = self.fluents.get(watch.fluent);
-            ensure(fluent.is_some_and(|fluent| fluent.watches.contains(&index)), || {
+            ensure(fluent.is_some_and(|fluent| fluent.watches.contains(&(watch.number, index))), || {
                 format!("watch {index} is not known to its fluent")
             })?;
         }
@@ -220,7 +229,7 @@ impl Machine {
 
     /// The lines are those that follow from who waits.
     fn check_line(&self, number: u32, valve: &Valve) -> Check {
-        let mut line = Line::default();
+        let mut line = ValveLine::default();
         let mut lines: BTreeMap<u64, Below> = BTreeMap::new();
         for (&task, waiter) in &valve.waiters {
             let record = self.tasks.get_alive(task);
@@ -233,7 +242,7 @@ impl Machine {
             line.enter(&self.priorities, waiter.place, task);
             let link = self.link_above(task, number);
             ensure(name == valve.line_of(link), || "a task stands in a wrong line".into())?;
-            let below = lines.entry(name).or_insert_with(|| Below { link, line: Line::default() });
+            let below = lines.entry(name).or_insert_with(|| Below { link, line: ValveLine::default() });
             below.line.enter(&self.priorities, waiter.place, task);
         }
         ensure(line == valve.line && lines == valve.lines, || "its lines are not those who wait".into())

@@ -133,7 +133,7 @@ impl Library {
         purpose: Purpose,
         loader: &mut dyn Loader,
     ) -> Compiled {
-        let mut macros = MacroMachine::new(program, self.natives.clone(), self.signatures.clone());
+        let mut macros = self.macros(program);
         let surroundings = Compilation {
             program,
             symbols,
@@ -202,20 +202,25 @@ impl Library {
         self.compile(program, symbols, source, Purpose::User, loader)
     }
 
+    /// A machine that expands the macros of a program.
+    pub(crate) fn macros(&self, program: &Program) -> MacroMachine {
+        MacroMachine::new(program, self.natives.clone(), self.signatures.clone())
+    }
+
     /// Compiles a datum into a program that runs.
     pub(crate) fn compile_datum(
         &self,
         program: &mut Program,
         symbols: &mut Symbols,
+        macros: &mut MacroMachine,
         tree: rpl_lang::syntax::Tree,
         root: rpl_lang::syntax::NodeId,
     ) -> Compiled {
-        let mut macros = MacroMachine::new(program, self.natives.clone(), self.signatures.clone());
         let surroundings = Compilation {
             program,
             symbols,
             natives: &self.signatures,
-            macros: &mut macros,
+            macros,
             loader: &mut NoFiles,
             robot_names: self.robot_names,
             scenario_names: self.scenario_names,

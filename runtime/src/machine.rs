@@ -4,6 +4,7 @@ use crate::behaviour::{Activation, Outside};
 use crate::failure::{Failure, Raise};
 use crate::fluent::{Fluent, Origin, Watch};
 use crate::heap::Heap;
+use crate::memory::block;
 use crate::native::Native;
 use crate::print;
 use crate::registers::Registers;
@@ -23,7 +24,7 @@ use rpl_lang::symbol::{Symbol, Symbols};
 use rpl_lang::visible::{quoted, shortened, with_short_words};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a machine runs with and does not own.
 pub struct Surroundings<'a> {
@@ -46,7 +47,7 @@ pub struct Limits {
     pub steps: u32,
     /// Frames of one task.
     pub frames: u32,
-    /// Bytes of heap.
+    /// Bytes of everything it makes: [`crate::memory`].
     pub bytes: usize,
 }
 
@@ -59,6 +60,9 @@ impl Default for Limits {
 /// A task that prints is switched out when so many lines have not been taken yet, so that an
 /// endless loop that prints is seen and does not fill the memory. It stays at the front of its line.
 pub const MAX_WAITING_OUTPUT: usize = 4096;
+
+/// The same for so many bytes of lines.
+pub const MAX_WAITING_OUTPUT_BYTES: usize = 1 << 20;
 
 /// Where a line of output goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,12 +113,20 @@ pub struct Scratch {
     pub(crate) is_departing: bool,
     /// The task whose wait a timer ends, and when: until the wait is in the trace.
     pub(crate) wake_at: Option<(u32, u64)>,
+    /// Bytes of the output that was added since there was none.
+    pub(crate) output_bytes: usize,
+    /// Where the running task goes on when the datum it asked for is compiled.
+    pub(crate) asked: Option<(crate::exec::Place, rpl_lang::code::Reg)>,
+    /// Turns of the runtime's own loops: how they grow with a plan is told by it, and not by time.
+    pub(crate) work: u64,
     /// Evaluations of networks and macros that are under way, one inside the other.
     pub(crate) evaluations: u32,
     /// Valves about which something has changed.
     pub(crate) restless: BTreeSet<u32>,
     /// They are being served.
     pub(crate) is_serving: bool,
+    /// How often boosts have changed meanwhile.
+    pub(crate) boost_changes: BTreeMap<u32, u32>,
     /// Links and waiters that were looked at for valves.
     pub(crate) valve_looks: u64,
     /// Steps that networks took on behalf of the running task.
@@ -179,6 +191,8 @@ pub struct Machine {
     pub trace: Trace,
     /// Output not yet taken.
     pub output: Vec<Output>,
+    /// Bytes of the code made at run time.
+    pub(crate) unit_bytes: usize,
     /// Limits.
     pub limits: Limits,
     /// Calls and loop turns of all tasks since the start.
@@ -218,6 +232,7 @@ impl Machine {
             main: NONE,
             trace: Trace::default(),
             output: Vec::new(),
+            unit_bytes: 0,
             limits: Limits::default(),
             steps: 0,
             random,
@@ -251,6 +266,15 @@ impl Machine {
                 GlobalKind::Behaviour(number) => Value::Behaviour(number),
                 _ => known,
             };
+        }
+    }
+
+    /// The same for constants whose places were used before.
+    pub(crate) fn renew_constants(&mut self, program: &Program, constants: &[u32], objects: &[Value]) {
+        for &at in constants {
+            if (at as usize) < self.constants.len() {
+                self.constants[at as usize] = self.constant(&program.constants[at as usize], objects);
+            }
         }
     }
 
@@ -299,8 +323,15 @@ impl Machine {
     pub fn start_main(&mut self, code: u32) {
         let name = self.symbols.intern("main");
         let mut task = Task::new(code, Registers::default(), name, 0);
-        let call =
-            Call { name, occurrence: 1, span: None, counters: Vec::new(), spawned: 0, tags: Vec::new(), failure: None };
+        let call = Call {
+            name,
+            occurrence: 1,
+            span: None,
+            counters: BTreeMap::new(),
+            spawned: 0,
+            tags: Vec::new(),
+            failure: None,
+        };
         task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });
         task.exposed = true;
         self.main = self.tasks.insert(task);
@@ -310,8 +341,19 @@ impl Machine {
 
     /// Writes a line of output; it waits to be taken.
     pub fn put_out(&mut self, channel: Channel, text: String) {
+        if self.output.is_empty() {
+            self.scratch.output_bytes = 0;
+        }
+        self.heap.allocated += size_of::<Output>() + block(text.len());
+        self.scratch.output_bytes += text.len();
         self.output.push(Output { channel, text, time_us: self.now_us, sequence: self.trace.next_sequence });
-        self.scratch.switch |= self.output.len() >= MAX_WAITING_OUTPUT;
+        self.scratch.switch |= self.is_output_full();
+    }
+
+    /// Whether so much output waits to be taken that a task gives way for it.
+    pub fn is_output_full(&self) -> bool {
+        let bytes = if self.output.is_empty() { 0 } else { self.scratch.output_bytes };
+        self.output.len() >= MAX_WAITING_OUTPUT || bytes >= MAX_WAITING_OUTPUT_BYTES
     }
 
     /// Seconds of virtual time.
@@ -374,6 +416,10 @@ impl Machine {
     pub(crate) fn failure_from(&mut self, raise: Raise) -> Value {
         match raise {
             Raise::Again(failure) => failure,
+            Raise::NoRoom(_) => {
+                let raise = self.out_of_memory();
+                self.failure_from(raise)
+            }
             Raise::New { class, message, slots } => {
                 let class = self.symbols.intern(class);
                 let slots = slots.into_iter().map(|(name, value)| (self.symbols.intern(name), value)).collect();
@@ -390,8 +436,7 @@ impl Machine {
             _ => (String::new(), Vec::new()),
         };
         let is_runaway = self.symbols.name(class) == "runaway";
-        self.heap.allocated += 8;
-        Value::Failure(self.heap.failures.insert(Failure {
+        self.heap.failure(Failure {
             class,
             message,
             slots,
@@ -402,7 +447,7 @@ impl Machine {
             parts: Vec::new(),
             while_cleaning_up: Vec::new(),
             is_runaway,
-        }))
+        })
     }
 
     /// A name for a task that a plan can keep.
@@ -411,9 +456,10 @@ impl Machine {
         Value::Task(self.tasks.reference(task))
     }
 
-    /// Bytes in use, roughly: heap, tasks and the registers of the running one.
-    pub fn used_bytes(&self) -> usize {
-        self.heap.used_bytes() + self.tasks.bytes()
+    /// Turns of the runtime's own loops so far: tasks, scopes, registers, networks and priorities
+    /// that were looked at. No part of the state.
+    pub fn work(&self) -> u64 {
+        self.scratch.work + self.priorities.work()
     }
 
     /// Whether no task is ready.

@@ -38,6 +38,12 @@ impl MacroMachine {
         Self { machine, steps: 0, natives, signatures }
     }
 
+    /// Begins another text: it has a budget of its own.
+    pub(crate) fn begin(&mut self) {
+        self.steps = 0;
+        self.machine.limits.steps = MAX_STEPS;
+    }
+
     fn run(
         &mut self,
         program: &Program,

@@ -5,6 +5,12 @@ use crate::machine::{Machine, Surroundings};
 use crate::value::{TaskRef, Value};
 use rpl_lang::kind::Kind;
 
+/// So much text is made, or looked through, in the time of one turn of a loop.
+const CHARACTERS_A_STEP: usize = 8;
+
+/// So many pairs are passed in the time of one turn of a loop.
+const PAIRS_A_STEP: usize = 4;
+
 /// What a native function answers.
 pub enum Reply {
     /// A value.
@@ -88,6 +94,16 @@ impl Call<'_, '_> {
     pub fn burn(&mut self, steps: usize) {
         let burned = &mut self.machine.scratch.burned;
         *burned = burned.saturating_add(u32::try_from(steps).unwrap_or(u32::MAX));
+    }
+
+    /// Takes the steps of making, or looking through, so much text.
+    pub fn burn_text(&mut self, bytes: usize) {
+        self.burn(bytes / CHARACTERS_A_STEP);
+    }
+
+    /// Takes the steps of passing so many pairs.
+    pub fn burn_walk(&mut self, pairs: usize) {
+        self.burn(pairs / PAIRS_A_STEP);
     }
 
     /// The argument at a position as a fluent.

@@ -16,6 +16,13 @@ pub struct Registers {
     count: u32,
 }
 
+impl Registers {
+    /// How many values are kept.
+    pub(crate) fn values(self) -> usize {
+        self.count as usize
+    }
+}
+
 /// All registers of all tasks that do not run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RegisterStore {
@@ -144,6 +151,11 @@ impl RegisterStore {
             }
         };
         Registers { start, count: count as u32 }
+    }
+
+    /// Whether the store is large, and most of it is free when so many values are used.
+    pub(crate) fn is_sparse(&self, used: usize) -> bool {
+        self.values.len() > 1 << 16 && used * 3 < self.values.len()
     }
 
     /// Bytes of all blocks, free ones included.

@@ -14,7 +14,8 @@ use crate::behaviour::{NoRobot, Outside};
 use crate::difference::{Difference, difference};
 use crate::library::{Library, Loaded};
 use crate::machine::Machine;
-use crate::system::{SLICE_STEPS, System, Units};
+use crate::system::{Macros, SLICE_STEPS, System};
+use crate::units::Units;
 use crate::validate::{Bounds, validate_program};
 use rpl_lang::code::{Code, Constant, FailureClass, Global, Program};
 use rpl_lang::source::{Source, SourceId};
@@ -27,7 +28,7 @@ use std::sync::{Arc, OnceLock};
 const MAGIC: &[u8; 7] = b"RPLSAVE";
 
 /// Of the layout and of everything in it; any change to a saved type needs a new one.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 
@@ -123,6 +124,7 @@ struct Addition {
     constants: Vec<Constant>,
     globals: Vec<Global>,
     sources: Vec<Source>,
+    free: (Vec<u32>, Vec<u32>, Vec<u32>, u32),
     /// Whole, if it is not what it was.
     names: Option<BTreeMap<Symbol, u32>>,
     macros: Option<BTreeMap<Symbol, u32>>,
@@ -145,6 +147,12 @@ impl Addition {
             constants: now.constants[base.constants.len()..].to_vec(),
             globals: now.globals[base.globals.len()..].to_vec(),
             sources: sources.map(|number| now.sources.get(SourceId(number as u32)).clone()).collect(),
+            free: (
+                now.free_codes.clone(),
+                now.free_constants.clone(),
+                now.sources.free_places().to_vec(),
+                now.sources.made(),
+            ),
             names: changed(&base.names, &now.names),
             macros: changed(&base.macros, &now.macros),
             failure_classes: changed(&base.failure_classes, &now.failure_classes),
@@ -154,7 +162,7 @@ impl Addition {
 
     fn add_to(self, base: &Arc<Program>) -> (Arc<Program>, Units) {
         if self == Self::default() {
-            return (base.clone(), Units::new());
+            return (base.clone(), Units::default());
         }
         let mut program = Program::clone(base);
         program.codes.extend(self.codes);
@@ -163,6 +171,9 @@ impl Addition {
         for source in &self.sources {
             program.sources.add(&source.name, &source.text);
         }
+        let (codes, constants, sources, made) = self.free;
+        (program.free_codes, program.free_constants) = (codes, constants);
+        program.sources.restore(sources, made);
         program.names = self.names.unwrap_or(program.names);
         program.macros = self.macros.unwrap_or(program.macros);
         program.failure_classes = self.failure_classes.unwrap_or(program.failure_classes);
@@ -256,6 +267,7 @@ impl<O: SaveOutside> System<O> {
             next_step_us,
             slice_steps: SLICE_STEPS,
             slice_left: SLICE_STEPS,
+            macros: Macros::default(),
         })
     }
 }

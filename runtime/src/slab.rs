@@ -54,6 +54,11 @@ impl<T> Slab<T> {
         self.slots.iter().enumerate().filter_map(|(index, slot)| Some((index as u32, slot.as_ref()?)))
     }
 
+    /// All values in the order of their slots.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.slots.iter_mut().flatten()
+    }
+
     /// How many slots there are, free ones included.
     pub fn slots(&self) -> usize {
         self.slots.len()
@@ -64,18 +69,35 @@ impl<T> Slab<T> {
         is_free_list(&self.free, self.slots.len(), |index| self.slots[index].is_none())
     }
 
-    /// Frees every slot whose mark is not set; gives how many remain.
-    pub fn sweep(&mut self, marks: &Marks, mut freed: impl FnMut(u32, T)) -> usize {
-        let mut live = 0;
-        for index in 0..self.slots.len() {
-            if marks.is_set(index as u32) {
-                live += usize::from(self.slots[index].is_some());
-            } else if let Some(value) = self.slots[index].take() {
-                self.free.push(index as u32);
-                freed(index as u32, value);
+    /// Frees every slot whose mark is not set. More free room than `slack` bytes may be given back.
+    pub fn sweep(&mut self, marks: &Marks, slack: usize, mut freed: impl FnMut(T)) {
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            if !marks.is_set(index as u32)
+                && let Some(value) = slot.take()
+            {
+                freed(value);
             }
         }
-        live
+        self.shrink(slack);
+    }
+
+    /// Gives the free slots at the end back; the others are used again from the first on.
+    pub fn shrink(&mut self, slack: usize) {
+        let used = self.slots.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
+        self.slots.truncate(used);
+        give_back(&mut self.slots, slack);
+        self.free.clear();
+        let free = self.slots.iter().enumerate().rev().filter(|(_, slot)| slot.is_none());
+        self.free.extend(free.map(|(index, _)| index as u32));
+        give_back(&mut self.free, slack);
+    }
+}
+
+/// Gives back what a table has room for beyond its length, if that is more than `slack` bytes.
+pub(crate) fn give_back<T>(table: &mut Vec<T>, slack: usize) {
+    let unused = (table.capacity() - table.len()) * size_of::<T>();
+    if unused > slack && table.capacity() > 2 * table.len() {
+        table.shrink_to_fit();
     }
 }
 
@@ -129,6 +151,12 @@ impl Marks {
     /// Whether all of the 64 bits from this one on are set; it is a multiple of 64.
     pub fn are_all_set(&self, index: usize) -> bool {
         self.0[index / 64] == u64::MAX
+    }
+
+    /// The last bit that is set.
+    pub fn last(&self) -> Option<u32> {
+        let word = self.0.iter().rposition(|&word| word != 0)?;
+        Some(word as u32 * 64 + 63 - self.0[word].leading_zeros())
     }
 
     /// Whether the bit is set.

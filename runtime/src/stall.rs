@@ -3,13 +3,16 @@
 
 use crate::behaviour::Phase;
 use crate::machine::{Channel, Machine, Surroundings};
-use crate::task::{NONE, ScopeKind, State};
+use crate::task::{NONE, ScopeKind, State, Task};
 use crate::tree::is_current;
 use rpl_lang::code::{Program, Rule};
 use serde::{Deserialize, Serialize};
 
 /// How long nothing may happen.
 const PATIENCE_US: u64 = 120_000_000;
+
+/// Tasks whose waits are told; the others are counted.
+const MAX_TOLD: usize = 50;
 
 /// Since when nothing has happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,24 +43,25 @@ impl Machine {
         let text = format!(
             "stalled: for {} s nothing drives and no task but policies goes on: {}",
             PATIENCE_US / 1_000_000,
-            self.what_tasks_wait_for(around.program).join("; ")
+            self.what_tasks_wait_for(around.program)
         );
         self.put_out(Channel::Log, format!("warning: {text}"));
         self.trace_warning(&text);
     }
 
-    /// What each task that can go no further by itself waits for.
-    pub(crate) fn what_tasks_wait_for(&self, program: &Program) -> Vec<String> {
-        self.living_tasks()
-            .into_iter()
-            .map(|index| (index, &self.tasks[index]))
-            .filter(|(_, task)| (task.state == State::Blocked && task.first_child == NONE) || task.is_held())
-            .filter(|(_, task)| task.state != State::Created)
-            .map(|(index, task)| match task.is_held() {
-                true => format!("{} is suspended", self.path(index)),
-                false => format!("{} waits for {}", self.path(index), self.describe(program, task.waiting)),
-            })
-            .collect()
+    /// What each task that can go no further by itself waits for, the first in the tree first.
+    pub(crate) fn what_tasks_wait_for(&self, program: &Program) -> String {
+        let is_stuck = |task: &Task| {
+            task.state != State::Created
+                && ((task.state == State::Blocked && task.first_child == NONE) || task.is_held())
+        };
+        let stuck: Vec<u32> = self.living_tasks().into_iter().filter(|&task| is_stuck(&self.tasks[task])).collect();
+        let told = stuck.iter().take(MAX_TOLD).map(|&task| match self.tasks[task].is_held() {
+            true => format!("{} is suspended", self.path(task)),
+            false => format!("{} waits for {}", self.path(task), self.describe(program, self.tasks[task].waiting)),
+        });
+        let more = stuck.len().saturating_sub(MAX_TOLD);
+        told.chain((more > 0).then(|| format!("and {more} more"))).collect::<Vec<_>>().join("; ")
     }
 
     fn drives(&self, around: &Surroundings<'_>) -> bool {

@@ -1,6 +1,7 @@
 //! Stepping: a run looked at before each form that calls, waits, assigns or opens a construct.
 //!
-//! Stepping changes nothing: a run that is stepped through has the same trace as one that is not.
+//! Stepping changes nothing: a run that is stepped through has the same trace as one that is not,
+//! unless it comes close to the limit of memory.
 
 use crate::behaviour::Outside;
 use crate::machine::{Machine, SCRATCH_TASK};

@@ -6,17 +6,18 @@ use crate::exec::Ran;
 use crate::failure::Raise;
 use crate::library::{Library, Loaded, has_error};
 use crate::machine::{Machine, Surroundings};
+use crate::macro_host::MacroMachine;
 use crate::save::Base;
 use crate::scheduler::Alarm;
 use crate::task::{Leaving, State, Wake};
 use crate::tree::is_current;
+use crate::units::{Units, give_back};
 use crate::value::Value;
 use rpl_lang::code::Program;
 use rpl_lang::pretty;
 use rpl_lang::source::{SourceId, Span};
-use rpl_lang::syntax::Tree;
+use rpl_lang::syntax::{NodeId, Tree};
 use rpl_random::Stream;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Whether a run goes on.
@@ -50,8 +51,23 @@ pub enum Outcome {
     Evaporated,
 }
 
-/// Code made at run time, by its text: equal data share it.
-pub(crate) type Units = BTreeMap<String, u32>;
+/// Steps that compiling a datum takes, and each of its parts.
+const STEPS_A_UNIT: usize = 500;
+const STEPS_A_NODE: usize = 20;
+
+/// What a part of a datum takes at most while it is compiled.
+const BYTES_A_NODE: usize = 512;
+
+/// The machine that expands macros in data, kept from one datum to the next: it has taken in the
+/// constants of the program so far. No part of the state.
+#[derive(Default)]
+pub(crate) struct Macros(Option<Box<MacroMachine>>);
+
+impl Clone for Macros {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
 
 /// A run: cloning it is a fork.
 #[derive(Clone)]
@@ -70,10 +86,12 @@ pub struct System<O> {
     /// When the robot's next step is due.
     pub(crate) next_step_us: u64,
     /// Steps that tasks take before [`System::step_slice`] tells that a slice is over, at least 1. It
-    /// makes no difference to the run and is not saved with it.
+    /// makes no difference to the run, unless that comes close to the limit of memory: what is laid
+    /// aside counts. It is not saved with the run.
     pub slice_steps: u32,
     /// Steps left of the slice.
     pub(crate) slice_left: u32,
+    pub(crate) macros: Macros,
 }
 
 /// So many steps take some ten milliseconds, and switching a task out and in again costs little
@@ -119,6 +137,7 @@ impl<O: Outside> System<O> {
             next_step_us: 0,
             slice_steps: SLICE_STEPS,
             slice_left: SLICE_STEPS,
+            macros: Macros::default(),
         };
         system.step_robot();
         system.machine.start_main(main);
@@ -182,8 +201,8 @@ impl<O: Outside> System<O> {
             around.slice_steps = slice_left;
             machine.run_next(around)
         });
-        let taken = u32::try_from(self.machine.steps - before).unwrap_or(u32::MAX);
         let turn = self.answer_asked(ran);
+        let taken = u32::try_from(self.machine.steps - before).unwrap_or(u32::MAX);
         self.slice_left = match turn {
             Turn::Cut => self.slice_steps,
             Turn::Idle | Turn::Over => slice_left.saturating_sub(taken),
@@ -191,15 +210,14 @@ impl<O: Outside> System<O> {
         turn
     }
 
-    /// Compiles what a task asked for; tells what became of its turn.
-    pub(crate) fn answer_asked(&mut self, ran: Ran) -> Turn {
-        match ran {
-            Ran::Nothing => Turn::Idle,
-            Ran::Task => Turn::Over,
-            Ran::Slice => Turn::Cut,
-            Ran::Asked(task, datum) => {
-                self.execute_datum(task, datum);
-                Turn::Over
+    /// Compiles what the task that runs asks for, as often as it does; tells what became of its turn.
+    pub(crate) fn answer_asked(&mut self, mut ran: Ran) -> Turn {
+        loop {
+            match ran {
+                Ran::Nothing => return Turn::Idle,
+                Ran::Task => return Turn::Over,
+                Ran::Slice => return Turn::Cut,
+                Ran::Asked(datum) => ran = self.execute_datum(datum),
             }
         }
     }
@@ -212,12 +230,12 @@ impl<O: Outside> System<O> {
                     match machine.run_next(around) {
                         Ran::Nothing => return None,
                         Ran::Task | Ran::Slice => {}
-                        Ran::Asked(task, datum) => return Some((task, datum)),
+                        Ran::Asked(datum) => return Some(datum),
                     }
                 }
             });
-            let Some((task, datum)) = asked else { return };
-            self.execute_datum(task, datum);
+            let Some(datum) = asked else { return };
+            self.answer_asked(Ran::Asked(datum));
         }
     }
 
@@ -336,7 +354,7 @@ impl<O: Outside> System<O> {
     fn fail_deadlocked(&mut self) {
         self.with_machine(|machine, around| {
             let waits = machine.what_tasks_wait_for(around.program);
-            let message = format!("every task is blocked and no timer runs: {}", waits.join("; "));
+            let message = format!("every task is blocked and no timer runs: {waits}");
             let failing = machine.deadlocked_task();
             let failure = machine.failure_from(Raise::new("deadlock", message));
             if let Value::Failure(index) = failure {
@@ -350,58 +368,103 @@ impl<O: Outside> System<O> {
         });
     }
 
-    /// Compiles a datum for the task that asked for it, and lets the task go on in it.
-    fn execute_datum(&mut self, task: u32, datum: Value) {
-        let outcome = self.compile_datum(datum);
-        let machine = &mut self.machine;
-        match outcome {
-            Ok(code) => machine.enter(task, code),
-            Err(message) => {
-                let raise = Raise::new("error", message);
-                let failure = machine.failure_from(raise);
-                machine.fail_execution(task, failure);
+    /// Compiles a datum for the running task, which asked for it, and lets the task go on in it.
+    fn execute_datum(&mut self, datum: Value) -> Ran {
+        let (outcome, steps) = self.compile_datum(datum);
+        self.with_machine(|machine, around| machine.enter(around, outcome, steps))
+    }
+
+    /// The code of a datum, or what is wrong with it; and how many steps that takes.
+    fn compile_datum(&mut self, datum: Value) -> (Result<u32, Raise>, usize) {
+        let source = self.program.sources.next();
+        let (mut tree, root, objects) = match self.tree_of(datum, source) {
+            Ok(made) => made,
+            Err(raise) => return (Err(raise), STEPS_A_UNIT),
+        };
+        let nodes = tree.nodes.len();
+        let text = pretty::pretty(&mut tree, &self.machine.symbols, root, PLAN_WIDTH, source);
+        let may_share = objects.is_empty() && text.len() <= MAX_SHARED_TEXT;
+        if may_share && let Some(code) = self.units.find(&text) {
+            return (Ok(code), nodes);
+        }
+        let unit = self.compile_unit(tree, root, &text, &objects, may_share);
+        (unit, STEPS_A_UNIT + nodes * STEPS_A_NODE)
+    }
+
+    /// A datum as a tree, if there is room for what becomes of it; with the objects in it.
+    fn tree_of(&mut self, datum: Value, source: SourceId) -> Result<(Tree, NodeId, Vec<Value>), Raise> {
+        if self.units.are_due(self.machine.unit_bytes) {
+            self.sweep_units();
+        }
+        let span = Span { source, start: 0, end: 0 };
+        let mut has_collected = false;
+        loop {
+            let machine = &mut self.machine;
+            let most = (machine.room() / BYTES_A_NODE).min(MAX_NODES);
+            let (mut tree, mut objects, origins) = (Tree::default(), Vec::new(), Origins::new());
+            let Machine { heap, symbols, .. } = machine;
+            match datum::to_node(heap, symbols, &mut tree, datum, span, &origins, &mut objects, most) {
+                Ok(root) => return Ok((tree, root, objects)),
+                Err(Unfit::Circle) => {
+                    return Err(Raise::new("error", "the datum is a circular list and cannot be a plan"));
+                }
+                Err(Unfit::TooLarge) if most == MAX_NODES => {
+                    let message = format!("the datum has more than {MAX_NODES} parts and cannot be a plan");
+                    return Err(Raise::new("error", message));
+                }
+                Err(Unfit::TooLarge) if has_collected => return Err(machine.out_of_memory()),
+                Err(Unfit::TooLarge) => {
+                    self.sweep_units();
+                    has_collected = true;
+                }
             }
         }
     }
 
-    fn compile_datum(&mut self, datum: Value) -> Result<u32, String> {
+    /// Adds the code of a datum to the program.
+    fn compile_unit(
+        &mut self,
+        tree: Tree,
+        root: NodeId,
+        text: &str,
+        objects: &[Value],
+        may_share: bool,
+    ) -> Result<u32, Raise> {
         let program = Arc::make_mut(&mut self.program);
         let machine = &mut self.machine;
-        let mut tree = Tree::default();
-        let mut objects = Vec::new();
-        let source = SourceId(program.sources.len() as u32);
-        let span = Span { source, start: 0, end: 0 };
-        let root = datum::to_node(
-            &machine.heap,
-            &mut machine.symbols,
-            &mut tree,
-            datum,
-            span,
-            &Origins::new(),
-            &mut objects,
-            MAX_NODES,
-        )
-        .map_err(|unfit| match unfit {
-            Unfit::Circle => "the datum is a circular list and cannot be a plan".to_string(),
-            Unfit::TooLarge => format!("the datum has more than {MAX_NODES} parts and cannot be a plan"),
-        })?;
-        let text = pretty::pretty(&mut tree, &machine.symbols, root, PLAN_WIDTH, source);
-        let may_share = objects.is_empty() && text.len() <= MAX_SHARED_TEXT;
-        if may_share && let Some(&code) = self.units.get(&text) {
-            return Ok(code);
-        }
-        let name = format!("plan#{}", source.0);
-        program.sources.add(&name, &text);
-        let compiled = self.library.compile_datum(program, &mut machine.symbols, tree, root);
-        machine.bring_up_to(program, &objects);
+        let globals = program.globals.len();
+        let name = format!("plan#{}", program.sources.made());
+        let source = program.sources.add(&name, text);
+        let mut macros = self.macros.0.take().unwrap_or_else(|| Box::new(self.library.macros(program)));
+        macros.begin();
+        let compiled = self.library.compile_datum(program, &mut machine.symbols, &mut macros, tree, root);
+        // Macros may come to use what it defines, in places that were used before.
+        self.macros.0 = (!compiled.defines()).then_some(macros);
+        machine.renew_constants(program, &compiled.constants, objects);
         if has_error(&compiled.diagnostics) {
             let drawn = rpl_lang::diagnostic::render(&compiled.diagnostics, &program.sources, false);
-            return Err(format!("the datum cannot be executed:\n{drawn}"));
+            if !compiled.defines() {
+                program.globals.truncate(globals);
+                give_back(program, machine, &compiled.codes, &compiled.constants, source);
+            }
+            machine.bring_up_to(program, objects);
+            return Err(Raise::new("error", format!("the datum cannot be executed:\n{drawn}")));
         }
-        if may_share {
-            Arc::make_mut(&mut self.units).insert(text, compiled.main);
-        }
+        machine.bring_up_to(program, objects);
+        let bytes = Arc::make_mut(&mut self.units).add(program, &compiled, source, may_share);
+        machine.unit_bytes += bytes;
+        machine.heap.allocated += bytes;
         Ok(compiled.main)
+    }
+
+    /// Gives back code that was made at run time and that nothing refers to.
+    fn sweep_units(&mut self) {
+        let marks = self.machine.collect_for(&self.program);
+        let (program, units) = (Arc::make_mut(&mut self.program), Arc::make_mut(&mut self.units));
+        units.sweep(program, &mut self.machine, &marks);
+        self.macros = Macros::default();
+        // What was given back is found out by a collection.
+        self.machine.collect();
     }
 }
 

@@ -15,12 +15,14 @@
 
 use crate::active_time::ActiveTime;
 use crate::registers::{RegisterStore, Registers};
+use crate::scheduler::Line;
 use crate::slab::Slab;
 use crate::value::{TaskRef, Value};
 use rpl_lang::code::{Reg, Rule};
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// No task, no fluent.
 pub const NONE: u32 = u32::MAX;
@@ -197,7 +199,7 @@ pub struct Call {
     /// Where it was called.
     pub span: Option<Span>,
     /// How often each name was used in it.
-    pub counters: Vec<(Symbol, u32)>,
+    pub counters: BTreeMap<Symbol, u32>,
     /// Spawned children that live.
     pub spawned: u32,
     /// Tags that were made for it.
@@ -323,6 +325,140 @@ pub struct Scope {
     pub depth: u32,
 }
 
+/// The scopes of a task, innermost last. Where its clean-ups and its plan calls are is known without
+/// looking through them, for they may be many.
+#[derive(Clone, Debug, Default)]
+pub struct Scopes(Option<Box<ScopeStack>>);
+
+#[derive(Clone, Debug, Default)]
+struct ScopeStack {
+    all: Vec<Scope>,
+    /// Which of them are clean-ups that run.
+    clean_ups: Vec<u32>,
+    /// Which of them are plan calls.
+    calls: Vec<u32>,
+}
+
+impl Scopes {
+    /// Enters a scope.
+    pub fn push(&mut self, scope: Scope) {
+        let stack = self.0.get_or_insert_default();
+        let index = stack.all.len() as u32;
+        match scope.kind {
+            ScopeKind::InCleanup(_) => stack.clean_ups.push(index),
+            ScopeKind::Call(_) => stack.calls.push(index),
+            ScopeKind::Block { .. }
+            | ScopeKind::Handler { .. }
+            | ScopeKind::Cleanup { .. }
+            | ScopeKind::Children(_)
+            | ScopeKind::Valve(_)
+            | ScopeKind::OnInterrupt(_)
+            | ScopeKind::OnResume(_)
+            | ScopeKind::Suspended(_)
+            | ScopeKind::Watch(_) => {}
+        }
+        stack.all.push(scope);
+    }
+
+    /// Leaves the innermost scope.
+    pub fn pop(&mut self) -> Option<Scope> {
+        let stack = self.0.as_mut()?;
+        let scope = stack.all.pop()?;
+        match scope.kind {
+            ScopeKind::InCleanup(_) => drop(stack.clean_ups.pop()),
+            ScopeKind::Call(_) => drop(stack.calls.pop()),
+            ScopeKind::Block { .. }
+            | ScopeKind::Handler { .. }
+            | ScopeKind::Cleanup { .. }
+            | ScopeKind::Children(_)
+            | ScopeKind::Valve(_)
+            | ScopeKind::OnInterrupt(_)
+            | ScopeKind::OnResume(_)
+            | ScopeKind::Suspended(_)
+            | ScopeKind::Watch(_) => {}
+        }
+        Some(scope)
+    }
+
+    /// The clean-ups that run, outermost first, with their indices and what follows them.
+    pub fn clean_ups(&self) -> impl Iterator<Item = (usize, &Then)> {
+        let (all, clean_ups) = self.0.as_ref().map_or((&[][..], &[][..]), |stack| (&stack.all, &stack.clean_ups));
+        clean_ups.iter().filter_map(|&clean_up| match &all[clean_up as usize].kind {
+            ScopeKind::InCleanup(then) => Some((clean_up as usize, &**then)),
+            _ => None,
+        })
+    }
+
+    /// The outermost clean-up that runs.
+    pub fn first_clean_up(&self) -> Option<u32> {
+        self.0.as_ref()?.clean_ups.first().copied()
+    }
+
+    /// The innermost clean-up that runs.
+    pub fn last_clean_up(&self) -> Option<u32> {
+        self.0.as_ref()?.clean_ups.last().copied()
+    }
+
+    /// The innermost plan call among the first scopes.
+    pub fn call_within(&self, scopes: usize) -> Option<usize> {
+        self.calls_within(scopes).next().map(|(index, _)| index)
+    }
+
+    /// The plan calls among the first scopes, innermost first, with their indices.
+    pub fn calls_within(&self, scopes: usize) -> impl Iterator<Item = (usize, &Call)> {
+        let (all, calls) = self.0.as_ref().map_or((&[][..], &[][..]), |stack| (&stack.all, &stack.calls));
+        let within = calls.partition_point(|&call| (call as usize) < scopes);
+        calls[..within].iter().rev().filter_map(|&call| match &all[call as usize].kind {
+            ScopeKind::Call(record) => Some((call as usize, &**record)),
+            _ => None,
+        })
+    }
+
+    /// The innermost plan call.
+    pub fn innermost_call(&mut self) -> Option<&mut Call> {
+        let index = self.call_within(usize::MAX)?;
+        match &mut self[index].kind {
+            ScopeKind::Call(call) => Some(call),
+            _ => None,
+        }
+    }
+}
+
+impl PartialEq for Scopes {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl std::ops::Deref for Scopes {
+    type Target = [Scope];
+
+    fn deref(&self) -> &[Scope] {
+        self.0.as_ref().map_or(&[], |stack| &stack.all)
+    }
+}
+
+/// What a scope is does not change while it is entered.
+impl std::ops::DerefMut for Scopes {
+    fn deref_mut(&mut self) -> &mut [Scope] {
+        self.0.as_mut().map_or(&mut [], |stack| &mut stack.all)
+    }
+}
+
+impl Serialize for Scopes {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (**self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Scopes {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut scopes = Self::default();
+        Vec::<Scope>::deserialize(deserializer)?.into_iter().for_each(|scope| scopes.push(scope));
+        Ok(scopes)
+    }
+}
+
 /// Fluents about a task, made when they are asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaskFluents {
@@ -342,15 +478,17 @@ pub struct Rare {
     /// Fluents about it.
     pub fluents: TaskFluents,
     /// How often each name was used directly in it.
-    pub counters: Vec<(Symbol, u32)>,
+    pub counters: BTreeMap<Symbol, u32>,
     /// Suspensions of its own, which `resume` takes back.
     pub suspensions: u32,
     /// Suspensions of its own that only the scope or valve which made them takes back.
     pub holds: u32,
+    /// How many stand in the next two lines.
+    pub in_lines: u32,
     /// Tasks that wait until nothing below it runs any more.
-    pub resters: Vec<TaskRef>,
+    pub resters: Line,
     /// Tasks that wait for its death.
-    pub mourners: Vec<TaskRef>,
+    pub mourners: Line,
     /// The priority of who waits for the clean-up or the hooks it belongs to: meanwhile it runs at
     /// least at that.
     pub boost: Option<u32>,
@@ -392,11 +530,6 @@ impl<T> Stack<T> {
     pub fn push(&mut self, item: T) {
         self.0.get_or_insert_default().push(item);
     }
-
-    /// Takes the top off.
-    pub fn pop(&mut self) -> Option<T> {
-        self.0.as_mut()?.pop()
-    }
 }
 
 impl<T: Clone> Stack<T> {
@@ -437,7 +570,7 @@ pub struct Task {
     /// The frames below the current one, while it does not run.
     pub frames: Stack<Frame>,
     /// Scopes, innermost last.
-    pub scopes: Stack<Scope>,
+    pub scopes: Scopes,
     /// What it finds when it goes on, [`Value::Unbound`] if nothing; once dead, its value or failure.
     pub value: Value,
     /// Whether that is a failure, raised where it waits.
@@ -476,7 +609,7 @@ pub struct Task {
     pub next_sibling: u32,
     /// Siblings.
     pub previous_sibling: u32,
-    /// The line it stands in: run queue or waiters of a fluent.
+    /// The line it stands in: run queue, waiters of a fluent or of a task.
     pub next: u32,
     /// The line it stands in.
     pub previous: u32,
@@ -501,7 +634,7 @@ impl Task {
             registers,
             frame: Frame { code, pc: 0, base: 0 },
             frames: Stack::default(),
-            scopes: Stack::default(),
+            scopes: Scopes::default(),
             value: Value::Unbound,
             raises: Raises::Nothing,
             rare: None,
@@ -606,7 +739,7 @@ impl Task {
 
     /// Whether it runs a clean-up, which nothing from outside stops.
     pub fn is_cleaning_up(&self) -> bool {
-        self.scopes.iter().any(|scope| matches!(scope.kind, ScopeKind::InCleanup(_)))
+        self.scopes.last_clean_up().is_some()
     }
 
     /// Whether a suspension keeps it from running.
@@ -616,7 +749,7 @@ impl Task {
 
     /// Whether a scope belongs to a clean-up.
     pub fn is_within_clean_up(&self, scope: u32) -> bool {
-        self.scopes.iter().take(scope as usize).any(|scope| matches!(scope.kind, ScopeKind::InCleanup(_)))
+        self.scopes.first_clean_up().is_some_and(|clean_up| clean_up < scope)
     }
 
     /// Suspensions of its own.
@@ -691,7 +824,7 @@ impl Tasks {
 
     /// Whether every slot has a generation, and the free ones are those without a task.
     pub(crate) fn is_whole(&self) -> bool {
-        self.generations.len() == self.slots.slots()
+        self.generations.len() >= self.slots.slots()
             && self.generations.iter().all(|&generation| generation < u32::MAX / 2)
             && self.slots.is_whole()
             && self.registers.is_whole(self.slots.iter().map(|(_, task)| task.registers))
@@ -704,7 +837,22 @@ impl Tasks {
 
     /// Bytes of all records and registers.
     pub fn bytes(&self) -> usize {
-        self.slots.slots() * size_of::<Option<Task>>() + self.registers.bytes()
+        self.slots.slots() * size_of::<Option<Task>>()
+            + self.generations.len() * size_of::<u32>()
+            + self.registers.bytes()
+    }
+
+    /// Gives back what no task uses.
+    pub(crate) fn shrink(&mut self, slack: usize) {
+        self.slots.shrink(slack);
+        let used: usize = self.slots.iter().map(|(_, task)| task.registers.values()).sum();
+        if !self.registers.is_sparse(used) {
+            return;
+        }
+        let sparse = std::mem::take(&mut self.registers);
+        for task in self.slots.iter_mut() {
+            task.registers = self.registers.set(Registers::default(), sparse.get(task.registers));
+        }
     }
 
     /// The living task in a slot.

@@ -1,11 +1,13 @@
 //! The trace: what happened, in order. Written only while it is switched on.
 
 use crate::machine::{Machine, Surroundings};
+use crate::memory::block;
 use crate::task::{Leaving, NONE, State, Waiting};
 use crate::value::Value;
 use crate::waiting::Reading;
 use rpl_lang::code::Program;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Kinds of event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -102,6 +104,17 @@ impl std::fmt::Display for Event {
     }
 }
 
+impl Event {
+    /// Bytes it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        let details = self.details.iter().map(|(name, value)| block(name.len()) + block(value.len()));
+        size_of::<Self>()
+            + block(self.path.len())
+            + block(std::mem::size_of_val(self.details.as_slice()))
+            + details.sum::<usize>()
+    }
+}
+
 /// Events not yet taken.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trace {
@@ -144,7 +157,9 @@ impl Machine {
         let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
         let sequence = self.trace.next_sequence;
         self.trace.next_sequence += 1;
-        self.trace.events.push(Event { time_us: self.now_us, sequence, path, kind, details });
+        let event = Event { time_us: self.now_us, sequence, path, kind, details };
+        self.heap.allocated += event.bytes();
+        self.trace.events.push(event);
     }
 
     fn current_path(&self) -> String {
@@ -236,13 +251,12 @@ impl Machine {
         if !self.trace.enabled || networks.is_empty() {
             return;
         }
-        let mut concerned: Vec<u32> = Vec::new();
+        let mut concerned = BTreeSet::new();
         let mut left = networks.to_vec();
         while let Some(fluent) = left.pop() {
             let Some(record) = self.fluents.get(fluent) else { continue };
-            if !concerned.contains(&fluent) {
-                concerned.push(fluent);
-                left.extend(&record.dependents);
+            if concerned.insert(fluent) {
+                left.extend(record.dependents.iter());
             }
         }
         for task in self.living_tasks() {
@@ -289,7 +303,7 @@ impl Machine {
 
     fn write_fluent(&mut self, program: &Program, fluent: u32) {
         if let Some(name) = self.fluents[fluent].name
-            && !self.is_quiet(fluent, 0)
+            && !self.is_quiet(fluent)
         {
             let details = vec![
                 ("fluent", self.symbols.name(name).to_string()),
@@ -301,13 +315,20 @@ impl Machine {
     }
 
     /// Whether a fluent changes with each step of the robot: one of the quiet ones, or a number that
-    /// is computed from them.
-    fn is_quiet(&self, fluent: u32, depth: usize) -> bool {
-        const MAX_DEPTH: usize = 8;
-        let record = &self.fluents[fluent];
-        let is_number = matches!(record.value, Value::Int(_) | Value::Float(_));
-        self.trace.quiet.contains(&fluent)
-            || is_number && (depth == MAX_DEPTH || record.inputs.iter().any(|&input| self.is_quiet(input, depth + 1)))
+    /// is computed from them through numbers.
+    fn is_quiet(&self, fluent: u32) -> bool {
+        let mut seen = BTreeSet::new();
+        let mut waiting = vec![fluent];
+        while let Some(fluent) = waiting.pop() {
+            if self.trace.quiet.contains(&fluent) {
+                return true;
+            }
+            let record = &self.fluents[fluent];
+            if matches!(record.value, Value::Int(_) | Value::Float(_)) && seen.insert(fluent) {
+                waiting.extend(&record.inputs);
+            }
+        }
+        false
     }
 
     pub(crate) fn trace_pulse(&mut self, fluent: u32) {

@@ -1,6 +1,8 @@
 //! The task tree: links, paths, readiness, waiting and suspension.
 
 use crate::machine::{Machine, Surroundings};
+use crate::memory;
+use crate::scheduler::Line;
 use crate::task::{Frame, NONE, Rare, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::Value;
 use rpl_lang::source::Span;
@@ -59,7 +61,43 @@ impl Machine {
 
     /// Living children of one scope, in order of creation.
     pub(crate) fn children_of_scope(&self, parent: u32, scope: u32) -> Vec<u32> {
-        self.children(parent).into_iter().filter(|&child| self.tasks[child].parent_scope == scope).collect()
+        self.look_for_children(parent, scope).0
+    }
+
+    /// The same, and how many were looked at. They are looked for from the last one back, and no
+    /// further than the first of them: the innermost scope's are the last.
+    pub(crate) fn look_for_children(&self, parent: u32, scope: u32) -> (Vec<u32>, u64) {
+        let count = match self.tasks[parent].scopes.get(scope as usize).map(|scope| &scope.kind) {
+            Some(ScopeKind::Children(children)) => children.alive as usize,
+            Some(ScopeKind::Call(call)) => call.spawned as usize,
+            _ => 0,
+        };
+        let mut children = Vec::with_capacity(count);
+        let (mut at, mut looked_at) = (self.tasks[parent].last_child, 0);
+        while at != NONE && children.len() < count {
+            looked_at += 1;
+            let child = &self.tasks[at];
+            if child.parent_scope == scope && !child.named_as_hook() {
+                children.push(at);
+            }
+            at = child.previous_sibling;
+        }
+        children.reverse();
+        (children, looked_at)
+    }
+
+    /// The innermost plan call around what a task does now: the task it belongs to, and its scope.
+    pub(crate) fn plan_call_around(&mut self, task: u32) -> Option<(u32, usize)> {
+        let (mut at, mut upto) = (task, usize::MAX);
+        while at != NONE {
+            self.scratch.work += 1;
+            let record = &self.tasks[at];
+            if let Some(call) = record.scopes.call_within(upto) {
+                return Some((at, call));
+            }
+            (at, upto) = (record.parent, record.parent_scope as usize + 1);
+        }
+        None
     }
 
     /// Living children, in order of creation.
@@ -113,12 +151,13 @@ impl Machine {
         let mut parts = Vec::new();
         let (mut at, mut upto) = (task, scopes);
         while let Some(record) = self.tasks.get(at) {
-            for (index, scope) in record.scopes.iter().enumerate().take(upto).rev() {
-                if let ScopeKind::Call(call) = &scope.kind
-                    && (index > 0 || record.parent != NONE || at != self.main)
-                {
-                    parts.push(self.counted(call.name, call.occurrence));
-                }
+            let calls = record.scopes.calls_within(upto);
+            let named = calls.filter(|&(index, _)| index > 0 || record.parent != NONE || at != self.main);
+            let left = MAX_SEGMENTS.saturating_sub(parts.len());
+            parts.extend(named.take(left).map(|(_, call)| self.counted(call.name, call.occurrence)));
+            if parts.len() >= MAX_SEGMENTS {
+                parts.push("…".to_string());
+                break;
             }
             parts.push(self.segment(record));
             if parts.len() >= MAX_SEGMENTS && record.parent != NONE {
@@ -150,16 +189,11 @@ impl Machine {
         let mut calls = Vec::new();
         let (mut at, mut upto) = (task, usize::MAX);
         let mut tasks = 0;
-        while at != NONE && calls.len() < 64 && tasks < MAX_SEGMENTS {
+        while at != NONE && calls.len() < MAX_SEGMENTS && tasks < MAX_SEGMENTS {
             tasks += 1;
             let record = &self.tasks[at];
-            for scope in record.scopes.iter().take(upto).rev() {
-                if let ScopeKind::Call(call) = &scope.kind
-                    && call.span.is_some()
-                {
-                    calls.push((call.name, call.span));
-                }
-            }
+            let around = record.scopes.calls_within(upto).filter(|(_, call)| call.span.is_some());
+            calls.extend(around.take(MAX_SEGMENTS - calls.len()).map(|(_, call)| (call.name, call.span)));
             upto = record.parent_scope as usize + 1;
             at = record.parent;
         }
@@ -170,24 +204,16 @@ impl Machine {
     /// plan call of the task, or the task itself.
     pub(crate) fn count_use(&mut self, task: u32, name: Symbol) -> u32 {
         let record = &mut self.tasks[task];
-        let call = record.scopes.iter_mut().rev().find_map(|scope| match &mut scope.kind {
-            ScopeKind::Call(call) => Some(call),
-            _ => None,
-        });
-        let counters = match call {
+        let counters = match record.scopes.innermost_call() {
             Some(call) => &mut call.counters,
             None => &mut record.rare.get_or_insert_default().counters,
         };
-        match counters.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, count)) => {
-                *count += 1;
-                *count
-            }
-            None => {
-                counters.push((name, 1));
-                1
-            }
+        if counters.is_empty() {
+            self.heap.allocated += memory::COUNTERS;
         }
+        let count = counters.entry(name).or_insert(0);
+        *count += 1;
+        *count
     }
 
     /// The priority a task runs at: its own, or that of a requester whose way it blocks.
@@ -313,20 +339,31 @@ impl Machine {
             }
             Waiting::Valve(valve) => self.leave_valve_line(task, valve),
             Waiting::Death(other) => {
-                if self.tasks.get(other).is_some() {
-                    let me = self.tasks.reference(task);
-                    self.tasks[other].rare().mourners.retain(|&mourner| mourner != me);
-                }
+                self.leave_line(task, other, |rare| &mut rare.mourners);
             }
             Waiting::Rest(other) => {
                 self.waits_for_rest -= 1;
-                if self.tasks.get(other).is_some() {
-                    let me = self.tasks.reference(task);
-                    self.tasks[other].rare().resters.retain(|&rester| rester != me);
-                }
+                self.leave_line(task, other, |rare| &mut rare.resters);
             }
             Waiting::Nothing | Waiting::Children | Waiting::Spawned | Waiting::Signal(_) => {}
         }
+    }
+
+    /// Puts a task at the end of a line that another one keeps.
+    pub(crate) fn join_line(&mut self, task: u32, other: u32, line: fn(&mut Rare) -> &mut Line) {
+        let mut joined = *line(self.tasks[other].rare());
+        joined.push_back(&mut self.tasks, task);
+        let rare = self.tasks[other].rare();
+        *line(rare) = joined;
+        rare.in_lines += 1;
+    }
+
+    fn leave_line(&mut self, task: u32, other: u32, line: fn(&mut Rare) -> &mut Line) {
+        let mut left = *line(self.tasks[other].rare());
+        left.remove(&mut self.tasks, task);
+        let rare = self.tasks[other].rare();
+        *line(rare) = left;
+        rare.in_lines -= 1;
     }
 
     pub(crate) fn forget_timer(&mut self) {
@@ -445,8 +482,7 @@ impl Machine {
         if self.is_within(current, other) || self.is_at_rest(other) {
             return false;
         }
-        let me = self.tasks.reference(current);
-        self.tasks[other].rare().resters.push(me);
+        self.join_line(current, other, |rare| &mut rare.resters);
         self.tasks[current].waiting = Waiting::Rest(other);
         self.waits_for_rest += 1;
         true
@@ -459,12 +495,10 @@ impl Machine {
         }
         let mut at = task;
         while self.waits_for_rest > 0 && at != NONE {
-            let has_resters = self.tasks[at].rare.as_ref().is_some_and(|rare| !rare.resters.is_empty());
-            if has_resters && (self.tasks[at].state.is_dead() || self.is_at_rest(at)) {
-                for rester in self.tasks[at].rare().resters.clone() {
-                    if let Some(rester) = self.tasks.find_alive(rester) {
-                        self.wake(rester, Wake::Value(Value::Nil));
-                    }
+            let resters = self.tasks[at].rare.as_ref().map_or(Line::default(), |rare| rare.resters);
+            if resters != Line::default() && (self.tasks[at].state.is_dead() || self.is_at_rest(at)) {
+                for rester in resters.tasks(&self.tasks) {
+                    self.wake(rester, Wake::Value(Value::Nil));
                 }
             }
             at = self.tasks[at].parent;
@@ -502,9 +536,14 @@ impl Machine {
     /// Moves the current task's registers and frames into its record.
     #[inline]
     pub(crate) fn store(&mut self, task: u32, frame: Frame, registers: usize) {
+        let before = self.tasks.registers.bytes();
         self.tasks.set_registers(task, &self.scratch.stack[..frame.base as usize + registers]);
+        self.heap.allocated += self.tasks.registers.bytes() - before;
+        self.scratch.work += u64::from(frame.base);
         let record = &mut self.tasks[task];
         if !(record.frames.is_empty() && self.scratch.frames.is_empty()) {
+            let more = self.scratch.frames.len().saturating_sub(record.frames.len());
+            self.heap.allocated += more * size_of::<Frame>();
             record.frames.set(&self.scratch.frames);
         }
         record.frame = frame;
@@ -546,7 +585,7 @@ pub(crate) fn is_current(tasks: &crate::task::Tasks, timer: &crate::scheduler::T
     let record = &tasks[task];
     match timer.alarm {
         crate::scheduler::Alarm::Wake(number) => record.state == State::Blocked && record.wait_number == number,
-        crate::scheduler::Alarm::Deadline => record.scopes.iter().any(|scope| {
+        crate::scheduler::Alarm::Deadline => record.scopes.iter().rev().any(|scope| {
             matches!(&scope.kind, ScopeKind::Children(children)
                 if children.timer == timer.number && children.decided.is_none())
         }),

@@ -229,29 +229,19 @@ impl Machine {
     /// which nothing in it handles.
     pub(crate) fn fixed_failure(&self, around: &Surroundings<'_>, task: u32) -> Option<Value> {
         let (program, record) = (around.program, &self.tasks[task]);
-        for (index, scope) in record.scopes.iter().enumerate() {
-            match &scope.kind {
-                ScopeKind::InCleanup(then) => {
-                    if let Then::Leave(leaving) = &**then {
-                        return self.unhandled(program, task, leaving, index);
-                    }
-                }
-                ScopeKind::Children(children) if !record.is_leaving() => {
-                    if let Some(Decision::Fail(failure)) = children.decided {
-                        return self.unhandled(program, task, &Leaving::Fail(failure), index);
-                    }
-                }
-                ScopeKind::Children(_)
-                | ScopeKind::Block { .. }
-                | ScopeKind::Handler { .. }
-                | ScopeKind::Cleanup { .. }
-                | ScopeKind::Call(_)
-                | ScopeKind::Valve(_)
-                | ScopeKind::OnInterrupt(_)
-                | ScopeKind::OnResume(_)
-                | ScopeKind::Suspended(_)
-                | ScopeKind::Watch(_) => {}
-            }
+        let cut_short = record.scopes.clean_ups().find_map(|(index, then)| match then {
+            Then::Leave(leaving) => Some((index, leaving)),
+            Then::Continue => None,
+        });
+        if let Some((index, leaving)) = cut_short {
+            return self.unhandled(program, task, leaving, index);
+        }
+        // A construct in progress is the innermost scope.
+        if let Some(Scope { kind: ScopeKind::Children(children), .. }) = record.scopes.last()
+            && let Some(Decision::Fail(failure)) = children.decided
+            && !record.is_leaving()
+        {
+            return self.unhandled(program, task, &Leaving::Fail(failure), record.scopes.len() - 1);
         }
         let outcome = (record.raises == Raises::Outcome).then_some(Leaving::Fail(record.value));
         let leaving = record.leaving().or(outcome.as_ref())?;
@@ -461,7 +451,8 @@ impl Machine {
         if alive(self) == 0 {
             return 0;
         }
-        let children = self.children_of_scope(task, scope);
+        let (children, looked_at) = self.look_for_children(task, scope);
+        self.scratch.work += looked_at;
         self.evaporate_all(around, &children);
         alive(self)
     }
@@ -572,11 +563,9 @@ impl Machine {
         if was_protected || self.waits_for_rest > 0 {
             self.protection_ended(around, task);
         }
-        if let Some(rare) = &mut self.tasks[task].rare {
-            for mourner in std::mem::take(&mut rare.mourners) {
-                if let Some(mourner) = self.tasks.find_alive(mourner) {
-                    self.wake(mourner, Wake::Value(Value::Nil));
-                }
+        if let Some(mourners) = self.tasks[task].rare.as_ref().map(|rare| rare.mourners) {
+            for mourner in mourners.tasks(&self.tasks) {
+                self.wake(mourner, Wake::Value(Value::Nil));
             }
         }
         self.hooks_ended(around, task);

@@ -161,7 +161,7 @@ impl Machine {
             fluent.name.map_or(Ok(()), |name| self.symbol(name))?;
             self.validate_value(bounds, fluent.value)?;
             fluent.failure.map_or(Ok(()), |failure| self.validate_failure(bounds, failure))?;
-            fluent.inputs.iter().chain(&fluent.dependents).try_for_each(|&other| self.fluent(other))?;
+            fluent.inputs.iter().chain(fluent.dependents.iter()).try_for_each(|&other| self.fluent(other))?;
             let rises = fluent.inputs.iter().all(|&input| self.fluents[input].height < MAX_COUNT);
             ensure(rises, "a network is too deep")?;
             if let Origin::Network { code, captured } = &fluent.origin {
@@ -170,7 +170,7 @@ impl Machine {
                 ensure(captured.len() == captures, "a network has captured what its code does not name")?;
                 self.validate_values(bounds, captured)?;
             }
-            let known = |&watch: &u32| self.watches.get(watch).is_some();
+            let known = |&(_, watch): &(u64, u32)| self.watches.get(watch).is_some();
             ensure(fluent.watches.iter().all(known), "a watch is not in its table")?;
         }
         for (_, watch) in self.watches.iter() {
@@ -262,8 +262,7 @@ impl Machine {
         let Some(rare) = &task.rare else { return Ok(()) };
         let fluents = [rare.fluents.status, rare.fluents.result, rare.fluents.begin, rare.fluents.end];
         fluents.into_iter().flatten().try_for_each(|fluent| self.fluent(fluent))?;
-        rare.counters.iter().try_for_each(|&(name, _)| self.symbol(name))?;
-        rare.resters.iter().chain(&rare.mourners).try_for_each(|&task| self.validate_reference(task))?;
+        rare.counters.keys().try_for_each(|&name| self.symbol(name))?;
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
         let mut valves = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
@@ -291,7 +290,7 @@ impl Machine {
             },
             ScopeKind::Call(call) => {
                 self.symbol(call.name)?;
-                call.counters.iter().try_for_each(|&(name, _)| self.symbol(name))?;
+                call.counters.keys().try_for_each(|&name| self.symbol(name))?;
                 call.tags.iter().try_for_each(|&tag| self.validate_reference(tag))?;
                 call.failure.map_or(Ok(()), |failure| self.validate_failure(bounds, failure))
             }
@@ -334,8 +333,13 @@ impl Machine {
     fn validate_lines(&self) -> Check {
         let mut seen = crate::slab::Marks::new(self.tasks.slots());
         let fluents = self.fluents.iter().map(|(_, fluent)| fluent.waiters);
+        let rare = self.tasks.iter().filter_map(|(_, task)| task.rare.as_ref());
         for line in fluents.chain(self.priorities.lines()) {
             self.validate_line(line, &mut seen)?;
+        }
+        for rare in rare {
+            let count = self.validate_line(rare.mourners, &mut seen)? + self.validate_line(rare.resters, &mut seen)?;
+            ensure(count == rare.in_lines, "a task counts others in line that are not")?;
         }
         let mut children = crate::slab::Marks::new(self.tasks.slots());
         for (index, task) in self.tasks.iter() {
@@ -357,16 +361,19 @@ impl Machine {
         ensure(main_reaches == linked, "the task tree is no tree")
     }
 
-    fn validate_line(&self, line: Line, seen: &mut crate::slab::Marks) -> Check {
+    /// Gives how many stand in a line.
+    fn validate_line(&self, line: Line, seen: &mut crate::slab::Marks) -> Result<u32, String> {
         self.validate_link(line.first)?;
         self.validate_link(line.last)?;
-        let (mut at, mut before) = (line.first, NONE);
+        let (mut at, mut before, mut count) = (line.first, NONE, 0);
         while at != NONE {
+            count += 1;
             ensure(seen.set(at) && self.tasks[at].previous == before, "a line of tasks is a circle")?;
             (before, at) = (at, self.tasks[at].next);
             self.validate_link(at)?;
         }
-        ensure(line.last == before, "a line of tasks ends elsewhere")
+        ensure(line.last == before, "a line of tasks ends elsewhere")?;
+        Ok(count)
     }
 }
 
@@ -401,6 +408,13 @@ pub(crate) fn validate_program(program: &Program, from: usize) -> Check {
             ensure(holds, "an instruction names what is not there")?;
         }
     }
+    let is_free = |free: &[u32], first: usize, end: usize| {
+        let mut seen = crate::slab::Marks::new(end);
+        free.iter().all(|&place| (first..end).contains(&(place as usize)) && seen.set(place))
+    };
+    ensure(is_free(&program.free_codes, from, program.codes.len()), "a free place is not in the program")?;
+    ensure(is_free(&program.free_constants, 0, program.constants.len()), "a free place is not in the program")?;
+    ensure(is_free(program.sources.free_places(), 0, program.sources.len()), "a free place is not in the program")?;
     let known = |code: &u32| has_code(*code);
     ensure(program.macros.values().all(known), "a macro has no code")?;
     ensure(program.names.values().all(|&global| (global as usize) < program.globals.len()), "a name has no global")

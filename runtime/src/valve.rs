@@ -39,12 +39,13 @@
 //! the first in each line, and those of the lines of lenders above the holder who could pre-empt it.
 
 use crate::failure::Raise;
-use crate::line::{Line, Place};
 use crate::machine::{Machine, Surroundings};
+use crate::memory;
 use crate::registers::Registers;
 use crate::scheduler::Priorities;
 use crate::task::{NONE, ScopeKind, State, Task, Waiting, Wake};
 use crate::value::{TaskRef, Value};
+use crate::valve_line::{Place, ValveLine};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -101,6 +102,9 @@ impl Link {
     }
 }
 
+/// Changes of a boost while valves are served, before it only rises.
+const MAX_BOOST_CHANGES: u32 = 16;
+
 /// No link, and the first line of those who are below none.
 pub const NO_LINK: u64 = 0;
 
@@ -110,7 +114,7 @@ pub struct Below {
     /// The link, [`NO_LINK`] for none.
     pub link: u64,
     /// They, in line; never empty.
-    pub line: Line,
+    pub line: ValveLine,
 }
 
 /// A task that waits for a valve.
@@ -150,7 +154,7 @@ pub struct Valve {
     /// Who waits for it, by slot, the suspended ones as well.
     pub waiters: BTreeMap<u32, Waiter>,
     /// Those who wait and are not suspended.
-    pub line: Line,
+    pub line: ValveLine,
     /// The same, by the link they are below.
     pub lines: BTreeMap<u64, Below>,
     /// The line of those who are below no link.
@@ -172,7 +176,7 @@ impl Valve {
             name,
             links: Vec::new(),
             waiters: BTreeMap::new(),
-            line: Line::default(),
+            line: ValveLine::default(),
             lines: BTreeMap::new(),
             open_line: NO_LINK,
             last_link: NO_LINK,
@@ -246,7 +250,7 @@ impl Valve {
         let Some(waiter) = self.waiters.get_mut(&task) else { return };
         waiter.line = Some(number);
         self.line.enter(priorities, waiter.place, task);
-        let below = self.lines.entry(number).or_insert_with(|| Below { link, line: Line::default() });
+        let below = self.lines.entry(number).or_insert_with(|| Below { link, line: ValveLine::default() });
         below.line.enter(priorities, waiter.place, task);
     }
 
@@ -385,18 +389,19 @@ impl Machine {
         }
         self.trace_valve(task, valve, "requested");
         self.tasks[task].waiting = Waiting::Valve(valve);
-        self.join_line(task, valve);
+        self.join_valve_line(task, valve);
         self.stir(around, valve);
         Ok(self.tasks[task].waiting != Waiting::Valve(valve))
     }
 
     /// A request takes its place.
-    fn join_line(&mut self, task: u32, valve: u32) {
+    fn join_valve_line(&mut self, task: u32, valve: u32) {
         let priority = self.effective_priority(task);
         let entry = &mut self.valves[valve as usize];
         entry.asked += 1;
         let place = Place { priority, asked: entry.asked };
         entry.waiters.insert(task, Waiter { place, line: None });
+        self.heap.allocated += memory::WAITER;
         self.enter_line(task, valve);
     }
 
@@ -465,6 +470,7 @@ impl Machine {
         }
         let number = self.valves[valve as usize].push(me, LinkKind::Hold { count: 1, purpose });
         self.tasks[task].rare().held.push(valve);
+        self.heap.allocated += memory::LINK;
         if purpose != Purpose::Hooks {
             self.trace_valve(task, valve, "granted");
         }
@@ -610,6 +616,7 @@ impl Machine {
         while let Some(valve) = self.scratch.restless.pop_first() {
             self.serve_valve(around, valve);
         }
+        self.scratch.boost_changes.clear();
         self.scratch.is_serving = false;
     }
 
@@ -645,7 +652,7 @@ impl Machine {
         if let Some((place, task)) = lent.and_then(|below| below.line.first()) {
             next.note(&self.priorities, place, task, Way::Open);
         }
-        let floor = self.effective_priority(holder);
+        let floor = self.tasks[holder].priority;
         if entry.handover.is_none() && self.priorities.is_higher(first.priority, floor) {
             for below in entry.lines.values() {
                 self.look_along(&mut next, valve, below, holder, floor);
@@ -683,17 +690,18 @@ impl Machine {
             return if is_first { Way::Open } else { Way::Closed };
         };
         let Some(holder) = self.tasks.find_alive(hold.task) else { return Way::Closed };
-        if !self.priorities.is_higher(priority, self.effective_priority(holder)) {
+        // Who is kept waiting by a clean-up is so whatever that runs at because of it.
+        if !self.priorities.is_higher(priority, self.tasks[holder].priority) {
             return Way::Closed;
         }
-        let Some(root) = self.subtree_to_interrupt(task, holder, valve) else { return Way::Open };
+        let root = self.subtree_to_interrupt(task, holder, valve);
         let mut marks = entry.links[at + 1..].iter().filter_map(|mark| self.tasks.find_alive(mark.task));
-        if marks.any(|mark| self.is_within(root, mark)) {
-            Way::Open
-        } else if self.is_at_rest(root) {
-            Way::Through(root)
-        } else {
-            Way::Blocked(root)
+        let root = root.filter(|&root| !marks.any(|mark| self.is_within(root, mark)));
+        match root {
+            Some(root) if !self.is_at_rest(root) => Way::Blocked(root),
+            _ if !self.priorities.is_higher(priority, self.effective_priority(holder)) => Way::Closed,
+            Some(root) => Way::Through(root),
+            None => Way::Open,
         }
     }
 
@@ -732,6 +740,7 @@ impl Machine {
         let reference = self.tasks.reference(root);
         self.valves[valve as usize].push(reference, LinkKind::Mark);
         self.tasks[root].rare().marked.push(valve);
+        self.heap.allocated += memory::LINK;
         if !self.start_hooks(around, root, valve, &hooks, Handover::Lend) {
             self.grant(around, task, valve);
         }
@@ -915,7 +924,7 @@ impl Machine {
     pub(crate) fn refresh_boost(&mut self, task: u32) {
         let due = if self.claims > 0 { self.boost_due(task) } else { None };
         let known = self.tasks[task].rare.as_ref().and_then(|rare| rare.boost);
-        if due == known {
+        if due == known || !self.may_settle_at(task, known, due) {
             return;
         }
         let is_queued = self.is_queued(task) && task != self.current;
@@ -927,6 +936,25 @@ impl Machine {
             let line = self.effective_priority(task);
             self.priorities.enqueue(&mut self.tasks, task, line, false);
         }
+        // Its priority counts for those who want its valves.
+        let rare = self.tasks[task].rare();
+        self.scratch.restless.extend(rare.held.iter().chain(&rare.marked));
         self.scratch.switch = true;
+    }
+
+    /// Whether a task may come to this boost now. Boosts depend on lines and lines on boosts: one that has
+    /// changed often while valves are served only rises any more, so that this comes to an end.
+    fn may_settle_at(&mut self, task: u32, known: Option<u32>, due: Option<u32>) -> bool {
+        if !self.scratch.is_serving {
+            return true;
+        }
+        let changes = self.scratch.boost_changes.entry(task).or_insert(0);
+        *changes += 1;
+        let rises = match (known, due) {
+            (Some(known), Some(due)) => self.priorities.is_higher(due, known),
+            (None, _) => true,
+            (Some(_), None) => false,
+        };
+        *changes <= MAX_BOOST_CHANGES || rises
     }
 }

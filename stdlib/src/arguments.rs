@@ -1,6 +1,7 @@
 //! Reading the arguments of a native, with errors that say what was found, and room for results.
 
 use rpl_runtime::failure::Raise;
+use rpl_runtime::heap::PAIR;
 use rpl_runtime::native::{Call, Effect, Native, NativeCode, Reply};
 use rpl_runtime::value::Value;
 use std::sync::Arc;
@@ -40,8 +41,8 @@ pub(crate) fn integer(number: i64) -> Answer {
 
 /// Answers with a new string.
 pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> Answer {
-    room_for(call, text.len())?;
-    burn_text(call, text.len());
+    room_for_text(call, text.len())?;
+    call.burn_text(text.len());
     value(call.machine.heap.string(text))
 }
 
@@ -88,10 +89,13 @@ pub(crate) fn proper_end(call: &Call<'_, '_>, at: usize, end: Value) -> Result<(
 /// A `type-error` if it is no proper list.
 pub(crate) fn elements(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Value>, Raise> {
     let mut spine = call.machine.heap.spine(call.argument(at));
-    let items: Vec<Value> = spine.by_ref().map(|(_, item)| item).collect();
+    let length = spine.by_ref().count();
     let end = spine.rest();
-    call.burn(items.len());
+    call.burn(length);
     proper_end(call, at, end)?;
+    room_for(call, length * size_of::<Value>())?;
+    let mut items = Vec::with_capacity(length);
+    items.extend(call.machine.heap.spine(call.argument(at)).map(|(_, item)| item));
     Ok(items)
 }
 
@@ -110,44 +114,29 @@ pub(crate) fn sequence(call: &mut Call<'_, '_>, at: usize) -> Result<Sequence, R
     }
 }
 
-/// An error if so many more bytes would pass the limit on memory: one call can ask for more than a
-/// collection between two calls could notice.
+/// Asks for so many more bytes before they are taken: one call can want more than a collection
+/// between two calls could notice. Asked for before anything is made or changed: the native may be
+/// called again when there is room.
 pub(crate) fn room_for(call: &Call<'_, '_>, bytes: usize) -> Result<(), Raise> {
-    let limit = call.machine.limits.bytes;
-    if bytes > limit || call.machine.heap.used_bytes().saturating_add(bytes) > limit.saturating_mul(2) {
-        let megabytes = limit >> 20;
-        return Err(Raise::new(
-            "out-of-memory",
-            format!("the result would pass the limit of {megabytes} MiB; build less of it at a time"),
-        ));
+    match call.machine.has_room(bytes) {
+        true => Ok(()),
+        false => Err(Raise::NoRoom(bytes)),
     }
-    Ok(())
 }
 
-/// The same for a list of so many elements.
+/// The same for a text of so many bytes, which is built and then kept.
+pub(crate) fn room_for_text(call: &Call<'_, '_>, bytes: usize) -> Result<(), Raise> {
+    room_for(call, bytes.saturating_mul(2))
+}
+
+/// The same for a list of so many elements, which are gathered and then linked.
 pub(crate) fn room_for_pairs(call: &Call<'_, '_>, pairs: usize) -> Result<(), Raise> {
-    room_for(call, pairs.saturating_mul(size_of::<(Value, Value)>()))
+    room_for(call, pairs.saturating_mul(PAIR + size_of::<Value>()))
 }
 
 /// A value as `print` shows it.
 pub(crate) fn show(call: &mut Call<'_, '_>, value: Value) -> String {
     let text = call.machine.show(call.around.program, value);
-    burn_text(call, text.len());
+    call.burn_text(text.len());
     text
-}
-
-/// So much text is made, or looked through, in the time of one turn of a loop.
-const CHARACTERS_A_STEP: usize = 8;
-
-/// So many pairs are passed in the time of one turn of a loop.
-const PAIRS_A_STEP: usize = 4;
-
-/// Takes the steps of a walk that passed so many pairs.
-pub(crate) fn burn_walk(call: &mut Call<'_, '_>, pairs: usize) {
-    call.burn(pairs / PAIRS_A_STEP);
-}
-
-/// Takes the steps of looking through so many bytes of text.
-pub(crate) fn burn_text(call: &mut Call<'_, '_>, bytes: usize) {
-    call.burn(bytes / CHARACTERS_A_STEP);
 }

@@ -1,8 +1,7 @@
 //! Elements of lists and strings: how many, where, all but some, in another order.
 
 use crate::arguments::{
-    Answer, Sequence, burn_text, burn_walk, count, elements, index_error, integer, list, natural, proper_end, pure,
-    sequence, text, value,
+    Answer, Sequence, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text, value,
 };
 use rpl_runtime::failure::Raise;
 use rpl_runtime::heap::Heap;
@@ -12,13 +11,13 @@ use rpl_runtime::value::Value;
 fn length(call: &mut Call<'_, '_>) -> Answer {
     if let Value::Str(_) = call.argument(0) {
         let string = call.text(0)?;
-        burn_text(call, string.len());
+        call.burn_text(string.len());
         return integer(string.chars().count() as i64);
     }
     let mut spine = call.machine.heap.spine(call.argument(0));
     let length = spine.by_ref().count();
     let end = spine.rest();
-    burn_walk(call, length);
+    call.burn_walk(length);
     proper_end(call, 0, end)?;
     integer(length as i64)
 }
@@ -77,7 +76,7 @@ fn elt(call: &mut Call<'_, '_>) -> Answer {
     match sequence(call, 0)? {
         Sequence::List(items) => value(*items.get(position).ok_or_else(|| outside(items.len()))?),
         Sequence::Text(string) => {
-            burn_text(call, string.len());
+            call.burn_text(string.len());
             let length = string.chars().count();
             if position >= length {
                 return Err(outside(length));
@@ -106,7 +105,7 @@ fn find(
         }
     }
     let (passed, end) = (spine.passed(), spine.rest());
-    burn_walk(call, passed);
+    call.burn_walk(passed);
     call.burn(steps);
     if found.is_none() {
         proper_end(call, at, end)?;

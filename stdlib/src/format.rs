@@ -1,6 +1,6 @@
 //! `format`: text with directives that stand for arguments.
 
-use crate::arguments::{Answer, pure, room_for, text};
+use crate::arguments::{Answer, pure, room_for_text, text};
 use rpl_lang::kind::Kind;
 use rpl_lang::number::format_float;
 use rpl_runtime::failure::Raise;
@@ -114,7 +114,7 @@ fn format(call: &mut Call<'_, '_>) -> Answer {
                 next += 1;
             }
         }
-        room_for(call, out.len())?;
+        room_for_text(call, out.len())?;
     }
     if next < call.arguments.len() {
         let (given, used) = (call.arguments.len() - 1, next - 1);

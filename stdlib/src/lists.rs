@@ -1,7 +1,7 @@
 //! Building lists and taking them apart.
 
 use crate::arguments::{
-    Answer, burn_walk, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
+    Answer, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
 };
 use crate::numbers::{Number, number, overflow};
 use rpl_lang::kind::Kind;
@@ -73,7 +73,7 @@ fn tail_from(call: &mut Call<'_, '_>, from: Value, position: usize) -> Value {
             at = heap.pair(pair).1;
         }
     }
-    burn_walk(call, passed);
+    call.burn_walk(passed);
     at
 }
 
@@ -109,7 +109,7 @@ fn split_before_last(call: &mut Call<'_, '_>) -> Result<usize, Raise> {
     let mut spine = call.machine.heap.spine(call.argument(0));
     let length = spine.by_ref().count();
     let end = spine.rest();
-    burn_walk(call, length);
+    call.burn_walk(length);
     proper_end(call, 0, end)?;
     Ok(length.saturating_sub(last))
 }

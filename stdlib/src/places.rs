@@ -1,7 +1,7 @@
 //! What `setf` calls: `(setf (ACCESSOR ARG...) VALUE)` is `(%set-ACCESSOR ARG... VALUE)` and gives
 //! the value.
 
-use crate::arguments::{Answer, burn_walk, changing, index_error, natural, value};
+use crate::arguments::{Answer, changing, index_error, natural, value};
 use crate::lists::follow;
 use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
@@ -32,7 +32,7 @@ fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value
     let mut spine = call.machine.heap.spine(call.argument(list));
     let found = spine.nth(position);
     let length = spine.passed();
-    burn_walk(call, length);
+    call.burn_walk(length);
     if let Some((pair, _)) = found {
         call.machine.heap.pairs[pair as usize].0 = new;
         return value(new);

@@ -1,8 +1,10 @@
 //! Lists as sets: `equal` elements count as one, the order of the first list is kept.
 
-use crate::arguments::{Answer, elements, list, pure, truth, value};
+use crate::arguments::{Answer, elements, list, pure, room_for, truth, value};
 use crate::elements::find_equal;
+use rpl_runtime::failure::Raise;
 use rpl_runtime::heap::{Heap, Key, MAX_KEY_PAIRS};
+use rpl_runtime::memory::table_entry;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 use std::collections::BTreeSet;
@@ -15,27 +17,30 @@ struct Seen {
     large: Vec<Value>,
     /// What was looked at, in steps.
     steps: usize,
+    /// What the keys take.
+    bytes: usize,
 }
 
 impl Seen {
-    fn of(heap: &Heap, items: &[Value]) -> Self {
+    fn of(call: &Call<'_, '_>, items: &[Value]) -> Result<Self, Raise> {
         let mut seen = Seen::default();
         for &item in items {
-            seen.insert(heap, item);
+            seen.insert(call, item)?;
         }
-        seen
+        Ok(seen)
     }
 
     /// Whether the value is new.
-    fn insert(&mut self, heap: &Heap, item: Value) -> bool {
-        match self.key(heap, item) {
-            Some(key) => self.keys.insert(key),
-            None if self.contains_large(heap, item) => false,
-            None => {
-                self.large.push(item);
-                true
-            }
-        }
+    fn insert(&mut self, call: &Call<'_, '_>, item: Value) -> Result<bool, Raise> {
+        let heap = &call.machine.heap;
+        let Some(key) = self.key(heap, item) else {
+            let is_new = !self.contains_large(heap, item);
+            self.large.extend(is_new.then_some(item));
+            return Ok(is_new);
+        };
+        self.bytes += table_entry(&key);
+        room_for(call, self.bytes)?;
+        Ok(self.keys.insert(key))
     }
 
     fn contains(&mut self, heap: &Heap, item: Value) -> bool {
@@ -61,11 +66,15 @@ impl Seen {
 }
 
 /// The elements that are new, each once.
-fn distinct(call: &mut Call<'_, '_>, mut items: Vec<Value>) -> Answer {
-    let mut seen = Seen::default();
-    items.retain(|&item| seen.insert(&call.machine.heap, item));
+fn distinct(call: &mut Call<'_, '_>, items: Vec<Value>) -> Answer {
+    let (mut seen, mut distinct) = (Seen::default(), Vec::new());
+    for item in items {
+        if seen.insert(call, item)? {
+            distinct.push(item);
+        }
+    }
     call.burn(seen.steps);
-    list(call, &items)
+    list(call, &distinct)
 }
 
 fn remove_duplicates(call: &mut Call<'_, '_>) -> Answer {
@@ -83,7 +92,7 @@ fn union(call: &mut Call<'_, '_>) -> Answer {
 fn select(call: &mut Call<'_, '_>, common: bool) -> Answer {
     let mut items = elements(call, 0)?;
     let others = elements(call, 1)?;
-    let mut others = Seen::of(&call.machine.heap, &others);
+    let mut others = Seen::of(call, &others)?;
     items.retain(|&item| others.contains(&call.machine.heap, item) == common);
     call.burn(others.steps);
     list(call, &items)
@@ -92,7 +101,7 @@ fn select(call: &mut Call<'_, '_>, common: bool) -> Answer {
 fn is_subset(call: &mut Call<'_, '_>) -> Answer {
     let items = elements(call, 0)?;
     let others = elements(call, 1)?;
-    let mut others = Seen::of(&call.machine.heap, &others);
+    let mut others = Seen::of(call, &others)?;
     let is_subset = items.iter().all(|&item| others.contains(&call.machine.heap, item));
     call.burn(others.steps);
     truth(is_subset)

@@ -1,7 +1,8 @@
 //! Sorting by an order that is known here, without a call for each comparison: pieces, which the
 //! prelude has merged, so that control comes back between them.
 
-use crate::arguments::{Answer, elements, list, natural, pure, value};
+use crate::arguments::{Answer, elements, list, natural, pure, room_for, value};
+use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
 use std::cmp::Ordering;
@@ -84,20 +85,18 @@ fn keys_of(call: &Call<'_, '_>, items: &[Value], by_pairs: bool, order: Order) -
     Keys::of(call, &items.iter().map(key).collect::<Vec<Value>>(), order.strings)
 }
 
+/// Bytes that sorting so many elements takes for a while: they, their keys, and their order.
+fn room_to_sort(call: &Call<'_, '_>, elements: usize) -> Result<(), Raise> {
+    room_for(call, elements * 6 * size_of::<Value>())
+}
+
 /// The first so many elements in order, if the order is known and their keys are all of one kind;
 /// else `t`.
 fn sorted(call: &mut Call<'_, '_>) -> Answer {
     let Some(order) = Order::of(call, call.argument(0)) else { return value(Value::True) };
     let count = natural(call, 2)?;
-    let mut items = Vec::with_capacity(count);
-    let mut rest = call.argument(1);
-    while let Value::Cons(pair) = rest
-        && items.len() < count
-    {
-        let (item, next) = call.machine.heap.pair(pair);
-        items.push(item);
-        rest = next;
-    }
+    let items: Vec<Value> = call.machine.heap.spine(call.argument(1)).take(count).map(|(_, item)| item).collect();
+    room_to_sort(call, items.len())?;
     let by_pairs = call.argument(3).is_true();
     let Some(keys) = keys_of(call, &items, by_pairs, order) else { return value(Value::True) };
     let mut places: Vec<usize> = (0..items.len()).collect();
@@ -117,6 +116,7 @@ fn merged(call: &mut Call<'_, '_>) -> Answer {
     let (mut items, right) = (elements(call, 1)?, elements(call, 2)?);
     let middle = items.len();
     items.extend(right);
+    room_to_sort(call, items.len())?;
     let by_pairs = call.argument(3).is_true();
     let Some(keys) = keys_of(call, &items, by_pairs, order) else { return value(Value::True) };
     let (mut left, mut right) = (0, middle);

@@ -1,6 +1,6 @@
 //! Strings. Positions and lengths count characters, not bytes.
 
-use crate::arguments::{Answer, burn_text, count, elements, list, natural, pure, room_for, show, text, truth, value};
+use crate::arguments::{Answer, count, elements, list, natural, pure, room_for_text, show, text, truth, value};
 use crate::elements::{characters, part};
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
@@ -18,16 +18,30 @@ fn pattern(call: &Call<'_, '_>, at: usize) -> Result<std::sync::Arc<str>, Raise>
 
 fn string_append(call: &mut Call<'_, '_>) -> Answer {
     let parts: Vec<_> = (0..count(call)).map(|at| call.text(at)).collect::<Result<_, _>>()?;
-    room_for(call, parts.iter().map(|part| part.len()).sum())?;
+    room_for_text(call, parts.iter().map(|part| part.len()).sum())?;
     text(call, &parts.concat())
+}
+
+/// Adds a value as `print` shows it, if there is room for the whole.
+fn push_shown(call: &mut Call<'_, '_>, joined: &mut String, value: Value) -> Result<(), Raise> {
+    if let Value::Str(index) = value {
+        let string = call.machine.heap.strings[index].clone();
+        room_for_text(call, joined.len() + string.len())?;
+        call.burn_text(string.len());
+        joined.push_str(&string);
+        return Ok(());
+    }
+    let shown = show(call, value);
+    room_for_text(call, joined.len() + shown.len())?;
+    joined.push_str(&shown);
+    Ok(())
 }
 
 /// The arguments as `print` shows them, one after the other.
 fn concat(call: &mut Call<'_, '_>) -> Answer {
     let mut joined = String::new();
     for &argument in call.arguments {
-        joined.push_str(&show(call, argument));
-        room_for(call, joined.len())?;
+        push_shown(call, &mut joined, argument)?;
     }
     text(call, &joined)
 }
@@ -35,20 +49,20 @@ fn concat(call: &mut Call<'_, '_>) -> Answer {
 /// Whether an order holds between all neighbours; symbols count as their names.
 fn chain(call: &mut Call<'_, '_>, holds: fn(Ordering) -> bool) -> Answer {
     let names: Vec<String> = (0..count(call)).map(|at| call.name(at)).collect::<Result<_, _>>()?;
-    burn_text(call, names.iter().map(String::len).sum());
+    call.burn_text(names.iter().map(String::len).sum());
     truth(names.windows(2).all(|pair| holds(pair[0].cmp(&pair[1]))))
 }
 
 fn substring(call: &mut Call<'_, '_>) -> Answer {
     let string = call.text(0)?;
-    burn_text(call, string.len());
+    call.burn_text(string.len());
     let (start, end) = part(call, string.chars().count())?;
     text(call, characters(&string, start, end))
 }
 
 fn search(call: &mut Call<'_, '_>) -> Answer {
     let (wanted, string) = (call.text(0)?, call.text(1)?);
-    burn_text(call, wanted.len() + string.len());
+    call.burn_text(wanted.len() + string.len());
     let start = if count(call) > 2 { natural(call, 2)? } else { 0 };
     let Some(from) = string.char_indices().map(|(byte, _)| byte).chain([string.len()]).nth(start) else {
         return value(Value::Nil);
@@ -70,7 +84,7 @@ fn ends(call: &mut Call<'_, '_>) -> Answer {
 /// Without a separator the words between spaces, which are never empty.
 fn split(call: &mut Call<'_, '_>) -> Answer {
     let string = call.text(0)?;
-    burn_text(call, string.len());
+    call.burn_text(string.len());
     if count(call) == 1 {
         return list_of_strings(call, string.split_whitespace());
     }
@@ -78,7 +92,12 @@ fn split(call: &mut Call<'_, '_>) -> Answer {
     list_of_strings(call, string.split(&*separator))
 }
 
-fn list_of_strings<'s>(call: &mut Call<'_, '_>, parts: impl Iterator<Item = &'s str>) -> Answer {
+/// What a string in a list takes beside its text, halved.
+const BYTES_A_STRING: usize = 64;
+
+fn list_of_strings<'s>(call: &mut Call<'_, '_>, parts: impl Iterator<Item = &'s str> + Clone) -> Answer {
+    let (count, bytes) = parts.clone().fold((0, 0), |(count, bytes), part| (count + 1, bytes + part.len()));
+    room_for_text(call, bytes + count * BYTES_A_STRING)?;
     let parts: Vec<Value> = parts.map(|part| call.machine.heap.string(part)).collect();
     list(call, &parts)
 }
@@ -90,8 +109,7 @@ fn join(call: &mut Call<'_, '_>) -> Answer {
         if position > 0 {
             joined.push_str(&separator);
         }
-        joined.push_str(&show(call, item));
-        room_for(call, joined.len())?;
+        push_shown(call, &mut joined, item)?;
     }
     text(call, &joined)
 }
@@ -108,14 +126,14 @@ fn trim(call: &mut Call<'_, '_>) -> Answer {
 
 fn replace(call: &mut Call<'_, '_>) -> Answer {
     let (string, old, new) = (call.text(0)?, pattern(call, 1)?, call.text(2)?);
-    burn_text(call, string.len());
-    room_for(call, string.matches(&*old).count().saturating_mul(new.len()).saturating_add(string.len()))?;
+    call.burn_text(string.len());
+    room_for_text(call, string.matches(&*old).count().saturating_mul(new.len()).saturating_add(string.len()))?;
     text(call, &string.replace(&*old, &new))
 }
 
 fn repeat(call: &mut Call<'_, '_>) -> Answer {
     let (string, times) = (call.text(0)?, natural(call, 1)?);
-    room_for(call, string.len().saturating_mul(times))?;
+    room_for_text(call, string.len().saturating_mul(times))?;
     // An empty string can be asked for any number of times.
     text(call, &string.repeat(if string.is_empty() { 0 } else { times }))
 }
@@ -132,10 +150,8 @@ fn downcase(call: &mut Call<'_, '_>) -> Answer {
 
 fn to_characters(call: &mut Call<'_, '_>) -> Answer {
     let string = call.text(0)?;
-    let mut buffer = [0; 4];
-    let parts: Vec<Value> =
-        string.chars().map(|character| call.machine.heap.string(character.encode_utf8(&mut buffer))).collect();
-    list(call, &parts)
+    let ends = string.char_indices().map(|(start, character)| &string[start..start + character.len_utf8()]);
+    list_of_strings(call, ends)
 }
 
 fn to_string(call: &mut Call<'_, '_>) -> Answer {

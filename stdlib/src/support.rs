@@ -1,7 +1,7 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{Answer, burn_walk, elements, list, natural, pure, text, truth, value};
+use crate::arguments::{Answer, elements, list, natural, pure, room_for_pairs, text, truth, value};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
 use rpl_runtime::failure::Raise;
@@ -17,7 +17,7 @@ fn reverse_in_place(call: &mut Call<'_, '_>) -> Answer {
         (at, pair.1, turned) = (pair.1, turned, at);
         passed += 1;
     }
-    burn_walk(call, passed);
+    call.burn_walk(passed);
     value(turned)
 }
 
@@ -33,7 +33,7 @@ fn link(call: &mut Call<'_, '_>) -> Answer {
 fn cut(call: &mut Call<'_, '_>) -> Answer {
     let mut at = call.argument(0);
     let length = natural(call, 1)?;
-    burn_walk(call, length);
+    call.burn_walk(length);
     for _ in 1..length {
         let Value::Cons(index) = at else { return value(Value::Nil) };
         at = call.machine.heap.pair(index).1;
@@ -46,7 +46,10 @@ fn cut(call: &mut Call<'_, '_>) -> Answer {
 /// The first elements of all lists, then the second ones, up to the end of the shortest.
 fn transpose(call: &mut Call<'_, '_>) -> Answer {
     let mut columns = Vec::new();
+    let mut count = 0;
     for column in elements(call, 0)? {
+        count += call.machine.heap.length(column).unwrap_or(0);
+        room_for_pairs(call, 2 * count)?;
         match call.machine.heap.elements(column) {
             Ok(items) => columns.push(items),
             Err(_) => {
@@ -54,6 +57,7 @@ fn transpose(call: &mut Call<'_, '_>) -> Answer {
             }
         }
     }
+    call.burn(count);
     let length = columns.iter().map(Vec::len).min().unwrap_or(0);
     let rows: Vec<Value> = (0..length)
         .map(|row| {

@@ -2,7 +2,7 @@
 
 use crate::arguments::{Answer, count, pure, text, value};
 use rpl_lang::reader::fold_name;
-use rpl_lang::symbol::Symbol;
+use rpl_lang::symbol::{Symbol, Symbols};
 use rpl_lang::visible::quoted;
 use rpl_runtime::failure::Raise;
 use rpl_runtime::native::{Call, Native};
@@ -30,7 +30,15 @@ fn folded(call: &mut Call<'_, '_>) -> Result<Symbol, Raise> {
             quoted(&name)
         )));
     }
-    Ok(call.machine.symbols.intern(&name))
+    Ok(named(call, |symbols| symbols.intern(&name)))
+}
+
+/// A symbol that may be new: names count as what is made.
+fn named(call: &mut Call<'_, '_>, name: impl FnOnce(&mut Symbols) -> Symbol) -> Symbol {
+    let before = call.machine.symbols.bytes();
+    let symbol = name(&mut call.machine.symbols);
+    call.machine.heap.allocated += call.machine.symbols.bytes() - before;
+    symbol
 }
 
 fn intern(call: &mut Call<'_, '_>) -> Answer {
@@ -51,7 +59,7 @@ fn make_keyword(call: &mut Call<'_, '_>) -> Answer {
 
 fn gensym(call: &mut Call<'_, '_>) -> Answer {
     let stem = if count(call) > 0 { call.name(0)? } else { "g".to_string() };
-    value(Value::Symbol(call.machine.symbols.uninterned(&stem)))
+    value(Value::Symbol(named(call, |symbols| symbols.uninterned(&stem))))
 }
 
 /// Symbols and keywords.

@@ -1,11 +1,13 @@
 //! Hash tables: keys are compared as by `equal`, entries stand in the order of their keys.
 
-use crate::arguments::{Answer, burn_text, changing, elements, integer, list, pure, truth, value};
+use crate::arguments::{Answer, changing, elements, integer, list, pure, room_for, truth, value};
 use crate::elements::no_pair;
 use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::{Key, KeyPart, MAX_KEY_PAIRS, Table};
+use rpl_runtime::heap::{Key, KeyPart, MAX_KEY_PAIRS, PAIR};
+use rpl_runtime::memory::table_entry;
 use rpl_runtime::native::{Call, Native};
 use rpl_runtime::value::Value;
+use std::collections::BTreeMap;
 
 /// The table in an argument.
 fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
@@ -24,7 +26,7 @@ fn key(call: &mut Call<'_, '_>, of: Value, entries: usize) -> Result<Key, Raise>
     };
     let comparisons = 1 + entries.max(1).ilog2() as usize;
     match &key {
-        Key::Atom(KeyPart::Str(text)) => burn_text(call, text.len() * comparisons),
+        Key::Atom(KeyPart::Str(text)) => call.burn_text(text.len() * comparisons),
         Key::Atom(_) => {}
         Key::List(parts) => call.burn(parts.len() * comparisons),
     }
@@ -38,11 +40,6 @@ fn key_and_table(call: &mut Call<'_, '_>, at: usize) -> Result<(Key, u32), Raise
     Ok((key(call, call.argument(0), entries)?, table))
 }
 
-fn new_table(call: &mut Call<'_, '_>, table: Table) -> Value {
-    call.machine.heap.allocated += 1 + table.entries.len();
-    Value::Table(call.machine.heap.tables.insert(table))
-}
-
 /// Common Lisp's `:test` is taken and means nothing: every table compares by `equal`.
 fn make_hash_table(call: &mut Call<'_, '_>) -> Answer {
     if let Some(&option) = call.arguments.first() {
@@ -54,23 +51,29 @@ fn make_hash_table(call: &mut Call<'_, '_>) -> Answer {
             ));
         }
     }
-    let table = new_table(call, Table::default());
-    value(table)
+    value(call.machine.heap.table())
 }
 
 fn from_alist(call: &mut Call<'_, '_>) -> Answer {
-    let mut table = Table::default();
+    let mut entries = BTreeMap::new();
+    let mut bytes = 0;
     for item in elements(call, 0)? {
         let Value::Cons(index) = item else {
             return Err(no_pair(call, 0, item));
         };
         let (of, content) = call.machine.heap.pair(index);
+        let key = key(call, of, entries.len())?;
+        bytes += table_entry(&key);
+        room_for(call, bytes)?;
         // The first entry of a key counts, as for `assoc`.
-        let key = key(call, of, table.entries.len())?;
-        table.entries.entry(key).or_insert((of, content));
+        entries.entry(key).or_insert((of, content));
     }
-    let table = new_table(call, table);
-    value(table)
+    let made = call.machine.heap.table();
+    if let Value::Table(table) = made {
+        call.machine.heap.allocated += bytes;
+        call.machine.heap.tables[table].entries = entries;
+    }
+    value(made)
 }
 
 fn gethash(call: &mut Call<'_, '_>) -> Answer {
@@ -85,8 +88,8 @@ fn set_gethash(call: &mut Call<'_, '_>) -> Answer {
     let (key, table) = key_and_table(call, 1)?;
     let of = call.argument(0);
     let content = call.arguments.last().copied().unwrap_or_default();
-    call.machine.heap.allocated += 2;
-    call.machine.heap.tables[table].entries.insert(key, (of, content));
+    room_for(call, table_entry(&key))?;
+    call.machine.heap.enter(table, key, (of, content));
     value(content)
 }
 
@@ -113,6 +116,8 @@ fn count_entries(call: &mut Call<'_, '_>) -> Answer {
 }
 
 fn entries(call: &Call<'_, '_>) -> Result<Vec<(Value, Value)>, Raise> {
+    let count = call.machine.heap.tables[table(call, 0)?].entries.len();
+    room_for(call, count * (size_of::<(Value, Value)>() + 2 * PAIR))?;
     Ok(call.machine.heap.tables[table(call, 0)?].entries.values().copied().collect())
 }
 

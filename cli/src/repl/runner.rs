@@ -8,7 +8,6 @@ use crate::events;
 use crate::interrupt;
 use crate::situation::is_within;
 use rpl_lang::source::Span;
-use rpl_runtime::machine::MAX_WAITING_OUTPUT;
 use rpl_runtime::stepping::{Stepped, Stop};
 use rpl_runtime::system::Turn;
 use rpl_runtime::timeline::Position;
@@ -59,7 +58,7 @@ impl<'a> Runner<'a> {
                     }
                 },
             };
-            let is_much = self.session.branch.system.machine.output.len() >= MAX_WAITING_OUTPUT;
+            let is_much = self.session.branch.system.machine.is_output_full();
             if is_much || is_cut || stepped == Stepped::Settled {
                 self.session.hand_on(self.console)?;
             }

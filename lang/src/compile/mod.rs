@@ -122,6 +122,17 @@ pub struct Compiled {
     pub diagnostics: Vec<Diagnostic>,
     /// What the text was resolved to.
     pub resolved: Resolved,
+    /// The codes that were added to the program.
+    pub codes: Vec<u32>,
+    /// The constants that were added.
+    pub constants: Vec<u32>,
+}
+
+impl Compiled {
+    /// Whether the text defines something that stays.
+    pub fn defines(&self) -> bool {
+        !self.resolved.definitions.is_empty()
+    }
 }
 
 /// Reads and compiles a text.
@@ -215,6 +226,9 @@ pub(crate) struct Compiler<'a> {
     classes: Vec<(Symbol, Span, bool)>,
     /// Calls of globals, checked when all definitions are known.
     calls: Vec<(u32, usize, Span)>,
+    /// Codes and constants added so far.
+    codes: Vec<u32>,
+    constants: Vec<u32>,
     expansions: u32,
     /// Forms around the one that is resolved.
     depth: u32,
@@ -263,6 +277,8 @@ impl<'a> Compiler<'a> {
             undefined: BTreeMap::new(),
             classes: Vec::new(),
             calls: Vec::new(),
+            codes: Vec::new(),
+            constants: Vec::new(),
             expansions: 0,
             depth: 0,
             loading: Vec::new(),
@@ -294,7 +310,8 @@ impl<'a> Compiler<'a> {
             tests: self.test_bodies,
             variables: self.variables,
         };
-        Compiled { main, tests, diagnostics: self.diagnostics, resolved }
+        let (codes, constants) = (self.codes, self.constants);
+        Compiled { main, tests, diagnostics: self.diagnostics, resolved, codes, constants }
     }
 
     /// The name a top-level form defines if there is nothing to run in it: that is its value.
@@ -359,13 +376,15 @@ impl<'a> Compiler<'a> {
     }
 
     fn add_code(&mut self, code: Code) -> u32 {
-        self.program.codes.push(Arc::new(code));
-        self.program.codes.len() as u32 - 1
+        let code = self.program.add_code(code);
+        self.codes.push(code);
+        code
     }
 
     fn constant(&mut self, constant: impl Into<Constant>) -> u32 {
-        self.program.constants.push(constant.into());
-        self.program.constants.len() as u32 - 1
+        let constant = self.program.add_constant(constant.into());
+        self.constants.push(constant);
+        constant
     }
 
     fn error(

@@ -77,13 +77,14 @@ fn random(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn print(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
+    call.burn_text(text.len());
     call.machine.put_out(Channel::Print, text);
     Ok(Reply::Value(value))
 }
-
 fn log(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(0);
     let text = call.machine.show(call.around.program, value);
+    call.burn_text(text.len());
     call.machine.trace_log(&text);
     call.machine.put_out(Channel::Log, text);
     Ok(Reply::Value(value))

@@ -129,8 +129,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         return Ok(Reply::Value(Value::Nil));
     }
     call.machine.check_circle(call.around.program, current, index, Waiting::Death(index))?;
-    let me = call.machine.tasks.reference(current);
-    call.machine.tasks[index].rare().mourners.push(me);
+    call.machine.join_line(current, index, |rare| &mut rare.mourners);
     call.machine.tasks[current].waiting = Waiting::Death(index);
     Ok(Reply::Wait)
 }

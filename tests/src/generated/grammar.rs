@@ -12,6 +12,34 @@ const TIMES: &[&str] = &["0", "0.1", "0.1", "0.2", "0.5", "1"];
 const VALVES: &[&str] = &["v0", "v0", "v1", "wheels"];
 const PLANS: &[&str] = &["p0", "p1", "p2"];
 
+/// What a function calls itself through, as deep as it is told or a limit lets it.
+const AROUND: &[&str] = &[
+    "(seq (dive (- k 1)) k)",
+    "(par (dive (- k 1)))",
+    "(pursue (dive (- k 1)) (wait-time 1))",
+    "(try-all (dive (- k 1)))",
+    "(try-in-order (dive (- k 1)) nil)",
+    "(par-map (m (list (- k 1))) (dive m))",
+    "(plan ((:tag d (dive (- k 1))) (:tag e k)) (:order d e))",
+    "(with-policy (wait-for f0) (dive (- k 1)))",
+    "(with-timeout 5 (dive (- k 1)))",
+    "(with-priority 1 (dive (- k 1)))",
+    "(with-valve v0 (dive (- k 1)))",
+    "(unwind-protect (dive (- k 1)) (incf n))",
+    "(evap-protect (dive (- k 1)) (wait-time 0.1))",
+    "(with-failure-handling ((timeout (f) (refail))) (dive (- k 1)))",
+    "(ignore-failures (timeout) (dive (- k 1)))",
+    "(block b (dive (- k 1)) (return-from b k))",
+    "(let ((g (lambda () (dive (- k 1))))) (g) k)",
+    "(on-interrupt (note k) (dive (- k 1)))",
+    "(list k (funcall dive (- k 1)))",
+    "(list k (apply apply (list dive (list (- k 1)))))",
+    "(map dive (list (- k 1)))",
+    "(seq (execute-plan (list 'dive (- k 1))) k)",
+    "(seq (spawn (dive (- k 1))) (wait-time 0.1))",
+    "(value (fluent (if (> k 0) (list k f0 (value (fluent (list k f0)))) nil)))",
+];
+
 /// What may be written where the writer stands.
 #[derive(Clone, Default)]
 struct Place {
@@ -53,6 +81,8 @@ pub fn program(seed: u64) -> String {
          (defun both (a b) (and (value a) (value b)))\n(defun deep (k) (+ 1 (deep k)))\n",
     );
     text.push_str("(def-fluent g0 (fluent (and f0 (not f1))))\n(def-fluent g1 (fluent (or (both f1 g0) (> f2 2))))\n(defvar c0 (count-pulses f0))\n");
+    let around = writer.dice.pick(AROUND);
+    text.push_str(&format!("(defun dive (k) (if (> k 0) {around} (wait-time 0.1)))\n"));
     let body = writer.plan_body(Place::default());
     let share = writer.left.max(6);
     for plan in PLANS {
@@ -118,6 +148,11 @@ impl Writer {
     }
 
     fn tagged(&mut self, place: &Place) -> String {
+        let body = self.forms(&place.in_task(), 2);
+        self.tagged_as(&body)
+    }
+
+    fn tagged_as(&mut self, body: &str) -> String {
         let known = self.tags.iter_mut().find(|(_, placed)| !*placed);
         let name = match known {
             Some((name, placed)) => {
@@ -130,7 +165,6 @@ impl Writer {
                 name
             }
         };
-        let body = self.forms(&place.in_task(), 2);
         let head = self.dice.pick(&[":tag", "process"]);
         format!("({head} {name} {body})")
     }
@@ -176,7 +210,7 @@ impl Writer {
 
     fn leaf(&mut self, place: &Place) -> String {
         let (fluent, time, valve) = (self.dice.pick(FLUENTS), self.dice.pick(TIMES), self.dice.pick(VALVES));
-        match self.below(34) {
+        match self.below(38) {
             0..=5 => format!("(wait-time {time})"),
             6 => format!("(wait-time {time} :active)"),
             7 | 8 => format!("(setf (value {fluent}) {})", self.dice.pick(&["t", "nil", "nil", "1", "(+ n 2)"])),
@@ -233,13 +267,41 @@ impl Writer {
             29 => format!("(list (value (status {})) (value c0))", self.tag()),
             30 => "(note (list 'value (value f0) (value f2)))".into(),
             31 => "(incf (value f2))".into(),
+            34 => format!("(dive {})", self.dice.pick(&["3", "20", "70"])),
+            35 => self
+                .dice
+                .pick(&[
+                    "(apply apply (list + (list n 1)))",
+                    "(funcall funcall funcall (lambda () n))",
+                    "(map apply (list + list) (list '(1 2) '(3)))",
+                    "(apply execute-plan '((seq 1)))",
+                    "(let ((l (list apply nil))) (setf (nth 1 l) l) (apply apply l))",
+                    "(apply wait-time (list 0.1))",
+                    "(map wait-time '(0.1 0))",
+                    "(apply map (list list (list n 1)))",
+                ])
+                .into(),
+            36 => self
+                .dice
+                .pick(&[
+                    "(push (make-list 300 n) kept)",
+                    "(length (append (make-list 2000 n) (make-list 2000 n)))",
+                    "(push (string-repeat \"text\" 500) kept)",
+                    "(dotimes (i 40) (push (list i i i i i i) kept))",
+                    "(dotimes (i 20) (push (create-fluent i) kept))",
+                    "(let ((h (make-hash-table))) (dotimes (i 60) (setf (gethash (list i) h) i)) (push h kept))",
+                    "(par-map (m (iota 40)) (wait-time 0.1))",
+                    "(dotimes (i 9) (execute-plan (list 'quote (list i n))))",
+                    "(setq kept nil)",
+                ])
+                .into(),
             _ => "(note (format \"~a\" (list n (now) \"text\" 0.5)))".into(),
         }
     }
 
     fn composite(&mut self, place: &Place) -> String {
         let time = self.dice.pick(TIMES);
-        match self.below(40) {
+        match self.below(43) {
             0..=2 => format!("(seq {})", self.forms(place, 3)),
             3..=5 => format!("(par {})", self.children(place)),
             6 | 7 => format!("(pursue {})", self.children(place)),
@@ -295,12 +357,53 @@ impl Writer {
                 format!("(let (({function} (lambda () {}))) ({function}))", self.forms(&place.in_task(), 2))
             }
             38 => format!("(map (lambda (n) {}) (list 0 n))", self.form(&place.in_task())),
+            39 | 40 => {
+                let valve = self.dice.pick(VALVES);
+                self.borrowers(&place.in_task(), valve)
+            }
             _ => format!(
                 "(if {} {} {})",
                 self.dice.pick(&["(value f0)", "(value g0)", "n"]),
                 self.form(place),
                 self.form(place)
             ),
+        }
+    }
+
+    /// An owner of a valve, and several below it who want it too.
+    fn borrowers(&mut self, place: &Place, valve: &str) -> String {
+        self.left -= 1;
+        let count = 2 + self.below(2);
+        let parts: Vec<String> = (0..count).map(|_| self.borrower(place, valve)).collect();
+        let head = self.dice.pick(&["par", "par", "par", "pursue", "try-all", "with-policy"]);
+        format!("(with-valve {valve} ({head} {}))", parts.join(" "))
+    }
+
+    /// One of them, or one who acts upon them.
+    fn borrower(&mut self, place: &Place, valve: &str) -> String {
+        let time = self.dice.pick(TIMES);
+        let part = match self.below(9) {
+            0..=2 => format!("(with-valve {valve} {})", self.forms(place, 2)),
+            3 => format!("(seq (wait-time {time}) (with-valve {valve} {}))", self.form(place)),
+            4 if self.left > 0 => self.borrowers(place, valve),
+            5 => {
+                let body = format!("(with-valve {valve} (wait-time {time}) {})", self.form(place));
+                self.tagged_as(&body)
+            }
+            6 => {
+                let act = self.dice.pick(&["evaporate", "evaporate", "suspend", "resume"]);
+                format!("(seq (wait-time {time}) ({act} {}))", self.tag())
+            }
+            7 => {
+                let hook = self.form(&Place { ends: true, ..Place::default() });
+                let head = self.dice.pick(&["on-interrupt", "on-resume"]);
+                format!("(with-valve {valve} ({head} {hook} (wait-time {time}) {}))", self.form(place))
+            }
+            _ => self.protected(place),
+        };
+        match self.dice.once_in(3) {
+            true => format!("(with-priority {} {part})", self.dice.pick(&["-1", "1", "2"])),
+            false => part,
         }
     }
 

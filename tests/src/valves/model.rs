@@ -316,6 +316,24 @@ impl<'p> Model<'p> {
     /// Whether a task that asks could have the valve now: what must be suspended for that, and
     /// whether a clean-up keeps it from being so.
     fn could_take(&self, task: Id, valve: usize) -> Option<(Option<Id>, bool)> {
+        self.could_take_from(task, valve, |holder| &self.tasks[holder].runs_at)
+    }
+
+    /// What keeps a task waiting that could have the valve but for a clean-up. What that clean-up runs at
+    /// because of the task does not count against it.
+    fn is_kept_by(&self, task: Id, valve: usize) -> Option<Id> {
+        match self.could_take_from(task, valve, |holder| &self.tasks[holder].priority) {
+            Some((root, true)) => root,
+            Some((_, false)) | None => None,
+        }
+    }
+
+    fn could_take_from<'m>(
+        &'m self,
+        task: Id,
+        valve: usize,
+        holds_at: impl Fn(Id) -> &'m [i64],
+    ) -> Option<(Option<Id>, bool)> {
         let interrupted = self.interrupted(valve);
         let runs_at = |task: Id| self.tasks[task].runs_at.as_slice();
         let Some(holder) = self.holder(valve) else {
@@ -325,7 +343,7 @@ impl<'p> Model<'p> {
         if interrupted.is_empty() && self.is_within(task, holder) {
             return Some((None, false));
         }
-        if !is_higher(runs_at(task), runs_at(holder)) {
+        if !is_higher(runs_at(task), holds_at(holder)) {
             return None;
         }
         let root = self.to_interrupt(task, holder, valve);
@@ -413,10 +431,7 @@ impl<'p> Model<'p> {
         for _ in 0..self.tasks.len() + 1 {
             let mut due: Vec<Vec<i64>> = self.tasks.iter().map(|task| task.priority.clone()).collect();
             for valve in 0..self.valves.len() {
-                let blocked = self.line(valve).into_iter().find_map(|task| match self.could_take(task, valve) {
-                    Some((Some(root), true)) => Some((task, root)),
-                    Some(_) | None => None,
-                });
+                let blocked = self.line(valve).into_iter().find_map(|task| Some((task, self.is_kept_by(task, valve)?)));
                 let Some((first, root)) = blocked else { continue };
                 let runs_at = self.tasks[first].runs_at.clone();
                 for task in self.subtree(root) {

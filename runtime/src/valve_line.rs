@@ -35,12 +35,12 @@ struct Equals {
 /// A line. Entering, leaving and finding the first cost the logarithm of its length and of the
 /// number of priorities in it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Line {
+pub struct ValveLine {
     /// The highest priority first, none of them empty.
     equals: Vec<Equals>,
 }
 
-impl Line {
+impl ValveLine {
     fn find(&self, priorities: &Priorities, priority: u32) -> Result<usize, usize> {
         self.equals.binary_search_by(|equals| {
             if equals.priority == priority {
@@ -104,11 +104,11 @@ mod tests {
         let mut priorities = Priorities::default();
         let (high, low) = (priorities.appended(0, 0, 2), priorities.appended(0, 0, -1));
         let middle = priorities.appended(0, 0, 1);
-        let mut line = Line::default();
+        let mut line = ValveLine::default();
         for (asked, priority) in [(1, low), (2, middle), (3, high), (4, middle), (5, 0)] {
             line.enter(&priorities, Place { priority, asked }, asked as u32);
         }
-        let served = |line: &Line| line.iter().map(|(_, task)| task).collect::<Vec<_>>();
+        let served = |line: &ValveLine| line.iter().map(|(_, task)| task).collect::<Vec<_>>();
         assert_eq!(served(&line), [3, 2, 4, 5, 1]);
         line.leave(&priorities, Place { priority: high, asked: 3 });
         assert_eq!(served(&line), [2, 4, 5, 1]);
