@@ -653,13 +653,14 @@ mod tests {
 
     #[test]
     fn a_new_priority_costs_little_however_many_there_are() {
-        let work = |count: usize, step: &dyn Fn(&mut Priorities, u32, usize) -> u32| {
+        type Step = dyn Fn(&mut Priorities, u32, usize) -> u32;
+        let work = |count: usize, step: &Step| {
             let mut priorities = Priorities::default();
             (0..count).fold(0, |at, turn| step(&mut priorities, at, turn));
             assert!(priorities.is_whole());
             priorities.work()
         };
-        let steps: [&dyn Fn(&mut Priorities, u32, usize) -> u32; 5] = [
+        let steps: [&Step; 5] = [
             &|priorities, at, turn| priorities.appended(at, turn, 1),
             &|priorities, at, turn| priorities.appended(at, turn, -1),
             &|priorities, _, turn| priorities.appended(0, turn, 1),

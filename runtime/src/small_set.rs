@@ -14,19 +14,19 @@ const MAX_FEW: usize = 32;
 pub struct SmallSet<T: Ord + Copy> {
     /// Sorted; empty if there is a tree.
     few: Vec<T>,
-    many: Option<Box<BTreeSet<T>>>,
+    many: BTreeSet<T>,
 }
 
 impl<T: Ord + Copy> Default for SmallSet<T> {
     fn default() -> Self {
-        Self { few: Vec::new(), many: None }
+        Self { few: Vec::new(), many: BTreeSet::new() }
     }
 }
 
 impl<T: Ord + Copy> SmallSet<T> {
     /// How many elements there are.
     pub fn len(&self) -> usize {
-        self.few.len() + self.many.as_ref().map_or(0, |many| many.len())
+        self.few.len() + self.many.len()
     }
 
     /// Whether there is none.
@@ -36,64 +36,47 @@ impl<T: Ord + Copy> SmallSet<T> {
 
     /// Whether an element is in it.
     pub fn contains(&self, element: &T) -> bool {
-        match &self.many {
-            Some(many) => many.contains(element),
-            None => self.few.binary_search(element).is_ok(),
-        }
+        self.few.binary_search(element).is_ok() || self.many.contains(element)
     }
 
     /// Adds an element, if it is not there.
     pub fn insert(&mut self, element: T) {
-        if let Some(many) = &mut self.many {
-            many.insert(element);
+        if !self.many.is_empty() {
+            self.many.insert(element);
         } else if let Err(at) = self.few.binary_search(&element) {
             self.few.insert(at, element);
             if self.few.len() > MAX_FEW {
-                self.many = Some(Box::new(std::mem::take(&mut self.few).into_iter().collect()));
+                self.many = std::mem::take(&mut self.few).into_iter().collect();
             }
         }
     }
 
     /// Takes an element out, if it is there.
     pub fn remove(&mut self, element: &T) {
-        match &mut self.many {
-            Some(many) => {
-                many.remove(element);
-                if many.is_empty() {
-                    self.many = None;
-                }
-            }
-            None => {
-                if let Ok(at) = self.few.binary_search(element) {
-                    self.few.remove(at);
-                }
-            }
+        match self.few.binary_search(element) {
+            Ok(at) => drop(self.few.remove(at)),
+            Err(_) => drop(self.many.remove(element)),
         }
     }
 
     /// Keeps only some elements.
     pub fn retain(&mut self, mut keeps: impl FnMut(&T) -> bool) {
         self.few.retain(&mut keeps);
-        if let Some(many) = &mut self.many {
-            many.retain(keeps);
-            if many.is_empty() {
-                self.many = None;
-            }
-        }
+        self.many.retain(keeps);
     }
 
     /// Shows each element, in order.
     #[inline]
     pub fn for_each(&self, mut act: impl FnMut(T)) {
         self.few.iter().for_each(|&element| act(element));
-        if let Some(many) = &self.many {
-            many.iter().for_each(|&element| act(element));
+        if !self.many.is_empty() {
+            self.many.iter().for_each(|&element| act(element));
         }
     }
 
     /// The elements in order. Slower than [`SmallSet::for_each`].
     pub fn iter(&self) -> impl Iterator<Item = &T> {
-        self.few.iter().chain(self.many.iter().flat_map(|many| many.iter()))
+        self.few.iter().chain(&self.many)
     }
 }
 

@@ -376,8 +376,7 @@ impl<O: Outside> System<O> {
 
     /// The code of a datum, or what is wrong with it; and how many steps that takes.
     fn compile_datum(&mut self, datum: Value) -> (Result<u32, Raise>, usize) {
-        let source = self.program.sources.next();
-        let (mut tree, root, objects) = match self.tree_of(datum, source) {
+        let (mut tree, root, objects, source) = match self.tree_of(datum) {
             Ok(made) => made,
             Err(raise) => return (Err(raise), STEPS_A_UNIT),
         };
@@ -391,20 +390,23 @@ impl<O: Outside> System<O> {
         (unit, STEPS_A_UNIT + nodes * STEPS_A_NODE)
     }
 
-    /// A datum as a tree, if there is room for what becomes of it; with the objects in it.
-    fn tree_of(&mut self, datum: Value, source: SourceId) -> Result<(Tree, NodeId, Vec<Value>), Raise> {
+    /// A datum as a tree, if there is room for what becomes of it; with the objects in it, and the name
+    /// its text will have.
+    fn tree_of(&mut self, datum: Value) -> Result<(Tree, NodeId, Vec<Value>, SourceId), Raise> {
         if self.units.are_due(self.machine.unit_bytes) {
             self.sweep_units();
         }
-        let span = Span { source, start: 0, end: 0 };
         let mut has_collected = false;
         loop {
+            // A text that is given back leaves its name to the next one.
+            let source = self.program.sources.next();
+            let span = Span { source, start: 0, end: 0 };
             let machine = &mut self.machine;
             let most = (machine.room() / BYTES_A_NODE).min(MAX_NODES);
             let (mut tree, mut objects, origins) = (Tree::default(), Vec::new(), Origins::new());
             let Machine { heap, symbols, .. } = machine;
             match datum::to_node(heap, symbols, &mut tree, datum, span, &origins, &mut objects, most) {
-                Ok(root) => return Ok((tree, root, objects)),
+                Ok(root) => return Ok((tree, root, objects, source)),
                 Err(Unfit::Circle) => {
                     return Err(Raise::new("error", "the datum is a circular list and cannot be a plan"));
                 }

@@ -801,6 +801,11 @@ impl Tasks {
             .then_some(task.index)
     }
 
+    /// Whether it is the name of a task that there was, is or can be.
+    pub(crate) fn may_be_named(&self, task: TaskRef) -> bool {
+        (task.index as usize) < self.generations.len() && task.generation < u32::MAX / 2
+    }
+
     /// The living task a name means.
     pub fn find_alive(&self, task: TaskRef) -> Option<u32> {
         self.find(task).filter(|&index| !self.slots[index].state.is_dead())

@@ -80,7 +80,7 @@ impl Machine {
     }
 
     fn validate_reference(&self, task: TaskRef) -> Check {
-        ensure((task.index as usize) < self.tasks.slots() && task.generation <= MAX_COUNT, "a task is not in its table")
+        ensure(self.tasks.may_be_named(task), "a task is not in its table")
     }
 
     fn validate_link(&self, task: u32) -> Check {

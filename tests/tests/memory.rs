@@ -3,8 +3,10 @@
 
 #![cfg(target_os = "linux")]
 
+use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
 use rpl_runtime::system::{Progress, System};
+use rpl_runtime::trace::EventKind;
 use rpl_tests::{library, run, system, transcript};
 use std::process::Command;
 
@@ -212,4 +214,23 @@ fn code_that_nothing_refers_to_is_given_back() {
          (p)"
     );
     assert_eq!(run(&kept), "spawned\n=> ((1 \"kept\") 7 \"in a unit\" \"defined\")");
+}
+
+/// r[limit.memory]
+#[test]
+fn code_made_when_others_code_is_given_back_has_its_own_places() {
+    let text = "(dotimes (i 6000) (wait-time 0.1)
+                  (with-failure-handling ((error (f) nil)) (execute-plan (list '+ i ''x)))) 'done";
+    let loaded = library().load("units.rpl", text, &mut NoFiles).expect("it can be compiled");
+    let mut system = System::traced(library().clone(), loaded, NoRobot, 0);
+    let (mut failures, mut runs) = (0, true);
+    while runs {
+        runs = system.advance() == Progress::Running;
+        for event in system.machine.trace.take().iter().filter(|event| event.kind == EventKind::Failed) {
+            let has_place = event.details.iter().any(|(name, at)| name == "at" && at.starts_with("plan#"));
+            assert!(has_place, "{event}");
+            failures += 1;
+        }
+    }
+    assert_eq!(failures, 6_000);
 }

@@ -335,3 +335,14 @@ proptest! {
         prop_assert_eq!(load(text, &bytes).err(), Some(SaveError::Damaged));
     }
 }
+
+#[test]
+fn a_task_whose_record_is_gone_may_still_be_named() {
+    // Its timer still names the second child.
+    let text = "(pursue (wait-time 1) (wait-time 9)) (wait-time 5)";
+    let mut system = start(text);
+    system.advance_to(3_000_000);
+    system.machine.collect();
+    let copy = load(text, &system.save()).expect("what was saved is loaded");
+    assert_eq!(end(copy), end(system));
+}
