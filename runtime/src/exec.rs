@@ -1188,6 +1188,7 @@ impl Machine {
                             counters: BTreeMap::new(),
                             spawned: 0,
                             tags: Vec::new(),
+                            most_tags: 0,
                             failure: None,
                         };
                         self.push_scope(ScopeKind::Call(Box::new(call)));
@@ -1732,14 +1733,15 @@ impl Machine {
     /// Notes a tag of a plan call. Those that were reached need nothing at its end and are dropped.
     fn note_tag(&mut self, task: u32, scope: usize, tag: TaskRef) {
         let ScopeKind::Call(call) = &mut self.tasks[task].scopes[scope].kind else { return };
-        let mut tags = std::mem::take(&mut call.tags);
-        if tags.len() == tags.capacity() {
+        let (mut tags, mut most) = (std::mem::take(&mut call.tags), call.most_tags);
+        if tags.len() >= most as usize {
             let tasks = &self.tasks;
             tags.retain(|&tag| tasks.find(tag).is_some_and(|tag| tasks[tag].state == State::Created));
+            most = (2 * tags.len() as u32).max(4);
         }
         tags.push(tag);
         if let ScopeKind::Call(call) = &mut self.tasks[task].scopes[scope].kind {
-            call.tags = tags;
+            (call.tags, call.most_tags) = (tags, most);
         }
     }
 

@@ -330,6 +330,7 @@ impl Machine {
             counters: BTreeMap::new(),
             spawned: 0,
             tags: Vec::new(),
+            most_tags: 0,
             failure: None,
         };
         task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });

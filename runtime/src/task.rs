@@ -204,6 +204,8 @@ pub struct Call {
     pub spawned: u32,
     /// Tags that were made for it.
     pub tags: Vec<TaskRef>,
+    /// How many of them there may be before they are looked through.
+    pub most_tags: u32,
     /// The failure of a spawned child that came while nothing could stop the task.
     pub failure: Option<Value>,
 }
