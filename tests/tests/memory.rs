@@ -238,8 +238,9 @@ fn code_made_when_others_code_is_given_back_has_its_own_places() {
 /// r[limit.memory]
 #[test]
 fn a_fork_takes_what_the_original_takes() {
-    let text = "(def-plan p () (dotimes (i 12) (par (:tag a (wait-time 1)) (:tag b nil) (list i))))
-                (par (p) (p))";
+    let text = "(def-plan p ()
+                  (dotimes (i 40) (funcall (lambda () (if (< i 50) (par (:tag late nil)) (spawn (begin-task late))))) (wait-time 1)))
+                (p)";
     let mut original = system(text);
     for _ in 0..12 {
         let mut fork = original.fork();
