@@ -161,6 +161,7 @@ impl Machine {
             record.strikes = 0;
         }
         record.steps = record.steps.saturating_add(1);
+        self.scratch.wake_at = None;
         self.scratch.burned = 0;
         self.flush_status(around);
         let record = &self.tasks[task];
@@ -1813,8 +1814,9 @@ impl Machine {
     pub(crate) fn set_wake_timer(&mut self, task: u32, due_us: u64) {
         let number = self.tasks[task].wait_number;
         let reference = self.tasks.reference(task);
-        if self.trace.enabled {
-            self.scratch.wake_at = Some((task, due_us));
+        // A wait for time worked that goes on has been told before.
+        if self.trace.enabled && task == self.current {
+            self.scratch.wake_at = Some(due_us);
         }
         self.heap.allocated += memory::TIMER;
         self.timers.set(due_us, reference, crate::scheduler::Alarm::Wake(number));

@@ -111,8 +111,8 @@ pub struct Scratch {
     pub(crate) departures: Vec<Departure>,
     /// Departures are being looked at: further ones wait.
     pub(crate) is_departing: bool,
-    /// The task whose wait a timer ends, and when: until the wait is in the trace.
-    pub(crate) wake_at: Option<(u32, u64)>,
+    /// When a timer ends the wait that the running task begins: until that is in the trace.
+    pub(crate) wake_at: Option<u64>,
     /// Bytes of the output that was added since there was none.
     pub(crate) output_bytes: usize,
     /// Where the running task goes on when the datum it asked for is compiled.

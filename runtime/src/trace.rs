@@ -232,7 +232,7 @@ impl Machine {
         if let Some(span) = self.form_of(program, task).filter(|span| span.source.0 >= program.library_sources) {
             details.push(("at", program.sources.place(span)));
         }
-        if let Some((_, time_us)) = self.scratch.wake_at.take_if(|(waiting, _)| *waiting == task) {
+        if let Some(time_us) = self.scratch.wake_at.take() {
             details.push(("until", format!("{:.3}", time_us as f64 / 1e6)));
         }
         let readings = self.readings(program, waiting);

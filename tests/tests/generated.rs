@@ -1,9 +1,12 @@
 //! Some thousand generated runs, and what earlier ones found.
 
-use rpl_runtime::system::Progress;
+use rpl_lang::compile::NoFiles;
+use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::system::{Progress, System};
+use rpl_runtime::trace::Event;
 use rpl_tests::generated::drive::{Case, Tally};
 use rpl_tests::generated::{forged, texts};
-use rpl_tests::{run, system, transcript};
+use rpl_tests::{library, run, system, transcript};
 
 /// Each run under disturbances, and once more forked, saved, or with collections.
 #[test]
@@ -101,4 +104,17 @@ fn a_deadlock_lists_tasks_in_the_order_of_the_tree() {
         told.split("; ").filter_map(|wait| wait.split_once(" waits").map(|(path, _)| path)).collect();
     assert_eq!(waits.len(), 3, "{told}");
     assert!(waits[1].ends_with("with-policy[0]") && waits[2].ends_with("with-policy[1]"), "{told}");
+}
+
+#[test]
+fn a_wait_that_goes_on_is_told_of_no_other_task() {
+    let text = "(process t2 (with-priority -1 (wait-time 0.1 :active)) (spawn (with-policy nil)))
+                (par (:tag a (wait-time 1 :active)) (seq (wait-time 0.5) (suspend a) (wait-time 1) (resume a) (par nil)))";
+    let loaded = library().load("waits.rpl", text, &mut NoFiles).expect("it can be compiled");
+    let mut system = System::traced(library().clone(), loaded, NoRobot, 0);
+    while system.advance() == Progress::Running {}
+    let told = system.machine.trace.take();
+    let until = told.iter().filter(|event| event.details.iter().any(|(name, _)| name == "until"));
+    let on = |event: &Event| event.details.iter().any(|(name, on)| name == "on" && on == "time");
+    assert!(until.clone().count() == 4 && until.clone().all(on), "{told:?}");
 }
