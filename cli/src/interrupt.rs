@@ -9,6 +9,8 @@
 
 use crate::console;
 use crate::status::Status;
+use rustix::termios::{OptionalActions, Termios};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -29,6 +31,16 @@ static OTHERS: AtomicU32 = AtomicU32::new(0);
 
 /// Counts the signs of life.
 static BEATS: AtomicU64 = AtomicU64::new(0);
+
+/// How the terminal was set before lines were edited.
+static TERMINAL: OnceLock<Termios> = OnceLock::new();
+
+/// An end by a signal leaves the terminal as it is now. Called before lines are edited.
+pub fn keep_terminal() {
+    if let Ok(settings) = rustix::termios::tcgetattr(rustix::stdio::stdin()) {
+        TERMINAL.set(settings).ok();
+    }
+}
 
 /// Catches the signals from now on. Where that is impossible they keep their usual effect.
 pub fn catch() {
@@ -71,6 +83,10 @@ fn watch() {
 }
 
 fn exit() -> ! {
+    if let Some(settings) = TERMINAL.get() {
+        // Where the terminal is gone nothing is left to be set.
+        rustix::termios::tcsetattr(rustix::stdio::stdin(), OptionalActions::Now, settings).ok();
+    }
     std::process::exit(i32::from(Status::Interrupted.code()))
 }
 

@@ -1,9 +1,10 @@
 //! The prompt at a terminal: keys are typed, and the screen is looked at.
 
+use rustix::termios::LocalModes;
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
 use std::path::PathBuf;
-use std::process::Child;
+use std::process::{Child, Command};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -131,6 +132,22 @@ impl Drop for Terminal {
         self.child.kill().ok();
         self.child.wait().ok();
     }
+}
+
+#[test]
+fn a_signal_ends_the_prompt_and_leaves_the_terminal_as_it_was() {
+    let mut terminal = Terminal::start("signal", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys("(list 1");
+    terminal.stands_behind("rpl> (list 1");
+    let modes = |terminal: &Terminal| {
+        rustix::termios::tcgetattr(terminal.keyboard.as_ref()).expect("it is a terminal").local_modes
+    };
+    assert!(!modes(&terminal).contains(LocalModes::ECHO), "lines are edited key by key");
+    let id = terminal.child.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &id]).status().expect("kill runs").success());
+    assert_eq!(terminal.child.wait().expect("it ends").code(), Some(130));
+    assert!(modes(&terminal).contains(LocalModes::ECHO | LocalModes::ICANON));
 }
 
 #[test]

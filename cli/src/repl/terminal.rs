@@ -54,6 +54,7 @@ impl Terminal {
     /// # Errors
     /// It cannot be used.
     pub fn open(colour: bool) -> Result<Self> {
+        crate::interrupt::keep_terminal();
         let (requests, wanted) = channel::<Request>();
         let (sender, lines) = channel();
         let (opened, printer) = channel();
