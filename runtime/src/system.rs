@@ -153,7 +153,10 @@ impl<O: Outside> System<O> {
             outside: &mut self.outside,
             slice_steps: self.slice_steps,
         };
-        act(&mut self.machine, &mut around)
+        let answer = act(&mut self.machine, &mut around);
+        // What is behind between two steps is no part of the state, and would be lost with a save.
+        self.machine.flush_status(&mut around);
+        answer
     }
 
     fn step_robot(&mut self) {
@@ -289,6 +292,7 @@ impl<O: Outside> System<O> {
             self.step_robot();
         }
         self.fire_timers();
+        self.with_machine(Machine::flush_status);
     }
 
     /// Fires the timers that are due: all waits that end now, or, when nothing is left to run, the

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::disturbance::Disturbance;
 use rpl_runtime::save::SaveError;
 use rpl_runtime::system::System;
 use rpl_tests::{library, system, transcript};
@@ -345,4 +346,20 @@ fn a_task_whose_record_is_gone_may_still_be_named() {
     system.machine.collect();
     let copy = load(text, &system.save()).expect("what was saved is loaded");
     assert_eq!(end(copy), end(system));
+}
+
+#[test]
+fn a_save_right_after_a_disturbance_knows_what_it_changed() {
+    let text = "(par (:tag a (wait-time 9)) (seq (value (status a)) (wait-time 2) (print (value (status a)))))";
+    let mut system = start(text);
+    system.advance_to(1_000_000);
+    let task =
+        *system.machine.living_tasks().iter().find(|&&task| system.machine.path(task) == "main/a").expect("it lives");
+    let task = system.machine.tasks.reference(task);
+    system.disturb(Disturbance::Suspend(task));
+    let mut copy = load(text, &system.save()).expect("what was saved is loaded");
+    for run in [&mut system, &mut copy] {
+        run.advance_to(3_000_000);
+        assert_eq!(run.machine.output[0].text, "suspended");
+    }
 }
