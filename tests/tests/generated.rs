@@ -118,3 +118,9 @@ fn a_wait_that_goes_on_is_told_of_no_other_task() {
     let on = |event: &Event| event.details.iter().any(|(name, on)| name == "on" && on == "time");
     assert!(until.clone().count() == 4 && until.clone().all(on), "{told:?}");
 }
+
+/// What a plan call keeps of its tags once depended on the room its list had, which a fork has not.
+#[test]
+fn a_fork_meets_its_limit_of_memory_where_the_original_does() {
+    assert_eq!(Case::generated(21_206_402_980).judge(10, &mut Tally::default()), Ok(()));
+}

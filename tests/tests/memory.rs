@@ -234,23 +234,3 @@ fn code_made_when_others_code_is_given_back_has_its_own_places() {
     }
     assert_eq!(failures, 6_000);
 }
-
-/// r[limit.memory]
-#[test]
-fn a_fork_takes_what_the_original_takes() {
-    let text = "(def-plan p ()
-                  (dotimes (i 40) (funcall (lambda () (if (< i 50) (par (:tag late nil)) (spawn (begin-task late))))) (wait-time 1)))
-                (p)";
-    let mut original = system(text);
-    for _ in 0..12 {
-        let mut fork = original.fork();
-        for run in [&mut original, &mut fork] {
-            run.advance();
-            run.advance();
-        }
-        assert_eq!(original.machine.used_bytes(), fork.machine.used_bytes());
-        original.machine.collect();
-        fork.machine.collect();
-        assert_eq!(original.machine.used_bytes(), fork.machine.used_bytes());
-    }
-}
