@@ -18,8 +18,8 @@ use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState, drive_arc};
 use rpl_robot::world::{TravelMode, World};
-use rpl_runtime::library::Library;
-use rpl_runtime::system::{Outcome, System};
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::system::{Outcome, System};
 use std::cell::RefCell;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -467,7 +467,7 @@ fn rotated(report: &Report) {
 }
 
 fn run_rotated(seed: u64) {
-    let base = || [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat();
+    let base = || [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
     let prelude = ("prelude", rpl_stdlib::PRELUDE);
     let Some(world) = World::builtin("dept") else { panic!("`dept` is built in") };
     let goal = world.place("wolframs-shelf").map_or(Pose::default(), |place| place.pose_in_map);

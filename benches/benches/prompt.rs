@@ -9,10 +9,10 @@ use rpl_random::Stream;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
 use rpl_robot::world::World;
-use rpl_runtime::library::Library;
-use rpl_runtime::stepping::Stop;
-use rpl_runtime::system::System;
-use rpl_runtime::timeline::Timeline;
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::stepping::Stop;
+use rpl_runtime::run::system::System;
+use rpl_runtime::run::timeline::Timeline;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -55,7 +55,7 @@ fn mission(start_known: bool) -> System<OfficeRobot> {
     let model = OfficeModel::new(world, settings).unwrap_or_else(|error| panic!("{error}"));
     let model = Arc::new(model);
     let robot = OfficeRobot::new(model.clone(), SimulatedHost::new(model.simulator.clone(), 1, None), 1);
-    let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives(), office::natives()].concat();
+    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), office::natives()].concat();
     let texts = [("prelude", rpl_stdlib::PRELUDE), ("robot", office::PLANS)];
     let library =
         Library::new(natives, &texts, &robot, &[]).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));

@@ -5,9 +5,9 @@ use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::library::Library;
-use rpl_runtime::system::{Outcome, Progress, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::system::{Outcome, Progress, System};
+use rpl_runtime::state::value::Value;
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -101,7 +101,7 @@ const CHECKED: &str = "(def-fluent level-NUMBER 0 \"How full it is.\")
 ";
 
 fn library() -> Arc<Library> {
-    let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat();
+    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
     match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &NoRobot, &[]) {
         Ok(library) => Arc::new(library),
         Err(rejected) => panic!("{}", rejected.render(false)),

@@ -6,10 +6,10 @@ use crate::interrupt;
 use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
 use crate::trace::{Seen, TraceFile};
 use rpl_robot::localization::Localization;
-use rpl_runtime::machine::Channel;
-use rpl_runtime::system::{Outcome, System, Turn};
-use rpl_runtime::trace::{Event, EventKind};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::system::{Outcome, System, Turn};
+use rpl_runtime::state::output::Channel;
+use rpl_runtime::state::trace::{Event, EventKind};
+use rpl_runtime::state::value::Value;
 use std::io;
 use std::time::{Duration, Instant};
 

@@ -11,7 +11,7 @@ use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::formatter;
 use rpl_lang::source::SourceId;
-use rpl_runtime::system::{Outcome, System};
+use rpl_runtime::run::system::{Outcome, System};
 use std::time::Instant;
 
 /// A value that takes more columns is laid out over several lines.

@@ -2,7 +2,7 @@
 
 use crate::events::{detail, report};
 use rpl_lang::visible::visible;
-use rpl_runtime::trace::{Event, EventKind};
+use rpl_runtime::state::trace::{Event, EventKind};
 
 /// What a task's name is where an event belongs to none.
 pub const ROBOT: &str = "the robot";

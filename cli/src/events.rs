@@ -2,9 +2,11 @@
 
 use crate::mission::{Robot, Sight};
 use rpl_runtime::behaviour::{Outside, Phase};
-use rpl_runtime::machine::{Channel, Machine, Output};
-use rpl_runtime::task::{NONE, State};
-use rpl_runtime::trace::{Event, EventKind};
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::output::{Channel, Output};
+use rpl_runtime::state::slab::NONE;
+use rpl_runtime::state::task::State;
+use rpl_runtime::state::trace::{Event, EventKind};
 
 /// A detail of an event by its name; empty if it has none.
 pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {

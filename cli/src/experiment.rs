@@ -34,7 +34,7 @@ use row_result::{RowResult, comparison};
 use rpl_lang::suggest::suggest;
 use rpl_robot::localization::{Calibration, LocalizationParameters};
 use rpl_robot::office::OfficeSettings;
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 use serde_json::{Map, Value, json};
 use std::io::IsTerminal;
 use std::num::NonZero;

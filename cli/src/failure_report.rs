@@ -4,9 +4,9 @@ use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, render};
 use rpl_lang::source::Span;
 use rpl_lang::visible::{visible, visible_lines};
-use rpl_runtime::failure::Failure;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Failure;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 use serde::Serialize;
 use std::fmt::Write;
 

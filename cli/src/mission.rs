@@ -15,12 +15,12 @@ use rpl_robot::office::{
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::library::{Library, Loaded};
-use rpl_runtime::machine::Machine;
-use rpl_runtime::native::Native;
-use rpl_runtime::system::{Outcome, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::{Library, Loaded};
+use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::Native;
 use serde::Serialize;
 use std::any::Any;
 use std::path::Path;
@@ -439,7 +439,7 @@ impl Outside for Robot {
 }
 
 fn base_natives() -> Vec<Native> {
-    [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat()
+    [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
 }
 
 /// All native functions of plans, with their documentation.

@@ -17,7 +17,7 @@ use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
 use rpl_robot::office::BEHAVIOURS;
-use rpl_runtime::failure::CLASSES;
+use rpl_runtime::state::failure::CLASSES;
 use std::collections::BTreeMap;
 pub use topics::{TOPICS, Topic};
 

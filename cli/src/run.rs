@@ -17,9 +17,9 @@ use crate::trace::{self, Header, TraceFile};
 use anyhow::{Context, Result};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
-use rpl_runtime::library::Loaded;
-use rpl_runtime::system::{Outcome, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::Loaded;
+use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::value::Value;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -145,7 +145,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 
 /// Compiles a plan, and shows what was found. None if it cannot run.
 fn load(
-    library: &rpl_runtime::library::Library,
+    library: &rpl_runtime::run::library::Library,
     plan: PlanText,
     overrides: &mut Overrides,
     console: &mut Console,

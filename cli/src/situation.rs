@@ -4,8 +4,8 @@
 
 use crate::event_line::ROBOT;
 use crate::events::detail;
-use rpl_runtime::trace::{Event, EventKind};
-use rpl_runtime::waiting::Reading;
+use rpl_runtime::state::trace::{Event, EventKind};
+use rpl_runtime::step::condition::Reading;
 use std::collections::BTreeMap;
 
 /// How deep fluents that are computed from fluents are followed.

@@ -1,7 +1,7 @@
 //! Times on the command line: `90s`, `5min`, `120`.
 
 use rpl_lang::number::{Number, parse_number};
-use rpl_runtime::time::{LAST_INSTANT_US, microseconds};
+use rpl_runtime::state::time::{LAST_INSTANT_US, microseconds};
 
 /// Units of time among the units of the language.
 const UNITS: &[&str] = &["ms", "s", "min", "h"];

@@ -1,9 +1,10 @@
 //! Behaviours: continuous processes outside the plan, and the seam to the robot that runs them.
 
-use crate::failure::Raise;
-use crate::machine::{Machine, Surroundings};
-use crate::task::{Waiting, Wake};
-use crate::value::{TaskRef, Value};
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::task::{Waiting, Wake};
+use crate::state::value::{TaskRef, Value};
+use crate::step::native::Surroundings;
 use rpl_lang::check::BehaviourSignature;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::Symbol;

@@ -1,9 +1,9 @@
 //! Reading the arguments of a native, with errors that say what was found, and room for results.
 
-use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::PAIR;
-use rpl_runtime::native::{Call, Effect, Native, NativeCode, Reply};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::heap::PAIR;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, Reply};
 use std::sync::Arc;
 
 /// What every native of the library answers.

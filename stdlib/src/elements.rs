@@ -3,10 +3,10 @@
 use crate::arguments::{
     Answer, Sequence, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text, value,
 };
-use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::Heap;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::heap::Heap;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 fn length(call: &mut Call<'_, '_>) -> Answer {
     if let Value::Str(_) = call.argument(0) {

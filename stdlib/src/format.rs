@@ -3,9 +3,9 @@
 use crate::arguments::{Answer, pure, room_for_text, text};
 use rpl_lang::kind::Kind;
 use rpl_lang::number::format_float;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 /// Wider columns and more decimals are taken for a mistake.
 const MAX_WIDTH: usize = 1_000;

@@ -21,7 +21,7 @@ mod symbols;
 mod tables;
 mod transcendental;
 
-use rpl_runtime::native::Native;
+use rpl_runtime::step::native::Native;
 
 /// The library in RPL: macros first, then functions. It uses only natives and special forms.
 pub const PRELUDE: &str = include_str!("prelude.rpl");

@@ -5,9 +5,9 @@ use crate::arguments::{
 };
 use crate::numbers::{Number, number, overflow};
 use rpl_lang::kind::Kind;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 /// The half of a list that one letter of `cadr` names; nil of nil.
 pub(crate) fn half(call: &Call<'_, '_>, list: Value, letter: u8) -> Result<Value, Raise> {

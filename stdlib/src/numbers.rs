@@ -2,9 +2,9 @@
 //! float.
 
 use crate::arguments::{Answer, count, pure, truth, value};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 use std::cmp::Ordering;
 
 /// A number argument.

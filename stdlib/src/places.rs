@@ -4,9 +4,9 @@
 use crate::arguments::{Answer, changing, index_error, natural, value};
 use crate::lists::follow;
 use rpl_lang::kind::Kind;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 /// Writes one half of the pair that the letters lead to from the first argument.
 fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> Answer {

@@ -1,8 +1,8 @@
 //! What a value is, and whether two are the same.
 
 use crate::arguments::{Answer, pure, truth};
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 fn is(call: &Call<'_, '_>, test: fn(Value) -> bool) -> Answer {
     truth(test(call.argument(0)))

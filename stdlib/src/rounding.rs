@@ -3,9 +3,9 @@
 use crate::arguments::{Answer, count, pure, text, value};
 use crate::numbers::{Number, arithmetic_error, division_by_zero, number, overflow};
 use rpl_lang::number::{self as atom, begins_like_number, format_float};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 /// Which integer near a quotient is meant.
 #[derive(Clone, Copy, PartialEq)]

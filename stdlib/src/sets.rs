@@ -2,11 +2,11 @@
 
 use crate::arguments::{Answer, elements, list, pure, room_for, truth, value};
 use crate::elements::find_equal;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::{Heap, Key, MAX_KEY_PAIRS};
-use rpl_runtime::memory::table_entry;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::heap::table_entry;
+use rpl_runtime::state::heap::{Heap, Key, MAX_KEY_PAIRS};
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 use std::collections::BTreeSet;
 
 /// Values met so far, up to `equal`.

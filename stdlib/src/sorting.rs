@@ -2,9 +2,9 @@
 //! prelude has merged, so that control comes back between them.
 
 use crate::arguments::{Answer, elements, list, natural, pure, room_for, value};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 use std::cmp::Ordering;
 use std::sync::Arc;
 

@@ -2,9 +2,9 @@
 
 use crate::arguments::{Answer, count, elements, list, natural, pure, room_for_text, show, text, truth, value};
 use crate::elements::{characters, part};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 use std::cmp::Ordering;
 
 /// A pattern that must not be empty.

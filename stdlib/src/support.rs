@@ -4,9 +4,9 @@
 use crate::arguments::{Answer, elements, list, natural, pure, room_for_pairs, text, truth, value};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 /// Turns a list round in place. The prelude does so only with lists nobody else has seen.
 fn reverse_in_place(call: &mut Call<'_, '_>) -> Answer {

@@ -4,9 +4,9 @@ use crate::arguments::{Answer, count, pure, text, value};
 use rpl_lang::reader::fold_name;
 use rpl_lang::symbol::{Symbol, Symbols};
 use rpl_lang::visible::quoted;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 
 fn symbol_name(call: &mut Call<'_, '_>) -> Answer {
     let name = match call.argument(0) {

@@ -2,11 +2,11 @@
 
 use crate::arguments::{Answer, changing, elements, integer, list, pure, room_for, truth, value};
 use crate::elements::no_pair;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::heap::{Key, KeyPart, MAX_KEY_PAIRS, PAIR};
-use rpl_runtime::memory::table_entry;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::heap::table_entry;
+use rpl_runtime::state::heap::{Key, KeyPart, MAX_KEY_PAIRS, PAIR};
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 use std::collections::BTreeMap;
 
 /// The table in an argument.

@@ -3,9 +3,9 @@
 use crate::arguments::{Answer, count, pure, value};
 use crate::numbers::{Number, arithmetic_error, division_by_zero, number, overflow};
 use rpl_lang::number::format_float;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Native};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native};
 use std::f64::consts::PI;
 
 fn of_one(call: &Call<'_, '_>, function: fn(f64) -> f64) -> Answer {

@@ -6,16 +6,16 @@ pub mod mission;
 pub mod valves;
 
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::library::Library;
-use rpl_runtime::machine::Channel;
-use rpl_runtime::system::{Outcome, Progress, System};
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::system::{Outcome, Progress, System};
+use rpl_runtime::state::output::Channel;
 use std::sync::{Arc, OnceLock};
 
 /// The library without a robot, compiled once.
 pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
-        let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat();
+        let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
         match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &NoRobot, &[]) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the prelude does not compile:\n{}", rejected.render(false)),

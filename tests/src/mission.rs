@@ -5,12 +5,12 @@ use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
 use rpl_robot::world::World;
 use rpl_runtime::behaviour::Outside;
-use rpl_runtime::library::{Library, Loaded};
-use rpl_runtime::machine::{Channel, Output};
-use rpl_runtime::native::Native;
-use rpl_runtime::system::{Outcome, Progress, System};
-use rpl_runtime::trace::{Event, EventKind};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::{Library, Loaded};
+use rpl_runtime::run::system::{Outcome, Progress, System};
+use rpl_runtime::state::output::{Channel, Output};
+use rpl_runtime::state::trace::{Event, EventKind};
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::Native;
 use std::sync::{Arc, OnceLock};
 
 /// Fluents that change with every step; a trace that told each change would tell nothing else.
@@ -62,7 +62,7 @@ pub fn test_room() -> Arc<OfficeModel> {
 }
 
 fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) -> Arc<Library> {
-    let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives(), natives].concat();
+    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), natives].concat();
     let texts = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
     match Library::new(natives, &texts, outside, &[]) {
         Ok(library) => Arc::new(library),

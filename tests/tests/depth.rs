@@ -2,7 +2,7 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::system::{Progress, System};
+use rpl_runtime::run::system::{Progress, System};
 use rpl_tests::{library, run};
 use std::thread;
 

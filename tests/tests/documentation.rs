@@ -7,11 +7,11 @@ use rpl_robot::office::{self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeSettings, 
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
-use rpl_runtime::failure::{CLASSES, Raise};
-use rpl_runtime::library::Library;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::native::Native;
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::Library;
+use rpl_runtime::state::failure::{CLASSES, Raise};
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::Native;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::fs;
@@ -143,7 +143,7 @@ impl Outside for Tables {
 }
 
 fn base_natives() -> Vec<Native> {
-    [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat()
+    [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
 }
 
 fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) -> Library {

@@ -28,10 +28,10 @@ fn an_error_points_into_the_printed_datum() {
 #[test]
 fn equal_data_share_a_unit() {
     let mut system = system("(dotimes (i 50) (execute-plan (list 'seq 1 \"two\")))");
-    while system.advance() == rpl_runtime::system::Progress::Running {}
+    while system.advance() == rpl_runtime::run::system::Progress::Running {}
     let before = system.program.codes.len();
     let mut other = self::system("(dotimes (i 2) (execute-plan (list 'seq 1 \"two\")))");
-    while other.advance() == rpl_runtime::system::Progress::Running {}
+    while other.advance() == rpl_runtime::run::system::Progress::Running {}
     assert_eq!(before, other.program.codes.len());
 }
 
@@ -60,8 +60,9 @@ fn local_names_are_not_known_in_it() {
     let local = run("(let ((y 3)) (execute-plan '(print y)))");
     assert!(local.starts_with("failed: error") && local.contains("`y` is not defined anywhere"), "{local}");
     let mut system = system("(execute-plan '(seq (wait-time 1) (+ 1 'a)))");
-    while system.advance() == rpl_runtime::system::Progress::Running {}
-    let Some(rpl_runtime::system::Outcome::Failed(rpl_runtime::value::Value::Failure(failure))) = system.outcome()
+    while system.advance() == rpl_runtime::run::system::Progress::Running {}
+    let Some(rpl_runtime::run::system::Outcome::Failed(rpl_runtime::state::value::Value::Failure(failure))) =
+        system.outcome()
     else {
         panic!("it does not fail");
     };

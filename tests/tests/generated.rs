@@ -2,8 +2,8 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::system::{Progress, System};
-use rpl_runtime::trace::Event;
+use rpl_runtime::run::system::{Progress, System};
+use rpl_runtime::state::trace::Event;
 use rpl_tests::generated::drive::{Case, Tally};
 use rpl_tests::generated::{forged, texts};
 use rpl_tests::{library, run, system, transcript};

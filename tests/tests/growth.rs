@@ -1,7 +1,7 @@
 //! What is done twice as often costs about twice as much: told by counted turns of the runtime's own
 //! loops, and by the steps of the plan, never by time.
 
-use rpl_runtime::system::Progress;
+use rpl_runtime::run::system::Progress;
 use rpl_tests::{run, system, transcript};
 
 /// Turns of the runtime's loops in a run of a text with `N` in it.

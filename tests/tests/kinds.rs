@@ -4,12 +4,12 @@
 use rpl_lang::compile::{foreign_words, special_forms};
 use rpl_lang::kind::Kind;
 use rpl_robot::office;
-use rpl_runtime::library::Library;
-use rpl_runtime::native::Native;
+use rpl_runtime::run::library::Library;
+use rpl_runtime::step::native::Native;
 use rpl_tests::run;
 
 fn base_natives() -> Vec<Native> {
-    [rpl_runtime::natives::natives(), rpl_stdlib::natives()].concat()
+    [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
 }
 
 /// The words for the parameters that must be given, and the one for any number of further arguments.

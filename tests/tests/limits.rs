@@ -1,6 +1,6 @@
 //! Limits: nothing a plan does can hang or crash the program.
 
-use rpl_runtime::system::Progress;
+use rpl_runtime::run::system::Progress;
 use rpl_tests::{run, system, transcript};
 
 fn run_limited(text: &str, steps: u32, bytes: usize) -> String {

@@ -5,8 +5,8 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::system::{Progress, System};
-use rpl_runtime::trace::EventKind;
+use rpl_runtime::run::system::{Progress, System};
+use rpl_runtime::state::trace::EventKind;
 use rpl_tests::{library, run, system, transcript};
 use std::process::Command;
 

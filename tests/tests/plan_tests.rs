@@ -1,7 +1,7 @@
 //! `deftest` and what is asserted in it: r[test.*], r[assert.*].
 
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::system::{Progress, System};
+use rpl_runtime::run::system::{Progress, System};
 
 /// The names of the tests of a text, each with what it does when it runs alone.
 fn outcomes(text: &str) -> Vec<(String, String)> {

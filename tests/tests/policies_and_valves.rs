@@ -572,7 +572,7 @@ fn a_crowd_that_waits_for_one_valve_is_served_and_dies_in_a_line() {
              (holds-valve? v)"
         );
         let mut system = rpl_tests::system(&text);
-        while system.advance() == rpl_runtime::system::Progress::Running {}
+        while system.advance() == rpl_runtime::run::system::Progress::Running {}
         assert_eq!(rpl_tests::transcript(&mut system), "=> nil");
         system.machine.valve_work()
     };
@@ -591,7 +591,7 @@ fn a_crowd_of_tasks_with_a_valve_each_is_linear() {
         let tasks: Vec<String> = (0..count).map(|number| format!("(with-valve v{number} (wait-time 1))")).collect();
         text.push_str(&format!("(par {})", tasks.join(" ")));
         let mut system = rpl_tests::system(&text);
-        while system.advance() == rpl_runtime::system::Progress::Running {}
+        while system.advance() == rpl_runtime::run::system::Progress::Running {}
         system.machine.valve_work()
     };
     let (few, many) = (work(250), work(2_000));

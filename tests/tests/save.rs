@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::disturbance::Disturbance;
-use rpl_runtime::save::SaveError;
-use rpl_runtime::system::System;
+use rpl_runtime::run::disturbance::Disturbance;
+use rpl_runtime::run::save::SaveError;
+use rpl_runtime::run::system::System;
 use rpl_tests::{library, system, transcript};
 use std::sync::OnceLock;
 
@@ -231,7 +231,7 @@ fn texts_elsewhere() -> Vec<String> {
 
 #[test]
 fn every_program_of_the_tests_and_examples_is_reloaded_alike() {
-    let limits = rpl_runtime::machine::Limits { steps: 5_000, frames: 200, bytes: 1 << 24 };
+    let limits = rpl_runtime::state::limits::Limits { steps: 5_000, frames: 200, bytes: 1 << 24 };
     let texts = texts_elsewhere();
     assert!(texts.len() > 150, "{} programs were found", texts.len());
     for text in texts {

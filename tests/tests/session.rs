@@ -2,11 +2,11 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::beside::Beside;
-use rpl_runtime::session::Answer;
-use rpl_runtime::stepping::{Stepped, Stop};
-use rpl_runtime::system::System;
-use rpl_runtime::value::Value;
+use rpl_runtime::run::beside::Beside;
+use rpl_runtime::run::session::Answer;
+use rpl_runtime::run::stepping::{Stepped, Stop};
+use rpl_runtime::run::system::System;
+use rpl_runtime::state::value::Value;
 use rpl_tests::library;
 
 fn session() -> System<NoRobot> {

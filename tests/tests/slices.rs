@@ -1,6 +1,6 @@
 //! Control comes back from the middle of an instant after a slice of steps, and no run can tell.
 
-use rpl_runtime::system::{Outcome, Progress, Turn};
+use rpl_runtime::run::system::{Outcome, Progress, Turn};
 use rpl_tests::{system, transcript};
 
 /// Programs in which a task works for long without waiting: its own loops and calls, natives that

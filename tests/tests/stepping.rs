@@ -1,9 +1,9 @@
 //! Stepping through a run: where it stops, what is seen there, and that it changes nothing.
 
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::stepping::{Stepped, Stop};
-use rpl_runtime::system::{Outcome, Progress, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::stepping::{Stepped, Stop};
+use rpl_runtime::run::system::{Outcome, Progress, System};
+use rpl_runtime::state::value::Value;
 use rpl_tests::system;
 
 const PROGRAM: &str = "

@@ -1,6 +1,6 @@
 //! Evaporating at every step: clean-ups run exactly once and the machine stays whole.
 
-use rpl_runtime::system::{Progress, System};
+use rpl_runtime::run::system::{Progress, System};
 use rpl_tests::{system, transcript};
 
 const PROGRAMS: &[&str] = &[

@@ -228,13 +228,13 @@ fn paths_are_stable() {
          (deliver) (deliver) (par (seq) (with-timeout 1 (deliver)))",
     );
     system.machine.trace.enabled = true;
-    while system.advance() == rpl_runtime::system::Progress::Running {}
+    while system.advance() == rpl_runtime::run::system::Progress::Running {}
     let begun: Vec<String> = system
         .machine
         .trace
         .events
         .iter()
-        .filter(|event| event.kind == rpl_runtime::trace::EventKind::Begin)
+        .filter(|event| event.kind == rpl_runtime::state::trace::EventKind::Begin)
         .map(|event| event.path.clone())
         .collect();
     assert_eq!(

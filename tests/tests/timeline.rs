@@ -3,9 +3,9 @@
 use rpl_lang::compile::NoFiles;
 use rpl_robot::office::{OfficeRobot, SimulatedHost};
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::stepping::Stop;
-use rpl_runtime::system::System;
-use rpl_runtime::timeline::{Position, Timeline};
+use rpl_runtime::run::stepping::Stop;
+use rpl_runtime::run::system::System;
+use rpl_runtime::run::timeline::{Position, Timeline};
 use rpl_tests::library;
 use rpl_tests::mission::{robot_library, test_room};
 use std::cell::Cell;

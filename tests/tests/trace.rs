@@ -1,8 +1,8 @@
 //! Time, trace and determinism, without a robot.
 
-use rpl_runtime::system::{Outcome, Progress, System};
-use rpl_runtime::trace::{Event, EventKind};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::system::{Outcome, Progress, System};
+use rpl_runtime::state::trace::{Event, EventKind};
+use rpl_runtime::state::value::Value;
 use rpl_tests::{library, run, system, transcript};
 use std::collections::BTreeSet;
 

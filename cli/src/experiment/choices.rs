@@ -14,7 +14,7 @@ use anyhow::{Context, Result, bail};
 use rpl_robot::active::{ActiveParameters, choose, choose_exactly};
 use rpl_robot::geometry::distance_m;
 use rpl_robot::localization::{Localization, LocalizationModel};
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 use serde::Serialize;
 use serde_json::json;
 use std::time::Instant;

@@ -10,9 +10,9 @@ use rpl_lang::code::Program;
 use rpl_robot::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use rpl_robot::office::OfficeRobot;
 use rpl_robot::simulator::ItemPlace;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::system::{Outcome, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 
 /// How near to the goal the robot must really be.
 const AT_GOAL_M: f64 = 0.5;

@@ -18,7 +18,7 @@ use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
 use rpl_robot::office::{OfficeRobot, OfficeSettings};
 use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 use serde_json::json;
 
 /// Edge of a cell of the floor that the shortest ways are found on.

@@ -6,9 +6,9 @@ use crate::mission::Robot;
 use crate::why::shortened;
 use rpl_lang::source::{self, Source, SourceId, Span};
 use rpl_lang::suggest::suggest;
-use rpl_runtime::session::Condition;
-use rpl_runtime::stepping::Stop;
-use rpl_runtime::system::System;
+use rpl_runtime::run::session::Condition;
+use rpl_runtime::run::stepping::Stop;
+use rpl_runtime::run::system::System;
 use std::fmt;
 
 /// A place or condition.

@@ -6,7 +6,7 @@ use rpl_lang::reader::{fold_name, read};
 use rpl_lang::source::{SourceId, Span};
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, Tree};
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 
 /// A definition in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]

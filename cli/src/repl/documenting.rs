@@ -12,7 +12,7 @@ use rpl_lang::code::{CodeKind, GlobalKind, Program};
 use rpl_lang::reader::fold_name;
 use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 
 impl Prompt<'_> {
     pub(super) fn document(&mut self, name: &str) -> Result<()> {

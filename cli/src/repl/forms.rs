@@ -7,9 +7,9 @@ use crate::files::PlanText;
 use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::diagnostic;
-use rpl_runtime::library::Rejected;
-use rpl_runtime::session::{Answer, Submitted};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::Rejected;
+use rpl_runtime::run::session::{Answer, Submitted};
+use rpl_runtime::state::value::Value;
 
 impl Prompt<'_> {
     /// A file: its forms are run in order.

@@ -7,7 +7,7 @@ use crate::time::parse_duration_us;
 use crate::why::shortened;
 use anyhow::Result;
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::session::Answer;
+use rpl_runtime::run::session::Answer;
 
 impl Prompt<'_> {
     pub(super) fn go_on(&mut self, until: &Until) -> Result<()> {

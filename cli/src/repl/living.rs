@@ -4,9 +4,9 @@ use super::session::Session;
 use super::view::is_own;
 use crate::mission::Robot;
 use crate::situation::{Situation, Standing, ValveStanding};
-use rpl_runtime::system::System;
-use rpl_runtime::task::State;
-use rpl_runtime::value::TaskRef;
+use rpl_runtime::run::system::System;
+use rpl_runtime::state::task::State;
+use rpl_runtime::state::value::TaskRef;
 use std::collections::BTreeMap;
 
 /// The events of the run, and how the living stand now: asked of the run, but for who suspended a
@@ -44,7 +44,7 @@ pub fn situation(session: &Session) -> Situation {
     situation
 }
 
-/// How a task stands now; `ends_us` as [`rpl_runtime::machine::Machine::wait_ends_us`] gives them.
+/// How a task stands now; `ends_us` as [`rpl_runtime::state::machine::Machine::wait_ends_us`] gives them.
 pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32) -> Standing {
     let machine = &system.machine;
     let record = &machine.tasks[task];
@@ -76,8 +76,8 @@ mod tests {
     use crate::mission::Site;
     use crate::repl::session::Until;
     use rpl_robot::office::OfficeSettings;
-    use rpl_runtime::session::Answer;
-    use rpl_runtime::waiting::Reading;
+    use rpl_runtime::run::session::Answer;
+    use rpl_runtime::step::condition::Reading;
 
     const PLANS: &[&str] = &[
         // Calls in calls, tags, spawned tasks, one name twice.

@@ -40,7 +40,7 @@ use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
 use rpl_lang::source::SourceId;
 use rpl_robot::occupancy::OccupancyGrid;
-use rpl_runtime::failure::Failure;
+use rpl_runtime::state::failure::Failure;
 use session::{Session, Until};
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Read};

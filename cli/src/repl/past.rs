@@ -9,8 +9,8 @@ use crate::why::shortened;
 use anyhow::Result;
 use rpl_lang::code::GlobalKind;
 use rpl_lang::suggest::suggest;
-use rpl_runtime::system::System;
-use rpl_runtime::timeline::Past;
+use rpl_runtime::run::system::System;
+use rpl_runtime::run::timeline::Past;
 use std::collections::BTreeMap;
 
 /// What `:back` takes for the place of the last failure, and `:break` for all of them.

@@ -8,10 +8,10 @@ use crate::why::{is_meant, shortened};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::source::{self, Sources, Span, count_line_ends};
 use rpl_lang::visible::pictured;
-use rpl_runtime::stepping::Stop;
-use rpl_runtime::system::System;
-use rpl_runtime::value::Value;
-use rpl_runtime::valve::Valve;
+use rpl_runtime::run::stepping::Stop;
+use rpl_runtime::run::system::System;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::state::valve::Valve;
 use std::collections::BTreeMap;
 
 /// Lines of text shown around a form.

@@ -98,7 +98,7 @@ impl Prompt<'_> {
 
 /// The definitions in the order of the latest of each. A macro that was defined anew after its last
 /// use would come too late: then its text comes first.
-fn file_of(system: &rpl_runtime::system::System<crate::mission::Robot>, own: &[Definition]) -> String {
+fn file_of(system: &rpl_runtime::run::system::System<crate::mission::Robot>, own: &[Definition]) -> String {
     let text = |definitions: &[&Definition]| {
         let texts: Vec<String> =
             definitions.iter().map(|definition| definitions::with_comments(system, definition)).collect();

@@ -5,7 +5,7 @@ use crate::console::Console;
 use crate::event_line::{ROBOT, event_line};
 use crate::status::Status;
 use anyhow::Result;
-use rpl_runtime::trace::Event;
+use rpl_runtime::state::trace::Event;
 use std::collections::VecDeque;
 
 /// Events shown before the first that differs.

@@ -3,7 +3,7 @@
 
 use crate::mission::Sight;
 use rpl_robot::geometry::Pose;
-use rpl_runtime::trace::Event;
+use rpl_runtime::state::trace::Event;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::fs::File;
@@ -132,7 +132,7 @@ pub(super) fn line(event: &Event) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rpl_runtime::trace::EventKind;
+    use rpl_runtime::state::trace::EventKind;
 
     #[test]
     fn a_line_is_an_object_that_begins_with_the_time() {

@@ -2,7 +2,7 @@
 
 use crate::events::detail;
 use crate::time::parse_duration_us;
-use rpl_runtime::trace::{Event, EventKind};
+use rpl_runtime::state::trace::{Event, EventKind};
 
 /// What an event must fulfil; all of it.
 #[derive(clap::Args, Clone, Debug, Default)]

@@ -4,7 +4,7 @@ use super::filter::{Filter, concerns, lies_in};
 use crate::events::detail;
 use crate::mission::CONTINUOUS_FLUENTS;
 use rpl_lang::suggest::suggest;
-use rpl_runtime::trace::{Event, EventKind};
+use rpl_runtime::state::trace::{Event, EventKind};
 use std::collections::BTreeSet;
 
 /// What the events read so far name.

@@ -18,9 +18,9 @@ use crate::world::{Door, TravelMode, World};
 use rpl_lang::symbol::Symbol;
 use rpl_random::Stream;
 use rpl_runtime::behaviour::{Ending, Outbox, Phase, Reading, Stop};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 use serde::{Deserialize, Serialize};
 
 /// Speed limit while the robot does not know where it is: its sonars see everything it can hit.

@@ -3,8 +3,8 @@
 use super::scenario::Oracle;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
 use rpl_runtime::behaviour::Outbox;
-use rpl_runtime::system::{Outcome, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::value::Value;
 use std::sync::Arc;
 
 /// A simulated robot, and the experimenter's plan that runs beside it.

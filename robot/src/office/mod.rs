@@ -28,9 +28,9 @@ use crate::navigation::{Concern, DriveLimits, NavigationModel, TopologicalModel}
 use crate::simulator::{Contacts, OracleError, Percept, SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Stop};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 use std::any::Any;
 use std::sync::Arc;
 

@@ -6,9 +6,9 @@ use super::{OfficeModel, OfficeRobot, plan_text};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
 use rpl_lang::reader::fold_name;
-use rpl_runtime::failure::Raise;
-use rpl_runtime::native::{Call, Effect, Native, Reply};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Effect, Native, Reply};
 use std::sync::Arc;
 
 /// A destination counts as reached when the estimate is this near to it.

@@ -5,8 +5,8 @@ use super::board::mode_name;
 use crate::geometry::Pose;
 use crate::navigation::{Target, Unreachable};
 use crate::world::{Place, TravelMode};
-use rpl_runtime::machine::Machine;
-use rpl_runtime::value::Value;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 
 /// The structured navigation plan from a pose to a place: the target points, under a policy for
 /// each kind of region on the way that sets the travel mode when the robot enters it. Without a

@@ -5,9 +5,9 @@ use crate::active::ActiveParameters;
 use crate::localization::LocalizationParameters;
 use crate::simulator::SimulatorState;
 use crate::world::World;
-use rpl_runtime::library::Loaded;
-use rpl_runtime::save::SaveOutside;
-use rpl_runtime::system::System;
+use rpl_runtime::run::library::Loaded;
+use rpl_runtime::run::save::SaveOutside;
+use rpl_runtime::run::system::System;
 use serde::{Deserialize, Serialize};
 
 /// What the state belongs to: grids, doors and objects are counted by it, so a state is taken over

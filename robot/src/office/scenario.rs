@@ -4,10 +4,10 @@ use crate::geometry::Pose;
 use crate::simulator::{SimulatorModel, SimulatorState};
 use crate::world::{Object, Rect, SeenBy, Shape};
 use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Reading, Stop};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::native::{Call, Effect, Native, Reply};
-use rpl_runtime::value::Value;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Effect, Native, Reply};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -112,7 +112,7 @@ const fn act(
     name: &'static str,
     parameters: &'static str,
     doc: &'static str,
-    code: rpl_runtime::native::NativeCode,
+    code: rpl_runtime::step::native::NativeCode,
 ) -> Native {
     Native { name, parameters, doc, effect: Effect::Acts, code }
 }

@@ -3,11 +3,11 @@
 use rpl_lang::compile::NoFiles;
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Stop};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::library::Library;
-use rpl_runtime::machine::Machine;
-use rpl_runtime::system::{Progress, System};
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::system::{Progress, System};
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -71,7 +71,7 @@ impl Outside for Digger {
 /// The printed value of a text, and the robot after it.
 fn dig(text: &str) -> (String, Digger) {
     let mut natives = rpl_stdlib::natives();
-    natives.extend(rpl_runtime::natives::natives());
+    natives.extend(rpl_runtime::step::natives::natives());
     let library = Library::new(natives, &[("prelude.rpl", rpl_stdlib::PRELUDE)], &Digger::default(), &[]);
     let library = Arc::new(library.unwrap_or_else(|rejected| panic!("{}", rejected.render(false))));
     let loaded = library.load("test", text, &mut NoFiles);

@@ -56,7 +56,8 @@ fn every_native_is_documented() {
 fn no_name_is_defined_twice() {
     let mut seen: BTreeMap<String, &str> = BTreeMap::new();
     let natives = rpl_stdlib::natives().into_iter().map(|native| (native.name.to_string(), "the library"));
-    let runtime = rpl_runtime::natives::natives().into_iter().map(|native| (native.name.to_string(), "the runtime"));
+    let runtime =
+        rpl_runtime::step::natives::natives().into_iter().map(|native| (native.name.to_string(), "the runtime"));
     let prelude = prelude_definitions().into_iter().map(|(_, name, _)| (name, "the prelude"));
     for (name, place) in natives.chain(runtime).chain(prelude) {
         if let Some(before) = seen.insert(name.clone(), place) {

@@ -1,13 +1,13 @@
 //! Plan text in, printed value out.
 
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::library::Library;
-use rpl_runtime::system::{Progress, System};
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::system::{Progress, System};
 use std::sync::{Arc, LazyLock};
 
 static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| {
     let mut natives = rpl_stdlib::natives();
-    natives.extend(rpl_runtime::natives::natives());
+    natives.extend(rpl_runtime::step::natives::natives());
     let preludes = [("prelude.rpl", rpl_stdlib::PRELUDE)];
     match Library::new(natives, &preludes, &NoRobot, &[]) {
         Ok(library) => Arc::new(library),
@@ -28,7 +28,9 @@ pub fn evaluate(text: &str) -> Result<String, String> {
     let mut system = System::without_robot(library(), "test", text, 0).map_err(|rejected| rejected.render(false))?;
     while system.advance() == Progress::Running {}
     system.with_machine(|machine, around| match machine.tasks[machine.main].state {
-        rpl_runtime::task::State::Succeeded => Ok(machine.write(around.program, machine.tasks[machine.main].value)),
+        rpl_runtime::state::task::State::Succeeded => {
+            Ok(machine.write(around.program, machine.tasks[machine.main].value))
+        }
         _ => Err(machine.show(around.program, machine.tasks[machine.main].value)),
     })
 }

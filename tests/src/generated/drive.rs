@@ -3,12 +3,12 @@
 use super::robot::{Whim, library};
 use super::{Dice, grammar};
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::disturbance::Disturbance;
-use rpl_runtime::library::Loaded;
-use rpl_runtime::machine::Limits;
-use rpl_runtime::system::{Outcome, System};
-use rpl_runtime::task::State;
-use rpl_runtime::value::{TaskRef, Value};
+use rpl_runtime::run::disturbance::Disturbance;
+use rpl_runtime::run::library::Loaded;
+use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::limits::Limits;
+use rpl_runtime::state::task::State;
+use rpl_runtime::state::value::{TaskRef, Value};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

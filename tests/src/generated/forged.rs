@@ -4,9 +4,9 @@ use super::drive::said;
 use super::robot::{Whim, library};
 use super::{Dice, grammar};
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::machine::Limits;
-use rpl_runtime::save::SaveError;
-use rpl_runtime::system::System;
+use rpl_runtime::run::save::SaveError;
+use rpl_runtime::run::system::System;
+use rpl_runtime::state::limits::Limits;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Bytes of a saved run before its payload; the checksum is the last word of them.

@@ -2,13 +2,14 @@
 
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Reading, Stop};
-use rpl_runtime::failure::Raise;
-use rpl_runtime::library::Library;
-use rpl_runtime::machine::{Channel, Machine};
-use rpl_runtime::native::{Call, Effect, Native, Reply};
-use rpl_runtime::save::SaveOutside;
-use rpl_runtime::task::ScopeKind;
-use rpl_runtime::value::Value;
+use rpl_runtime::run::library::Library;
+use rpl_runtime::run::save::SaveOutside;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::output::Channel;
+use rpl_runtime::state::task::ScopeKind;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Effect, Native, Reply};
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
@@ -188,7 +189,7 @@ const NATIVES: &[Native] = &[
 pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
-        let natives = [rpl_runtime::natives::natives(), rpl_stdlib::natives(), NATIVES.to_vec()].concat();
+        let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), NATIVES.to_vec()].concat();
         match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &Whim::default(), &[]) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),

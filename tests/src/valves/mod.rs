@@ -9,10 +9,10 @@ use model::{Blow, Id, Model, Told, What};
 use program::Program;
 use rpl_lang::compile::NoFiles;
 use rpl_runtime::behaviour::NoRobot;
-use rpl_runtime::disturbance::Disturbance;
-use rpl_runtime::system::System;
-use rpl_runtime::trace::{Event, EventKind};
-use rpl_runtime::value::TaskRef;
+use rpl_runtime::run::disturbance::Disturbance;
+use rpl_runtime::run::system::System;
+use rpl_runtime::state::trace::{Event, EventKind};
+use rpl_runtime::state::value::TaskRef;
 
 /// A run has more steps than any of the programs needs.
 const MOST_STEPS: usize = 1_000;

@@ -3,7 +3,7 @@
 use super::world::wheels_are_free;
 use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::simulator::ItemPlace;
-use rpl_runtime::trace::EventKind::Robot;
+use rpl_runtime::state::trace::EventKind::Robot;
 use rpl_tests::mission::{Mission, Run, dept, is, test_room};
 
 const DELIVERY: &str = "(deliver 'mail 'mail-slots 'wolframs-shelf)";

@@ -4,7 +4,7 @@ use super::world::{closed_room, wheels_are_free};
 use rpl_robot::geometry::Pose;
 use rpl_robot::localization::{Localization, Spread};
 use rpl_robot::office::OfficeRobot;
-use rpl_runtime::trace::EventKind::Robot;
+use rpl_runtime::state::trace::EventKind::Robot;
 use rpl_tests::mission::{Mission, Run, is, run_until};
 
 /// Another room, whose door is closed.

@@ -1,8 +1,8 @@
 //! The plan of the paper while somebody turns the robot by hand: what must happen, in its order.
 
-use rpl_runtime::system::Outcome;
-use rpl_runtime::trace::EventKind::{Behaviour, End, Fluent, Pulse, Robot, Signal, Valve};
-use rpl_runtime::trace::{Event, EventKind};
+use rpl_runtime::run::system::Outcome;
+use rpl_runtime::state::trace::EventKind::{Behaviour, End, Fluent, Pulse, Robot, Signal, Valve};
+use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_tests::mission::{Mission, Run, dept, detail, is, lines};
 use std::sync::OnceLock;
 

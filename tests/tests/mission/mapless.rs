@@ -3,7 +3,7 @@
 use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 use rpl_tests::mission::{Grid, Mission, fluent_text, lines, model, run_until, test_room};
 use std::sync::{Arc, OnceLock};
 

@@ -1,7 +1,7 @@
 //! Policies, valves, time-outs and clean-ups around a robot that drives.
 
 use super::world::{closed_room, wheels_are_free};
-use rpl_runtime::trace::EventKind::{Behaviour, Robot};
+use rpl_runtime::state::trace::EventKind::{Behaviour, Robot};
 use rpl_tests::mission::{Mission, Run, dept, fluent_text, is, run_until, test_room};
 
 /// A policy that takes the wheels for some seconds once the bell rings.

@@ -2,8 +2,8 @@
 
 use super::determinism::{ERRAND, TURN, errand};
 use rpl_robot::office::OfficeRobot;
-use rpl_runtime::save::SaveError;
-use rpl_runtime::system::{Progress, System};
+use rpl_runtime::run::save::SaveError;
+use rpl_runtime::run::system::{Progress, System};
 use rpl_tests::mission::{Grid, Mission, builtin, lines, test_room};
 
 const SEED: u64 = 1;

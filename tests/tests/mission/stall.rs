@@ -1,6 +1,6 @@
 //! A run that waits in vain while the world goes on is reported and does not fail.
 
-use rpl_runtime::trace::EventKind::Warning;
+use rpl_runtime::state::trace::EventKind::Warning;
 use rpl_tests::mission::{Mission, Run, detail, is, test_room};
 
 fn run(plan: &str, until_s: f64) -> Run {

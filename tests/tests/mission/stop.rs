@@ -2,7 +2,7 @@
 
 use super::world::wheels_are_free;
 use rpl_runtime::behaviour::{Outbox, Outside};
-use rpl_runtime::system::{Outcome, Progress};
+use rpl_runtime::run::system::{Outcome, Progress};
 use rpl_tests::mission::{Mission, Run, run_until, test_room};
 
 const PLAN: &str = "

@@ -2,7 +2,7 @@
 
 use rpl_robot::office::{OfficeModel, OfficeRobot};
 use rpl_robot::world::World;
-use rpl_runtime::system::System;
+use rpl_runtime::run::system::System;
 use rpl_tests::mission::{Grid, model};
 use std::sync::{Arc, OnceLock};
 

@@ -1,0 +1,199 @@
+//! Syntax to values and back: what macros work on, and how data become plans.
+//!
+//! Both ways keep a stack of their own, so depth costs no Rust stack.
+
+use crate::state::heap::Heap;
+use crate::state::value::Value;
+use rpl_lang::source::Span;
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::{Kind, NodeId, Tree};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Which pair was made from which list, so that what a macro passes on keeps its place.
+pub(crate) type Origins = BTreeMap<u32, NodeId>;
+
+/// What is left to do of a node on its way to a value.
+enum Step {
+    Node(NodeId),
+    End(NodeId),
+}
+
+/// A node as a value.
+pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: NodeId, origins: &mut Origins) -> Value {
+    let mut values = Vec::new();
+    let mut steps = vec![Step::Node(node)];
+    while let Some(step) = steps.pop() {
+        let node = match step {
+            Step::End(node) => {
+                let items = values.split_off(values.len() - tree.items(node).len());
+                values.push(list_of(heap, tree, node, items, origins));
+                continue;
+            }
+            Step::Node(node) => node,
+        };
+        values.push(match &tree.get(node).kind {
+            Kind::List { .. } => {
+                steps.push(Step::End(node));
+                steps.extend(tree.items(node).iter().rev().map(|&item| Step::Node(item)));
+                continue;
+            }
+            Kind::Symbol(symbol) => match symbols.name(*symbol) {
+                "nil" => Value::Nil,
+                "t" => Value::True,
+                _ => Value::Symbol(*symbol),
+            },
+            Kind::Keyword(symbol) => Value::Keyword(*symbol),
+            Kind::Int(value) => Value::Int(*value),
+            Kind::Float(value) => Value::Float(*value),
+            Kind::Str(text) => heap.string(text),
+            Kind::Object(_) | Kind::Hole => Value::Nil,
+        });
+    }
+    values.pop().unwrap_or_default()
+}
+
+fn list_of(heap: &mut Heap, tree: &Tree, node: NodeId, mut items: Vec<Value>, origins: &mut Origins) -> Value {
+    let dotted = matches!(tree.get(node).kind, Kind::List { dotted: true, .. });
+    let tail = if dotted { items.pop().unwrap_or_default() } else { Value::Nil };
+    let list = heap.list_with_tail(&items, tail);
+    if let Value::Cons(pair) = list {
+        origins.insert(pair, node);
+    }
+    list
+}
+
+/// Nodes that a datum may become.
+pub(crate) const MAX_NODES: usize = 1_000_000;
+
+/// Why a value cannot be a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unfit {
+    /// A list in it runs into itself.
+    Circle,
+    /// It has more nodes than may be made. A list that shares its parts can be far larger than the
+    /// memory it takes.
+    TooLarge,
+}
+
+/// A value as a node. Lists that came from the text keep their nodes if they are unchanged;
+/// everything new stands at `span`. Objects without a text form are collected in `objects`.
+///
+/// # Errors
+/// If the value is circular, or has more than `most` nodes.
+#[allow(clippy::too_many_arguments, reason = "what a node is made of, and where it goes")]
+pub(crate) fn to_node(
+    heap: &Heap,
+    symbols: &mut Symbols,
+    tree: &mut Tree,
+    value: Value,
+    span: Span,
+    origins: &Origins,
+    objects: &mut Vec<Value>,
+    most: usize,
+) -> Result<NodeId, Unfit> {
+    let Value::Cons(first) = value else { return Ok(leaf(heap, symbols, tree, value, span, objects)) };
+    let mut builder = Builder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
+    builder.open(first);
+    let mut count = 0;
+    while let Some(list) = builder.open.last_mut() {
+        count += 1;
+        if count > most {
+            return Err(Unfit::TooLarge);
+        }
+        let (item, dotted) = match list.at {
+            Value::Cons(pair) => {
+                if !builder.on_path.insert(pair) {
+                    return Err(Unfit::Circle);
+                }
+                let (car, cdr) = heap.pair(pair);
+                list.at = cdr;
+                (Some(car), None)
+            }
+            Value::Nil => (None, Some(false)),
+            tail => (Some(tail), Some(true)),
+        };
+        match item {
+            Some(Value::Cons(first)) => builder.open(first),
+            Some(atom) => builder.nodes.push(leaf(heap, symbols, tree, atom, span, objects)),
+            None => {}
+        }
+        if let Some(dotted) = dotted
+            && let Some((first, items)) = builder.close()
+        {
+            let place = origins.get(&first).map_or(span, |&origin| tree.span(origin));
+            builder.nodes.push(tree.list_with_tail(&items, dotted, place));
+        }
+    }
+    builder.nodes.pop().ok_or(Unfit::Circle)
+}
+
+/// A node that is no list.
+fn leaf(
+    heap: &Heap,
+    symbols: &mut Symbols,
+    tree: &mut Tree,
+    value: Value,
+    span: Span,
+    objects: &mut Vec<Value>,
+) -> NodeId {
+    let kind = match value {
+        Value::Nil => Kind::Symbol(symbols.intern("nil")),
+        Value::True => Kind::Symbol(symbols.intern("t")),
+        Value::Int(value) => Kind::Int(value),
+        Value::Float(value) => Kind::Float(value),
+        Value::Symbol(symbol) => Kind::Symbol(symbol),
+        Value::Keyword(symbol) => Kind::Keyword(symbol),
+        Value::Str(text) => Kind::Str(heap.strings[text].clone()),
+        Value::Cons(_)
+        | Value::Cell(_)
+        | Value::Function(_)
+        | Value::Closure(_)
+        | Value::Native(_)
+        | Value::Fluent(_)
+        | Value::Task(_)
+        | Value::Valve(_)
+        | Value::Failure(_)
+        | Value::Table(_)
+        | Value::Behaviour(_)
+        | Value::Unbound => {
+            objects.push(value);
+            Kind::Object(objects.len() as u32 - 1)
+        }
+    };
+    tree.atom(kind, span)
+}
+
+/// A list that is being walked.
+struct Open {
+    first: u32,
+    /// What follows the pairs walked so far.
+    at: Value,
+    /// Nodes that were made before its first item's.
+    before: usize,
+}
+
+struct Builder<'h> {
+    heap: &'h Heap,
+    open: Vec<Open>,
+    /// Items of the open lists.
+    nodes: Vec<NodeId>,
+    /// Pairs walked of the open lists: to come to one again is to go in a circle.
+    on_path: BTreeSet<u32>,
+}
+
+impl Builder<'_> {
+    fn open(&mut self, first: u32) {
+        self.open.push(Open { first, at: Value::Cons(first), before: self.nodes.len() });
+    }
+
+    /// Ends the innermost list; gives its first pair and its items.
+    fn close(&mut self) -> Option<(u32, Vec<NodeId>)> {
+        let list = self.open.pop()?;
+        let mut at = Value::Cons(list.first);
+        while let Value::Cons(pair) = at {
+            self.on_path.remove(&pair);
+            at = self.heap.pair(pair).1;
+        }
+        Some((list.first, self.nodes.split_off(list.before)))
+    }
+}

@@ -1,0 +1,145 @@
+//! Code made at run time: data compiled for `execute-plan`.
+
+use crate::behaviour::Outside;
+use crate::run::datum;
+use crate::run::datum::{MAX_NODES, Origins, Unfit};
+use crate::run::library::has_error;
+use crate::run::macro_host::MacroMachine;
+use crate::run::system::System;
+use crate::run::units::give_back;
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::value::Value;
+use crate::step::exec::turn::Ran;
+use rpl_lang::pretty;
+use rpl_lang::source::{SourceId, Span};
+use rpl_lang::syntax::{NodeId, Tree};
+use std::sync::Arc;
+
+/// Steps that compiling a datum takes, and each of its parts.
+const STEPS_A_UNIT: usize = 500;
+
+const STEPS_A_NODE: usize = 20;
+
+/// What a part of a datum takes at most while it is compiled.
+const BYTES_A_NODE: usize = 512;
+
+/// The machine that expands macros in data, kept from one datum to the next: it has taken in the
+/// constants of the program so far. No part of the state.
+#[derive(Default)]
+pub(crate) struct Macros(Option<Box<MacroMachine>>);
+
+impl Clone for Macros {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+/// Width at which plans made at run time are printed for their errors.
+const PLAN_WIDTH: usize = 100;
+
+/// A datum with more characters than this is not kept for being used again.
+const MAX_SHARED_TEXT: usize = 1 << 16;
+
+impl<O: Outside> System<O> {
+    /// Compiles a datum for the running task, which asked for it, and lets the task go on in it.
+    pub(crate) fn execute_datum(&mut self, datum: Value) -> Ran {
+        let (outcome, steps) = self.compile_datum(datum);
+        self.with_machine(|machine, around| machine.enter(around, outcome, steps))
+    }
+
+    /// The code of a datum, or what is wrong with it; and how many steps that takes.
+    fn compile_datum(&mut self, datum: Value) -> (Result<u32, Raise>, usize) {
+        let (mut tree, root, objects, source) = match self.tree_of(datum) {
+            Ok(made) => made,
+            Err(raise) => return (Err(raise), STEPS_A_UNIT),
+        };
+        let nodes = tree.nodes.len();
+        let text = pretty::pretty(&mut tree, &self.machine.symbols, root, PLAN_WIDTH, source);
+        let may_share = objects.is_empty() && text.len() <= MAX_SHARED_TEXT;
+        if may_share && let Some(code) = self.units.find(&text) {
+            return (Ok(code), nodes);
+        }
+        let unit = self.compile_unit(tree, root, &text, &objects, may_share);
+        (unit, STEPS_A_UNIT + nodes * STEPS_A_NODE)
+    }
+
+    /// A datum as a tree, if there is room for what becomes of it; with the objects in it, and the name
+    /// its text will have.
+    fn tree_of(&mut self, datum: Value) -> Result<(Tree, NodeId, Vec<Value>, SourceId), Raise> {
+        if self.units.are_due(self.machine.unit_bytes) {
+            self.sweep_units();
+        }
+        let mut has_collected = false;
+        loop {
+            // A text that is given back leaves its name to the next one.
+            let source = self.program.sources.next();
+            let span = Span { source, start: 0, end: 0 };
+            let machine = &mut self.machine;
+            let most = (machine.room() / BYTES_A_NODE).min(MAX_NODES);
+            let (mut tree, mut objects, origins) = (Tree::default(), Vec::new(), Origins::new());
+            let Machine { heap, symbols, .. } = machine;
+            match datum::to_node(heap, symbols, &mut tree, datum, span, &origins, &mut objects, most) {
+                Ok(root) => return Ok((tree, root, objects, source)),
+                Err(Unfit::Circle) => {
+                    return Err(Raise::new("error", "the datum is a circular list and cannot be a plan"));
+                }
+                Err(Unfit::TooLarge) if most == MAX_NODES => {
+                    let message = format!("the datum has more than {MAX_NODES} parts and cannot be a plan");
+                    return Err(Raise::new("error", message));
+                }
+                Err(Unfit::TooLarge) if has_collected => return Err(machine.out_of_memory()),
+                Err(Unfit::TooLarge) => {
+                    self.sweep_units();
+                    has_collected = true;
+                }
+            }
+        }
+    }
+
+    /// Adds the code of a datum to the program.
+    fn compile_unit(
+        &mut self,
+        tree: Tree,
+        root: NodeId,
+        text: &str,
+        objects: &[Value],
+        may_share: bool,
+    ) -> Result<u32, Raise> {
+        let program = Arc::make_mut(&mut self.program);
+        let machine = &mut self.machine;
+        let globals = program.globals.len();
+        let name = format!("plan#{}", program.sources.made());
+        let source = program.sources.add(&name, text);
+        let mut macros = self.macros.0.take().unwrap_or_else(|| Box::new(self.library.macros(program)));
+        macros.begin();
+        let compiled = self.library.compile_datum(program, &mut machine.symbols, &mut macros, tree, root);
+        // Macros may come to use what it defines, in places that were used before.
+        self.macros.0 = (!compiled.defines()).then_some(macros);
+        machine.renew_constants(program, &compiled.constants, objects);
+        if has_error(&compiled.diagnostics) {
+            let drawn = rpl_lang::diagnostic::render(&compiled.diagnostics, &program.sources, false);
+            if !compiled.defines() {
+                program.globals.truncate(globals);
+                give_back(program, machine, &compiled.codes, &compiled.constants, source);
+            }
+            machine.bring_up_to(program, objects);
+            return Err(Raise::new("error", format!("the datum cannot be executed:\n{drawn}")));
+        }
+        machine.bring_up_to(program, objects);
+        let bytes = Arc::make_mut(&mut self.units).add(program, &compiled, source, may_share);
+        machine.unit_bytes += bytes;
+        machine.heap.allocated += bytes;
+        Ok(compiled.main)
+    }
+
+    /// Gives back code that was made at run time and that nothing refers to.
+    fn sweep_units(&mut self) {
+        let marks = self.machine.collect_for(&self.program);
+        let (program, units) = (Arc::make_mut(&mut self.program), Arc::make_mut(&mut self.units));
+        units.sweep(program, &mut self.machine, &marks);
+        self.macros = Macros::default();
+        // What was given back is found out by a collection.
+        self.machine.collect();
+    }
+}

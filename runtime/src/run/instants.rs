@@ -1,0 +1,123 @@
+//! From instant to instant: timers and the robot's steps.
+
+use crate::behaviour::Outside;
+use crate::run::system::{Outcome, Progress, System};
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::task::{Leaving, Wake};
+use crate::state::timers::Alarm;
+use crate::state::value::Value;
+use crate::step::timers::is_current;
+
+impl<O: Outside> System<O> {
+    /// Goes on to the end of the next instant.
+    pub fn advance(&mut self) -> Progress {
+        self.settle();
+        if self.outcome().is_some() {
+            return Progress::Ended;
+        }
+        self.next_instant();
+        self.settle();
+        if self.outcome().is_some() { Progress::Ended } else { Progress::Running }
+    }
+
+    /// Moves the clock to the next timer or robot step and lets that take effect, while all tasks
+    /// are blocked; no task runs yet. If nothing can come any more, the main task fails.
+    pub fn next_instant(&mut self) {
+        match self.next_instant_us() {
+            Some(next_us) => self.enter_instant(next_us),
+            None => self.fail_deadlocked(),
+        }
+    }
+
+    /// Goes through all instants up to a time, as long as the main task lives.
+    pub fn advance_to(&mut self, time_us: u64) {
+        self.settle();
+        while self.outcome().is_none()
+            && let Some(next_us) = self.next_instant_us()
+            && next_us <= time_us
+        {
+            self.enter_instant(next_us);
+            self.settle();
+        }
+    }
+
+    /// When something happens next: a timer is due, or the robot makes a step.
+    pub fn next_instant_us(&mut self) -> Option<u64> {
+        let tasks = &self.machine.tasks;
+        let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
+        let step = self.outside.period_us().map(|_| self.next_step_us);
+        [timer, step].into_iter().flatten().min()
+    }
+
+    fn enter_instant(&mut self, time_us: u64) {
+        // Budgets are counted in one point of time, however often it is gone to.
+        if self.machine.now_us < time_us {
+            self.machine.instant = self.machine.instant.wrapping_add(1);
+            self.machine.now_us = time_us;
+        }
+        if self.outside.period_us().is_some() && self.next_step_us <= time_us {
+            self.step_robot();
+        }
+        self.fire_timers();
+        self.with_machine(Machine::flush_status);
+    }
+
+    /// Fires the timers that are due: all waits that end now, or, when nothing is left to run, the
+    /// first timeout.
+    fn fire_timers(&mut self) {
+        let now = self.machine.now_us;
+        let mut is_quiet = true;
+        loop {
+            let tasks = &self.machine.tasks;
+            let Some(timer) = self.machine.timers.next(|timer| is_current(tasks, timer)) else { return };
+            if timer.deadline_us > now {
+                return;
+            }
+            let task = timer.task.index;
+            match timer.alarm {
+                Alarm::Wake(_) => {
+                    self.machine.timers.take();
+                    self.machine.wake(task, Wake::Value(Value::Nil));
+                    is_quiet = false;
+                }
+                Alarm::Deadline if is_quiet && self.machine.is_idle() => {
+                    self.machine.timers.take();
+                    self.with_machine(|machine, around| machine.deadline(around, task, timer.number));
+                    return;
+                }
+                // What is ready may be done in time: the timeout is looked at when it has run.
+                Alarm::Deadline => return,
+            }
+        }
+    }
+
+    /// Runs to the end, or to a time. Tells how it ended, if it did.
+    pub fn run_until(&mut self, until_us: u64) -> Option<Outcome> {
+        while self.machine.now_us < until_us {
+            if self.advance() == Progress::Ended {
+                return self.outcome();
+            }
+        }
+        self.outcome()
+    }
+
+    /// Nothing can happen any more: the main task fails with what every task waits for. If it is
+    /// leaving already, the clean-up it waits for does.
+    fn fail_deadlocked(&mut self) {
+        self.with_machine(|machine, around| {
+            let waits = machine.what_tasks_wait_for(around.program);
+            let message = format!("every task is blocked and no timer runs: {waits}");
+            let failing = machine.deadlocked_task();
+            let failure = machine.failure_from(Raise::new("deadlock", message));
+            if let Value::Failure(index) = failure {
+                let (path, calls) = (machine.path(failing), machine.plan_calls(failing));
+                let record = &mut machine.heap.failures[index];
+                (record.path, record.calls, record.is_runaway) = (path, calls, true);
+            }
+            let strikes = machine.strikes_now(failing).saturating_add(1);
+            machine.strike(failing, strikes);
+            machine.depart(around, failing, Leaving::Fail(failure));
+        });
+    }
+}

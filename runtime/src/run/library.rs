@@ -1,0 +1,242 @@
+//! What every program starts from: natives, prelude and, with a robot, its names.
+
+use crate::behaviour::{BehaviourSpec, Outside};
+use crate::run::macro_host::MacroMachine;
+use crate::state::failure::base_classes;
+use crate::step::native::Native;
+use rpl_lang::check::{BehaviourSignature, KnownPlaces, Subject};
+use rpl_lang::code::{Global, GlobalKind, Program};
+use rpl_lang::compile::{Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose, Resolved, Test};
+use rpl_lang::diagnostic::{Diagnostic, Severity};
+use rpl_lang::symbol::Symbols;
+use rpl_lang::{check, compile};
+use std::sync::Arc;
+
+/// A program that has been compiled and can be started.
+#[derive(Clone)]
+pub struct Loaded {
+    /// All code.
+    pub program: Arc<Program>,
+    /// The names.
+    pub symbols: Symbols,
+    /// Code of the file's forms.
+    pub main: u32,
+    /// The file's tests: to run one, its code takes the place of `main`.
+    pub tests: Vec<Test>,
+    /// Warnings.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// A text that cannot run: what was found, and the texts it was found in.
+#[derive(Clone, Debug)]
+pub struct Rejected {
+    /// At least one error.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The texts.
+    pub program: Arc<Program>,
+}
+
+impl Rejected {
+    /// The findings, drawn into their texts.
+    pub fn render(&self, colour: bool) -> String {
+        rpl_lang::diagnostic::render(&self.diagnostics, &self.program.sources, colour)
+    }
+}
+
+/// The library: natives and prelude, compiled once and shared.
+#[derive(Clone)]
+pub struct Library {
+    /// The native functions, by number.
+    pub natives: Arc<[Native]>,
+    pub(crate) signatures: Arc<[NativeSignature]>,
+    program: Program,
+    symbols: Symbols,
+    robot_names: &'static [&'static str],
+    scenario_names: &'static [&'static str],
+    /// What a check needs to know beyond the program.
+    behaviours: Arc<[BehaviourSignature]>,
+    resolved: Arc<Vec<Resolved>>,
+}
+
+impl Library {
+    /// Compiles preludes over native functions, with the names of a robot. `robot_names` are names
+    /// that exist only with a robot, so that a program without one gets a helpful error.
+    ///
+    /// # Errors
+    /// The findings in a prelude.
+    pub fn new(
+        natives: Vec<Native>,
+        preludes: &[(&str, &str)],
+        outside: &dyn Outside,
+        robot_names: &'static [&'static str],
+    ) -> Result<Self, Rejected> {
+        let mut symbols = Symbols::default();
+        let mut program = Program { failure_classes: base_classes(&mut symbols), ..Program::default() };
+        for (number, behaviour) in outside.behaviours().iter().enumerate() {
+            define(&mut program, &mut symbols, behaviour.name, GlobalKind::Behaviour(number as u16), behaviour.doc);
+        }
+        for fluent in outside.fluents() {
+            define(&mut program, &mut symbols, fluent.name, GlobalKind::Fluent, fluent.doc);
+        }
+        for &valve in outside.valves() {
+            define(
+                &mut program,
+                &mut symbols,
+                valve,
+                GlobalKind::Valve,
+                "A valve of the robot: whatever moves what it guards holds it.",
+            );
+        }
+        let signatures = natives.iter().map(Native::signature).collect();
+        let behaviours = outside.behaviours().iter().map(BehaviourSpec::signature).collect();
+        let resolved = Arc::default();
+        let mut library = Self {
+            natives: natives.into(),
+            signatures,
+            program,
+            symbols,
+            robot_names,
+            scenario_names: &[],
+            behaviours,
+            resolved,
+        };
+        let mut resolved = Vec::new();
+        for &(name, text) in preludes {
+            let source = library.program.sources.add(name, text);
+            let (mut program, mut symbols) =
+                (std::mem::take(&mut library.program), std::mem::take(&mut library.symbols));
+            let compiled = library.compile(&mut program, &mut symbols, source, Purpose::Library, &mut NoFiles);
+            library.program = program;
+            library.symbols = symbols;
+            resolved.push(compiled.resolved);
+            if has_error(&compiled.diagnostics) {
+                return Err(Rejected { diagnostics: compiled.diagnostics, program: Arc::new(library.program) });
+            }
+        }
+        library.program.library_globals = library.program.globals.len() as u32;
+        library.resolved = Arc::new(resolved);
+        library.program.library_sources = library.program.sources.len() as u32;
+        Ok(library)
+    }
+
+    /// A library of plans that knows which names only scenarios have, so that a scenario that is taken
+    /// for a plan gets a helpful error.
+    #[must_use]
+    pub fn without_scenario_names(self, scenario_names: &'static [&'static str]) -> Self {
+        Self { scenario_names, ..self }
+    }
+
+    fn compile(
+        &self,
+        program: &mut Program,
+        symbols: &mut Symbols,
+        source: rpl_lang::source::SourceId,
+        purpose: Purpose,
+        loader: &mut dyn Loader,
+    ) -> Compiled {
+        let mut macros = self.macros(program);
+        let surroundings = Compilation {
+            program,
+            symbols,
+            natives: &self.signatures,
+            macros: &mut macros,
+            loader,
+            robot_names: self.robot_names,
+            scenario_names: self.scenario_names,
+        };
+        compile::compile_text(surroundings, source, purpose)
+    }
+
+    /// Compiles a file.
+    ///
+    /// # Errors
+    /// All findings, if one of them is an error.
+    pub fn load(&self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Loaded, Rejected> {
+        let mut program = self.program.clone();
+        let mut symbols = self.symbols.clone();
+        let compiled = self.extend(&mut program, &mut symbols, name, text, loader);
+        let program = Arc::new(program);
+        if has_error(&compiled.diagnostics) {
+            return Err(Rejected { diagnostics: compiled.diagnostics, program });
+        }
+        Ok(Loaded { program, symbols, main: compiled.main, tests: compiled.tests, warnings: compiled.diagnostics })
+    }
+
+    /// All that is found in a file without running it, in order of place, and the texts it was found
+    /// in. With the places of a world those that are named are looked up.
+    pub fn check(
+        &self,
+        name: &str,
+        text: &str,
+        places: Option<&KnownPlaces>,
+        loader: &mut dyn Loader,
+    ) -> (Vec<Diagnostic>, Arc<Program>) {
+        let mut program = self.program.clone();
+        let mut symbols = self.symbols.clone();
+        let source = program.sources.add(name, text);
+        let compiled = self.compile(&mut program, &mut symbols, source, Purpose::User, loader);
+        let mut diagnostics = compiled.diagnostics;
+        let subject = Subject {
+            program: &program,
+            symbols: &symbols,
+            natives: &self.signatures,
+            behaviours: &self.behaviours,
+            places,
+            library: &self.resolved,
+            text: &compiled.resolved,
+        };
+        diagnostics.extend(check::check(subject, &diagnostics));
+        diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+        (diagnostics, Arc::new(program))
+    }
+
+    /// Compiles a text into a program that was started from this library.
+    pub(crate) fn extend(
+        &self,
+        program: &mut Program,
+        symbols: &mut Symbols,
+        name: &str,
+        text: &str,
+        loader: &mut dyn Loader,
+    ) -> Compiled {
+        let source = program.sources.add(name, text);
+        self.compile(program, symbols, source, Purpose::User, loader)
+    }
+
+    /// A machine that expands the macros of a program.
+    pub(crate) fn macros(&self, program: &Program) -> MacroMachine {
+        MacroMachine::new(program, self.natives.clone(), self.signatures.clone())
+    }
+
+    /// Compiles a datum into a program that runs.
+    pub(crate) fn compile_datum(
+        &self,
+        program: &mut Program,
+        symbols: &mut Symbols,
+        macros: &mut MacroMachine,
+        tree: rpl_lang::syntax::Tree,
+        root: rpl_lang::syntax::NodeId,
+    ) -> Compiled {
+        let surroundings = Compilation {
+            program,
+            symbols,
+            natives: &self.signatures,
+            macros,
+            loader: &mut NoFiles,
+            robot_names: self.robot_names,
+            scenario_names: self.scenario_names,
+        };
+        compile::compile_datum(surroundings, tree, root)
+    }
+}
+
+fn define(program: &mut Program, symbols: &mut Symbols, name: &str, kind: GlobalKind, doc: &str) {
+    let name = symbols.intern(name);
+    program.globals.push(Global { name, kind, doc: Some(doc.into()), span: None });
+    program.names.insert(name, program.globals.len() as u32 - 1);
+}
+
+/// Whether one of the findings keeps the text from running.
+pub fn has_error(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}

@@ -1,0 +1,167 @@
+//! Runs macros at compile time, in a machine of their own without tasks.
+
+use crate::behaviour::NoRobot;
+use crate::run::datum;
+use crate::run::datum::{MAX_NODES, Origins, Unfit};
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::value::Value;
+use crate::step::native::{Native, Surroundings};
+use rpl_lang::code::Program;
+use rpl_lang::compile::{MacroHost, NativeSignature};
+use rpl_lang::diagnostic::Diagnostic;
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::{NodeId, Tree};
+use rpl_random::Stream;
+use std::sync::Arc;
+
+/// Steps one expansion may take.
+const MAX_STEPS: u32 = 20_000_000;
+
+/// Steps all expansions of a text may take before each gets a hundredth of [`MAX_STEPS`]: a text
+/// full of endless macros is refused in seconds, and the others in it still expand.
+const MAX_STEPS_OF_A_TEXT: u64 = 400_000_000;
+
+/// The machine macros run in.
+pub struct MacroMachine {
+    machine: Machine,
+    /// Steps of all expansions so far.
+    steps: u64,
+    natives: Arc<[Native]>,
+    signatures: Arc<[NativeSignature]>,
+}
+
+impl MacroMachine {
+    /// A machine for the macros of a program.
+    pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
+        let mut machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"));
+        machine.limits.steps = MAX_STEPS;
+        Self { machine, steps: 0, natives, signatures }
+    }
+
+    /// Begins another text: it has a budget of its own.
+    pub(crate) fn begin(&mut self) {
+        self.steps = 0;
+        self.machine.limits.steps = MAX_STEPS;
+    }
+
+    fn run(
+        &mut self,
+        program: &Program,
+        tree: &Tree,
+        code: u32,
+        form: NodeId,
+        origins: &mut Origins,
+    ) -> Result<Value, Value> {
+        self.machine.bring_up_to(program, &[]);
+        let arguments: Vec<Value> = tree.items(form)[1..]
+            .iter()
+            .map(|&item| datum::to_value(&mut self.machine.heap, &self.machine.symbols, tree, item, origins))
+            .collect();
+        let mut around = Surroundings {
+            program,
+            natives: &self.natives,
+            signatures: &self.signatures,
+            outside: &mut NoRobot,
+            // What is evaluated without a task is not cut.
+            slice_steps: u32::MAX,
+        };
+        self.machine.scratch.burned = 0;
+        let result = self.machine.evaluate_function(&mut around, code, &arguments);
+        self.steps += u64::from(self.machine.scratch.burned);
+        if self.steps > MAX_STEPS_OF_A_TEXT {
+            self.machine.limits.steps = MAX_STEPS / 100;
+        }
+        result
+    }
+
+    fn diagnostic(&self, program: &Program, failure: Value, tree: &Tree, form: NodeId) -> Diagnostic {
+        let span = tree.span(form);
+        let text = self.machine.show(program, failure);
+        let mut diagnostic =
+            Diagnostic::error("macro", span, format!("this macro call cannot be expanded: {text}"), "in this call");
+        if let Value::Failure(index) = failure
+            && let Some(place) = self.machine.heap.failures[index].span
+        {
+            diagnostic = diagnostic.related(place, "raised here");
+        }
+        diagnostic
+    }
+}
+
+impl MacroHost for MacroMachine {
+    fn expand(
+        &mut self,
+        program: &Program,
+        symbols: &mut Symbols,
+        tree: &mut Tree,
+        code: u32,
+        form: NodeId,
+    ) -> Result<NodeId, Box<Diagnostic>> {
+        // The machine interns into the compiler's own table while it runs.
+        std::mem::swap(&mut self.machine.symbols, symbols);
+        let mut origins = Origins::new();
+        let result = self.run(program, tree, code, form, &mut origins);
+        std::mem::swap(&mut self.machine.symbols, symbols);
+        let span = tree.span(form);
+        let expansion = match result {
+            Ok(value) => {
+                let mut objects = Vec::new();
+                let heap = &self.machine.heap;
+                let node = datum::to_node(heap, symbols, tree, value, span, &origins, &mut objects, MAX_NODES);
+                match (node, objects.first()) {
+                    (Ok(node), None) => Ok(node),
+                    (Err(Unfit::Circle), _) => {
+                        Err(Diagnostic::error("macro", span, "the expansion is a circular list", "in this call"))
+                    }
+                    (Err(Unfit::TooLarge), _) => {
+                        let message = format!("the expansion has more than {MAX_NODES} parts");
+                        Err(Diagnostic::error("macro", span, message, "in this call"))
+                    }
+                    (Ok(_), Some(object)) => {
+                        let message = format!("the expansion contains {}, which has no text", object.type_name());
+                        Err(Diagnostic::error("macro", span, message, "in this call"))
+                    }
+                }
+            }
+            Err(failure) => {
+                std::mem::swap(&mut self.machine.symbols, symbols);
+                let diagnostic = self.diagnostic(program, failure, tree, form);
+                std::mem::swap(&mut self.machine.symbols, symbols);
+                Err(diagnostic)
+            }
+        };
+        if self.machine.heap.is_full() {
+            self.machine.collect();
+        }
+        expansion.map_err(Box::new)
+    }
+}
+
+impl Machine {
+    /// Calls a function by its code, without a task.
+    pub(crate) fn evaluate_function(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        code: u32,
+        arguments: &[Value],
+    ) -> Result<Value, Value> {
+        let callee = &around.program.codes[code as usize];
+        if self.scratch.stack.len() < arguments.len() + 512 {
+            self.scratch.stack.resize(arguments.len() + 1024, Value::Nil);
+        }
+        let top = self.scratch.top;
+        self.scratch.stack[top..top + arguments.len()].copy_from_slice(arguments);
+        let arranged = self.arrange(callee, top, arguments.len());
+        let count = callee.parameters.registers();
+        if let Err(raise) = arranged {
+            let raise = match raise {
+                Raise::New { message, .. } => Raise::new("arity-error", message),
+                again => again,
+            };
+            return Err(self.failure_from(raise));
+        }
+        let arranged = self.scratch.stack[top..top + count].to_vec();
+        self.evaluate_code(around, code, &arranged)
+    }
+}

@@ -1,0 +1,45 @@
+//! Departures from the ordinary course of a task.
+
+use crate::state::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// A departure from the ordinary course of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Leaving {
+    /// Ended from outside.
+    Evaporate,
+    /// A failure looks for its handler.
+    Fail(Value),
+    /// A spawned child failed, and so does the plan call it belongs to.
+    FailCall {
+        /// Index of the plan call's scope.
+        scope: u32,
+        /// The child's failure.
+        failure: Value,
+    },
+    /// Out of a block.
+    Block {
+        /// The block.
+        identity: u64,
+        /// The block's value.
+        value: Value,
+    },
+    /// To an instruction, once the scopes in between are left.
+    Jump {
+        /// Scopes that stay.
+        scopes: u32,
+        /// The instruction.
+        target: u32,
+        /// Frames below the one it is in.
+        depth: u32,
+    },
+}
+
+/// What follows a clean-up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Then {
+    /// The next instruction: the protected part had ended by itself.
+    Continue,
+    /// What cut the protected part short.
+    Leave(Leaving),
+}

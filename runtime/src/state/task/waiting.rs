@@ -1,0 +1,63 @@
+//! What a task waits for, and what it finds when it goes on.
+
+use crate::state::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// What a blocked task waits for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Waiting {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// A fluent to be true.
+    Fluent {
+        /// The fluent.
+        fluent: u32,
+        /// Whether it dies with the wait.
+        owned: bool,
+        /// Whether a timer ends the wait.
+        timed: bool,
+    },
+    /// A watched fluent to become true.
+    Watch(u32),
+    /// A time.
+    Time,
+    /// The children of its innermost construct.
+    Children,
+    /// Children that it spawned in the plan call that is ending.
+    Spawned,
+    /// A valve.
+    Valve(u32),
+    /// The death of another task, which it has evaporated.
+    Death(u32),
+    /// Another task, which it has suspended, to have no clean-up running any more.
+    Rest(u32),
+    /// The signal of a behaviour.
+    Signal(u16),
+}
+
+/// What a task finds when it goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Wake {
+    /// It was not woken.
+    #[default]
+    Nothing,
+    /// A value for the register it waits with.
+    Value(Value),
+    /// A failure, raised where it waits.
+    Raise(Value),
+    /// The failure of the construct it waited for. It is fixed: an evaporation does not take its place.
+    Outcome(Value),
+}
+
+/// Whether what a task finds when it goes on is a failure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Raises {
+    /// No.
+    #[default]
+    Nothing,
+    /// A failure.
+    Failure,
+    /// The failure of a construct.
+    Outcome,
+}

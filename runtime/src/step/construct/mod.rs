@@ -1,0 +1,5 @@
+//! Constructs.
+
+pub mod deadline;
+pub mod outcome;
+pub mod start;

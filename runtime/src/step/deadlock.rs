@@ -1,0 +1,164 @@
+//! Circles of waiting: a task that would wait for one that waits for it.
+//!
+//! The search goes from both ends by turns, from the one that has cost less: who is waited for, and
+//! who waits. It is over when either has nobody left, so that a crowd on one side costs nothing.
+
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::slab::NONE;
+use crate::state::task::{ScopeKind, State, Waiting};
+use rpl_lang::code::Program;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One end of the search.
+struct End {
+    seen: BTreeSet<u32>,
+    waiting: Vec<u32>,
+    cost: usize,
+}
+
+impl End {
+    fn at(task: u32) -> Self {
+        Self { seen: BTreeSet::from([task]), waiting: vec![task], cost: 0 }
+    }
+
+    /// Notes tasks next to one; tells whether the other end has seen one of them.
+    fn go_to(&mut self, tasks: Vec<u32>, other: &End) -> bool {
+        self.cost += 1 + tasks.len();
+        let new: Vec<u32> = tasks.into_iter().filter(|&task| self.seen.insert(task)).collect();
+        let meets = new.iter().any(|task| other.seen.contains(task));
+        self.waiting.extend(new);
+        meets
+    }
+}
+
+impl Machine {
+    /// A wait of `task` for `first` that would close a circle of waiting is a `deadlock`.
+    pub(crate) fn check_circle(&self, program: &Program, task: u32, first: u32, what: Waiting) -> Result<(), Raise> {
+        let (mut ahead, mut behind) = (End::at(first), End::at(task));
+        let mut is_closed = task == first;
+        while !is_closed {
+            let (Some(&next), Some(&before)) = (ahead.waiting.last(), behind.waiting.last()) else { return Ok(()) };
+            is_closed = if ahead.cost + self.crowd_ahead(next) <= behind.cost + self.crowd_behind(before) {
+                ahead.waiting.pop();
+                ahead.go_to(self.must_happen_first(next), &behind)
+            } else {
+                behind.waiting.pop();
+                behind.go_to(self.who_waits_for(before), &ahead)
+            };
+        }
+        Err(Raise::new("deadlock", self.describe_circle(program, task, first, what)))
+    }
+
+    fn describe_circle(&self, program: &Program, task: u32, first: u32, what: Waiting) -> String {
+        let mut came_from = BTreeMap::from([(first, NONE)]);
+        let mut waiting = vec![first];
+        while let Some(at) = waiting.pop().filter(|&at| at != task) {
+            for next in self.must_happen_first(at).into_iter().rev() {
+                came_from.entry(next).or_insert_with(|| {
+                    waiting.push(next);
+                    at
+                });
+            }
+        }
+        let mut parts = Vec::new();
+        let mut at = came_from.get(&task).copied().unwrap_or(NONE);
+        while at != NONE {
+            parts.push(format!("{} waits for {}", self.path(at), self.describe(program, self.tasks[at].waiting)));
+            at = came_from[&at];
+        }
+        parts.push(format!("{} waits for {}", self.path(task), self.describe(program, what)));
+        parts.reverse();
+        format!("this would close a circle of waiting: {}", parts.join("; "))
+    }
+
+    /// The tasks without whose going on this one cannot go on.
+    fn must_happen_first(&self, task: u32) -> Vec<u32> {
+        let record = &self.tasks[task];
+        match record.waiting {
+            Waiting::Valve(valve) => self.holder_of(valve).into_iter().collect(),
+            Waiting::Death(other) | Waiting::Rest(other) => {
+                self.tasks.get_alive(other).map(|_| other).into_iter().collect()
+            }
+            Waiting::Spawned => self.children(task),
+            Waiting::Children if self.needs_children(task) => {
+                self.children_of_scope(task, record.scopes.len() as u32 - 1)
+            }
+            Waiting::Children
+            | Waiting::Nothing
+            | Waiting::Fluent { .. }
+            | Waiting::Watch(_)
+            | Waiting::Time
+            | Waiting::Signal(_) => Vec::new(),
+        }
+    }
+
+    /// Whether a task that waits for children can do without none of them.
+    fn needs_children(&self, task: u32) -> bool {
+        let record = &self.tasks[task];
+        match record.scopes.last().map(|scope| &scope.kind) {
+            Some(ScopeKind::Children(children)) => children.needs_all() || record.is_leaving(),
+            _ => false,
+        }
+    }
+
+    /// The tasks that cannot go on without this one's going on.
+    fn who_waits_for(&self, task: u32) -> Vec<u32> {
+        let record = &self.tasks[task];
+        let mut found = Vec::new();
+        if let Some(parent) = self.tasks.get_alive(record.parent).filter(|parent| parent.state == State::Blocked) {
+            let is_awaited = match parent.waiting {
+                Waiting::Spawned => true,
+                Waiting::Children => {
+                    self.needs_children(record.parent) && record.parent_scope as usize + 1 == parent.scopes.len()
+                }
+                Waiting::Nothing
+                | Waiting::Fluent { .. }
+                | Waiting::Watch(_)
+                | Waiting::Time
+                | Waiting::Valve(_)
+                | Waiting::Death(_)
+                | Waiting::Rest(_)
+                | Waiting::Signal(_) => false,
+            };
+            found.extend(is_awaited.then_some(record.parent));
+        }
+        if let Some(rare) = &record.rare {
+            found.extend([rare.mourners, rare.resters].iter().flat_map(|line| line.tasks(&self.tasks)));
+            let held = rare.held.iter().filter(|&&valve| self.holder_of(valve) == Some(task));
+            found.extend(held.flat_map(|&valve| self.valves[valve as usize].waiters.keys().copied()));
+        }
+        found
+    }
+
+    /// At most how many tasks must go on before this one.
+    fn crowd_ahead(&self, task: u32) -> usize {
+        let record = &self.tasks[task];
+        match (record.waiting, record.scopes.last().map(|scope| &scope.kind)) {
+            (Waiting::Children, Some(ScopeKind::Children(children))) => children.alive as usize,
+            (Waiting::Spawned, Some(ScopeKind::Call(call))) => call.spawned as usize,
+            _ => 1,
+        }
+    }
+
+    /// At most how many tasks wait for this one.
+    fn crowd_behind(&self, task: u32) -> usize {
+        let Some(rare) = &self.tasks[task].rare else { return 1 };
+        let in_lines = rare.held.iter().map(|&valve| self.valves[valve as usize].waiters.len());
+        1 + rare.in_lines as usize + in_lines.sum::<usize>()
+    }
+}
+
+impl Machine {
+    /// The task that fails when nothing can happen any more: main, or if that is on its way out,
+    /// the innermost clean-up that keeps it.
+    pub(crate) fn deadlocked_task(&self) -> u32 {
+        if !self.tasks[self.main].is_protected() {
+            return self.main;
+        }
+        let mut cleaning = self.living_tasks();
+        cleaning.retain(|&task| !self.tasks[task].is_leaving() && self.tasks[task].is_cleaning_up());
+        let is_innermost = |&task: &u32| !cleaning.iter().any(|&other| other != task && self.is_within(other, task));
+        cleaning.iter().copied().find(is_innermost).unwrap_or(self.main)
+    }
+}

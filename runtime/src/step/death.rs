@@ -1,0 +1,105 @@
+//! The end of tasks and plan calls.
+
+use crate::state::failure::Raise;
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::output::Channel;
+use crate::state::stack::Stack;
+use crate::state::task::{Leaving, Raises, State, Waiting, Wake};
+use crate::state::value::{TaskRef, Value};
+use crate::step::native::Surroundings;
+use crate::step::unwind::Unwound;
+use rpl_lang::code::Program;
+
+impl Machine {
+    /// No scope is left: the task ends.
+    pub(crate) fn leave_task(&mut self, around: &mut Surroundings<'_>, task: u32, leaving: Leaving) -> Unwound {
+        // The scratch task never dies: what is evaluated in it fails.
+        if task == SCRATCH_TASK {
+            return Unwound::Dead;
+        }
+        match leaving {
+            Leaving::Evaporate => self.die(around, task, State::Evaporated, Value::Nil),
+            Leaving::Fail(failure) | Leaving::FailCall { failure, .. } => {
+                self.die(around, task, State::Failed, failure);
+            }
+            Leaving::Block { .. } | Leaving::Jump { .. } => {
+                let raise = Raise::new("control-error", "the block to return from is no longer there");
+                let failure = self.failure_from(raise);
+                self.die(around, task, State::Failed, failure);
+            }
+        }
+        Unwound::Dead
+    }
+
+    /// Ends a plan call's tags.
+    pub(crate) fn end_call(&mut self, around: &mut Surroundings<'_>, tags: &[TaskRef]) {
+        for &tag in tags {
+            if let Some(index) = self.tasks.find_alive(tag)
+                && self.tasks[index].state == State::Created
+                && self.tasks[index].parent == crate::state::slab::NONE
+            {
+                self.die(around, index, State::Evaporated, Value::Nil);
+            }
+        }
+    }
+
+    /// Makes a task dead and lets everybody know. What its parent decides then is a part of it.
+    pub(crate) fn die(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
+        self.as_one(around, |machine, around| machine.die_now(around, task, state, result));
+        if !self.tasks[task].exposed {
+            self.tasks.free(task);
+        }
+    }
+
+    fn die_now(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
+        if matches!(self.tasks[task].state, State::Created | State::Ready | State::Blocked)
+            && state != State::Evaporated
+        {
+            // It was on its way out while not running.
+            self.tasks[task].state = State::Running;
+        }
+        self.set_state(task, state);
+        let was_protected = self.tasks[task].is_protected();
+        let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
+        let record = &mut self.tasks[task];
+        record.value = result;
+        record.raises = Raises::Nothing;
+        record.frames = Stack::default();
+        record.waiting = Waiting::Nothing;
+        if let Some(rare) = &mut record.rare {
+            rare.leaving = None;
+            rare.stop = 0;
+        }
+        self.tasks.set_registers(task, &[]);
+        self.trace_task_end(around.program, task);
+        self.end_activations_of(around, task);
+        self.drop_links_of(around, task);
+        self.update_task_fluents(around, task);
+        if was_protected || self.waits_for_rest > 0 {
+            self.protection_ended(around, task);
+        }
+        if let Some(mourners) = self.tasks[task].rare.as_ref().map(|rare| rare.mourners) {
+            for mourner in mourners.tasks(&self.tasks) {
+                self.wake(mourner, Wake::Value(Value::Nil));
+            }
+        }
+        self.hooks_ended(around, task);
+        let (parent, scope) = (self.tasks[task].parent, self.tasks[task].parent_scope);
+        if let (true, Some(strikes @ 1..)) = (parent != crate::state::slab::NONE, strikes) {
+            self.strike(parent, strikes);
+        }
+        if parent != crate::state::slab::NONE && !self.tasks[task].named_as_hook() {
+            self.child_ended(around, parent, scope, task);
+        } else if parent != crate::state::slab::NONE {
+            self.disown(task);
+            self.unwind(around, parent);
+        }
+    }
+
+    /// Notes a failure that nothing can handle any more.
+    pub(crate) fn warn_of_failure(&mut self, program: &Program, failure: Value, place: &str) {
+        let text = self.show(program, failure);
+        self.put_out(Channel::Log, format!("warning: a failure {place}: {text}"));
+        self.trace_warning(&text);
+    }
+}

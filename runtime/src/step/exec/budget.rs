@@ -1,0 +1,53 @@
+//! Budgets of steps, and what becomes of tasks that overdraw them.
+
+use crate::state::failure::Raise;
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::scratch::Place;
+use crate::state::task::Frame;
+use crate::step::native::Surroundings;
+
+impl Machine {
+    /// The place of a task that has spent its budget and gets it once more. What is evaluated without
+    /// a task is not cut.
+    pub(crate) fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Place {
+        let slice = if self.current == SCRATCH_TASK { u32::MAX } else { around.slice_steps };
+        Place::new(frame, self.limits.steps, slice)
+    }
+
+    /// The running task has spent its budget, and begins a new one.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn runaway(&mut self) -> Raise {
+        if self.current == SCRATCH_TASK {
+            self.scratch.burned = self.scratch.burned.saturating_add(self.limits.steps / 10);
+        }
+        let task = self.current;
+        let strikes = self.tasks[task].strikes.saturating_add(1);
+        self.strike(task, strikes);
+        Raise::new(
+            "runaway",
+            format!(
+                "{} steps in one instant without blocking; let it wait, as with `(wait-time 0.1)`, or end it, as with `until`",
+                self.limits.steps
+            ),
+        )
+    }
+
+    /// Notes that a task has run out of a limit in this instant.
+    pub(crate) fn strike(&mut self, task: u32, strikes: u8) {
+        let instant = self.instant;
+        let record = &mut self.tasks[task];
+        if record.budget_instant != instant {
+            record.budget_instant = instant;
+            record.steps = 0;
+            record.strikes = 0;
+        }
+        record.strikes = record.strikes.max(strikes);
+    }
+
+    /// How often a task has run out of a limit in this instant.
+    pub(crate) fn strikes_now(&self, task: u32) -> u8 {
+        let record = &self.tasks[task];
+        if record.budget_instant == self.instant { record.strikes } else { 0 }
+    }
+}

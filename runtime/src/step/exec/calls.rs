@@ -1,0 +1,257 @@
+//! Calls: arguments arranged, frames begun, natives called.
+
+use crate::state::failure::Raise;
+use crate::state::limits::Limits;
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::scratch::Place;
+use crate::state::task::Frame;
+use crate::state::value::Value;
+use crate::step::exec::{Exit, REACH, WINDOW};
+use crate::step::native::{Call as NativeCall, Reply, Surroundings};
+use rpl_lang::code::{Code, CodeKind, Parameters, Reg};
+use rpl_lang::compile::NativeSignature;
+use rpl_lang::kind::Kind;
+use std::borrow::Cow;
+
+impl Limits {
+    /// Whether one more frame may start at this register above so many others.
+    ///
+    /// The calls of the running task take a quarter of the memory at most, beside the data.
+    #[inline]
+    pub(crate) fn allow(&self, frames: usize, base: usize) -> bool {
+        frames < self.frames as usize && frames * size_of::<Frame>() + base * size_of::<Value>() < self.bytes / 4
+    }
+}
+
+impl Machine {
+    /// Arranges arguments for a function with optional, rest or key parameters.
+    pub(crate) fn arrange(&mut self, code: &Code, first: usize, count: usize) -> Result<(), Raise> {
+        let parameters: &Parameters = &code.parameters;
+        if !parameters.accepts(count) {
+            let name = self.symbols.name(code.name).to_string();
+            let given = if count == 1 { "1 was given".into() } else { format!("{count} were given") };
+            return Err(Raise::new("arity-error", format!("`{name}` takes {}, and {given}", parameters.describe())));
+        }
+        if parameters.is_simple() {
+            return Ok(());
+        }
+        let required = usize::from(parameters.required);
+        let optional = usize::from(parameters.optional);
+        let given: Vec<Value> = self.scratch.stack[first..first + count].to_vec();
+        let positional = given.len().min(required + optional);
+        let mut arranged = given[..positional].to_vec();
+        arranged.resize(required + optional, Value::Unbound);
+        let rest = &given[positional..];
+        if parameters.rest {
+            arranged.push(self.heap.list(rest));
+        }
+        if !parameters.keys.is_empty() {
+            let keys = arranged.len();
+            arranged.resize(keys + parameters.keys.len(), Value::Unbound);
+            for pair in rest.chunks(2) {
+                let known = match pair[0] {
+                    Value::Keyword(key) => parameters.keys.iter().position(|&known| known == key),
+                    _ => None,
+                };
+                match (known, pair.get(1)) {
+                    (Some(at), Some(&value)) => arranged[keys + at] = value,
+                    _ if parameters.rest => {}
+                    (None, _) => {
+                        let names: Vec<String> =
+                            parameters.keys.iter().map(|&key| format!(":{}", self.symbols.name(key))).collect();
+                        let name = self.symbols.name(code.name);
+                        return Err(Raise::new(
+                            "arity-error",
+                            format!(
+                                "`{name}` takes the keywords {}, not {}",
+                                names.join(" "),
+                                self.describe_key(pair[0])
+                            ),
+                        ));
+                    }
+                    (Some(_), None) => {
+                        return Err(Raise::new("arity-error", format!("{} has no value", self.describe_key(pair[0]))));
+                    }
+                }
+            }
+        }
+        self.scratch.stack[first..first + arranged.len()].copy_from_slice(&arranged);
+        Ok(())
+    }
+
+    fn describe_key(&self, value: Value) -> String {
+        match value {
+            Value::Keyword(key) => format!("`:{}`", self.symbols.name(key)),
+            other => other.type_name().to_string(),
+        }
+    }
+
+    fn not_a_function(&self, value: Value) -> Raise {
+        self.wrong_type("what is called", Kind::Function.noun(), value)
+    }
+
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn describe_global(&self, around: &Surroundings<'_>, global: u32) -> Raise {
+        let name = self.symbols.name(around.program.globals[global as usize].name);
+        Raise::new("unbound-variable", format!("`{name}` has no value yet: its definition has not run"))
+    }
+
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn too_deep(&self) -> Raise {
+        Raise::new("stack-overflow", format!("{} calls inside one another", self.limits.frames))
+    }
+
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn grow_stack(&mut self, base: usize) {
+        // By a little only: what is grown is filled, and so taken from the system.
+        self.scratch.stack.resize((base + REACH) / 8 * 9, Value::Nil);
+    }
+
+    pub(crate) fn clear_frame(&mut self, code: &Code, base: usize) {
+        let (from, to) = (code.parameters.registers(), usize::from(code.registers));
+        if self.scratch.stack.len() < base + REACH {
+            self.grow_stack(base);
+        }
+        self.scratch.stack[base + from..base + to].fill(Value::Nil);
+    }
+
+    pub(crate) fn call_native(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        native: u16,
+        arguments: &[Value],
+    ) -> Result<Reply, Raise> {
+        let natives = around.natives;
+        let entry = &natives[usize::from(native)];
+        if entry.effect.acts() && self.current == SCRATCH_TASK {
+            self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
+        }
+        (entry.code)(&mut NativeCall { machine: self, around, native: entry, arguments })
+    }
+
+    /// Calls a native that has found no room once more, when what nobody needs is gone.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn call_with_room(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        native: u16,
+        arguments: &[Value],
+        raise: Raise,
+    ) -> Result<Reply, Raise> {
+        let Raise::NoRoom(bytes) = raise else { return Err(raise) };
+        // Not all arguments need to stand in registers.
+        let (top, above) = (self.scratch.top, self.scratch.top + arguments.len());
+        if self.scratch.stack.len() < above {
+            self.scratch.stack.resize(above, Value::Nil);
+        }
+        self.scratch.stack[top..above].copy_from_slice(arguments);
+        let room = self.make_room(above, bytes);
+        self.scratch.top = top;
+        room?;
+        self.call_native(around, native, arguments)
+    }
+
+    /// Calls any function value. On return `place` tells where to go on; an exit if the task stops.
+    #[allow(clippy::too_many_arguments, reason = "the calling convention in full")]
+    pub(crate) fn call_value(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        mut function: Value,
+        arguments: &[Value],
+        mut first: usize,
+        mut tail: bool,
+        result: Reg,
+    ) -> Result<Option<Exit>, Raise> {
+        let mut arguments = Cow::Borrowed(arguments);
+        // A native may go on in a function, and that be a native again: as far as data reach.
+        while let Value::Native(native) = function {
+            match self.call_native_value(around, native, &arguments)? {
+                Reply::Value(value) => {
+                    self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;
+                    return Ok(None);
+                }
+                Reply::Wait => {
+                    let task = self.current;
+                    self.tasks[task].wake_register = result;
+                    return Ok(Some(Exit::Blocked));
+                }
+                Reply::Leave => return Ok(None),
+                Reply::Execute(datum) => return Ok(Some(Exit::Execute(datum, result))),
+                Reply::Call(next, further) => {
+                    (function, arguments) = (next, Cow::Owned(further));
+                    (first, tail) = (usize::from(result), false);
+                    self.scratch.burned = self.scratch.burned.saturating_add(1);
+                    if self.scratch.burned >= place.steps() {
+                        self.scratch.burned = 0;
+                        *place = self.budget_anew(around, place.frame);
+                        return Err(self.runaway());
+                    }
+                }
+            }
+        }
+        self.enter_function(around, place, function, &arguments, first, tail)
+    }
+
+    /// Begins a function that is no native.
+    fn enter_function(
+        &mut self,
+        around: &Surroundings<'_>,
+        place: &mut Place,
+        function: Value,
+        arguments: &[Value],
+        first: usize,
+        tail: bool,
+    ) -> Result<Option<Exit>, Raise> {
+        let (number, captured) = match function {
+            Value::Function(number) => (number, None),
+            Value::Closure(index) => (self.heap.closures[index].code, Some(self.heap.closures[index].captured.clone())),
+            other => return Err(self.not_a_function(other)),
+        };
+        let callee = &around.program.codes[number as usize];
+        let tail = tail && callee.kind != CodeKind::Plan;
+        let base = place.frame.base as usize + if tail { 0 } else { first };
+        let needed = base + WINDOW.max(arguments.len());
+        if self.scratch.stack.len() < needed {
+            self.grow_stack(needed);
+        }
+        self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
+        self.arrange(callee, base, arguments.len())?;
+        if !tail {
+            if !self.limits.allow(self.scratch.frames.len(), base) {
+                return Err(self.too_deep());
+            }
+            self.scratch.frames.push(place.frame);
+        }
+        self.clear_frame(callee, base);
+        if let Some(captured) = captured {
+            let at = base + callee.parameters.registers();
+            self.scratch.stack[at..at + captured.len()].copy_from_slice(&captured);
+        }
+        place.frame = Frame { code: number, pc: 0, base: base as u32 };
+        Ok(None)
+    }
+
+    /// Calls a native that is known only by its value.
+    fn call_native_value(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        native: u16,
+        arguments: &[Value],
+    ) -> Result<Reply, Raise> {
+        let NativeSignature { min, max, .. } = around.signatures[usize::from(native)];
+        let count = arguments.len();
+        if count < usize::from(min) || max.is_some_and(|max| count > usize::from(max)) {
+            let name = around.natives[usize::from(native)].name;
+            return Err(Raise::new("arity-error", format!("`{name}` cannot take {count} arguments")));
+        }
+        match self.call_native(around, native, arguments) {
+            Ok(reply) => Ok(reply),
+            Err(raise) => self.call_with_room(around, native, arguments, raise),
+        }
+    }
+}

@@ -1,0 +1,664 @@
+//! The loop over instructions: arithmetic, data, jumps and calls. What is about plans is one line here.
+
+use crate::state::failure::Raise;
+use crate::state::fluent::{Fluent, Origin};
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::scratch::Place;
+use crate::state::task::Frame;
+use crate::state::value::Value;
+use crate::step::exec::arithmetic::{as_floats, overflow};
+use crate::step::exec::plan_instructions::Next;
+use crate::step::exec::{Exit, REACH};
+use crate::step::native::{Reply, Surroundings};
+use rpl_lang::code::{Code, CodeKind, Op, Reg};
+use rpl_lang::kind::Kind;
+use std::hint::black_box;
+
+/// A copy made of the parts it was written in: reading the whole of a value whose parts have just
+/// been written stalls the processor. The black box keeps the parts apart.
+#[inline(always)]
+fn copied(value: &Value) -> Value {
+    match *value {
+        Value::Int(value) => Value::Int(black_box(value)),
+        Value::Cons(pair) => Value::Cons(black_box(pair)),
+        other => other,
+    }
+}
+
+impl Machine {
+    /// The loop. Comes back with an exit, or with a failure to raise at `place`.
+    #[allow(
+        clippy::too_many_lines,
+        reason = "one arm an instruction; the loop must be one function to keep its state in registers"
+    )]
+    pub(crate) fn instructions<const STEPPING: bool>(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        entry: usize,
+    ) -> Result<Exit, Raise> {
+        let program = around.program;
+        let mut code: &Code = &program.codes[place.frame.code as usize];
+        let mut code_number = place.frame.code;
+        let mut pc = place.frame.pc as usize;
+        let mut base = place.frame.base as usize;
+        let mut fuel = place.fuel;
+
+        macro_rules! save {
+            () => {
+                place.frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                place.fuel = fuel;
+                self.scratch.top = base + usize::from(code.registers);
+            };
+        }
+        macro_rules! fail {
+            ($raise:expr) => {{
+                let raise = $raise;
+                save!();
+                return Err(raise);
+            }};
+        }
+        macro_rules! attempt {
+            ($result:expr) => {
+                match $result {
+                    Ok(value) => value,
+                    Err(raise) => fail!(raise),
+                }
+            };
+        }
+        macro_rules! collect_if_full {
+            () => {
+                if self.heap.is_full() {
+                    attempt!(self.collect_here(base + usize::from(code.registers)));
+                }
+            };
+        }
+        // After an instruction that may have made a more important task ready, ended or suspended
+        // this one.
+        macro_rules! check_switch {
+            () => {
+                if !self.scratch.status_changed.is_empty() {
+                    save!();
+                    self.flush_status(around);
+                }
+                if self.scratch.switch {
+                    self.scratch.switch = false;
+                    if self.current != SCRATCH_TASK && self.must_switch() {
+                        save!();
+                        return Ok(Exit::Switched);
+                    }
+                }
+            };
+        }
+        macro_rules! check_leaving {
+            () => {
+                if self.tasks[self.current].is_leaving() {
+                    save!();
+                    return Ok(Exit::Blocked);
+                }
+            };
+        }
+        macro_rules! block {
+            ($register:expr) => {{
+                save!();
+                let task = self.current;
+                self.tasks[task].wake_register = $register;
+                return Ok(Exit::Blocked);
+            }};
+        }
+        // What a native or a network has burned, taken from the slice and then from what is behind it.
+        macro_rules! spend {
+            () => {
+                let burned = std::mem::take(&mut self.scratch.burned);
+                place.reserve = place.reserve.saturating_sub(burned.saturating_sub(fuel));
+                fuel = fuel.saturating_sub(burned);
+            };
+        }
+        // Before anything of the instruction is done: where a slice is over it begins anew.
+        macro_rules! burn {
+            () => {
+                match fuel.checked_sub(1) {
+                    Some(rest) => fuel = rest,
+                    None if place.reserve > 0 => {
+                        pc -= 1;
+                        save!();
+                        self.end_slice::<STEPPING>(place.frame);
+                        return Ok(Exit::Paused);
+                    }
+                    None => {
+                        let again = self.budget_anew(around, place.frame);
+                        (fuel, place.reserve) = (again.fuel, again.reserve);
+                        fail!(self.runaway());
+                    }
+                }
+            };
+        }
+
+        'frame: loop {
+            if STEPPING {
+                let frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                save!();
+                if self.stops_before(program, &code.ops[pc], frame) {
+                    return Ok(Exit::Paused);
+                }
+            }
+            let window =
+                self.scratch.stack.get_mut(base..base + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
+            let Some(r) = window else {
+                self.grow_stack(base);
+                continue 'frame;
+            };
+            macro_rules! r {
+                ($register:expr) => {
+                    r[$register as usize]
+                };
+            }
+            // Registers of a frame that starts at `$first`, save `$count` arguments.
+            // Four at a time, and so perhaps some behind the frame, where nothing lives.
+            macro_rules! clear {
+                ($callee:expr, $first:expr, $count:expr) => {
+                    let mut at = $first + $count;
+                    let end = $first + usize::from($callee.registers);
+                    if let Some(four) = r[at..].first_chunk_mut::<4>() {
+                        *four = [Value::Nil; 4];
+                    }
+                    while at + 4 < end {
+                        at += 4;
+                        if let Some(four) = r[at..].first_chunk_mut::<4>() {
+                            *four = [Value::Nil; 4];
+                        }
+                    }
+                };
+            }
+            // In parts, as in `copied`; what is neither is copied whole, never put together again.
+            macro_rules! copy {
+                ($to:expr, $from:expr) => {
+                    match &r!($from) {
+                        &Value::Int(value) => r!($to) = Value::Int(black_box(value)),
+                        &Value::Cons(pair) => r!($to) = Value::Cons(black_box(pair)),
+                        _ => r.copy_within(usize::from($from)..usize::from($from) + 1, usize::from($to)),
+                    }
+                };
+            }
+            macro_rules! arithmetic {
+                ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
+                    match (&r!($a), &r!($b)) {
+                        (&Value::Int(x), &Value::Int(y)) => match x.$checked(y) {
+                            Some(value) => r!($to) = Value::Int(value),
+                            None => fail!(overflow($name)),
+                        },
+                        (&Value::Float(x), &Value::Float(y)) => r!($to) = Value::Float(x $operator y),
+                        (left, right) => match as_floats(left, right) {
+                            Some((x, y)) => r!($to) = Value::Float(x $operator y),
+                            None => {
+                                let (left, right) = (*left, *right);
+                                fail!(self.wrong_operands($name, left, right))
+                            }
+                        },
+                    }
+                };
+            }
+            macro_rules! compare {
+                ($a:expr, $b:expr, $name:literal, $operator:tt) => {
+                    match (&r!($a), &r!($b)) {
+                        (&Value::Int(x), &Value::Int(y)) => x $operator y,
+                        (left, right) => match as_floats(left, right) {
+                            Some((x, y)) => x $operator y,
+                            None => {
+                                let (left, right) = (*left, *right);
+                                fail!(self.wrong_operands($name, left, right))
+                            }
+                        },
+                    }
+                };
+            }
+            macro_rules! compare_int {
+                ($a:expr, $value:expr, $name:literal, $operator:tt) => {
+                    match &r!($a) {
+                        &Value::Int(x) => x $operator i64::from($value),
+                        &Value::Float(x) => x $operator f64::from($value),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands($name, other, other))
+                        }
+                    }
+                };
+            }
+            // Any value is called: entered, or done if it is a native.
+            macro_rules! call {
+                ($function:expr, $arguments:expr, $first:expr, $tail:expr, $to:expr) => {{
+                    if let Some(exit) = self.call_value(around, place, $function, $arguments, $first, $tail, $to)? {
+                        return Ok(exit);
+                    }
+                    (code_number, pc, base) = (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                    code = &program.codes[code_number as usize];
+                    spend!();
+                    check_leaving!();
+                    check_switch!();
+                    continue 'frame;
+                }};
+            }
+            // An instruction about plans says how to go on.
+            macro_rules! plan {
+                ($instruction:expr) => {{
+                    save!();
+                    let next = $instruction?;
+                    fuel = place.fuel;
+                    match next {
+                        Next::On => {}
+                        Next::Switch => {
+                            check_switch!();
+                        }
+                        Next::Leave => {
+                            check_leaving!();
+                            check_switch!();
+                        }
+                        Next::Blocked => return Ok(Exit::Blocked),
+                    }
+                    continue 'frame;
+                }};
+            }
+            macro_rules! jump {
+                ($distance:expr) => {{
+                    let distance = $distance;
+                    if distance < 0 {
+                        burn!();
+                    }
+                    pc = (pc as i64 + i64::from(distance)) as usize;
+                }};
+            }
+            let ops = code.ops.as_slice();
+            let mut is_looked_at = STEPPING;
+            loop {
+                if STEPPING && !std::mem::take(&mut is_looked_at) {
+                    continue 'frame;
+                }
+                let op = &ops[pc];
+                pc += 1;
+                match *op {
+                    Op::Nil(a) => r!(a) = Value::Nil,
+                    Op::True(a) => r!(a) = Value::True,
+                    Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
+                    Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
+                    Op::Global(a, global) => {
+                        // By reference: a value taken apart and put together again is slow to read.
+                        let value = &self.globals[global as usize];
+                        if matches!(value, Value::Unbound) {
+                            fail!(self.describe_global(around, global));
+                        }
+                        r!(a) = *value;
+                    }
+                    Op::SetGlobal(a, global) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a variable cannot be assigned"));
+                        self.globals[global as usize] = value;
+                        continue 'frame;
+                    }
+                    Op::DefFluent(a, global) => {
+                        let value = r!(a);
+                        attempt!(self.refuse_in_network("a fluent cannot be defined"));
+                        let name = program.globals[global as usize].name;
+                        let fluent = match value {
+                            Value::Fluent(_) => value,
+                            value => self.create_fluent(Fluent::new(Some(name), value, Origin::Plan)),
+                        };
+                        if let Value::Fluent(index) = fluent
+                            && self.fluents[index].name.is_none()
+                        {
+                            self.fluents[index].name = Some(name);
+                        }
+                        self.globals[global as usize] = fluent;
+                        self.scratch.stack[base + usize::from(a)] = fluent;
+                        continue 'frame;
+                    }
+                    Op::Move(a, b) => copy!(a, b),
+                    Op::CellNew(a, b) => {
+                        r!(a) = self.heap.cell(r!(b));
+                        collect_if_full!();
+                        continue 'frame;
+                    }
+                    Op::CellGet(a, b) => {
+                        if let Value::Cell(cell) = r!(b) {
+                            r!(a) = self.heap.cells[cell];
+                        }
+                    }
+                    Op::CellSet(a, b) => {
+                        if let Value::Cell(cell) = r!(a) {
+                            self.heap.cells[cell] = r!(b);
+                        }
+                    }
+                    Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
+                    Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
+                    Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
+                    Op::AddInt(a, b, value) => match &r!(b) {
+                        &Value::Int(x) => match x.checked_add(i64::from(value)) {
+                            Some(sum) => r!(a) = Value::Int(sum),
+                            None => fail!(overflow("+")),
+                        },
+                        &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands("+", other, other))
+                        }
+                    },
+                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
+                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
+                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
+                    Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
+                    Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
+                    Op::Cons(a, b, c) => {
+                        r!(a) = self.heap.cons(copied(&r!(b)), copied(&r!(c)));
+                        if self.heap.is_full() {
+                            collect_if_full!();
+                            continue 'frame;
+                        }
+                    }
+                    Op::Car(a, b) => match &r!(b) {
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                        Value::Nil => r!(a) = Value::Nil,
+                        &other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
+                    },
+                    Op::Cdr(a, b) => match &r!(b) {
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
+                        Value::Nil => r!(a) = Value::Nil,
+                        &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
+                    },
+                    Op::Jump(distance) => jump!(distance),
+                    Op::JumpIfNil(a, distance) => {
+                        if matches!(r!(a), Value::Nil) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpIfTrue(a, distance) => {
+                        if !matches!(r!(a), Value::Nil) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpIfGiven(a, distance) => {
+                        if !matches!(r!(a), Value::Unbound) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLess(a, b, distance) => {
+                        if !compare!(a, b, "<", <) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLessEq(a, b, distance) => {
+                        if !compare!(a, b, "<=", <=) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessNumEq(a, b, distance) => {
+                        if !compare!(a, b, "=", ==) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLessInt(a, value, distance) => {
+                        if !compare_int!(a, value, "<", <) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessLessEqInt(a, value, distance) => {
+                        if !compare_int!(a, value, "<=", <=) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessGreaterInt(a, value, distance) => {
+                        if !compare_int!(a, value, ">", >) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessGreaterEqInt(a, value, distance) => {
+                        if !compare_int!(a, value, ">=", >=) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::JumpUnlessNumEqInt(a, value, distance) => {
+                        if !compare_int!(a, value, "=", ==) {
+                            jump!(distance);
+                        }
+                    }
+                    Op::Call(first, count, global) => {
+                        burn!();
+                        match self.globals[global as usize] {
+                            Value::Function(number) => {
+                                let callee: &Code = &program.codes[number as usize];
+                                let first = usize::from(first);
+                                if !self.limits.allow(self.scratch.frames.len(), base + first) {
+                                    fail!(self.too_deep());
+                                }
+                                if callee.exact_count == u16::from(count) {
+                                    clear!(callee, first, usize::from(count));
+                                } else {
+                                    attempt!(self.arrange(callee, base + first, usize::from(count)));
+                                    self.clear_frame(callee, base + first);
+                                }
+                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                                (code, code_number, pc, base) = (callee, number, 0, base + first);
+                                continue 'frame;
+                            }
+                            Value::Unbound => fail!(self.describe_global(around, global)),
+                            function => {
+                                save!();
+                                let first = usize::from(first);
+                                let arguments =
+                                    self.scratch.stack[base + first..base + first + usize::from(count)].to_vec();
+                                call!(function, &arguments, first, false, first as Reg)
+                            }
+                        }
+                    }
+                    Op::TailCall(first, count, global) => {
+                        burn!();
+                        match self.globals[global as usize] {
+                            Value::Function(number) if program.codes[number as usize].kind != CodeKind::Plan => {
+                                let callee: &Code = &program.codes[number as usize];
+                                let from = usize::from(first);
+                                r.copy_within(from..from + usize::from(count), 0);
+                                if callee.exact_count == u16::from(count) {
+                                    clear!(callee, 0, usize::from(count));
+                                } else {
+                                    attempt!(self.arrange(callee, base, usize::from(count)));
+                                    self.clear_frame(callee, base);
+                                }
+                                (code, code_number, pc) = (callee, number, 0);
+                                continue 'frame;
+                            }
+                            Value::Unbound => fail!(self.describe_global(around, global)),
+                            function => {
+                                save!();
+                                let first = usize::from(first);
+                                let arguments =
+                                    self.scratch.stack[base + first..base + first + usize::from(count)].to_vec();
+                                call!(function, &arguments, first, true, first as Reg)
+                            }
+                        }
+                    }
+                    Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
+                        burn!();
+                        // Looked at again, so that no other instruction keeps its number at hand.
+                        let tail = matches!(black_box(op), Op::TailCallValue(..));
+                        let function = &r!(callee);
+                        let first = usize::from(callee) + 1;
+                        let known = match *function {
+                            Value::Function(number) => Some((number, &[][..])),
+                            Value::Closure(index) => {
+                                let closure = &self.heap.closures[index];
+                                Some((closure.code, &*closure.captured))
+                            }
+                            _ => None,
+                        };
+                        if let Some((number, captured)) = known
+                            && let callee = &*program.codes[number as usize]
+                            && callee.exact_count == u16::from(count)
+                            && self.limits.allow(self.scratch.frames.len(), base)
+                        {
+                            let count = usize::from(count);
+                            let tail = tail && callee.kind != CodeKind::Plan;
+                            let start = if tail { 0 } else { first };
+                            if tail {
+                                r.copy_within(first..first + count, 0);
+                            } else {
+                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                            }
+                            clear!(callee, start, count);
+                            for (register, &value) in r[start + count..].iter_mut().zip(captured) {
+                                *register = value;
+                            }
+                            (code, code_number, pc, base) = (callee, number, 0, base + start);
+                            continue 'frame;
+                        }
+                        let function = *function;
+                        let arguments = r[first..first + usize::from(count)].to_vec();
+                        save!();
+                        call!(function, &arguments, first, tail, first as Reg)
+                    }
+                    Op::CallCode(first, number) => {
+                        burn!();
+                        self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                        base += usize::from(first);
+                        (code, code_number, pc) = (&program.codes[number as usize], number, 0);
+                        self.clear_frame(code, base);
+                        continue 'frame;
+                    }
+                    Op::CallNative(to, first, count, native) => {
+                        save!();
+                        let first = usize::from(first);
+                        let reply = match count {
+                            0 => self.call_native(around, native, &[]),
+                            1 => {
+                                let arguments = [r[first]];
+                                self.call_native(around, native, &arguments)
+                            }
+                            2 => {
+                                let arguments = [r[first], r[first + 1]];
+                                self.call_native(around, native, &arguments)
+                            }
+                            3 => {
+                                let arguments = [r[first], r[first + 1], r[first + 2]];
+                                self.call_native(around, native, &arguments)
+                            }
+                            _ => {
+                                let arguments = r[first..first + usize::from(count)].to_vec();
+                                self.call_native(around, native, &arguments)
+                            }
+                        };
+                        spend!();
+                        let reply = match reply {
+                            Ok(reply) => reply,
+                            Err(raise) => {
+                                let arguments = base + first..base + first + usize::from(count);
+                                let arguments = self.scratch.stack[arguments].to_vec();
+                                attempt!(self.call_with_room(around, native, &arguments, raise))
+                            }
+                        };
+                        match reply {
+                            Reply::Value(value) => {
+                                self.scratch.stack[base + usize::from(to)] = value;
+                                collect_if_full!();
+                                if self.scratch.switch || around.natives[usize::from(native)].effect.acts() {
+                                    check_leaving!();
+                                    check_switch!();
+                                }
+                            }
+                            Reply::Wait => block!(to),
+                            Reply::Leave => {
+                                self.scratch.stack[base + usize::from(to)] = Value::Nil;
+                                check_leaving!();
+                                check_switch!();
+                            }
+                            Reply::Execute(datum) => return Ok(Exit::Execute(datum, to)),
+                            Reply::Call(function, arguments) => {
+                                call!(function, &arguments, usize::from(to), false, to)
+                            }
+                        }
+                        continue 'frame;
+                    }
+                    Op::Closure(a, number) => {
+                        let inner = &program.codes[number as usize];
+                        r!(a) = if inner.captures.is_empty() {
+                            Value::Function(number)
+                        } else {
+                            let captured = inner.captures.iter().map(|&register| r!(register)).collect();
+                            self.heap.closure(number, captured)
+                        };
+                        collect_if_full!();
+                        continue 'frame;
+                    }
+                    Op::Return(a) => {
+                        if self.scratch.frames.len() == entry {
+                            let value = r!(a);
+                            save!();
+                            if self.current != SCRATCH_TASK && self.waits_for_spawned(around, place) {
+                                return Ok(Exit::Blocked);
+                            }
+                            return Ok(Exit::Returned(value));
+                        }
+                        copy!(0u8, a);
+                        if let Some(frame) = self.scratch.frames.pop() {
+                            (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
+                            code = &program.codes[code_number as usize];
+                        }
+                        continue 'frame;
+                    }
+                    Op::EnterPlan => plan!(self.enter_plan(program, place)),
+                    Op::LeavePlan(a) => plan!(self.leave_plan(around, place, a)),
+                    Op::TagNew(a, name) => plan!(self.new_tag(place, a, name)),
+                    Op::Parallel(a, construct) => plan!(self.start_parallel(around, place, a, construct)),
+                    Op::ParallelMap(a, list, construct) => {
+                        plan!(self.start_parallel_map(around, place, a, list, construct))
+                    }
+                    Op::Spawn(a, construct) => plan!(self.spawn(around, place, a, construct)),
+                    Op::PushBlock(a, result, distance) => plan!(self.push_block(place, a, result, distance)),
+                    Op::ReturnFrom(a, b) => plan!(self.return_from(place, a, b)),
+                    Op::PushHandler(failure, clauses, distance) => {
+                        plan!(self.push_handler(place, failure, clauses, distance))
+                    }
+                    Op::PushCleanup(distance) => plan!(self.push_cleanup(place, distance)),
+                    Op::BeginCleanup => plan!(self.begin_cleanup()),
+                    Op::EndCleanup => plan!(self.end_cleanup(around)),
+                    Op::PushValve(a) => plan!(self.push_valve(around, place, a)),
+                    Op::PushOnInterrupt(a) => plan!(self.push_on_interrupt(place, a)),
+                    Op::PushOnResume(a) => plan!(self.push_on_resume(place, a)),
+                    Op::PushSuspended(a) => plan!(self.push_suspended(around, place, a)),
+                    Op::PushWatch(a, missed, owned) => plan!(self.push_watch(place, a, missed, owned)),
+                    Op::WatchWait => plan!(self.wait_for_event(place)),
+                    Op::WatchDone => plan!(self.end_event_service()),
+                    Op::PopScopes(count) => plan!(self.pop_scopes(around, count)),
+                    Op::LeaveScopes(count, distance) => plan!(self.leave_scopes(place, count, distance)),
+                    Op::Network(a, code) => plan!(self.make_network(around, place, a, code)),
+                    Op::WaitFor(a, condition, seconds, owned) => {
+                        plan!(self.wait_for(place, a, condition, seconds, owned))
+                    }
+                    Op::Deref(a, b) => match r!(b) {
+                        Value::Fluent(fluent) => plan!(self.dereference(place, a, fluent)),
+                        value => r!(a) = value,
+                    },
+                    Op::Assign(a, fluent, value) => plan!(self.assign_instruction(around, place, a, fluent, value)),
+                    Op::Refail(a) => {
+                        let failure = r!(a);
+                        fail!(Raise::Again(failure));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Collects garbage, if it is due, in the midst of an instruction.
+    #[inline]
+    pub(super) fn collect_if_full(&mut self) -> Result<(), Raise> {
+        if self.heap.is_full() { self.collect_here(self.scratch.top) } else { Ok(()) }
+    }
+
+    /// Collects garbage while registers below `top` are in use.
+    #[cold]
+    #[inline(never)]
+    fn collect_here(&mut self, top: usize) -> Result<(), Raise> {
+        self.scratch.top = top;
+        // A network under evaluation is not named by anything yet, nor is what it was called for.
+        if self.current != SCRATCH_TASK {
+            self.collect();
+        }
+        if self.has_room(0) { Ok(()) } else { Err(self.out_of_memory()) }
+    }
+}

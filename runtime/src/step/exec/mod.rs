@@ -1,0 +1,87 @@
+//! The stepper: executes register code of one task until it blocks, ends or is switched out.
+
+pub mod arithmetic;
+pub mod budget;
+pub mod calls;
+pub mod evaluation;
+pub mod instructions;
+pub mod plan_instructions;
+pub mod raising;
+pub mod turn;
+
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::scratch::Place;
+use crate::state::value::Value;
+use crate::step::native::Surroundings;
+use rpl_lang::code::Reg;
+
+/// How far the window of one frame reaches.
+pub(crate) const WINDOW: usize = 256;
+
+/// Registers within reach of the current frame: its own, those of any frame it calls, and a few
+/// that are cleared along with them.
+pub(crate) const REACH: usize = 2 * WINDOW + 4;
+
+/// Why the stepper came back.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Exit {
+    /// The outermost frame has ended with a value.
+    Returned(Value),
+    /// The task waits.
+    Blocked,
+    /// A more important task is ready, or the task is suspended.
+    Switched,
+    /// Somebody is to look at the task before the next instruction: the stepper, or the caller
+    /// because a slice of steps is over.
+    Paused,
+    /// The task is dead.
+    Dead,
+    /// A datum is to be compiled; its code goes on in the register.
+    Execute(Value, Reg),
+}
+
+impl Machine {
+    fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Exit {
+        loop {
+            // Where a departure ends, what was protected until then is stopped before it goes on.
+            if self.scratch.switch && self.current != SCRATCH_TASK {
+                self.scratch.switch = false;
+                if self.must_switch() {
+                    return Exit::Switched;
+                }
+            }
+            let exit = match self.scratch.stepping.is_on {
+                false => self.instructions::<false>(around, place, entry),
+                true => self.instructions::<true>(around, place, entry),
+            };
+            let raise = match exit {
+                Ok(Exit::Blocked) if self.is_leaving() => {
+                    if self.unwind_running(around, place) {
+                        continue;
+                    }
+                    return if self.is_alive() { Exit::Blocked } else { Exit::Dead };
+                }
+                Ok(exit) => return exit,
+                Err(raise) => raise,
+            };
+            if let Some(exit) = self.raise(around, place, raise) {
+                return exit;
+            }
+        }
+    }
+
+    fn is_leaving(&self) -> bool {
+        self.tasks.get(self.current).is_some_and(|task| task.is_leaving())
+    }
+
+    fn is_alive(&self) -> bool {
+        self.tasks.get(self.current).is_some_and(|task| !task.state.is_dead())
+    }
+
+    /// Whether the running task must give way: something more important is ready, or it is
+    /// suspended itself.
+    fn must_switch(&self) -> bool {
+        let record = &self.tasks[self.current];
+        record.is_held() || self.is_output_full() || self.priorities.has_higher(self.effective_priority(self.current))
+    }
+}

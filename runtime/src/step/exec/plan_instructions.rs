@@ -1,0 +1,531 @@
+//! Instructions about tasks, scopes, valves, watches and waits, one function each.
+
+use crate::state::failure::Raise;
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::memory;
+use crate::state::registers::Registers;
+use crate::state::scratch::Place;
+use crate::state::slab::NONE;
+use crate::state::task::{Call, Leaving, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
+use crate::state::value::{TaskRef, Value};
+use crate::step::native::Surroundings;
+use rpl_lang::code::{Construct, Missed, NO_REG, Program, Reg};
+use rpl_lang::kind::Kind;
+
+/// How the loop goes on after an instruction about plans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Next {
+    /// With the next instruction.
+    On,
+    /// With the next instruction, unless a more important task has become ready.
+    Switch,
+    /// As after [`Next::Switch`], unless the task has begun to depart.
+    Leave,
+    /// Not now: the task waits or departs.
+    Blocked,
+}
+
+/// The instruction that lies so far from the next one.
+fn target(place: &Place, distance: i32) -> u32 {
+    (i64::from(place.frame.pc) + i64::from(distance)) as u32
+}
+
+impl Machine {
+    fn register(&self, place: &Place, register: Reg) -> Value {
+        self.scratch.stack[place.frame.base as usize + usize::from(register)]
+    }
+
+    fn set_register(&mut self, place: &Place, register: Reg, value: Value) {
+        self.scratch.stack[place.frame.base as usize + usize::from(register)] = value;
+    }
+
+    /// The running task waits; the register gets what it finds then.
+    fn block_for(&mut self, register: Reg) -> Next {
+        let task = self.current;
+        self.tasks[task].wake_register = register;
+        Next::Blocked
+    }
+
+    /// The running task waits, and then comes to its instruction once more.
+    fn block_and_repeat(&mut self, place: &mut Place) -> Next {
+        place.frame.pc -= 1;
+        self.block_for(NO_REG)
+    }
+
+    /// Begins a plan call, whose code the frame has just entered.
+    pub(super) fn enter_plan(&mut self, program: &Program, place: &Place) -> Result<Next, Raise> {
+        self.refuse_in_network("a plan cannot be called")?;
+        let task = self.current;
+        let name = program.codes[place.frame.code as usize].name;
+        let span = self.scratch.frames.last().and_then(|frame| {
+            program.codes[frame.code as usize].spans.get((frame.pc as usize).saturating_sub(1)).copied()
+        });
+        let occurrence = self.count_use(task, name);
+        self.push_scope(ScopeKind::Call(Box::new(Call::new(name, occurrence, span))));
+        self.trace_call(task);
+        self.collect_if_full()?;
+        Ok(Next::On)
+    }
+
+    /// Ends a plan call, once what it spawned is dead.
+    pub(super) fn leave_plan(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        value: Reg,
+    ) -> Result<Next, Raise> {
+        let value = self.register(place, value);
+        if self.waits_for_spawned(around, place) {
+            return Ok(Next::Blocked);
+        }
+        let task = self.current;
+        self.trace_return(around.program, task, value);
+        if let Some(Scope { kind: ScopeKind::Call(call), .. }) = self.tasks[task].scopes.pop() {
+            self.end_call(around, &call.tags);
+        }
+        Ok(Next::Switch)
+    }
+
+    /// Evaporates what the innermost plan call spawned; tells whether the task must wait for some of
+    /// it. The instruction runs again when it is dead.
+    pub(super) fn waits_for_spawned(&mut self, around: &mut Surroundings<'_>, place: &mut Place) -> bool {
+        let task = self.current;
+        let Some(index) = self.tasks[task].scopes.call_within(usize::MAX) else { return false };
+        if self.evaporate_children(around, task, index as u32) == 0 {
+            return false;
+        }
+        self.tasks[task].waiting = Waiting::Spawned;
+        self.block_and_repeat(place);
+        true
+    }
+
+    /// Makes a tag: a task that others can name before it starts.
+    pub(super) fn new_tag(&mut self, place: &Place, to: Reg, name: u32) -> Result<Next, Raise> {
+        if let Value::Symbol(name) = self.constants[name as usize] {
+            let task = self.current;
+            let priority = self.tasks[task].priority;
+            self.heap.allocated += memory::TASK;
+            let index = self.tasks.insert(Task::new(0, Registers::default(), name, priority));
+            let value = self.expose(index);
+            let reference = self.tasks.reference(index);
+            if let Some((owner, call)) = self.plan_call_around(task) {
+                self.note_tag(owner, call, reference);
+            }
+            self.set_register(place, to, value);
+        }
+        self.collect_if_full()?;
+        Ok(Next::On)
+    }
+
+    /// Notes a tag of a plan call. Those that were reached need nothing at its end and are dropped.
+    fn note_tag(&mut self, task: u32, scope: usize, tag: TaskRef) {
+        let ScopeKind::Call(call) = &mut self.tasks[task].scopes[scope].kind else { return };
+        let (mut tags, mut most) = (std::mem::take(&mut call.tags), call.most_tags);
+        if tags.len() >= most as usize {
+            let tasks = &self.tasks;
+            tags.retain(|&tag| tasks.find(tag).is_some_and(|tag| tasks[tag].state == State::Created));
+            most = (2 * tags.len() as u32).max(4);
+        }
+        tags.push(tag);
+        if let ScopeKind::Call(call) = &mut self.tasks[task].scopes[scope].kind {
+            (call.tags, call.most_tags) = (tags, most);
+        }
+    }
+
+    /// Starts the children of a construct.
+    pub(super) fn start_parallel(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &Place,
+        to: Reg,
+        construct: u32,
+    ) -> Result<Next, Raise> {
+        self.refuse_in_network("a task cannot be started")?;
+        let program = around.program;
+        let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
+        self.make_room(self.scratch.top, construct.children.len() * memory::TASK)?;
+        self.start_children(around, place, construct, None, to)
+    }
+
+    /// Starts a child for each item of a list.
+    pub(super) fn start_parallel_map(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &Place,
+        to: Reg,
+        list: Reg,
+        construct: u32,
+    ) -> Result<Next, Raise> {
+        let list = self.register(place, list);
+        self.refuse_in_network("a task cannot be started")?;
+        let Ok(count) = self.heap.length(list) else {
+            return Err(self.wrong_type("what is mapped over", Kind::List.noun(), list));
+        };
+        let program = around.program;
+        let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
+        self.make_room(self.scratch.top, count * memory::TASK)?;
+        self.start_children(around, place, construct, Some(list), to)
+    }
+
+    fn start_children(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &Place,
+        construct: &Construct,
+        list: Option<Value>,
+        to: Reg,
+    ) -> Result<Next, Raise> {
+        self.collect_if_full()?;
+        match self.start_construct(around, construct, list, to, place.frame.base as usize)? {
+            Some(value) => {
+                self.set_register(place, to, value);
+                Ok(Next::On)
+            }
+            None => {
+                let task = self.current;
+                self.tasks[task].waiting = Waiting::Children;
+                Ok(self.block_for(to))
+            }
+        }
+    }
+
+    /// Starts a task beside the running one.
+    pub(super) fn spawn(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &Place,
+        to: Reg,
+        construct: u32,
+    ) -> Result<Next, Raise> {
+        self.refuse_in_network("a task cannot be started")?;
+        self.collect_if_full()?;
+        let program = around.program;
+        let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
+        let value = self.start_spawned(around, construct, place.frame.base as usize)?;
+        self.set_register(place, to, value);
+        Ok(Next::Switch)
+    }
+
+    pub(super) fn push_block(&mut self, place: &Place, to: Reg, result: Reg, distance: i32) -> Result<Next, Raise> {
+        let identity = self.next_identity;
+        self.next_identity += 1;
+        self.set_register(place, to, Value::Int(identity as i64));
+        self.open_scope(ScopeKind::Block { identity, result, target: target(place, distance) })
+    }
+
+    /// Leaves a block of the running task with a value.
+    pub(super) fn return_from(&mut self, place: &Place, block: Reg, value: Reg) -> Result<Next, Raise> {
+        let (identity, value) = (self.register(place, block), self.register(place, value));
+        let identity = if let Value::Int(identity) = identity { identity as u64 } else { u64::MAX };
+        let task = self.current;
+        let is_block =
+            |scope: &Scope| matches!(scope.kind, ScopeKind::Block { identity: known, .. } if known == identity);
+        if !self.tasks[task].scopes.iter().rev().any(is_block) {
+            return Err(Raise::new(
+                "control-error",
+                "the block to return from is not around this any more, or belongs to another task",
+            ));
+        }
+        self.tasks[task].leave(Leaving::Block { identity, value });
+        Ok(Next::Blocked)
+    }
+
+    pub(super) fn push_handler(
+        &mut self,
+        place: &Place,
+        failure: Reg,
+        clauses: u16,
+        distance: i32,
+    ) -> Result<Next, Raise> {
+        let target = target(place, distance);
+        self.open_scope(ScopeKind::Handler { code: place.frame.code, index: u32::from(clauses), failure, target })
+    }
+
+    pub(super) fn push_cleanup(&mut self, place: &Place, distance: i32) -> Result<Next, Raise> {
+        self.open_scope(ScopeKind::Cleanup { target: target(place, distance) })
+    }
+
+    /// The protected part has ended by itself: its clean-up runs.
+    pub(super) fn begin_cleanup(&mut self) -> Result<Next, Raise> {
+        let task = self.current;
+        self.tasks[task].scopes.pop();
+        self.push_scope(ScopeKind::InCleanup(Box::new(Then::Continue)));
+        self.refresh_boost(task);
+        Ok(Next::On)
+    }
+
+    /// A clean-up has ended: what cut the protected part short goes on, or what came meanwhile.
+    pub(super) fn end_cleanup(&mut self, around: &mut Surroundings<'_>) -> Result<Next, Raise> {
+        let task = self.current;
+        let Some(Scope { kind: ScopeKind::InCleanup(then), .. }) = self.tasks[task].scopes.pop() else {
+            return Ok(Next::On);
+        };
+        Ok(match *then {
+            Then::Leave(leaving) => {
+                self.tasks[task].leave(leaving);
+                Next::Blocked
+            }
+            Then::Continue if self.take_up_pending(around, task) => Next::Blocked,
+            Then::Continue => Next::Switch,
+        })
+    }
+
+    pub(super) fn push_valve(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &Place,
+        valve: Reg,
+    ) -> Result<Next, Raise> {
+        let value = self.register(place, valve);
+        self.refuse_in_network("a valve cannot be requested")?;
+        let Value::Valve(valve) = value else {
+            return Err(self.wrong_type("what is held", Kind::Valve.noun(), value));
+        };
+        let task = self.current;
+        let granted = self.request_valve(around, task, valve)?;
+        // The scope is entered when the valve is there: it is pushed now, and a release of what is
+        // not held does nothing.
+        self.push_scope(ScopeKind::Valve(valve));
+        Ok(if granted { Next::Switch } else { self.block_for(NO_REG) })
+    }
+
+    pub(super) fn push_on_interrupt(&mut self, place: &Place, hook: Reg) -> Result<Next, Raise> {
+        self.open_scope(ScopeKind::OnInterrupt(self.register(place, hook)))
+    }
+
+    pub(super) fn push_on_resume(&mut self, place: &Place, hook: Reg) -> Result<Next, Raise> {
+        self.open_scope(ScopeKind::OnResume(self.register(place, hook)))
+    }
+
+    /// Suspends another task, and waits until its clean-ups have ended.
+    pub(super) fn push_suspended(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &Place,
+        other: Reg,
+    ) -> Result<Next, Raise> {
+        let value = self.register(place, other);
+        self.refuse_in_network("a task cannot be suspended")?;
+        let Value::Task(other) = value else {
+            return Err(self.wrong_type("what is suspended", Kind::Task.noun(), value));
+        };
+        self.push_scope(ScopeKind::Suspended(other));
+        if let Some(other) = self.tasks.find_alive(other) {
+            self.hold_for(around, other, self.current);
+            if self.wait_for_rest(other) {
+                return Ok(self.block_for(NO_REG));
+            }
+        }
+        Ok(Next::Switch)
+    }
+
+    pub(super) fn push_watch(
+        &mut self,
+        place: &Place,
+        fluent: Reg,
+        missed: Missed,
+        owned: bool,
+    ) -> Result<Next, Raise> {
+        let value = self.register(place, fluent);
+        self.refuse_in_network("a fluent cannot be watched")?;
+        let Value::Fluent(watched) = value else {
+            return Err(self.wrong_type("the condition of `whenever`", Kind::Fluent.noun(), value));
+        };
+        if owned {
+            // It dies with the watch; nothing names it then.
+            self.set_register(place, fluent, Value::Nil);
+        }
+        let watch = self.start_watch(self.current, watched, missed, owned);
+        self.open_scope(ScopeKind::Watch(watch))
+    }
+
+    /// Waits for the next event of the innermost watch.
+    pub(super) fn wait_for_event(&mut self, place: &mut Place) -> Result<Next, Raise> {
+        let watch = self.innermost_watch(self.current);
+        Ok(if self.next_event(watch)? { Next::On } else { self.block_and_repeat(place) })
+    }
+
+    /// An event of the innermost watch has been served.
+    pub(super) fn end_event_service(&mut self) -> Result<Next, Raise> {
+        let watch = self.innermost_watch(self.current);
+        self.event_served(watch);
+        Ok(Next::On)
+    }
+
+    pub(crate) fn innermost_watch(&self, task: u32) -> u32 {
+        self.tasks[task]
+            .scopes
+            .iter()
+            .rev()
+            .find_map(|scope| match scope.kind {
+                ScopeKind::Watch(watch) => Some(watch),
+                _ => None,
+            })
+            .unwrap_or_else(|| unreachable!("the compiler opens a watch around its waits"))
+    }
+
+    /// Leaves scopes whose bodies have ended by themselves.
+    pub(super) fn pop_scopes(&mut self, around: &mut Surroundings<'_>, count: u8) -> Result<Next, Raise> {
+        for _ in 0..count {
+            self.pop_ended_scope(around);
+        }
+        Ok(Next::Leave)
+    }
+
+    /// Leaves the innermost scope, whose body has ended by itself.
+    pub(crate) fn pop_ended_scope(&mut self, around: &mut Surroundings<'_>) {
+        let task = self.current;
+        match self.tasks[task].scopes.pop().map(|scope| scope.kind) {
+            Some(ScopeKind::Valve(valve)) => self.release_valve(around, task, valve),
+            Some(ScopeKind::Suspended(other)) => {
+                if let Some(other) = self.tasks.find_alive(other) {
+                    self.unhold(around, other);
+                }
+            }
+            Some(ScopeKind::Watch(watch)) => self.end_watch(watch),
+            _ => {}
+        }
+    }
+
+    /// Goes to an instruction outside scopes that are to be left first.
+    pub(super) fn leave_scopes(&mut self, place: &Place, count: u8, distance: i32) -> Result<Next, Raise> {
+        let task = self.current;
+        let scopes = self.tasks[task].scopes.len() as u32 - u32::from(count);
+        let depth = self.scratch.frames.len() as u32;
+        self.tasks[task].leave(Leaving::Jump { scopes, target: target(place, distance), depth });
+        Ok(Next::Blocked)
+    }
+
+    /// Makes a fluent that is computed from others.
+    pub(super) fn make_network(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        to: Reg,
+        code: u32,
+    ) -> Result<Next, Raise> {
+        let captures = &around.program.codes[code as usize].captures;
+        let captured = captures.iter().map(|&register| self.register(place, register)).collect();
+        let fluent = self.create_network(around, code, captured);
+        place.spend(std::mem::take(&mut self.scratch.burned) as usize);
+        self.set_register(place, to, fluent);
+        self.collect_if_full()?;
+        Ok(Next::On)
+    }
+
+    /// Waits for a fluent to be true.
+    pub(super) fn wait_for(
+        &mut self,
+        place: &Place,
+        to: Reg,
+        condition: Reg,
+        seconds: Reg,
+        owned: bool,
+    ) -> Result<Next, Raise> {
+        let value = self.register(place, condition);
+        let Value::Fluent(fluent) = value else {
+            self.refuse_in_network("nothing can be waited for")?;
+            return Err(self.wrong_type("the condition of `wait-for`", Kind::Fluent.noun(), value));
+        };
+        // The condition and the time are of no use to anybody else: a task that waits keeps fewer
+        // registers without them.
+        self.set_register(place, condition, Value::Nil);
+        let timeout = (seconds != NO_REG).then(|| self.register(place, seconds));
+        if timeout.is_some() {
+            self.set_register(place, seconds, Value::Nil);
+        }
+        self.refuse_in_network("nothing can be waited for")?;
+        let due_us =
+            timeout.map(|seconds| self.instant_after(seconds, || "`:timeout` of `wait-for`".into())).transpose()?;
+        let entry = &mut self.fluents[fluent];
+        if let Some(failure) = entry.failure {
+            return Err(Raise::Again(failure));
+        }
+        if entry.is_true() {
+            let value = entry.reading();
+            if owned {
+                self.free_network(fluent);
+            }
+            self.set_register(place, to, value);
+            return Ok(Next::On);
+        }
+        let task = self.current;
+        self.number_wait(task);
+        self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: due_us.is_some() };
+        self.fluents[fluent].waiters.push_back(&mut self.tasks, task);
+        if let Some(due_us) = due_us {
+            self.set_wake_timer(task, due_us);
+        }
+        Ok(self.block_for(to))
+    }
+
+    /// The value of a fluent.
+    pub(super) fn dereference(&mut self, place: &Place, to: Reg, fluent: u32) -> Result<Next, Raise> {
+        let value = self.read_fluent(fluent)?;
+        self.set_register(place, to, value);
+        Ok(Next::On)
+    }
+
+    /// Assigns a fluent.
+    pub(super) fn assign_instruction(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Place,
+        to: Reg,
+        fluent: Reg,
+        value: Reg,
+    ) -> Result<Next, Raise> {
+        let (fluent, value) = (self.register(place, fluent), self.register(place, value));
+        self.set_register(place, to, value);
+        if let (Value::Nil | Value::True, Value::Fluent(fluent)) = (value, fluent)
+            && let Some(next) = self.signal_plainly(fluent, value)
+        {
+            return Ok(next);
+        }
+        self.refuse_in_network("a fluent cannot be assigned")?;
+        self.assign_fluent(around, fluent, value)?;
+        place.spend(std::mem::take(&mut self.scratch.burned) as usize);
+        self.collect_if_full()?;
+        Ok(Next::Switch)
+    }
+
+    /// `nil` or `t` to a fluent nothing is computed from: the common signal, for which nothing but
+    /// waiters needs to be looked at. None if it is not so simple.
+    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Option<Next> {
+        if self.current == SCRATCH_TASK || self.trace.enabled {
+            return None;
+        }
+        let entry = self.fluents.get_mut(fluent).filter(|entry| entry.is_plain())?;
+        if entry.value == truth {
+            return Some(Next::On);
+        }
+        entry.value = truth;
+        if truth.is_true() && entry.waiters.first != NONE {
+            self.wake_waiters(fluent, Wake::Value(Value::True));
+            return Some(Next::Switch);
+        }
+        Some(Next::On)
+    }
+
+    fn open_scope(&mut self, kind: ScopeKind) -> Result<Next, Raise> {
+        self.push_scope(kind);
+        self.collect_if_full()?;
+        Ok(Next::On)
+    }
+
+    pub(crate) fn push_scope(&mut self, kind: ScopeKind) {
+        let depth = self.scratch.frames.len() as u32;
+        let task = self.current;
+        let is_first = self.tasks[task].scopes.is_empty();
+        self.heap.allocated += memory::scope(&kind) + if is_first { memory::SCOPE_STACK } else { 0 };
+        self.tasks[task].scopes.push(Scope { kind, depth });
+    }
+
+    /// Refuses what a network or a macro may not do.
+    pub(crate) fn refuse_in_network(&self, what: &str) -> Result<(), Raise> {
+        if self.current == SCRATCH_TASK {
+            return Err(Raise::new("network-error", format!("{what} while a fluent network or a macro is evaluated")));
+        }
+        Ok(())
+    }
+}

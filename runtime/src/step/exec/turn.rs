@@ -1,0 +1,264 @@
+//! A turn of a ready task: taken up, run, and laid aside.
+
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::scratch::Place;
+use crate::state::slab::NONE;
+use crate::state::task::{Frame, Raises, ScopeKind, State, Wake};
+use crate::state::value::Value;
+use crate::step::exec::{Exit, WINDOW};
+use crate::step::native::Surroundings;
+use rpl_lang::code::{NO_REG, Program};
+
+/// Registers that are kept from a task that needed them for one that does not.
+const MAX_SPARE_REGISTERS: usize = 1 << 16;
+
+/// What came of a turn of the scheduler.
+pub(crate) enum Ran {
+    /// No task is ready.
+    Nothing,
+    /// A task ran.
+    Task,
+    /// A task ran and has not come to its end: the next turn is its own.
+    Slice,
+    /// The task that runs asks for a datum to be compiled.
+    Asked(Value),
+}
+
+impl Machine {
+    /// Runs the next ready task until it blocks, ends or is switched out.
+    pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
+        match self.priorities.pop(&mut self.tasks) {
+            None => Ran::Nothing,
+            Some(task) => self.run_ready(around, task),
+        }
+    }
+
+    /// Runs a task of the run queue, whatever stands before it.
+    pub(crate) fn run_ahead(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        self.unqueue(task);
+        self.run_ready(around, task)
+    }
+
+    fn run_ready(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        if around.outside.period_us().is_some() {
+            self.note_progress(task);
+        }
+        self.run_task(around, task)
+    }
+
+    /// Runs a ready task until it blocks, ends, is switched out or has taken a slice of steps. A datum
+    /// to compile is answered; the task then goes on with [`Machine::enter`], before anything else runs.
+    fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
+        self.set_state(task, State::Running);
+        self.current = task;
+        self.scratch.switch = false;
+        let record = &mut self.tasks[task];
+        if record.budget_instant != self.instant {
+            record.budget_instant = self.instant;
+            record.steps = 0;
+            record.strikes = 0;
+        }
+        record.steps = record.steps.saturating_add(1);
+        self.scratch.wake_at = None;
+        self.scratch.burned = 0;
+        self.flush_status(around);
+        let record = &self.tasks[task];
+        let steps = self.limits.steps.saturating_sub(record.steps);
+        let mut place = Place::new(record.frame, steps, around.slice_steps);
+        self.scratch.frames.clear();
+        if !record.frames.is_empty() {
+            self.scratch.frames.extend_from_slice(&record.frames);
+        }
+        self.restore_registers(around.program, task, place.frame);
+        let exit = match self.take_up(around, task, &mut place) {
+            Some(exit) => exit,
+            None => self.execute(around, &mut place, 0),
+        };
+        self.steps += 1;
+        self.leave_off(around, task, place, exit, steps)
+    }
+
+    /// Lays aside what ran and had so many steps left at first, as far as its exit asks for.
+    fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit, steps: u32) -> Ran {
+        // One that ran out of its limit has got it anew.
+        self.steps += u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
+        if let Exit::Execute(datum, register) = exit {
+            self.scratch.asked = Some((place, register));
+            return Ran::Asked(datum);
+        }
+        if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
+            return Ran::Task;
+        }
+        self.after_exit(around, task, place, exit)
+    }
+
+    /// Lets the running task, which asked for a datum to be compiled, go on in its code, or fail
+    /// instead. It may ask again.
+    pub(crate) fn enter(&mut self, around: &mut Surroundings<'_>, code: Result<u32, Raise>, steps: usize) -> Ran {
+        let Some((mut place, register)) = self.scratch.asked.take() else { return Ran::Task };
+        let (task, left) = (self.current, place.steps());
+        place.spend(steps);
+        let base = place.frame.base as usize + usize::from(register);
+        let code = code.and_then(|code| match self.limits.allow(self.scratch.frames.len(), base) {
+            true => Ok(code),
+            false => Err(self.too_deep()),
+        });
+        let exit = match code {
+            Ok(code) => {
+                self.scratch.frames.push(place.frame);
+                place.frame = Frame { code, pc: 0, base: base as u32 };
+                self.clear_frame(&around.program.codes[code as usize], base);
+                None
+            }
+            Err(raise) => self.raise(around, &mut place, raise),
+        };
+        let exit = exit.unwrap_or_else(|| self.execute(around, &mut place, 0));
+        self.leave_off(around, task, place, exit, left)
+    }
+
+    /// Gives a task that goes on what it was woken with; answers how it left, if it did.
+    #[inline]
+    fn take_up(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
+        let record = &mut self.tasks[task];
+        if record.raises != Raises::Nothing || record.rare.is_some() {
+            return self.take_up_slowly(around, task, place);
+        }
+        let register = record.wake_register;
+        let at = place.frame.base as usize + usize::from(register);
+        match &mut record.value {
+            Value::Unbound => return None,
+            Value::True if register != NO_REG => self.scratch.stack[at] = Value::True,
+            value if register != NO_REG => self.scratch.stack[at] = *value,
+            _ => {}
+        }
+        record.value = Value::Unbound;
+        None
+    }
+
+    #[inline(never)]
+    fn take_up_slowly(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
+        let record = &mut self.tasks[task];
+        let wake = record.take_wake();
+        let register = record.frame.base as usize + usize::from(record.wake_register);
+        let keeps_value = record.wake_register != NO_REG;
+        if record.is_leaving() {
+            return if self.unwind_running(around, place) { None } else { Some(Exit::Blocked) };
+        }
+        match wake {
+            Wake::Raise(failure) | Wake::Outcome(failure) => return self.raise(around, place, Raise::Again(failure)),
+            Wake::Value(value) if keeps_value => self.scratch.stack[register] = value,
+            _ => {}
+        }
+        None
+    }
+
+    /// Lays a task aside that waits now, unless there is more to do than that.
+    #[inline]
+    fn pause(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place) -> bool {
+        let Some(record) = self.tasks.get_mut(task) else { return false };
+        if record.state != State::Running || record.rare.is_some() || self.scratch.gives_way {
+            return false;
+        }
+        record.state = State::Blocked;
+        record.steps = self.limits.steps.saturating_sub(place.steps());
+        let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
+        self.store(task, place.frame, registers);
+        self.trace_blocked(around.program, task);
+        self.current = NONE;
+        self.flush_status(around);
+        true
+    }
+
+    /// Puts a task's registers on the stack. What its record does not keep is nil.
+    fn restore_registers(&mut self, program: &Program, task: u32, frame: Frame) {
+        let end = |frame: &Frame| frame.base as usize + usize::from(program.codes[frame.code as usize].registers);
+        let top = self.scratch.frames.iter().map(end).fold(end(&frame), usize::max);
+        if self.scratch.stack.len() < top + WINDOW {
+            self.scratch.stack.resize(top + 4 * WINDOW, Value::Nil);
+        } else if self.scratch.stack.len() > (top + MAX_SPARE_REGISTERS) * 2 {
+            self.scratch.stack.truncate(top + 4 * WINDOW);
+            self.scratch.stack.shrink_to_fit();
+            self.scratch.frames.shrink_to(self.scratch.frames.len() * 2);
+        }
+        let stack = &mut self.scratch.stack[..top];
+        let values = self.tasks.registers_of(task);
+        let kept = values.len().min(top);
+        self.scratch.work += kept as u64;
+        for (register, &value) in stack.iter_mut().zip(values) {
+            *register = value;
+        }
+        stack[kept..].fill(Value::Nil);
+    }
+
+    fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Ran {
+        let mut ran = Ran::Task;
+        let alive = self.tasks.get(task).is_some_and(|record| !record.state.is_dead());
+        if alive {
+            self.tasks[task].steps = self.limits.steps.saturating_sub(place.steps());
+        }
+        match exit {
+            Exit::Returned(value) => self.finish(around, task, value),
+            Exit::Dead => {}
+            Exit::Blocked | Exit::Switched | Exit::Paused if alive => {
+                let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
+                self.store(task, place.frame, registers);
+                self.current = NONE;
+                match exit {
+                    Exit::Switched => self.requeue_running(task),
+                    Exit::Paused => {
+                        // Going on is no step: how often a task was looked at makes no difference.
+                        let record = &mut self.tasks[task];
+                        record.steps = record.steps.saturating_sub(1);
+                        self.steps -= 1;
+                        self.set_aside(task);
+                        ran = Ran::Slice;
+                    }
+                    _ => {
+                        let gives_way = std::mem::take(&mut self.scratch.gives_way);
+                        if self.tasks[task].state == State::Running {
+                            self.set_state(task, State::Blocked);
+                            if !gives_way {
+                                self.trace_blocked(around.program, task);
+                            }
+                        }
+                        if gives_way {
+                            self.tasks[task].set_wake(Wake::Value(Value::Nil));
+                            self.make_ready(task);
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+        self.current = NONE;
+        self.flush_status(around);
+        ran
+    }
+
+    /// The task's own code has ended: the children it spawned go first.
+    fn finish(&mut self, around: &mut Surroundings<'_>, task: u32, value: Value) {
+        while let Some(scope) = self.tasks[task].scopes.pop() {
+            if let ScopeKind::Call(call) = scope.kind {
+                self.end_call(around, &call.tags);
+            }
+        }
+        self.die(around, task, State::Succeeded, value);
+    }
+
+    /// Moves the current task's registers and frames into its record.
+    #[inline]
+    pub(crate) fn store(&mut self, task: u32, frame: Frame, registers: usize) {
+        let before = self.tasks.registers.bytes();
+        self.tasks.set_registers(task, &self.scratch.stack[..frame.base as usize + registers]);
+        self.heap.allocated += self.tasks.registers.bytes() - before;
+        self.scratch.work += u64::from(frame.base);
+        let record = &mut self.tasks[task];
+        if !(record.frames.is_empty() && self.scratch.frames.is_empty()) {
+            let more = self.scratch.frames.len().saturating_sub(record.frames.len());
+            self.heap.allocated += more * size_of::<Frame>();
+            record.frames.set(&self.scratch.frames);
+        }
+        record.frame = frame;
+    }
+}

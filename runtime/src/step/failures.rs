@@ -1,0 +1,90 @@
+//! Failure objects, made, and values described in their messages.
+
+use crate::state::failure::{Failure, Raise};
+use crate::state::machine::Machine;
+use crate::state::value::Value;
+use rpl_lang::kind::{Kind, time_in_string};
+use rpl_lang::number::format_float;
+use rpl_lang::symbol::Symbol;
+use rpl_lang::visible::{quoted, shortened, with_short_words};
+
+impl Machine {
+    /// A `type-error` about something that was found where something else was expected.
+    pub fn wrong_type(&self, what: &str, expected: &str, found: Value) -> Raise {
+        let message = match (found, self.heap.length(found)) {
+            (Value::Cons(_), Err(Value::Cons(_))) => {
+                format!("{what} must be {expected}, and it is a list that runs in a circle")
+            }
+            (Value::Cons(_), Err(end)) => format!(
+                "{what} must be {expected}, and it is a list that ends in {} instead of nil",
+                self.described(end)
+            ),
+            _ => format!("{what} must be {expected}, and it is {}", self.described(found)),
+        };
+        Raise::type_error(match found {
+            Value::Fluent(fluent) if expected != Kind::Fluent.noun() => {
+                format!("{message}; write `(value {})` for the fluent's value", self.fluent_name(fluent))
+            }
+            Value::Str(text) if expected == Kind::Seconds.noun() => match time_in_string(&self.heap.strings[text]) {
+                Some(time) => format!("{message}; write `{time}`, without quotes"),
+                None => message,
+            },
+            _ => message,
+        })
+    }
+
+    /// A value in a message: its type, and what it is where that is short.
+    pub fn described(&self, value: Value) -> String {
+        match value {
+            Value::Int(number) => format!("the integer {number}"),
+            Value::Float(number) if number.is_nan() => "+nan.0, which is no number".to_string(),
+            Value::Float(number) => format!("the float {}", format_float(number)),
+            Value::Symbol(name) => format!("the symbol {}", shortened(self.symbols.name(name))),
+            Value::Keyword(name) => format!("the keyword :{}", shortened(self.symbols.name(name))),
+            Value::Str(text) => format!("the string {}", quoted(&self.heap.strings[text])),
+            Value::Fluent(fluent) if self.fluents[fluent].name.is_some() => {
+                format!("the fluent `{}`", self.fluent_name(fluent))
+            }
+            Value::Valve(valve) => format!("the valve `{}`", self.valve_name(valve)),
+            other => other.type_name().to_string(),
+        }
+    }
+
+    /// Makes a failure object.
+    pub(crate) fn failure_from(&mut self, raise: Raise) -> Value {
+        match raise {
+            Raise::Again(failure) => failure,
+            Raise::NoRoom(_) => {
+                let raise = self.out_of_memory();
+                self.failure_from(raise)
+            }
+            Raise::New { class, message, slots } => {
+                let class = self.symbols.intern(class);
+                let slots = slots.into_iter().map(|(name, value)| (self.symbols.intern(name), value)).collect();
+                self.new_failure(class, with_short_words(message), slots)
+            }
+        }
+    }
+
+    /// Makes a failure of a class, raised by the current task.
+    pub(crate) fn new_failure(&mut self, class: Symbol, message: String, slots: Vec<(Symbol, Value)>) -> Value {
+        // The current task may have ended just now, and what was around it with it.
+        let (path, calls) = match self.tasks.get(self.current) {
+            Some(task) if !task.state.is_dead() => (self.path(self.current), self.plan_calls(self.current)),
+            _ => (String::new(), Vec::new()),
+        };
+        let is_runaway = self.symbols.name(class) == "runaway";
+        self.heap.failure(Failure {
+            class,
+            message,
+            slots,
+            time_us: self.now_us,
+            span: None,
+            path,
+            calls,
+            parts: Vec::new(),
+            while_cleaning_up: Vec::new(),
+            is_runaway,
+        })
+    }
+}

@@ -1,0 +1,170 @@
+//! Fluents made, read, assigned, pulsed.
+
+use crate::state::failure::Raise;
+use crate::state::fluent::{Fluent, Origin};
+use crate::state::machine::Machine;
+use crate::state::memory;
+use crate::state::slab::NONE;
+use crate::state::task::{Waiting, Wake};
+use crate::state::value::Value;
+use crate::step::native::Surroundings;
+
+impl Machine {
+    /// Makes a fluent.
+    pub fn create_fluent(&mut self, mut fluent: Fluent) -> Value {
+        let captured = match &fluent.origin {
+            Origin::Network { captured, .. } => captured.len(),
+            Origin::Plan | Origin::System | Origin::Pulsed | Origin::Changed | Origin::Count => 0,
+        };
+        self.heap.allocated += memory::fluent(captured);
+        fluent.number = self.next_identity;
+        self.next_identity += 1;
+        Value::Fluent(self.fluents.insert(fluent))
+    }
+
+    /// Makes a network and evaluates it for the first time.
+    pub(crate) fn create_network(&mut self, around: &mut Surroundings<'_>, code: u32, captured: Box<[Value]>) -> Value {
+        let origin = Origin::Network { code, captured };
+        let fluent = self.create_fluent(Fluent::new(None, Value::Nil, origin));
+        if let Value::Fluent(index) = fluent {
+            self.evaluate(around, index);
+        }
+        fluent
+    }
+
+    /// Makes a fluent derived from one input: `pulsed`, `changed`, `count-pulses`.
+    pub(crate) fn derived_fluent(&mut self, input: u32, origin: Origin) -> Value {
+        let value = if origin == Origin::Count { Value::Int(0) } else { Value::Nil };
+        let fluent = self.create_fluent(Fluent::new(None, value, origin));
+        if let Value::Fluent(index) = fluent {
+            self.set_inputs(index, vec![input]);
+        }
+        fluent
+    }
+
+    /// Assigns one fluent from a plan.
+    pub(crate) fn assign_fluent(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        fluent: Value,
+        value: Value,
+    ) -> Result<(), Raise> {
+        let Value::Fluent(fluent) = fluent else {
+            return Err(self.wrong_type("what is assigned", rpl_lang::kind::Kind::Fluent.noun(), fluent));
+        };
+        match self.fluents[fluent].origin {
+            Origin::Plan => {}
+            Origin::System => {
+                let name = self.fluent_name(fluent);
+                return Err(Raise::type_error(format!("`{name}` is set by the robot; a plan can only read it")));
+            }
+            _ => return Err(Raise::type_error("a network cannot be assigned; assign one of the fluents it reads")),
+        }
+        self.assign(around, fluent, value);
+        Ok(())
+    }
+
+    /// Assigns one fluent.
+    pub(crate) fn assign(&mut self, around: &mut Surroundings<'_>, fluent: u32, value: Value) {
+        let entry = &mut self.fluents[fluent];
+        if self.heap.equal(entry.value, value) {
+            return;
+        }
+        entry.value = value;
+        let is_alone = entry.dependents.is_empty();
+        entry.is_changed = !is_alone;
+        self.trace_fluent(around.program, fluent);
+        if !is_alone {
+            self.propagate(around, vec![fluent]);
+        } else if value.is_true() || !self.fluents[fluent].watches.is_empty() {
+            self.serve(&[fluent], false);
+        }
+    }
+
+    /// Assigns several fluents as one: nobody sees a mixture of old and new.
+    pub fn assign_all(&mut self, around: &mut Surroundings<'_>, values: &[(u32, Value)]) {
+        let mut touched = Vec::new();
+        for &(fluent, value) in values {
+            if self.heap.equal(self.fluents[fluent].value, value) {
+                continue;
+            }
+            self.fluents[fluent].value = value;
+            self.fluents[fluent].is_changed = true;
+            touched.push(fluent);
+            self.trace_fluent(around.program, fluent);
+        }
+        if !touched.is_empty() {
+            self.propagate(around, touched);
+        }
+    }
+
+    /// Pulses a fluent.
+    pub(crate) fn pulse_fluent(&mut self, around: &mut Surroundings<'_>, fluent: u32) -> Result<(), Raise> {
+        if self.fluents[fluent].is_computed() {
+            return Err(Raise::type_error("a network cannot be pulsed; pulse one of the fluents it reads"));
+        }
+        self.fluents[fluent].is_pulsed = true;
+        self.trace_pulse(fluent);
+        if self.fluents[fluent].dependents.is_empty() {
+            self.serve(&[fluent], true);
+            self.fluents[fluent].is_pulsed = false;
+            self.end_event(fluent);
+        } else {
+            self.propagate(around, vec![fluent]);
+        }
+        Ok(())
+    }
+
+    /// The value of a fluent as code reads it, noted as an input of the network under evaluation.
+    pub fn read_fluent(&mut self, fluent: u32) -> Result<Value, Raise> {
+        if let Some(reads) = &mut self.scratch.reads {
+            reads.push(fluent);
+        }
+        let fluent = &self.fluents[fluent];
+        match fluent.failure {
+            Some(failure) => Err(Raise::Again(failure)),
+            None => Ok(fluent.reading()),
+        }
+    }
+
+    /// Wakes all waiters of a fluent, in the order of their waiting.
+    pub(crate) fn wake_waiters(&mut self, fluent: u32, wake: Wake) {
+        let mut task = std::mem::take(&mut self.fluents[fluent].waiters).first;
+        let mut was_owned = false;
+        while task != NONE {
+            let record = &mut self.tasks[task];
+            let next = record.next;
+            record.set_wake(wake);
+            if let Waiting::Fluent { owned, timed, .. } = std::mem::take(&mut record.waiting) {
+                was_owned |= owned;
+                if timed {
+                    self.forget_timer();
+                }
+            }
+            self.number_wait(task);
+            self.trace_woken(task);
+            self.make_ready(task);
+            task = next;
+        }
+        if was_owned {
+            self.free_network(fluent);
+        }
+    }
+
+    /// Ends a task's wait for a fluent.
+    pub(crate) fn leave_fluent(&mut self, task: u32, fluent: u32, owned: bool) {
+        let mut line = self.fluents[fluent].waiters;
+        line.remove(&mut self.tasks, task);
+        self.fluents[fluent].waiters = line;
+        if owned {
+            self.free_network(fluent);
+        }
+    }
+
+    pub(crate) fn fluent_name(&self, fluent: u32) -> String {
+        match self.fluents[fluent].name {
+            Some(name) => self.symbols.name(name).to_string(),
+            None => format!("fluent {fluent}"),
+        }
+    }
+}

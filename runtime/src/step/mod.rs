@@ -1,0 +1,33 @@
+//! What changes the records.
+
+pub mod active_time;
+pub mod condition;
+pub mod construct;
+pub mod deadlock;
+pub mod death;
+pub mod evaporation;
+pub mod exec;
+pub mod failures;
+pub mod fluents;
+pub mod gc;
+pub mod native;
+pub mod natives;
+pub mod networks;
+pub mod output;
+pub mod path;
+pub mod print;
+pub mod program;
+pub mod room;
+pub mod scheduling;
+pub mod stall;
+pub mod status;
+pub mod stepping;
+pub mod suspension;
+pub mod time;
+pub mod timers;
+pub mod tracing;
+pub mod tree;
+pub mod unwind;
+pub mod valve;
+pub mod waiting;
+pub mod watches;

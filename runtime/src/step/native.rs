@@ -1,0 +1,284 @@
+//! Native functions: name, arguments, documentation and code in one place.
+
+use crate::behaviour::Outside;
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::value::{TaskRef, Value};
+use rpl_lang::code::Program;
+use rpl_lang::compile::NativeSignature;
+use rpl_lang::kind::Kind;
+
+/// So much text is made, or looked through, in the time of one turn of a loop.
+const CHARACTERS_A_STEP: usize = 8;
+
+/// So many pairs are passed in the time of one turn of a loop.
+const PAIRS_A_STEP: usize = 4;
+
+/// What a native function answers.
+pub enum Reply {
+    /// A value.
+    Value(Value),
+    /// The task waits; what wakes it brings the value.
+    Wait,
+    /// Go on in a function of the plan, with these arguments; its value is the answer.
+    Call(Value, Vec<Value>),
+    /// Compile a datum and go on in it.
+    Execute(Value),
+    /// The task itself is leaving.
+    Leave,
+}
+
+/// A call of a native function.
+pub struct Call<'c, 's> {
+    /// The machine.
+    pub machine: &'c mut Machine,
+    /// Program, natives and the robot.
+    pub around: &'c mut Surroundings<'s>,
+    /// The function that is called.
+    pub native: &'c Native,
+    /// The arguments.
+    pub arguments: &'c [Value],
+}
+
+impl Call<'_, '_> {
+    /// The task that calls.
+    pub fn task(&self) -> TaskRef {
+        self.machine.tasks.reference(self.machine.current)
+    }
+
+    /// The argument at a position; `nil` if it was left out.
+    pub fn argument(&self, at: usize) -> Value {
+        self.arguments.get(at).copied().unwrap_or(Value::Nil)
+    }
+
+    /// The argument at a position as an integer.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn integer(&self, at: usize) -> Result<i64, Raise> {
+        match self.argument(at) {
+            Value::Int(value) => Ok(value),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The argument at a position as a number.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn number(&self, at: usize) -> Result<f64, Raise> {
+        self.argument(at).as_f64().ok_or_else(|| self.wrong_type(at))
+    }
+
+    /// The argument at a position as a string.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn text(&self, at: usize) -> Result<std::sync::Arc<str>, Raise> {
+        match self.argument(at) {
+            Value::Str(index) => Ok(self.machine.heap.strings[index].clone()),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The argument at a position as the elements of a list.
+    ///
+    /// # Errors
+    /// A `type-error` if it is no proper list.
+    pub fn list(&mut self, at: usize) -> Result<Vec<Value>, Raise> {
+        let elements = self.machine.heap.elements(self.argument(at));
+        let elements = elements.map_err(|_| self.wrong_type(at))?;
+        self.burn(elements.len());
+        Ok(elements)
+    }
+
+    /// Takes steps from the budget of the task: what walks long data costs as much as a loop over
+    /// it.
+    pub fn burn(&mut self, steps: usize) {
+        let burned = &mut self.machine.scratch.burned;
+        *burned = burned.saturating_add(u32::try_from(steps).unwrap_or(u32::MAX));
+    }
+
+    /// Takes the steps of making, or looking through, so much text.
+    pub fn burn_text(&mut self, bytes: usize) {
+        self.burn(bytes / CHARACTERS_A_STEP);
+    }
+
+    /// Takes the steps of passing so many pairs.
+    pub fn burn_walk(&mut self, pairs: usize) {
+        self.burn(pairs / PAIRS_A_STEP);
+    }
+
+    /// The argument at a position as a fluent.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn fluent(&self, at: usize) -> Result<u32, Raise> {
+        match self.argument(at) {
+            Value::Fluent(fluent) => Ok(fluent),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The argument at a position as a task, which may be dead.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn named_task(&self, at: usize) -> Result<TaskRef, Raise> {
+        match self.argument(at) {
+            Value::Task(task) => Ok(task),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The argument at a position as a behaviour, by its number.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn behaviour(&self, at: usize) -> Result<u16, Raise> {
+        match self.argument(at) {
+            Value::Behaviour(behaviour) => Ok(behaviour),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// The name a symbol or string argument spells.
+    ///
+    /// # Errors
+    /// A `type-error` if it is neither.
+    pub fn name(&self, at: usize) -> Result<String, Raise> {
+        match self.argument(at) {
+            Value::Symbol(symbol) | Value::Keyword(symbol) => Ok(self.machine.symbols.name(symbol).to_string()),
+            Value::Str(index) => Ok(self.machine.heap.strings[index].to_string()),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
+    /// A `type-error`: the argument at a position is not of the kind that the function declares.
+    pub fn wrong_type(&self, at: usize) -> Raise {
+        self.machine.wrong_type(&self.which(at), self.native.kind(at).noun(), self.argument(at))
+    }
+
+    /// The argument at a position, as messages name it.
+    pub fn which(&self, at: usize) -> String {
+        // What begins so is written by forms of the library: `(setf (nth …) …)`, `(format …)`.
+        let name = self.native.name;
+        match (name.strip_prefix("%set-"), name.strip_prefix('%')) {
+            (Some(accessor), _) => format!("argument {} of `(setf {accessor})`", at + 1),
+            (None, Some(form)) => format!("argument {} of `{form}`", at + 1),
+            (None, None) => format!("argument {} of `{name}`", at + 1),
+        }
+    }
+}
+
+/// The code of a native function.
+pub type NativeCode = fn(&mut Call<'_, '_>) -> Result<Reply, Raise>;
+
+/// A native function.
+#[derive(Clone, Copy)]
+pub struct Native {
+    /// Its name.
+    pub name: &'static str,
+    /// Its parameters, as documentation shows them: `"list &optional start"`. Their words say what
+    /// kind of argument each takes; see [`Kind::of_parameter`].
+    pub parameters: &'static str,
+    /// What it does, in one sentence.
+    pub doc: &'static str,
+    /// Whether it waits, assigns or acts on tasks.
+    pub effect: Effect,
+    /// Its code.
+    pub code: NativeCode,
+}
+
+/// What a native does beside giving a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Nothing.
+    None,
+    /// It assigns or acts on tasks: a network may not call it.
+    Acts,
+    /// It may block the task: a network may not call it either.
+    Waits,
+    /// It goes on in code of the plan.
+    Calls,
+}
+
+impl Effect {
+    /// Whether a network may not have it.
+    #[inline]
+    pub fn acts(self) -> bool {
+        matches!(self, Effect::Acts | Effect::Waits)
+    }
+}
+
+impl Native {
+    /// The kind of the argument at a position.
+    pub fn kind(&self, at: usize) -> Kind {
+        let (kinds, rest) = self.kinds();
+        kinds.get(at).copied().or(rest).unwrap_or(Kind::Any)
+    }
+
+    /// The kinds of the parameters, and of the arguments behind them.
+    fn kinds(&self) -> (Vec<Kind>, Option<Kind>) {
+        let mut kinds = Vec::new();
+        let mut words = self.parameters.split_whitespace();
+        let kind = |word| Kind::of_parameter(word).unwrap_or(Kind::Any);
+        while let Some(word) = words.next() {
+            match word {
+                "&optional" => {}
+                "&rest" => return (kinds, words.next().map(kind)),
+                "&key" => return (kinds, Some(Kind::Any)),
+                word => kinds.push(kind(word)),
+            }
+        }
+        (kinds, None)
+    }
+
+    /// Fewest and most arguments, read off the parameters.
+    pub fn arity(&self) -> (u8, Option<u8>) {
+        let (mut min, mut max, mut optional, mut rest) = (0, 0, false, false);
+        for word in self.parameters.split_whitespace() {
+            match word {
+                "&optional" => optional = true,
+                "&rest" | "&key" => rest = true,
+                _ if rest => {}
+                _ if optional => max += 1,
+                _ => {
+                    min += 1;
+                    max += 1;
+                }
+            }
+        }
+        (min, (!rest).then_some(max))
+    }
+
+    /// What the compiler needs to know.
+    pub fn signature(&self) -> rpl_lang::compile::NativeSignature {
+        let (min, max) = self.arity();
+        let (kinds, rest) = self.kinds();
+        rpl_lang::compile::NativeSignature {
+            name: self.name.to_string(),
+            min,
+            max,
+            effect: self.effect.acts(),
+            waits: self.effect == Effect::Waits,
+            calls: self.effect == Effect::Calls,
+            kinds,
+            rest,
+        }
+    }
+}
+
+/// What a machine runs with and does not own.
+pub struct Surroundings<'a> {
+    /// All code.
+    pub program: &'a Program,
+    /// The native functions, by number.
+    pub natives: &'a [Native],
+    /// How many arguments each of them takes.
+    pub signatures: &'a [NativeSignature],
+    /// The robot, or [`crate::behaviour::NoRobot`].
+    pub outside: &'a mut dyn Outside,
+    /// Steps a task takes before control goes back to the caller for a moment.
+    pub slice_steps: u32,
+}

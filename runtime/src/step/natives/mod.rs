@@ -1,0 +1,21 @@
+//! Native functions on what the runtime itself keeps: fluents, tasks, time, valves, behaviours,
+//! failures, calls and output.
+
+use crate::step::native::Native;
+
+mod behaviours;
+
+mod calls;
+
+mod failures;
+
+mod fluents;
+
+mod tasks;
+
+mod valves;
+
+/// All of them, in a fixed order.
+pub fn natives() -> Vec<Native> {
+    [fluents::NATIVES, tasks::NATIVES, valves::NATIVES, behaviours::NATIVES, failures::NATIVES, calls::NATIVES].concat()
+}

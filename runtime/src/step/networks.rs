@@ -1,0 +1,224 @@
+//! Networks brought up to date in the order of dependency; then waiters are served.
+
+use crate::state::fluent::{Fluent, Origin};
+use crate::state::machine::Machine;
+use crate::state::memory;
+use crate::state::slab::NONE;
+use crate::state::task::Wake;
+use crate::state::value::Value;
+use crate::step::native::Surroundings;
+use std::collections::BTreeSet;
+
+/// When a network is brought up to date: its height, its number; and its slot.
+type Turn = (u32, u64, u32);
+
+/// A network that computes itself from itself is cut after this many evaluations.
+const MAX_EVALUATIONS: usize = 1_000_000;
+
+impl Machine {
+    pub(crate) fn propagate(&mut self, around: &mut Surroundings<'_>, roots: Vec<u32>) {
+        self.scratch.event_readers.clear();
+        self.scratch.rereading.clear();
+        let is_pulse = roots.iter().any(|&root| self.fluents[root].is_pulsed);
+        let mut touched = roots;
+        let mut dirty: BTreeSet<Turn> = BTreeSet::new();
+        for &root in &touched {
+            self.mark_dependents(root, &mut dirty);
+        }
+        let mut evaluations = 0;
+        while let Some((_, _, network)) = dirty.pop_first() {
+            evaluations += 1;
+            if evaluations > MAX_EVALUATIONS {
+                break;
+            }
+            let before = (self.fluents[network].value, self.fluents[network].failure);
+            self.evaluate(around, network);
+            let inputs_wait = self.fluents[network].inputs.iter().any(|&input| dirty.contains(&self.turn(input)));
+            if inputs_wait {
+                dirty.insert(self.turn(network));
+                continue;
+            }
+            let after = (self.fluents[network].value, self.fluents[network].failure);
+            let changed = before.1 != after.1 || !self.heap.equal(before.0, after.0);
+            self.fluents[network].is_changed = changed;
+            if changed {
+                self.trace_fluent(around.program, network);
+            }
+            // What a pulse reaches is served even if its value is the same: true again is true.
+            if changed || is_pulse {
+                touched.push(network);
+                self.mark_dependents(network, &mut dirty);
+            }
+        }
+        let rereading = std::mem::take(&mut self.scratch.rereading);
+        self.serve(&touched, is_pulse);
+        self.trace_rereading(around.program, &rereading);
+        self.settle(around, touched);
+    }
+
+    fn turn(&self, network: u32) -> Turn {
+        let fluent = &self.fluents[network];
+        (fluent.height, fluent.number, network)
+    }
+
+    fn mark_dependents(&mut self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
+        self.scratch.work += self.fluents[fluent].dependents.len() as u64;
+        self.fluents[fluent].dependents.for_each(|dependent| {
+            dirty.insert(self.turn(dependent));
+        });
+    }
+
+    /// Releases waiters and counts events of fluents that have changed together. Whoever is released
+    /// is woken in the order in which they began to wait.
+    pub(crate) fn serve(&mut self, fluents: &[u32], is_pulse: bool) {
+        let mut released = Vec::new();
+        for &fluent in fluents {
+            self.release(fluent, is_pulse, &mut released);
+        }
+        let now = self.waits;
+        released.sort_by_key(|&(number, ..)| std::cmp::Reverse(now.wrapping_sub(number)));
+        for (_, task, wake) in released {
+            self.wake(task, wake);
+        }
+    }
+
+    /// Notes who is released by one fluent, with the number of its wait, and counts events.
+    fn release(&mut self, fluent: u32, is_pulse: bool, released: &mut Vec<(u32, u32, Wake)>) {
+        let reading = self.fluents[fluent].reading();
+        let failure = self.fluents[fluent].failure;
+        let is_true = reading.is_true() || failure.is_some();
+        self.fluents[fluent].watches.for_each(|(_, watch)| {
+            let Some(entry) = self.watches.get_mut(watch) else { return };
+            if is_true && (!entry.was_true || is_pulse) {
+                entry.events = entry.events.saturating_add(1);
+                if std::mem::take(&mut entry.waits) {
+                    let wake = failure.map_or(Wake::Value(Value::Nil), Wake::Raise);
+                    released.push((self.tasks[entry.task].wait_number, entry.task, wake));
+                }
+            }
+            entry.was_true = is_true;
+        });
+        if is_true {
+            let wake = failure.map_or(Wake::Value(reading), Wake::Raise);
+            let waiters = self.fluents[fluent].waiters.tasks(&self.tasks);
+            released.extend(waiters.into_iter().map(|task| (self.tasks[task].wait_number, task, wake)));
+        }
+    }
+
+    /// Events of a fluent's watches count from its value now.
+    pub(crate) fn end_event(&mut self, fluent: u32) {
+        let Some(entry) = self.fluents.get(fluent) else { return };
+        let is_true = entry.reading().is_true();
+        entry.watches.for_each(|(_, watch)| {
+            if let Some(entry) = self.watches.get_mut(watch) {
+                entry.was_true = is_true;
+            }
+        });
+    }
+
+    /// Ends pulses and changes: what read them is evaluated again, silently.
+    fn settle(&mut self, around: &mut Surroundings<'_>, touched: Vec<u32>) {
+        let mut again: BTreeSet<Turn> = BTreeSet::new();
+        for &fluent in &touched {
+            let Some(entry) = self.fluents.get_mut(fluent) else { continue };
+            let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
+            entry.is_pulsed = false;
+            entry.is_changed = false;
+            self.fluents[fluent].dependents.for_each(|dependent| {
+                let reads_events = matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
+                    || self.scratch.event_readers.contains(&dependent);
+                if pulsed || (changed && reads_events) {
+                    again.insert(self.turn(dependent));
+                }
+            });
+        }
+        while let Some((_, _, network)) = again.pop_first() {
+            let before = self.fluents[network].value;
+            self.evaluate(around, network);
+            self.fluents[network].is_changed = false;
+            self.end_event(network);
+            if !self.heap.equal(before, self.fluents[network].value) {
+                self.mark_dependents(network, &mut again);
+            }
+        }
+        // The end of a pulse of a fluent that is watched itself is no event either.
+        for fluent in touched {
+            self.end_event(fluent);
+        }
+    }
+
+    /// Brings one network up to date.
+    pub(crate) fn evaluate(&mut self, around: &mut Surroundings<'_>, network: u32) {
+        self.scratch.work += 1;
+        let input = self.fluents[network].inputs.first().copied();
+        let input_is = |machine: &Machine, test: fn(&Fluent) -> bool| {
+            input.and_then(|input| machine.fluents.get(input)).is_some_and(test)
+        };
+        let value = match self.fluents[network].origin.clone() {
+            Origin::Plan | Origin::System => return,
+            Origin::Pulsed => Value::truth(input_is(self, |fluent| fluent.is_pulsed)),
+            Origin::Changed => Value::truth(input_is(self, |fluent| fluent.is_changed)),
+            Origin::Count => match (self.fluents[network].value, input_is(self, |fluent| fluent.is_pulsed)) {
+                (Value::Int(count), true) => Value::Int(count + 1),
+                (value, _) => value,
+            },
+            Origin::Network { code, captured } => {
+                let outer = self.scratch.reads.replace(Vec::new());
+                let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
+                let result = self.evaluate_code(around, code, &captured);
+                let mut reads = std::mem::replace(&mut self.scratch.reads, outer).unwrap_or_default();
+                if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
+                    self.scratch.event_readers.insert(network);
+                }
+                reads.sort_unstable();
+                reads.dedup();
+                if self.trace.enabled && self.fluents[network].inputs != reads {
+                    self.scratch.rereading.push(network);
+                }
+                self.set_inputs(network, reads);
+                match result {
+                    Ok(value) => {
+                        self.fluents[network].failure = None;
+                        value
+                    }
+                    Err(failure) => {
+                        self.fluents[network].failure = Some(failure);
+                        Value::Nil
+                    }
+                }
+            }
+        };
+        self.fluents[network].value = value;
+    }
+
+    pub(crate) fn set_inputs(&mut self, network: u32, inputs: Vec<u32>) {
+        let height = inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0);
+        if self.fluents[network].inputs != inputs {
+            for input in std::mem::take(&mut self.fluents[network].inputs) {
+                if let Some(fluent) = self.fluents.get_mut(input) {
+                    fluent.dependents.remove(&network);
+                }
+            }
+            self.heap.allocated += 2 * memory::EDGE * inputs.len();
+            for &input in &inputs {
+                self.fluents[input].dependents.insert(network);
+            }
+            self.fluents[network].inputs = inputs;
+        }
+        self.fluents[network].height = height;
+    }
+
+    /// Frees a network made for one wait.
+    pub(crate) fn free_network(&mut self, network: u32) {
+        let is_network = self.fluents.get(network).is_some_and(|fluent| {
+            fluent.is_computed()
+                && fluent.waiters.first == NONE
+                && fluent.watches.is_empty()
+                && fluent.dependents.is_empty()
+        });
+        if is_network {
+            self.set_inputs(network, Vec::new());
+            self.fluents.remove(network);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Values as text.
+
+use crate::state::machine::Machine;
+use crate::state::value::Value;
+use crate::step::print;
+use rpl_lang::code::Program;
+use rpl_lang::number::format_float;
+use rpl_lang::pretty::quote_string;
+use rpl_lang::visible::visible;
+use std::fmt::Write as _;
+
+/// Text longer than this is cut, so that a circular list prints.
+const MAX_CHARACTERS: usize = 1 << 20;
+
+enum Piece {
+    Value(Value),
+    /// The rest of a list after its first element.
+    Rest(Value),
+    Text(&'static str),
+}
+
+/// A value as `print` shows it: strings without quotes.
+pub fn display(machine: &Machine, program: &Program, value: Value) -> String {
+    match value {
+        Value::Str(text) => machine.heap.strings[text].to_string(),
+        Value::Failure(failure) => {
+            let failure = &machine.heap.failures[failure];
+            format!("{}: {}", machine.symbols.name(failure.class), failure.message)
+        }
+        other => readable(machine, program, other),
+    }
+}
+
+/// A value as it could be read, where it can be.
+pub fn readable(machine: &Machine, program: &Program, value: Value) -> String {
+    let mut text = String::new();
+    let mut waiting = vec![Piece::Value(value)];
+    while let Some(piece) = waiting.pop() {
+        if text.len() > MAX_CHARACTERS {
+            text.push('…');
+            break;
+        }
+        match piece {
+            Piece::Text(piece) => text.push_str(piece),
+            Piece::Value(Value::Cons(pair)) => {
+                let (car, cdr) = machine.heap.pair(pair);
+                text.push('(');
+                waiting.push(Piece::Rest(cdr));
+                waiting.push(Piece::Value(car));
+            }
+            Piece::Value(value) => atom(machine, program, value, &mut text),
+            Piece::Rest(Value::Nil) => text.push(')'),
+            Piece::Rest(Value::Cons(pair)) => {
+                let (car, cdr) = machine.heap.pair(pair);
+                text.push(' ');
+                waiting.push(Piece::Rest(cdr));
+                waiting.push(Piece::Value(car));
+            }
+            Piece::Rest(tail) => {
+                text.push_str(" . ");
+                waiting.push(Piece::Text(")"));
+                waiting.push(Piece::Value(tail));
+            }
+        }
+    }
+    text
+}
+
+fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
+    let name = |symbol| visible(machine.symbols.name(symbol));
+    let code_name = |code: u32| program.codes.get(code as usize).map_or("?".into(), |code| name(code.name));
+    let written = match value {
+        Value::Nil => write!(text, "nil"),
+        Value::True => write!(text, "t"),
+        Value::Int(value) => write!(text, "{value}"),
+        Value::Float(value) => write!(text, "{}", format_float(value)),
+        Value::Symbol(symbol) => write!(text, "{}", name(symbol)),
+        Value::Keyword(symbol) => write!(text, ":{}", name(symbol)),
+        Value::Str(string) => write!(text, "{}", quote_string(&machine.heap.strings[string])),
+        Value::Function(code) => write!(text, "#<function {}>", code_name(code)),
+        Value::Closure(closure) => write!(text, "#<function {}>", code_name(machine.heap.closures[closure].code)),
+        Value::Native(number) => write!(text, "#<native {number}>"),
+        Value::Fluent(fluent) => match machine.fluents.get(fluent).and_then(|fluent| fluent.name) {
+            Some(symbol) => write!(text, "#<fluent {}>", name(symbol)),
+            None => write!(text, "#<fluent {fluent}>"),
+        },
+        Value::Task(task) => match machine.tasks.find(task) {
+            Some(index) => write!(text, "#<task {}>", machine.path(index)),
+            None => write!(text, "#<task gone>"),
+        },
+        Value::Valve(valve) => write!(text, "#<valve {}>", name(machine.valves[valve as usize].name)),
+        Value::Failure(failure) => {
+            let failure = &machine.heap.failures[failure];
+            write!(text, "#<{} {}>", name(failure.class), quote_string(&failure.message))
+        }
+        Value::Table(table) => {
+            write!(text, "#<hash-table of {}>", machine.heap.tables[table].entries.len())
+        }
+        Value::Behaviour(number) => write!(text, "#<behaviour {number}>"),
+        Value::Cons(_) | Value::Cell(_) | Value::Unbound => write!(text, "#<unbound>"),
+    };
+    debug_assert!(written.is_ok(), "writing into a string cannot fail");
+}
+
+impl Machine {
+    /// A value as `print` shows it.
+    pub fn show(&self, program: &Program, value: Value) -> String {
+        print::display(self, program, value)
+    }
+
+    /// A value as it could be read.
+    pub fn write(&self, program: &Program, value: Value) -> String {
+        print::readable(self, program, value)
+    }
+}

@@ -1,0 +1,99 @@
+//! What a program brings into a machine: constants, globals, valves, the main task.
+
+use crate::state::fluent::{Fluent, Origin};
+use crate::state::machine::Machine;
+use crate::state::registers::Registers;
+use crate::state::task::{Call, Scope, ScopeKind, Task};
+use crate::state::value::Value;
+use crate::state::valve::Valve;
+use rpl_lang::code::{Atom, Constant, GlobalKind, Part, Program};
+use rpl_lang::symbol::Symbol;
+
+impl Machine {
+    /// Makes room for what has been added to the program: constants, globals, valves. `objects`
+    /// are the run-time objects that new constants name.
+    pub fn bring_up_to(&mut self, program: &Program, objects: &[Value]) {
+        for constant in &program.constants[self.constants.len()..] {
+            let value = self.constant(constant, objects);
+            self.constants.push(value);
+        }
+        self.globals.resize(program.globals.len(), Value::Unbound);
+        for (index, global) in program.globals.iter().enumerate() {
+            let known = self.globals[index];
+            self.globals[index] = match global.kind {
+                GlobalKind::Function(code) if code != u32::MAX => Value::Function(code),
+                GlobalKind::Valve => match known {
+                    Value::Valve(_) => known,
+                    _ => {
+                        self.valves.push(Valve::new(global.name));
+                        Value::Valve(self.valves.len() as u32 - 1)
+                    }
+                },
+                GlobalKind::Behaviour(number) => Value::Behaviour(number),
+                _ => known,
+            };
+        }
+    }
+
+    /// The same for constants whose places were used before.
+    pub(crate) fn renew_constants(&mut self, program: &Program, constants: &[u32], objects: &[Value]) {
+        for &at in constants {
+            if (at as usize) < self.constants.len() {
+                self.constants[at as usize] = self.constant(&program.constants[at as usize], objects);
+            }
+        }
+    }
+
+    fn constant(&mut self, constant: &Constant, objects: &[Value]) -> Value {
+        let parts = match constant {
+            Constant::Atom(atom) => return self.atom(atom, objects),
+            Constant::List(parts) => parts,
+        };
+        let mut values = Vec::new();
+        for part in parts {
+            let value = match part {
+                Part::Atom(atom) => self.atom(atom, objects),
+                Part::List { length, dotted } => {
+                    let tail = if *dotted { values.pop().unwrap_or_default() } else { Value::Nil };
+                    let items = values.split_off(values.len().saturating_sub(*length as usize));
+                    self.heap.list_with_tail(&items, tail)
+                }
+            };
+            values.push(value);
+        }
+        values.pop().unwrap_or_default()
+    }
+
+    fn atom(&mut self, atom: &Atom, objects: &[Value]) -> Value {
+        match atom {
+            Atom::Int(value) => Value::Int(*value),
+            Atom::Float(value) => Value::Float(*value),
+            Atom::Str(text) => self.heap.string(text),
+            Atom::Symbol(symbol) => Value::Symbol(*symbol),
+            Atom::Keyword(symbol) => Value::Keyword(*symbol),
+            Atom::Nil => Value::Nil,
+            Atom::True => Value::True,
+            Atom::Native(number) => Value::Native(*number),
+            Atom::Object(index) => objects.get(*index as usize).copied().unwrap_or(Value::Nil),
+        }
+    }
+
+    /// Gives a global of the robot its fluent.
+    pub fn define_system_fluent(&mut self, global: u32, name: Symbol, value: Value) -> u32 {
+        let fluent = self.fluents.insert(Fluent::new(Some(name), value, Origin::System));
+        self.globals[global as usize] = Value::Fluent(fluent);
+        fluent
+    }
+
+    /// Starts the main task on code without parameters.
+    pub fn start_main(&mut self, code: u32) {
+        let name = self.symbols.intern("main");
+        let mut task = Task::new(code, Registers::default(), name, 0);
+        let call = Call::new(name, 1, None);
+        task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });
+        task.exposed = true;
+        self.main = self.tasks.insert(task);
+        self.make_ready(self.main);
+        self.trace_task_begin(self.main);
+    }
+}

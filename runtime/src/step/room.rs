@@ -1,0 +1,97 @@
+//! ROOM
+
+use crate::state::block::block;
+use crate::state::failure::Raise;
+use crate::state::fluent::{Fluent, Watch};
+use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::memory::{LINK, MIN_THRESHOLD, TIMER, WAITER};
+use crate::state::output::Output;
+use crate::state::task::Frame;
+use crate::state::value::Value;
+use crate::state::valve::Valve;
+
+/// A share of the limit that is not used up: collections never come closer.
+const RESERVE: usize = 64;
+
+/// A share of the limit that a table may keep as free room.
+const SLACK: usize = 32;
+
+impl Machine {
+    /// Bytes in use: what was alive at the last collection, and everything made since.
+    pub fn used_bytes(&self) -> usize {
+        self.heap.live.saturating_add(self.heap.allocated)
+    }
+
+    /// The bytes a run may come to.
+    fn allowed_bytes(&self) -> usize {
+        self.limits.bytes - self.limits.bytes / RESERVE
+    }
+
+    /// Makes sure that so many more bytes may be made while registers below `top` are in use.
+    pub(crate) fn make_room(&mut self, top: usize, bytes: usize) -> Result<(), Raise> {
+        if self.used_bytes().saturating_add(bytes) <= self.allowed_bytes() {
+            return Ok(());
+        }
+        self.scratch.top = top;
+        // A network under evaluation is not named by anything yet, nor is what it was called for.
+        if self.current != SCRATCH_TASK && bytes <= self.allowed_bytes() {
+            self.collect();
+        }
+        match self.used_bytes().saturating_add(bytes) <= self.allowed_bytes() {
+            true => Ok(()),
+            false => Err(self.out_of_memory()),
+        }
+    }
+
+    /// Bytes of free room that a table may keep: what is given back has to be taken from the system again.
+    pub(crate) fn slack(&self) -> usize {
+        self.limits.bytes / SLACK
+    }
+
+    /// How many more bytes may be made.
+    pub(crate) fn room(&self) -> usize {
+        self.allowed_bytes().saturating_sub(self.used_bytes())
+    }
+
+    /// Whether so many more bytes may be made without a collection.
+    pub fn has_room(&self, bytes: usize) -> bool {
+        self.used_bytes().saturating_add(bytes) <= self.allowed_bytes()
+    }
+
+    pub(crate) fn out_of_memory(&self) -> Raise {
+        let limit = self.limits.bytes;
+        let limit = if limit < 1 << 20 { format!("{limit} bytes") } else { format!("{} MiB", limit >> 20) };
+        Raise::new(
+            "out-of-memory",
+            format!("this would pass the limit of {limit}; keep less, or build less of it at a time"),
+        )
+    }
+
+    /// Sets when the next collection is due. `parts` are the bytes of what was found alive beside the
+    /// tables' own.
+    pub(crate) fn measure(&mut self, parts: usize) {
+        let output: usize = self.output.iter().map(|line| size_of::<Output>() + block(line.text.len())).sum();
+        let of_valve = |valve: &Valve| valve.links.len() * LINK + valve.waiters.len() * WAITER;
+        let events: usize = self.trace.events.iter().map(crate::state::trace::Event::bytes).sum();
+        self.heap.live = parts
+            + self.heap.bytes()
+            + self.tasks.bytes()
+            + self.fluents.slots() * size_of::<Option<Fluent>>()
+            + self.watches.slots() * size_of::<Option<Watch>>()
+            + self.timers.iter().count() * TIMER
+            + self.priorities.bytes()
+            + self.symbols.bytes()
+            + (self.globals.len() + self.constants.len()) * size_of::<Value>()
+            + self.valves.iter().map(of_valve).sum::<usize>()
+            + self.unit_bytes
+            + output
+            + events
+            + self.scratch.top * size_of::<Value>()
+            + self.scratch.frames.len() * size_of::<Frame>();
+        self.heap.allocated_before += self.heap.allocated as u64;
+        self.heap.allocated = 0;
+        let room = self.allowed_bytes().saturating_sub(self.heap.live);
+        let least = (self.limits.bytes / RESERVE).min(MIN_THRESHOLD);
+        self.heap.threshold = self.heap.live.max(MIN_THRESHOLD).min(room.max(least));
+    }
+}

@@ -1,0 +1,100 @@
+//! States of tasks, and the run queue.
+
+use crate::state::machine::Machine;
+use crate::state::slab::NONE;
+use crate::state::task::{State, Waiting};
+
+#[cold]
+fn refuse_transition(from: State, to: State) -> ! {
+    panic!("a task cannot become {} after {}", to.name(), from.name())
+}
+
+impl Machine {
+    /// The priority a task runs at: its own, or that of a requester whose way it blocks.
+    pub(crate) fn effective_priority(&self, task: u32) -> u32 {
+        let record = &self.tasks[task];
+        match record.rare.as_ref().and_then(|rare| rare.boost) {
+            Some(boost) => self.priorities.higher(record.priority, boost),
+            None => record.priority,
+        }
+    }
+
+    /// Whether the task stands in the run queue: ready, and not held by a suspension.
+    pub(crate) fn is_queued(&self, task: u32) -> bool {
+        let record = &self.tasks[task];
+        record.state == State::Ready && !record.is_held()
+    }
+
+    #[inline]
+    pub(crate) fn set_state(&mut self, task: u32, state: State) {
+        let record = &mut self.tasks[task];
+        let from = record.state;
+        if from == state {
+            return;
+        }
+        if !from.may_become(state) {
+            refuse_transition(from, state);
+        }
+        record.state = state;
+        if record.rare.is_some() {
+            self.note_status(task);
+        }
+    }
+
+    /// Makes a task ready; unless it is suspended it enters the run queue.
+    pub(crate) fn make_ready(&mut self, task: u32) {
+        self.set_state(task, State::Ready);
+        self.queue(task, false);
+    }
+
+    #[inline]
+    pub(crate) fn queue(&mut self, task: u32, front: bool) {
+        if self.claims > 0 {
+            self.renew_boost(task);
+        }
+        let record = &self.tasks[task];
+        let priority = if record.rare.is_none() && record.state == State::Ready {
+            record.priority
+        } else if self.is_queued(task) {
+            self.effective_priority(task)
+        } else {
+            return;
+        };
+        self.priorities.enqueue(&mut self.tasks, task, priority, front);
+        if self.current == NONE || self.scratch.switch {
+            return;
+        }
+        let current = &self.tasks[self.current];
+        if (current.priority != priority || current.rare.is_some())
+            && self.priorities.is_higher(priority, self.effective_priority(self.current))
+        {
+            self.scratch.switch = true;
+        }
+    }
+
+    /// Puts the running task back: at the front of its line, or aside if it is suspended.
+    pub(crate) fn requeue_running(&mut self, task: u32) {
+        self.set_state(task, State::Ready);
+        self.queue(task, true);
+    }
+
+    /// Puts the running task back as if nothing had happened: no fluent tells of it.
+    pub(crate) fn set_aside(&mut self, task: u32) {
+        self.tasks[task].state = State::Ready;
+        self.queue(task, true);
+    }
+
+    /// Takes a task out of the run queue, if it stands there.
+    pub(crate) fn unqueue(&mut self, task: u32) {
+        if self.is_queued(task) {
+            let priority = self.effective_priority(task);
+            self.priorities.withdraw(&mut self.tasks, task, priority);
+        }
+    }
+
+    /// Lets a running task go to the end of the line of its priority: its wait is over already.
+    pub(crate) fn give_way(&mut self, task: u32) {
+        self.tasks[task].waiting = Waiting::Nothing;
+        self.scratch.gives_way = true;
+    }
+}

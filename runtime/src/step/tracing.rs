@@ -1,0 +1,285 @@
+//! Events written to the trace, while it is switched on.
+
+use crate::state::machine::Machine;
+use crate::state::slab::NONE;
+use crate::state::task::{Leaving, State, Waiting};
+use crate::state::trace::{Event, EventKind};
+use crate::state::value::Value;
+use crate::step::condition::Reading;
+use crate::step::native::Surroundings;
+use rpl_lang::code::Program;
+use std::collections::BTreeSet;
+
+/// A fluent's name, in parentheses with those it is computed from.
+fn nested(reading: &Reading) -> String {
+    if reading.from.is_empty() {
+        return reading.fluent.clone();
+    }
+    let from: Vec<String> = reading.from.iter().map(nested).collect();
+    format!("({} {})", reading.fluent, from.join(" "))
+}
+
+/// The value of each fluent, once.
+fn collect_values<'r>(reading: &'r Reading, values: &mut Vec<(&'r str, String)>) {
+    if values.iter().all(|&(name, _)| name != reading.fluent) {
+        values.push((&reading.fluent, reading.value.clone()));
+    }
+    reading.from.iter().for_each(|reading| collect_values(reading, values));
+}
+
+impl Machine {
+    fn event(&mut self, path: String, kind: EventKind, details: Vec<(&str, String)>) {
+        let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
+        let sequence = self.trace.next_sequence;
+        self.trace.next_sequence += 1;
+        let event = Event { time_us: self.now_us, sequence, path, kind, details };
+        self.heap.allocated += event.bytes();
+        self.trace.events.push(event);
+    }
+
+    fn current_path(&self) -> String {
+        if self.current == NONE { String::new() } else { self.path(self.current) }
+    }
+
+    pub(crate) fn trace_task_begin(&mut self, task: u32) {
+        if !self.trace.enabled {
+            return;
+        }
+        let path = self.path(task);
+        self.event(path, EventKind::Begin, Vec::new());
+        if self.tasks[task].stop() > 0 {
+            self.trace_suspended(task, NONE);
+        }
+    }
+
+    pub(crate) fn trace_task_end(&mut self, program: &Program, task: u32) {
+        if !self.trace.enabled {
+            return;
+        }
+        let (state, result) = (self.tasks[task].state, self.tasks[task].value);
+        let mut details = vec![("state", state.name().to_string())];
+        match state {
+            State::Succeeded => details.push(("value", self.write(program, result))),
+            State::Failed => details.push(("failure", self.show(program, result))),
+            _ => {}
+        }
+        let path = self.path(task);
+        self.event(path, EventKind::End, details);
+    }
+
+    pub(crate) fn trace_call(&mut self, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Call, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_call_end(&mut self, task: u32, leaving: &Leaving) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let how = match leaving {
+                Leaving::Evaporate => "evaporated",
+                Leaving::Fail(_) | Leaving::FailCall { .. } => "failed",
+                Leaving::Block { .. } | Leaving::Jump { .. } => "left",
+            };
+            self.event(path, EventKind::Return, vec![("state", how.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_return(&mut self, program: &Program, task: u32, value: Value) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let details = vec![("state", "succeeded".to_string()), ("value", self.write(program, value))];
+            self.event(path, EventKind::Return, details);
+        }
+    }
+
+    #[inline]
+    pub(crate) fn trace_blocked(&mut self, program: &Program, task: u32) {
+        if self.trace.enabled {
+            self.write_blocked(program, task);
+        }
+    }
+
+    fn write_blocked(&mut self, program: &Program, task: u32) {
+        let waiting = self.tasks[task].waiting;
+        let mut details = vec![("on", self.describe(program, waiting))];
+        if let Some(span) = self.form_of(program, task).filter(|span| span.source.0 >= program.library_sources) {
+            details.push(("at", program.sources.place(span)));
+        }
+        if let Some(time_us) = self.scratch.wake_at.take() {
+            details.push(("until", format!("{:.3}", time_us as f64 / 1e6)));
+        }
+        let readings = self.readings(program, waiting);
+        if !readings.is_empty() {
+            details.push(("reads", readings.iter().map(nested).collect::<Vec<_>>().join(" ")));
+        }
+        let mut values = Vec::new();
+        readings.iter().for_each(|reading| collect_values(reading, &mut values));
+        details.extend(values);
+        let path = self.path(task);
+        self.event(path, EventKind::Blocked, details);
+    }
+
+    /// Conditions that tasks wait for have come to read other fluents.
+    pub(crate) fn trace_rereading(&mut self, program: &Program, networks: &[u32]) {
+        if !self.trace.enabled || networks.is_empty() {
+            return;
+        }
+        let mut concerned = BTreeSet::new();
+        let mut left = networks.to_vec();
+        while let Some(fluent) = left.pop() {
+            let Some(record) = self.fluents.get(fluent) else { continue };
+            if concerned.insert(fluent) {
+                left.extend(record.dependents.iter());
+            }
+        }
+        for task in self.living_tasks() {
+            let fluent = match self.tasks[task].waiting {
+                Waiting::Fluent { fluent, .. } => Some(fluent),
+                Waiting::Watch(watch) => Some(self.watches[watch].fluent),
+                _ => None,
+            };
+            if fluent.is_some_and(|fluent| concerned.contains(&fluent)) {
+                self.write_blocked(program, task);
+            }
+        }
+    }
+
+    #[inline]
+    pub(crate) fn trace_woken(&mut self, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Woken, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_suspended(&mut self, task: u32, by: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let by = (by != NONE).then(|| ("by", self.path(by)));
+            self.event(path, EventKind::Suspended, by.into_iter().collect());
+        }
+    }
+
+    pub(crate) fn trace_resumed(&mut self, task: u32) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            self.event(path, EventKind::Resumed, Vec::new());
+        }
+    }
+
+    #[inline]
+    pub(crate) fn trace_fluent(&mut self, program: &Program, fluent: u32) {
+        if self.trace.enabled {
+            self.write_fluent(program, fluent);
+        }
+    }
+
+    fn write_fluent(&mut self, program: &Program, fluent: u32) {
+        if let Some(name) = self.fluents[fluent].name
+            && !self.is_quiet(fluent)
+        {
+            let details = vec![
+                ("fluent", self.symbols.name(name).to_string()),
+                ("value", self.write(program, self.fluents[fluent].value)),
+            ];
+            let path = self.current_path();
+            self.event(path, EventKind::Fluent, details);
+        }
+    }
+
+    /// Whether a fluent changes with each step of the robot: one of the quiet ones, or a number that
+    /// is computed from them through numbers.
+    fn is_quiet(&self, fluent: u32) -> bool {
+        let mut seen = BTreeSet::new();
+        let mut waiting = vec![fluent];
+        while let Some(fluent) = waiting.pop() {
+            if self.trace.quiet.contains(&fluent) {
+                return true;
+            }
+            let record = &self.fluents[fluent];
+            if matches!(record.value, Value::Int(_) | Value::Float(_)) && seen.insert(fluent) {
+                waiting.extend(&record.inputs);
+            }
+        }
+        false
+    }
+
+    pub(crate) fn trace_pulse(&mut self, fluent: u32) {
+        if self.trace.enabled {
+            let name = self.fluent_name(fluent);
+            let path = self.current_path();
+            self.event(path, EventKind::Pulse, vec![("fluent", name)]);
+        }
+    }
+
+    pub(crate) fn trace_valve(&mut self, task: u32, valve: u32, what: &str) {
+        if self.trace.enabled {
+            let name = self.symbols.name(self.valves[valve as usize].name).to_string();
+            let path = self.path(task);
+            self.event(path, EventKind::Valve, vec![("valve", name), ("what", what.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_failed(&mut self, program: &Program, task: u32, failure: Value) {
+        if self.trace.enabled {
+            let mut details = vec![("failure", self.show(program, failure))];
+            if let Value::Failure(index) = failure
+                && let Some(span) = self.heap.failures[index].span
+            {
+                details.push(("at", program.sources.place(span)));
+            }
+            let path = self.path(task);
+            self.event(path, EventKind::Failed, details);
+        }
+    }
+
+    pub(crate) fn trace_handled(&mut self, task: u32, leaving: &Leaving) {
+        if let (true, Leaving::Fail(_)) = (self.trace.enabled, leaving) {
+            let path = self.path(task);
+            self.event(path, EventKind::Handled, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_behaviour(&mut self, around: &Surroundings<'_>, behaviour: u16, what: &str) {
+        if self.trace.enabled {
+            let name = around.outside.behaviours()[usize::from(behaviour)].name.to_string();
+            let path = self.current_path();
+            self.event(path, EventKind::Behaviour, vec![("behaviour", name), ("what", what.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_signal(&mut self, around: &Surroundings<'_>, behaviour: u16, signal: &Result<(), Value>) {
+        if self.trace.enabled {
+            let name = around.outside.behaviours()[usize::from(behaviour)].name.to_string();
+            let text = match signal {
+                Ok(()) => "success".to_string(),
+                Err(failure) => self.show(around.program, *failure),
+            };
+            self.event(String::new(), EventKind::Signal, vec![("behaviour", name), ("signal", text)]);
+        }
+    }
+
+    pub(crate) fn trace_robot(&mut self, what: &str, details: &[(String, String)]) {
+        if self.trace.enabled {
+            let mut all = vec![("what", what.to_string())];
+            all.extend(details.iter().map(|(name, value)| (name.as_str(), value.clone())));
+            self.event(String::new(), EventKind::Robot, all);
+        }
+    }
+
+    pub(crate) fn trace_log(&mut self, text: &str) {
+        if self.trace.enabled {
+            let path = self.current_path();
+            self.event(path, EventKind::Log, vec![("text", text.to_string())]);
+        }
+    }
+
+    pub(crate) fn trace_warning(&mut self, text: &str) {
+        if self.trace.enabled {
+            let path = self.current_path();
+            self.event(path, EventKind::Warning, vec![("text", text.to_string())]);
+        }
+    }
+}
