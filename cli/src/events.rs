@@ -145,7 +145,8 @@ pub fn shortened(path: &str, longest: usize) -> String {
 }
 
 fn waiting_leaf(machine: &Machine) -> Option<u32> {
-    let mut leaves = machine.tasks.iter().filter(|(_, task)| task.state == State::Blocked && task.first_child == NONE);
+    let mut leaves =
+        machine.tasks.iter().filter(|(_, task)| task.state() == State::Blocked && task.first_child == NONE);
     leaves.next().map(|(index, _)| index)
 }
 

@@ -5,7 +5,7 @@
 use crate::event_line::ROBOT;
 use crate::events::detail;
 use rpl_runtime::state::trace::{Event, EventKind};
-use rpl_runtime::step::condition::Reading;
+use rpl_runtime::step::tasks::condition::Reading;
 use std::collections::BTreeMap;
 
 /// How deep fluents that are computed from fluents are followed.

@@ -3,7 +3,7 @@
 use crate::mission::CONTINUOUS_FLUENTS;
 use crate::situation::{Ended, Situation, Standing, is_within};
 use rpl_lang::suggest::suggest;
-use rpl_runtime::step::condition::Reading;
+use rpl_runtime::step::tasks::condition::Reading;
 use std::borrow::Cow;
 
 /// Causes are followed down to this depth.

@@ -265,13 +265,8 @@ impl Machine {
         for (name, reading) in slots {
             values.push((self.symbols.intern(&name), self.reading_value(reading)));
         }
-        let failure = self.new_failure(class, message, values);
         let task = self.activation(behaviour).task.and_then(|task| self.tasks.find(task));
-        if let (Value::Failure(index), Some(task)) = (failure, task) {
-            self.heap.failures[index].path = self.path(task);
-            self.heap.failures[index].calls = self.plan_calls(task);
-        }
-        failure
+        self.new_failure(task.unwrap_or(self.current), class, message, values)
     }
 
     /// Keeps a signal until somebody takes it, and wakes who waits for it.

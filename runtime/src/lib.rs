@@ -1,4 +1,13 @@
 //! Values, heap, tasks, fluents, valves, failures, timers, scheduler, trace.
+//!
+//! The whole run is one value, [`run::system::System`], that [`run::system::System::advance`] steps
+//! from instant to instant. Nothing here knows a clock, a thread, a file or a robot: time is virtual,
+//! and the robot stands behind [`behaviour::Outside`].
+//!
+//! Three floors, each of which imports only from those below it: [`run`] on [`step`] on [`state`].
+//! Read in this order: [`state::value`], [`state::task`], [`state::machine`], `step::exec`,
+//! `step::construct`, [`step::tasks`], `step::fluents`, `step::valve`, [`behaviour`],
+//! [`run::system`].
 
 pub mod behaviour;
 pub mod run;

@@ -49,7 +49,7 @@ pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32)
     let machine = &system.machine;
     let record = &machine.tasks[task];
     let place = machine.form_of(&system.program, task).filter(|&span| is_own(system, span));
-    let is_blocked = record.state == State::Blocked;
+    let is_blocked = record.state() == State::Blocked;
     let on = match is_blocked {
         true if task == machine.main && system.is_waiting_for_form() => Some("the next form".to_string()),
         true => Some(machine.describe(&system.program, record.waiting)),
@@ -59,7 +59,7 @@ pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32)
         number: 0,
         path: machine.path(task),
         on,
-        is_created: record.state == State::Created,
+        is_created: record.state() == State::Created,
         until_us: ends_us.get(&task).copied(),
         is_suspended: record.is_held(),
         suspended_by: Vec::new(),
@@ -77,7 +77,7 @@ mod tests {
     use crate::repl::session::Until;
     use rpl_robot::office::OfficeSettings;
     use rpl_runtime::run::session::Answer;
-    use rpl_runtime::step::condition::Reading;
+    use rpl_runtime::step::tasks::condition::Reading;
 
     const PLANS: &[&str] = &[
         // Calls in calls, tags, spawned tasks, one name twice.

@@ -29,7 +29,7 @@ type WaitEnds = BTreeMap<u32, u64>;
 fn subtree(system: &System<Robot>, ends_us: &WaitEnds, task: u32, depth: usize, lines: &mut Vec<String>) {
     lines.push(format!("{}{}", "  ".repeat(depth), task_line(system, ends_us, task, depth == 0)));
     for child in system.machine.children(task) {
-        if !system.machine.tasks[child].state.is_dead() {
+        if !system.machine.tasks[child].state().is_dead() {
             subtree(system, ends_us, child, depth + 1, lines);
         }
     }

@@ -75,7 +75,7 @@ impl Vocabulary {
             let doc = global.doc.as_deref().and_then(|doc| doc.lines().next()).unwrap_or_default();
             (name, one_line(&signature, doc))
         });
-        let alive = machine.tasks.iter().filter(|(index, task)| *index != 0 && !task.state.is_dead());
+        let alive = machine.tasks.iter().filter(|(index, task)| *index != 0 && !task.state().is_dead());
         Self {
             names: names.collect(),
             stops: breakpoint::known_names(system),

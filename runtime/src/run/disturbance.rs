@@ -51,7 +51,7 @@ impl<O: Outside> System<O> {
                     record.waiting,
                     Waiting::Fluent { .. } | Waiting::Watch(_) | Waiting::Time | Waiting::Signal(_)
                 );
-                if record.state == State::Blocked && waits {
+                if record.state() == State::Blocked && waits {
                     let failure = machine.failure_from(Raise::new("plan-failure", "disturbed from outside"));
                     machine.wake(task, Wake::Raise(failure));
                 }

@@ -2,12 +2,11 @@
 
 use crate::behaviour::Outside;
 use crate::run::system::{Outcome, Progress, System};
-use crate::state::failure::Raise;
 use crate::state::machine::Machine;
-use crate::state::task::{Leaving, Wake};
+use crate::state::task::Wake;
 use crate::state::timers::Alarm;
 use crate::state::value::Value;
-use crate::step::timers::is_current;
+use crate::step::time::timers::is_current;
 
 impl<O: Outside> System<O> {
     /// Goes on to the end of the next instant.
@@ -26,7 +25,7 @@ impl<O: Outside> System<O> {
     pub fn next_instant(&mut self) {
         match self.next_instant_us() {
             Some(next_us) => self.enter_instant(next_us),
-            None => self.fail_deadlocked(),
+            None => self.with_machine(Machine::fail_deadlocked),
         }
     }
 
@@ -100,24 +99,5 @@ impl<O: Outside> System<O> {
             }
         }
         self.outcome()
-    }
-
-    /// Nothing can happen any more: the main task fails with what every task waits for. If it is
-    /// leaving already, the clean-up it waits for does.
-    fn fail_deadlocked(&mut self) {
-        self.with_machine(|machine, around| {
-            let waits = machine.what_tasks_wait_for(around.program);
-            let message = format!("every task is blocked and no timer runs: {waits}");
-            let failing = machine.deadlocked_task();
-            let failure = machine.failure_from(Raise::new("deadlock", message));
-            if let Value::Failure(index) = failure {
-                let (path, calls) = (machine.path(failing), machine.plan_calls(failing));
-                let record = &mut machine.heap.failures[index];
-                (record.path, record.calls, record.is_runaway) = (path, calls, true);
-            }
-            let strikes = machine.strikes_now(failing).saturating_add(1);
-            machine.strike(failing, strikes);
-            machine.depart(around, failing, Leaving::Fail(failure));
-        });
     }
 }

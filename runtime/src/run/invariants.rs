@@ -38,14 +38,14 @@ impl Machine {
     }
 
     fn check_task(&self, index: u32, task: &Task, is_queued: bool) -> Check {
-        ensure(is_queued == (task.state == State::Ready && !task.is_held()), || {
-            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state.name(), task.stop())
+        ensure(is_queued == (task.state() == State::Ready && !task.is_held()), || {
+            format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state().name(), task.stop())
         })?;
-        ensure(task.state != State::Running, || "runs between two steps".into())?;
-        ensure((task.state == State::Blocked) == (task.waiting != Waiting::Nothing), || {
-            format!("is {} and waits for {:?}", task.state.name(), task.waiting)
+        ensure(task.state() != State::Running, || "runs between two steps".into())?;
+        ensure((task.state() == State::Blocked) == (task.waiting != Waiting::Nothing), || {
+            format!("is {} and waits for {:?}", task.state().name(), task.waiting)
         })?;
-        if task.state.is_dead() {
+        if task.state().is_dead() {
             ensure(task.first_child == NONE, || "is dead and has children".into())?;
             return ensure(task.scopes.is_empty(), || format!("is dead and has the scopes {:?}", task.scopes));
         }
@@ -57,7 +57,7 @@ impl Machine {
     fn check_parent(&self, index: u32, task: &Task) -> Check {
         let mut stops = task.own_stops();
         if task.parent != NONE {
-            let parent = self.tasks.get(task.parent).filter(|parent| !parent.state.is_dead());
+            let parent = self.tasks.get(task.parent).filter(|parent| !parent.state().is_dead());
             let Some(parent) = parent else { return Err("outlives its parent".into()) };
             let before = task.previous_sibling;
             let is_linked = if before == NONE { parent.first_child } else { self.tasks[before].next_sibling } == index;
@@ -76,7 +76,7 @@ impl Machine {
         while at != NONE {
             let child = &self.tasks[at];
             ensure(child.parent == index && child.previous_sibling == before, || format!("a wrong link to {at}"))?;
-            ensure(!child.state.is_dead(), || format!("the dead child {at} is still linked"))?;
+            ensure(!child.state().is_dead(), || format!("the dead child {at} is still linked"))?;
             if !child.named_as_hook() {
                 match counts.get_mut(child.parent_scope as usize) {
                     Some(count) => *count += 1,
@@ -172,7 +172,7 @@ impl Machine {
 
     fn check_watches(&self) -> Check {
         for (index, watch) in self.watches.iter() {
-            let task = self.tasks.get(watch.task).filter(|task| !task.state.is_dead());
+            let task = self.tasks.get(watch.task).filter(|task| !task.state().is_dead());
             let has_scope = |task: &Task| task.scopes.iter().any(|scope| scope.kind == ScopeKind::Watch(index));
             ensure(task.is_some_and(has_scope), || format!("watch {index} belongs to no task"))?;
             let fluent = self.fluents.get(watch.fluent);

@@ -1,19 +1,19 @@
-//! Runs.
+//! Runs as values: started, stepped from instant to instant, forked, saved, gone back in, looked at.
 
 pub mod beside;
-pub mod datum;
+mod datum;
 pub mod difference;
 pub mod disturbance;
-pub mod execute_plan;
-pub mod instants;
-pub mod invariants;
+mod execute_plan;
+mod instants;
+mod invariants;
 pub mod library;
-pub mod macro_host;
+mod macro_host;
 pub mod save;
 pub mod session;
 pub mod stepping;
 pub mod system;
 pub mod timeline;
-pub mod units;
-pub mod validate;
-pub mod variables;
+mod units;
+mod validate;
+mod variables;

@@ -208,7 +208,7 @@ impl<O: Outside> System<O> {
         let main = &self.machine.tasks[self.machine.main];
         match (main.waiting, self.session_variable("%form?")) {
             (Waiting::Fluent { fluent, .. }, Some(Value::Fluent(has_form))) => {
-                main.state == State::Blocked && fluent == has_form
+                main.state() == State::Blocked && fluent == has_form
             }
             _ => false,
         }
@@ -277,7 +277,7 @@ impl<O: Outside> System<O> {
                 code.span.source == text.source && code.span.start >= text.start && code.span.end <= text.end
             })
         };
-        let alive = self.machine.tasks.iter().filter(|(_, task)| !task.state.is_dead());
+        let alive = self.machine.tasks.iter().filter(|(_, task)| !task.state().is_dead());
         alive
             .filter(|(_, task)| std::iter::once(&task.frame).chain(&*task.frames).any(|frame| is_within(frame.code)))
             .map(|(index, _)| self.machine.path(index))

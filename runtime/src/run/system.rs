@@ -231,7 +231,7 @@ impl<O: Outside> System<O> {
     /// How the main task ended, once it has.
     pub fn outcome(&self) -> Option<Outcome> {
         let main = &self.machine.tasks[self.machine.main];
-        match main.state {
+        match main.state() {
             State::Succeeded => Some(Outcome::Succeeded(main.value)),
             State::Failed => Some(Outcome::Failed(main.value)),
             State::Evaporated => Some(Outcome::Evaporated),

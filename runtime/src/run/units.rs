@@ -5,7 +5,7 @@ use crate::state::block::block;
 use crate::state::machine::Machine;
 use crate::state::slab::Slab;
 use crate::state::value::Value;
-use crate::step::gc::CodeMarks;
+use crate::step::memory::gc::CodeMarks;
 use rpl_lang::code::{Constant, Part, Program};
 use rpl_lang::compile::Compiled;
 use rpl_lang::source::SourceId;

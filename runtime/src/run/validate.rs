@@ -61,7 +61,7 @@ impl Machine {
         self.validate_fluents(bounds)?;
         self.validate_valves(bounds)?;
         for (index, task) in self.tasks.iter() {
-            let has_code = !task.state.is_dead() && (task.parent != NONE || index == self.main);
+            let has_code = !task.state().is_dead() && (task.parent != NONE || index == self.main);
             self.validate_task(bounds, task, has_code).map_err(|what| format!("task {index}: {what}"))?;
         }
         ensure(self.priorities.is_whole(), "the table of priorities is wrong")?;
@@ -221,12 +221,12 @@ impl Machine {
         self.symbol(task.name)?;
         self.validate_values(bounds, self.tasks.registers.get(task.registers).iter().chain([&task.value]))?;
         ensure(
-            task.raises == Raises::Nothing || task.state.is_dead() || matches!(task.value, Value::Failure(_)),
+            task.raises == Raises::Nothing || task.state().is_dead() || matches!(task.value, Value::Failure(_)),
             "what is raised is no failure",
         )?;
         // The record of a dead task may outlive those around it, and its links are followed no more.
         // Places in a line are checked with the line: a task in none keeps old ones.
-        if !task.state.is_dead() {
+        if !task.state().is_dead() {
             let links = [task.parent, task.first_child, task.last_child, task.next_sibling, task.previous_sibling];
             links.into_iter().try_for_each(|link| self.validate_link(link))?;
         }
@@ -358,7 +358,7 @@ impl Machine {
             main_reaches += 1;
             waiting.extend(self.children(task));
         }
-        let linked = self.tasks.iter().filter(|(_, task)| task.parent == NONE || !task.state.is_dead()).count();
+        let linked = self.tasks.iter().filter(|(_, task)| task.parent == NONE || !task.state().is_dead()).count();
         ensure(main_reaches == linked, "the task tree is no tree")
     }
 

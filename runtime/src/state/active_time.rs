@@ -1,4 +1,4 @@
-//! Waits and deadlines that count time worked.
+//! Time worked: waits and deadlines that count only while their task is not suspended.
 
 use serde::{Deserialize, Serialize};
 

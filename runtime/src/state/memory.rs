@@ -1,4 +1,4 @@
-//! Bytes that the parts of a run take.
+//! Bytes that the records of a run take, as [`crate::step::memory::room`] counts them.
 
 use crate::state::block::{block, entry};
 use crate::state::failure::Failure;

@@ -1,14 +1,15 @@
-//! Records: what a run consists of.
+//! The records a run consists of. Each has the operations that keep it whole, and no others: what a
+//! plan makes of them is in [`crate::step`].
 
 pub mod active_time;
-pub mod block;
+pub(crate) mod block;
 pub mod failure;
 pub mod fluent;
 pub mod heap;
 pub mod limits;
 pub mod line;
 pub mod machine;
-pub mod memory;
+pub(crate) mod memory;
 pub mod output;
 pub mod priorities;
 pub mod registers;

@@ -53,7 +53,7 @@ impl Tasks {
 
     /// The living task a name means.
     pub fn find_alive(&self, task: TaskRef) -> Option<u32> {
-        self.find(task).filter(|&index| !self.slots[index].state.is_dead())
+        self.find(task).filter(|&index| !self.slots[index].state().is_dead())
     }
 
     /// The values of a task's registers, while it does not run.
@@ -107,7 +107,7 @@ impl Tasks {
 
     /// The living task in a slot.
     pub fn get_alive(&self, index: u32) -> Option<&Task> {
-        self.get(index).filter(|task| !task.state.is_dead())
+        self.get(index).filter(|task| !task.state().is_dead())
     }
 
     /// The task in a slot, if it is used.

@@ -50,28 +50,39 @@ impl Machine {
         }
     }
 
-    /// Makes a failure object.
+    /// Makes a failure object, of the current task.
     pub(crate) fn failure_from(&mut self, raise: Raise) -> Value {
+        self.failure_of(self.current, raise)
+    }
+
+    /// Makes a failure object of a task.
+    pub(crate) fn failure_of(&mut self, task: u32, raise: Raise) -> Value {
         match raise {
             Raise::Again(failure) => failure,
             Raise::NoRoom(_) => {
                 let raise = self.out_of_memory();
-                self.failure_from(raise)
+                self.failure_of(task, raise)
             }
             Raise::New { class, message, slots } => {
                 let class = self.symbols.intern(class);
                 let slots = slots.into_iter().map(|(name, value)| (self.symbols.intern(name), value)).collect();
-                self.new_failure(class, with_short_words(message), slots)
+                self.new_failure(task, class, with_short_words(message), slots)
             }
         }
     }
 
-    /// Makes a failure of a class, raised by the current task.
-    pub(crate) fn new_failure(&mut self, class: Symbol, message: String, slots: Vec<(Symbol, Value)>) -> Value {
-        // The current task may have ended just now, and what was around it with it.
-        let (path, calls) = match self.tasks.get(self.current) {
-            Some(task) if !task.state.is_dead() => (self.path(self.current), self.plan_calls(self.current)),
-            _ => (String::new(), Vec::new()),
+    /// Makes a failure of a class, of a task.
+    pub(crate) fn new_failure(
+        &mut self,
+        task: u32,
+        class: Symbol,
+        message: String,
+        slots: Vec<(Symbol, Value)>,
+    ) -> Value {
+        // The task may have ended just now, and what was around it with it.
+        let (path, calls) = match self.tasks.get_alive(task) {
+            Some(_) => (self.path(task), self.plan_calls(task)),
+            None => (String::new(), Vec::new()),
         };
         let is_runaway = self.symbols.name(class) == "runaway";
         self.heap.failure(Failure {

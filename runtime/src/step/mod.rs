@@ -1,33 +1,21 @@
-//! What changes the records.
+//! What changes the records of [`crate::state`]: one step of a run.
+//!
+//! All of it is functions of the machine. [`exec`] runs the code of one task; an instruction about
+//! plans hands over to the folder of what it is about. Nothing here knows of a whole run or of a
+//! library.
 
-pub mod active_time;
-pub mod condition;
-pub mod construct;
-pub mod deadlock;
-pub mod death;
-pub mod evaporation;
-pub mod exec;
-pub mod failures;
-pub mod fluents;
-pub mod gc;
+mod construct;
+pub(crate) mod exec;
+pub(crate) mod failures;
+mod fluents;
+pub mod memory;
 pub mod native;
 pub mod natives;
-pub mod networks;
-pub mod output;
-pub mod path;
+mod output;
 pub mod print;
-pub mod program;
-pub mod room;
-pub mod scheduling;
-pub mod stall;
-pub mod status;
-pub mod stepping;
-pub mod suspension;
-pub mod time;
-pub mod timers;
-pub mod tracing;
-pub mod tree;
-pub mod unwind;
-pub mod valve;
-pub mod waiting;
-pub mod watches;
+mod program;
+mod stepping;
+pub mod tasks;
+pub(crate) mod time;
+mod tracing;
+mod valve;

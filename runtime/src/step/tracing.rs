@@ -5,8 +5,8 @@ use crate::state::slab::NONE;
 use crate::state::task::{Leaving, State, Waiting};
 use crate::state::trace::{Event, EventKind};
 use crate::state::value::Value;
-use crate::step::condition::Reading;
 use crate::step::native::Surroundings;
+use crate::step::tasks::condition::Reading;
 use rpl_lang::code::Program;
 use std::collections::BTreeSet;
 
@@ -56,7 +56,7 @@ impl Machine {
         if !self.trace.enabled {
             return;
         }
-        let (state, result) = (self.tasks[task].state, self.tasks[task].value);
+        let (state, result) = (self.tasks[task].state(), self.tasks[task].value);
         let mut details = vec![("state", state.name().to_string())];
         match state {
             State::Succeeded => details.push(("value", self.write(program, result))),

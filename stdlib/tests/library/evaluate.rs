@@ -27,7 +27,7 @@ pub fn library() -> &'static Arc<Library> {
 pub fn evaluate(text: &str) -> Result<String, String> {
     let mut system = System::without_robot(library(), "test", text, 0).map_err(|rejected| rejected.render(false))?;
     while system.advance() == Progress::Running {}
-    system.with_machine(|machine, around| match machine.tasks[machine.main].state {
+    system.with_machine(|machine, around| match machine.tasks[machine.main].state() {
         rpl_runtime::state::task::State::Succeeded => {
             Ok(machine.write(around.program, machine.tasks[machine.main].value))
         }

@@ -320,8 +320,8 @@ impl Run<'_> {
 
     fn check_end(&mut self) -> Result<(), String> {
         let machine = &self.system.machine;
-        if let Some((index, task)) = machine.tasks.iter().skip(1).find(|(_, task)| !task.state.is_dead()) {
-            return Err(format!("main is dead and {} is {}", machine.path(index), task.state.name()));
+        if let Some((index, task)) = machine.tasks.iter().skip(1).find(|(_, task)| !task.state().is_dead()) {
+            return Err(format!("main is dead and {} is {}", machine.path(index), task.state().name()));
         }
         if let Some(valve) = machine.valves.iter().find(|valve| !valve.is_at_rest()) {
             return Err(format!("main is dead and a valve is not free: {valve:?}"));
@@ -337,7 +337,7 @@ impl Run<'_> {
         {
             return Err(format!("main is dead and a timer is left for {next_us}"));
         }
-        match self.system.machine.tasks[self.system.machine.main].state {
+        match self.system.machine.tasks[self.system.machine.main].state() {
             State::Succeeded | State::Failed | State::Evaporated => Ok(()),
             other => Err(format!("main is {}", other.name())),
         }

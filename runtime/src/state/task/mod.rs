@@ -107,8 +107,9 @@ pub struct Task {
     pub rare: Option<Box<Rare>>,
     /// The register that gets the value it waits for.
     pub wake_register: Reg,
-    /// Where it is in its life.
-    pub state: State,
+    /// Where it is in its life. Written in [`Task::enter`] alone, so that no transition is made that is
+    /// not in the table.
+    state: State,
     /// A value names it, so its record outlives it.
     pub exposed: bool,
     /// Whether the path gives its position.
@@ -189,6 +190,24 @@ impl Task {
             steps: 0,
             budget_instant: 0,
         }
+    }
+
+    /// Where it is in its life.
+    #[inline]
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Goes on to another state of its life.
+    ///
+    /// # Panics
+    /// If the table of transitions, [`State::may_become`], does not have this one.
+    #[inline]
+    pub(crate) fn enter(&mut self, state: State) {
+        if !self.state.may_become(state) {
+            refuse_transition(self.state, state);
+        }
+        self.state = state;
     }
 
     /// What it finds when it goes on.
@@ -289,9 +308,7 @@ impl Task {
     pub fn is_protected(&self) -> bool {
         self.is_leaving() || self.is_cleaning_up()
     }
-}
 
-impl Task {
     /// Whether the task runs hooks of its parent and is no child of a construct.
     pub(crate) fn named_as_hook(&self) -> bool {
         self.rare.as_ref().is_some_and(|rare| rare.hooks_for.is_some())
@@ -301,4 +318,9 @@ impl Task {
     pub(crate) fn held(&self) -> &[u32] {
         self.rare.as_ref().map_or(&[], |rare| &rare.held)
     }
+}
+
+#[cold]
+fn refuse_transition(from: State, to: State) -> ! {
+    panic!("a task cannot become {} after {}", to.name(), from.name())
 }

@@ -50,13 +50,7 @@ impl Machine {
         let seconds = self.children_mut(task, scope).map_or(0.0, |children| children.seconds);
         let slot = self.symbols.intern("seconds");
         let class = self.symbols.intern("timeout");
-        let failure =
-            self.new_failure(class, format!("not done within {seconds} s"), vec![(slot, Value::Float(seconds))]);
-        if let Value::Failure(index) = failure {
-            self.heap.failures[index].path = self.path(task);
-            self.heap.failures[index].calls = self.plan_calls(task);
-        }
-        failure
+        self.new_failure(task, class, format!("not done within {seconds} s"), vec![(slot, Value::Float(seconds))])
     }
 
     /// Deadlines that came while tasks were suspended take effect, in the order in which they came.

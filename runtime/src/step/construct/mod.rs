@@ -1,5 +1,5 @@
-//! Constructs.
+//! Constructs of concurrent children: one primitive, and a rule that looks at how each child ends.
 
-pub mod deadline;
-pub mod outcome;
-pub mod start;
+mod deadline;
+mod outcome;
+mod start;

@@ -34,14 +34,14 @@ fn verdict(children: &mut Children, state: State, result: Value, position: u32) 
 }
 
 impl Machine {
-    pub(crate) fn composite(&mut self, parts: Vec<Value>) -> Value {
+    pub(crate) fn composite(&mut self, task: u32, parts: Vec<Value>) -> Value {
         let message = match parts.len() {
             0 => "there was nothing that could succeed".to_string(),
             1 => "the only way failed".to_string(),
             count => format!("all {count} ways failed"),
         };
         let class = self.symbols.intern("composite-failure");
-        let failure = self.new_failure(class, message, Vec::new());
+        let failure = self.new_failure(task, class, message, Vec::new());
         if let Value::Failure(index) = failure {
             let is_runaway =
                 |part: &Value| matches!(part, Value::Failure(part) if self.heap.failures[*part].is_runaway);
@@ -66,7 +66,8 @@ impl Machine {
     }
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        let (state, result, position) = (self.tasks[child].state, self.tasks[child].value, self.tasks[child].position);
+        let (state, result, position) =
+            (self.tasks[child].state(), self.tasks[child].value, self.tasks[child].position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {
@@ -136,7 +137,7 @@ impl Machine {
         }
         for child in free {
             if let Some(child) = self.tasks.find_alive(child)
-                && self.tasks[child].state == State::Created
+                && self.tasks[child].state() == State::Created
             {
                 self.start_task(around, child);
             }
@@ -149,7 +150,7 @@ impl Machine {
         let Some(ScopeKind::Children(children)) = record.scopes.get(scope as usize).map(|scope| &scope.kind) else {
             return;
         };
-        if children.alive > 0 || record.state != State::Blocked || record.scopes.len() != scope as usize + 1 {
+        if children.alive > 0 || record.state() != State::Blocked || record.scopes.len() != scope as usize + 1 {
             return;
         }
         if record.is_leaving() {
@@ -163,14 +164,7 @@ impl Machine {
         self.tasks[parent].wake_register = children.result;
         let decision = match (children.decided, children.rule) {
             (Some(decision), _) => decision,
-            (None, Rule::Pursue | Rule::TryAll) => {
-                let failure = self.composite(children.failures);
-                if let Value::Failure(index) = failure {
-                    self.heap.failures[index].path = self.path(parent);
-                    self.heap.failures[index].calls = self.plan_calls(parent);
-                }
-                Decision::Fail(failure)
-            }
+            (None, Rule::Pursue | Rule::TryAll) => Decision::Fail(self.composite(parent, children.failures)),
             (None, _) => Decision::Succeed(children.last_value),
         };
         let rare = self.tasks[parent].rare.as_ref();
@@ -208,7 +202,7 @@ impl Machine {
         }
         let record = &self.tasks[owner];
         let none_left = matches!(&record.scopes[scope as usize].kind, ScopeKind::Call(call) if call.spawned == 0);
-        if none_left && record.state == State::Blocked && record.waiting == Waiting::Spawned {
+        if none_left && record.state() == State::Blocked && record.waiting == Waiting::Spawned {
             if record.is_leaving() {
                 self.unwind(around, owner);
             } else {

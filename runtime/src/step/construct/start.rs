@@ -53,7 +53,7 @@ impl Machine {
     }
 
     /// Uses the record of a tag that was not reached yet, or makes a new one and rebinds the tag.
-    fn place_task(&mut self, child: &Child, task: Task, base: usize) -> u32 {
+    fn place_task(&mut self, child: &Child, mut task: Task, base: usize) -> u32 {
         if child.tag == NO_REG {
             return self.tasks.insert(task);
         }
@@ -65,11 +65,11 @@ impl Machine {
         };
         if let Value::Task(known) = known
             && let Some(index) = self.tasks.find_alive(known)
-            && self.tasks[index].state == State::Created
+            && self.tasks[index].state() == State::Created
             && self.tasks[index].parent == NONE
         {
-            let rare = self.tasks[index].rare.take();
-            self.tasks[index] = Task { exposed: true, rare, ..task };
+            (task.exposed, task.rare) = (true, self.tasks[index].rare.take());
+            self.tasks[index] = task;
             return index;
         }
         let index = self.tasks.insert(task);
@@ -246,7 +246,7 @@ impl Machine {
 
     fn empty_construct(&mut self, rule: Rule) -> Result<Option<Value>, Raise> {
         match rule {
-            Rule::Pursue | Rule::TryAll => Err(Raise::Again(self.composite(Vec::new()))),
+            Rule::Pursue | Rule::TryAll => Err(Raise::Again(self.composite(self.current, Vec::new()))),
             _ => Ok(Some(Value::Nil)),
         }
     }

@@ -1,13 +1,13 @@
 //! The stepper: executes register code of one task until it blocks, ends or is switched out.
 
-pub mod arithmetic;
-pub mod budget;
-pub mod calls;
-pub mod evaluation;
-pub mod instructions;
-pub mod plan_instructions;
-pub mod raising;
-pub mod turn;
+mod arithmetic;
+mod budget;
+mod calls;
+mod evaluation;
+mod instructions;
+mod plan_instructions;
+mod raising;
+pub(crate) mod turn;
 
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Place;
@@ -75,7 +75,7 @@ impl Machine {
     }
 
     fn is_alive(&self) -> bool {
-        self.tasks.get(self.current).is_some_and(|task| !task.state.is_dead())
+        self.tasks.get(self.current).is_some_and(|task| !task.state().is_dead())
     }
 
     /// Whether the running task must give way: something more important is ready, or it is

@@ -123,7 +123,7 @@ impl Machine {
         let (mut tags, mut most) = (std::mem::take(&mut call.tags), call.most_tags);
         if tags.len() >= most as usize {
             let tasks = &self.tasks;
-            tags.retain(|&tag| tasks.find(tag).is_some_and(|tag| tasks[tag].state == State::Created));
+            tags.retain(|&tag| tasks.find(tag).is_some_and(|tag| tasks[tag].state() == State::Created));
             most = (2 * tags.len() as u32).max(4);
         }
         tags.push(tag);

@@ -7,8 +7,8 @@ use crate::state::task::Leaving;
 use crate::state::value::Value;
 use crate::step::exec::Exit;
 use crate::step::native::Surroundings;
-use crate::step::path::form_in_plan;
-use crate::step::unwind::{Landing, Unwound};
+use crate::step::tasks::path::form_in_plan;
+use crate::step::tasks::unwind::{Landing, Unwound};
 
 impl Machine {
     /// Raises a failure where the current task stands; answers how it left, if it did.

@@ -157,10 +157,10 @@ impl Machine {
     #[inline]
     fn pause(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place) -> bool {
         let Some(record) = self.tasks.get_mut(task) else { return false };
-        if record.state != State::Running || record.rare.is_some() || self.scratch.gives_way {
+        if record.state() != State::Running || record.rare.is_some() || self.scratch.gives_way {
             return false;
         }
-        record.state = State::Blocked;
+        record.enter(State::Blocked);
         record.steps = self.limits.steps.saturating_sub(place.steps());
         let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
         self.store(task, place.frame, registers);
@@ -193,7 +193,7 @@ impl Machine {
 
     fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Ran {
         let mut ran = Ran::Task;
-        let alive = self.tasks.get(task).is_some_and(|record| !record.state.is_dead());
+        let alive = self.tasks.get(task).is_some_and(|record| !record.state().is_dead());
         if alive {
             self.tasks[task].steps = self.limits.steps.saturating_sub(place.steps());
         }
@@ -216,7 +216,7 @@ impl Machine {
                     }
                     _ => {
                         let gives_way = std::mem::take(&mut self.scratch.gives_way);
-                        if self.tasks[task].state == State::Running {
+                        if self.tasks[task].state() == State::Running {
                             self.set_state(task, State::Blocked);
                             if !gives_way {
                                 self.trace_blocked(around.program, task);

@@ -110,12 +110,12 @@ fn fail(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
             [] => {}
         }
     }
-    Err(Raise::Again(call.machine.new_failure(class, message, slots)))
+    Err(Raise::Again(call.machine.new_failure(call.machine.current, class, message, slots)))
 }
 
 fn fail_composite(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let parts = call.list(0)?;
-    Err(Raise::Again(call.machine.composite(parts)))
+    Err(Raise::Again(call.machine.composite(call.machine.current, parts)))
 }
 
 fn slot(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -165,7 +165,7 @@ fn task_at(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         .machine
         .tasks
         .iter()
-        .filter(|(index, task)| *index != crate::state::machine::SCRATCH_TASK && !task.state.is_dead())
+        .filter(|(index, task)| *index != crate::state::machine::SCRATCH_TASK && !task.state().is_dead())
         .map(|(index, _)| index)
         .find(|&index| call.machine.path(index) == path);
     Ok(Reply::Value(match found {

@@ -65,7 +65,7 @@ impl Machine {
     /// If the task ran hooks, the valve changes hands now.
     pub(crate) fn hooks_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let Some(valve) = self.tasks[task].rare.as_ref().and_then(|rare| rare.hooks_for) else { return };
-        if self.tasks[task].state == State::Failed {
+        if self.tasks[task].state() == State::Failed {
             let failure = self.tasks[task].value;
             self.warn_of_failure(around.program, failure, "in a hook");
         }

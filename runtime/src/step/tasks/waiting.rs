@@ -7,7 +7,7 @@ use crate::state::task::{Rare, State, Waiting, Wake};
 impl Machine {
     /// Wakes a blocked task with what it waited for. Only the first wake-up of a wait counts.
     pub(crate) fn wake(&mut self, task: u32, wake: Wake) {
-        if self.tasks[task].state != State::Blocked {
+        if self.tasks[task].state() != State::Blocked {
             return;
         }
         self.stop_waiting(task);

@@ -1,10 +1,10 @@
-//! CONDITION
+//! What a task waits for, in words: the condition as it stands in the text, and which fluents decide.
 
 use crate::state::fluent::Origin;
 use crate::state::machine::Machine;
 use crate::state::task::{ScopeKind, Waiting};
 use crate::state::timers::Alarm;
-use crate::step::timers::is_current;
+use crate::step::time::timers::is_current;
 use rpl_lang::code::Program;
 use std::collections::BTreeMap;
 

@@ -9,7 +9,7 @@ pub(crate) fn is_current(tasks: &crate::state::tasks::Tasks, timer: &crate::stat
     let Some(task) = tasks.find_alive(timer.task) else { return false };
     let record = &tasks[task];
     match timer.alarm {
-        crate::state::timers::Alarm::Wake(number) => record.state == State::Blocked && record.wait_number == number,
+        crate::state::timers::Alarm::Wake(number) => record.state() == State::Blocked && record.wait_number == number,
         crate::state::timers::Alarm::Deadline => record.scopes.iter().rev().any(|scope| {
             matches!(&scope.kind, ScopeKind::Children(children)
                 if children.timer == timer.number && children.decided.is_none())

@@ -130,7 +130,7 @@ impl Machine {
         }
         // Living tasks keep what they hold, whether a plan can name them or not.
         for (index, task) in self.tasks.iter() {
-            if !task.state.is_dead() {
+            if !task.state().is_dead() {
                 self.mark_task(&mut marker, index);
             }
         }
@@ -150,7 +150,7 @@ impl Machine {
         let unnamed: Vec<u32> = self
             .tasks
             .iter()
-            .filter(|&(index, task)| task.state.is_dead() && index != self.main && !marker.tasks.is_set(index))
+            .filter(|&(index, task)| task.state().is_dead() && index != self.main && !marker.tasks.is_set(index))
             .map(|(index, _)| index)
             .collect();
         for task in unnamed {
@@ -179,7 +179,7 @@ impl Machine {
             return;
         }
         marker.bytes += memory::task(task);
-        if !task.state.is_dead() {
+        if !task.state().is_dead() {
             task.frames.iter().chain([&task.frame]).for_each(|frame| marker.refer_to(frame.code));
         }
         marker.extend(self.tasks.registers_of(index));

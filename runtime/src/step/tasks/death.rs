@@ -7,7 +7,7 @@ use crate::state::stack::Stack;
 use crate::state::task::{Leaving, Raises, State, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
 use crate::step::native::Surroundings;
-use crate::step::unwind::Unwound;
+use crate::step::tasks::unwind::Unwound;
 use rpl_lang::code::Program;
 
 impl Machine {
@@ -35,7 +35,7 @@ impl Machine {
     pub(crate) fn end_call(&mut self, around: &mut Surroundings<'_>, tags: &[TaskRef]) {
         for &tag in tags {
             if let Some(index) = self.tasks.find_alive(tag)
-                && self.tasks[index].state == State::Created
+                && self.tasks[index].state() == State::Created
                 && self.tasks[index].parent == crate::state::slab::NONE
             {
                 self.die(around, index, State::Evaporated, Value::Nil);
@@ -52,12 +52,6 @@ impl Machine {
     }
 
     fn die_now(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
-        if matches!(self.tasks[task].state, State::Created | State::Ready | State::Blocked)
-            && state != State::Evaporated
-        {
-            // It was on its way out while not running.
-            self.tasks[task].state = State::Running;
-        }
         self.set_state(task, state);
         let was_protected = self.tasks[task].is_protected();
         let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);

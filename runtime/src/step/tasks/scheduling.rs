@@ -4,11 +4,6 @@ use crate::state::machine::Machine;
 use crate::state::slab::NONE;
 use crate::state::task::{State, Waiting};
 
-#[cold]
-fn refuse_transition(from: State, to: State) -> ! {
-    panic!("a task cannot become {} after {}", to.name(), from.name())
-}
-
 impl Machine {
     /// The priority a task runs at: its own, or that of a requester whose way it blocks.
     pub(crate) fn effective_priority(&self, task: u32) -> u32 {
@@ -22,20 +17,16 @@ impl Machine {
     /// Whether the task stands in the run queue: ready, and not held by a suspension.
     pub(crate) fn is_queued(&self, task: u32) -> bool {
         let record = &self.tasks[task];
-        record.state == State::Ready && !record.is_held()
+        record.state() == State::Ready && !record.is_held()
     }
 
     #[inline]
     pub(crate) fn set_state(&mut self, task: u32, state: State) {
         let record = &mut self.tasks[task];
-        let from = record.state;
-        if from == state {
+        if record.state() == state {
             return;
         }
-        if !from.may_become(state) {
-            refuse_transition(from, state);
-        }
-        record.state = state;
+        record.enter(state);
         if record.rare.is_some() {
             self.note_status(task);
         }
@@ -53,7 +44,7 @@ impl Machine {
             self.renew_boost(task);
         }
         let record = &self.tasks[task];
-        let priority = if record.rare.is_none() && record.state == State::Ready {
+        let priority = if record.rare.is_none() && record.state() == State::Ready {
             record.priority
         } else if self.is_queued(task) {
             self.effective_priority(task)
@@ -80,7 +71,7 @@ impl Machine {
 
     /// Puts the running task back as if nothing had happened: no fluent tells of it.
     pub(crate) fn set_aside(&mut self, task: u32) {
-        self.tasks[task].state = State::Ready;
+        self.tasks[task].enter(State::Ready);
         self.queue(task, true);
     }
 

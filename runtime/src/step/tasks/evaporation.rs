@@ -5,7 +5,7 @@ use crate::state::scratch::Departure;
 use crate::state::task::{Leaving, Raises, ScopeKind, State, Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
-use crate::step::path::form_in_plan;
+use crate::step::tasks::path::form_in_plan;
 use rpl_lang::code::NO_REG;
 
 impl Machine {
@@ -58,7 +58,7 @@ impl Machine {
     fn evaporate_now(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let record = &self.tasks[task];
         let has_begun = record.frame.pc > 0 || !record.frames.is_empty() || !record.scopes.is_empty();
-        if record.state == State::Created || (record.state == State::Ready && !has_begun) {
+        if record.state() == State::Created || (record.state() == State::Ready && !has_begun) {
             self.unqueue(task);
             self.die(around, task, State::Evaporated, Value::Nil);
         } else if record.is_protected() || record.is_committed() {
@@ -78,10 +78,10 @@ impl Machine {
             self.tasks[task].leave(leaving);
             return;
         }
-        match self.tasks[task].state {
+        match self.tasks[task].state() {
             State::Ready => {
                 self.unqueue(task);
-                self.tasks[task].state = State::Blocked;
+                self.tasks[task].enter(State::Blocked);
             }
             _ => {
                 // A valve's scope is entered before the valve is there: it is left with the wait.

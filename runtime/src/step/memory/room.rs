@@ -1,4 +1,8 @@
-//! ROOM
+//! The room that a run has left.
+//!
+//! Whatever is made adds its bytes to a counter; a collection measures what is alive. Their sum is at
+//! least what the run takes, whatever was given back meanwhile. All of it is a function of the state,
+//! of lengths and never of capacities, so that a copy runs out of memory where the original does.
 
 use crate::state::block::block;
 use crate::state::failure::Raise;

@@ -1,12 +1,15 @@
-//! Circles of waiting: a task that would wait for one that waits for it.
+//! Deadlocks: who waits for whom, waits that would close a circle, and runs in which nothing can
+//! happen any more.
 //!
-//! The search goes from both ends by turns, from the one that has cost less: who is waited for, and
-//! who waits. It is over when either has nobody left, so that a crowd on one side costs nothing.
+//! The search for a circle goes from both ends by turns, from the one that has cost less: who is waited
+//! for, and who waits. It is over when either has nobody left, so that a crowd on one side costs nothing.
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
-use crate::state::task::{ScopeKind, State, Waiting};
+use crate::state::task::{Leaving, ScopeKind, State, Waiting};
+use crate::state::value::Value;
+use crate::step::native::Surroundings;
 use rpl_lang::code::Program;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -106,7 +109,7 @@ impl Machine {
     fn who_waits_for(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
         let mut found = Vec::new();
-        if let Some(parent) = self.tasks.get_alive(record.parent).filter(|parent| parent.state == State::Blocked) {
+        if let Some(parent) = self.tasks.get_alive(record.parent).filter(|parent| parent.state() == State::Blocked) {
             let is_awaited = match parent.waiting {
                 Waiting::Spawned => true,
                 Waiting::Children => {
@@ -147,12 +150,25 @@ impl Machine {
         let in_lines = rare.held.iter().map(|&valve| self.valves[valve as usize].waiters.len());
         1 + rare.in_lines as usize + in_lines.sum::<usize>()
     }
-}
 
-impl Machine {
+    /// Nothing can happen any more: the main task fails with what every task waits for. If it is
+    /// leaving already, the clean-up it waits for does.
+    pub(crate) fn fail_deadlocked(&mut self, around: &mut Surroundings<'_>) {
+        let waits = self.what_tasks_wait_for(around.program);
+        let message = format!("every task is blocked and no timer runs: {waits}");
+        let failing = self.deadlocked_task();
+        let failure = self.failure_of(failing, Raise::new("deadlock", message));
+        if let Value::Failure(index) = failure {
+            self.heap.failures[index].is_runaway = true;
+        }
+        let strikes = self.strikes_now(failing).saturating_add(1);
+        self.strike(failing, strikes);
+        self.depart(around, failing, Leaving::Fail(failure));
+    }
+
     /// The task that fails when nothing can happen any more: main, or if that is on its way out,
     /// the innermost clean-up that keeps it.
-    pub(crate) fn deadlocked_task(&self) -> u32 {
+    fn deadlocked_task(&self) -> u32 {
         if !self.tasks[self.main].is_protected() {
             return self.main;
         }

@@ -8,7 +8,7 @@ use crate::state::slab::NONE;
 use crate::state::stall::Stall;
 use crate::state::task::{ScopeKind, State, Task};
 use crate::step::native::Surroundings;
-use crate::step::timers::is_current;
+use crate::step::time::timers::is_current;
 use rpl_lang::code::{Program, Rule};
 
 /// How long nothing may happen.
@@ -46,8 +46,8 @@ impl Machine {
     /// What each task that can go no further by itself waits for, the first in the tree first.
     pub(crate) fn what_tasks_wait_for(&self, program: &Program) -> String {
         let is_stuck = |task: &Task| {
-            task.state != State::Created
-                && ((task.state == State::Blocked && task.first_child == NONE) || task.is_held())
+            task.state() != State::Created
+                && ((task.state() == State::Blocked && task.first_child == NONE) || task.is_held())
         };
         let stuck: Vec<u32> = self.living_tasks().into_iter().filter(|&task| is_stuck(&self.tasks[task])).collect();
         let told = stuck.iter().take(MAX_TOLD).map(|&task| match self.tasks[task].is_held() {

@@ -127,13 +127,13 @@ impl Machine {
 
     /// A clean-up or departure of a task has ended: what waited for that goes on.
     pub(crate) fn protection_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        if !self.tasks[task].state.is_dead() {
+        if !self.tasks[task].state().is_dead() {
             self.turn_clocks(task);
         }
         let mut at = task;
         while self.waits_for_rest > 0 && at != NONE {
             let resters = self.tasks[at].rare.as_ref().map_or(Line::default(), |rare| rare.resters);
-            if resters != Line::default() && (self.tasks[at].state.is_dead() || self.is_at_rest(at)) {
+            if resters != Line::default() && (self.tasks[at].state().is_dead() || self.is_at_rest(at)) {
                 for rester in resters.tasks(&self.tasks) {
                     self.wake(rester, Wake::Value(Value::Nil));
                 }

@@ -1,4 +1,4 @@
-//! Time worked: waits and deadlines that count only while their task is not suspended.
+//! Time worked: its waits and deadlines stand still while their task is suspended.
 
 use crate::state::active_time::ActiveTime;
 use crate::state::machine::Machine;

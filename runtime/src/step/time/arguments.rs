@@ -1,4 +1,4 @@
-//! TODO
+//! Times as plans give them: seconds, which become microseconds of virtual time.
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;

@@ -45,7 +45,7 @@ impl Machine {
     }
 
     pub(crate) fn go_on_leaving(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        if self.tasks[task].state != State::Blocked || !self.tasks[task].is_leaving() {
+        if self.tasks[task].state() != State::Blocked || !self.tasks[task].is_leaving() {
             return;
         }
         self.tasks[task].waiting = Waiting::Nothing;
@@ -75,7 +75,7 @@ impl Machine {
                 self.evaporate_all(around, &hooks);
                 if self.tasks[task].first_child != crate::state::slab::NONE {
                     self.tasks[task].waiting = Waiting::Children;
-                    if self.tasks[task].state == State::Running {
+                    if self.tasks[task].state() == State::Running {
                         self.set_state(task, State::Blocked);
                     }
                     return Unwound::Waiting;
@@ -92,7 +92,7 @@ impl Machine {
                 Popped::On => {}
                 Popped::Wait(waiting) => {
                     self.tasks[task].waiting = waiting;
-                    if self.tasks[task].state == State::Running {
+                    if self.tasks[task].state() == State::Running {
                         self.set_state(task, State::Blocked);
                     }
                     return Unwound::Waiting;
