@@ -4,7 +4,7 @@ use crate::behaviour::Outside;
 use crate::run::datum;
 use crate::run::datum::{MAX_NODES, Origins, Unfit};
 use crate::run::library::has_error;
-use crate::run::macro_host::MacroMachine;
+use crate::run::macro_host::Macros;
 use crate::run::system::System;
 use crate::run::units::give_back;
 use crate::state::failure::Raise;
@@ -18,22 +18,10 @@ use std::sync::Arc;
 
 /// Steps that compiling a datum takes, and each of its parts.
 const STEPS_A_UNIT: usize = 500;
-
 const STEPS_A_NODE: usize = 20;
 
 /// What a part of a datum takes at most while it is compiled.
 const BYTES_A_NODE: usize = 512;
-
-/// The machine that expands macros in data, kept from one datum to the next: it has taken in the
-/// constants of the program so far. No part of the state.
-#[derive(Default)]
-pub(crate) struct Macros(Option<Box<MacroMachine>>);
-
-impl Clone for Macros {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
 
 /// Width at which plans made at run time are printed for their errors.
 const PLAN_WIDTH: usize = 100;

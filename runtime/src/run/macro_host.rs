@@ -31,6 +31,17 @@ pub struct MacroMachine {
     signatures: Arc<[NativeSignature]>,
 }
 
+/// The machine that expands macros in data, kept from one datum to the next: it has taken in the
+/// constants of the program so far. No part of the state.
+#[derive(Default)]
+pub(crate) struct Macros(pub(crate) Option<Box<MacroMachine>>);
+
+impl Clone for Macros {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 impl MacroMachine {
     /// A machine for the macros of a program.
     pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {

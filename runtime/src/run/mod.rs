@@ -1,5 +1,6 @@
 //! Runs as values: started, stepped from instant to instant, forked, saved, gone back in, looked at.
 
+mod base;
 pub mod beside;
 mod datum;
 pub mod difference;

@@ -11,9 +11,10 @@
 //! rest; the rest is [`postcard`].
 
 use crate::behaviour::{NoRobot, Outside};
+use crate::run::base::Base;
 use crate::run::difference::{Difference, difference};
-use crate::run::execute_plan::Macros;
 use crate::run::library::{Library, Loaded};
+use crate::run::macro_host::Macros;
 use crate::run::system::{SLICE_STEPS, System};
 use crate::run::units::Units;
 use crate::run::validate::{Bounds, validate_program};
@@ -24,7 +25,7 @@ use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 const MAGIC: &[u8; 7] = b"RPLSAVE";
 
@@ -92,19 +93,8 @@ impl fmt::Display for SaveError {
 
 impl std::error::Error for SaveError {}
 
-/// The program a run started from.
-#[derive(Debug)]
-pub(crate) struct Base {
-    pub(crate) program: Arc<Program>,
-    /// Computed by the first save.
-    fingerprint: OnceLock<u32>,
-}
-
 impl Base {
-    pub(crate) fn new(program: Arc<Program>) -> Self {
-        Self { program, fingerprint: OnceLock::new() }
-    }
-
+    /// Tells programs apart.
     fn fingerprint(&self, library: &Library) -> u32 {
         *self.fingerprint.get_or_init(|| {
             let mut hasher = crc32fast::Hasher::new();

@@ -1,9 +1,9 @@
 //! A run as a value: program, machine and robot, stepped from instant to instant.
 
 use crate::behaviour::{NoRobot, Outbox, Outside};
-use crate::run::execute_plan::Macros;
+use crate::run::base::Base;
 use crate::run::library::{Library, Loaded};
-use crate::run::save::Base;
+use crate::run::macro_host::Macros;
 use crate::run::units::Units;
 use crate::state::machine::Machine;
 use crate::state::task::State;

@@ -1,6 +1,7 @@
-//! Equality by content, of circular data as well.
+//! Equality by content, of circular data as well, and the keys it makes.
 
-use crate::state::heap::Heap;
+use super::key::{Key, KeyPart, MAX_KEY_PAIRS};
+use super::store::Heap;
 use crate::state::value::Value;
 use std::collections::BTreeMap;
 
@@ -90,5 +91,51 @@ impl Heap {
             }
         }
         (true, steps)
+    }
+
+    /// The key a value is found by; none if it has more than [`MAX_KEY_PAIRS`].
+    pub fn key(&self, value: Value) -> Option<Key> {
+        if !matches!(value, Value::Cons(_)) {
+            return Some(Key::Atom(self.key_part(value)));
+        }
+        let (mut parts, mut waiting, mut pairs) = (Vec::new(), vec![value], 0);
+        while let Some(value) = waiting.pop() {
+            parts.push(self.key_part(value));
+            if let Value::Cons(pair) = value {
+                pairs += 1;
+                if pairs > MAX_KEY_PAIRS {
+                    return None;
+                }
+                let (car, cdr) = self.pair(pair);
+                waiting.extend([cdr, car]);
+            }
+        }
+        Some(Key::List(parts.into()))
+    }
+
+    fn key_part(&self, value: Value) -> KeyPart {
+        match value {
+            Value::Nil | Value::Unbound => KeyPart::Nil,
+            Value::True => KeyPart::True,
+            Value::Int(value) => KeyPart::Int(value),
+            // `equal` takes both zeros for the same, and all that is not a number.
+            Value::Float(0.0) => KeyPart::Float(0),
+            Value::Float(value) if value.is_nan() => KeyPart::Float(f64::NAN.to_bits()),
+            Value::Float(value) => KeyPart::Float(value.to_bits()),
+            Value::Symbol(symbol) => KeyPart::Symbol(symbol),
+            Value::Keyword(symbol) => KeyPart::Keyword(symbol),
+            Value::Str(index) => KeyPart::Str(self.strings[index].clone()),
+            Value::Cons(_) => KeyPart::Pair,
+            Value::Cell(index) => KeyPart::Object(0, index, 0),
+            Value::Function(index) => KeyPart::Object(1, index, 0),
+            Value::Closure(index) => KeyPart::Object(2, index, 0),
+            Value::Native(index) => KeyPart::Object(3, u32::from(index), 0),
+            Value::Fluent(index) => KeyPart::Object(4, index, 0),
+            Value::Task(task) => KeyPart::Object(5, task.index, task.generation),
+            Value::Valve(index) => KeyPart::Object(6, index, 0),
+            Value::Failure(index) => KeyPart::Object(7, index, 0),
+            Value::Table(index) => KeyPart::Object(8, index, 0),
+            Value::Behaviour(index) => KeyPart::Object(9, u32::from(index), 0),
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Lists walked through, circles included.
 
-use crate::state::heap::Heap;
+use super::store::Heap;
 use crate::state::value::Value;
 
 /// The pairs of a list from the front; ends also where the list has been once round a circle.

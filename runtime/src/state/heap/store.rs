@@ -1,0 +1,248 @@
+//! The heap as data: objects in slabs of their own, made and swept.
+
+use super::key::{Key, table_entry};
+use crate::state::block::block;
+use crate::state::failure::Failure;
+use crate::state::memory::MIN_THRESHOLD;
+use crate::state::slab::{Marks, Slab, give_back, is_free_list};
+use crate::state::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A function with the values it captured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Closure {
+    /// Its code.
+    pub code: u32,
+    /// Copied behind the parameters at each call.
+    pub captured: Box<[Value]>,
+}
+
+/// A hash table: entries in the order of their keys, so that walking it is deterministic.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Key and value as the plan gave them.
+    pub entries: BTreeMap<Key, (Value, Value)>,
+}
+
+/// All heap objects of a system.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Heap {
+    /// Pairs; a free one has [`Value::Unbound`] as its first half.
+    pub pairs: Vec<(Value, Value)>,
+    free_pairs: Vec<u32>,
+    /// Strings.
+    pub strings: Slab<Arc<str>>,
+    /// Cells.
+    pub cells: Slab<Value>,
+    /// Closures.
+    pub closures: Slab<Closure>,
+    /// Hash tables.
+    pub tables: Slab<Table>,
+    /// Failures.
+    pub failures: Slab<Failure>,
+    /// Bytes that were made since the last collection, here and elsewhere in the machine.
+    pub allocated: usize,
+    /// The same for the time before.
+    pub allocated_before: u64,
+    /// A collection is due when `allocated` passes this.
+    pub threshold: usize,
+    /// Bytes that were found alive by the last collection, in the whole machine.
+    pub live: usize,
+    /// Bytes of the texts of strings.
+    pub text_bytes: usize,
+}
+
+/// Bytes of a pair.
+pub const PAIR: usize = size_of::<(Value, Value)>();
+
+/// Bytes of a string, its text not counted.
+const STRING: usize = size_of::<Option<Arc<str>>>();
+
+/// Bytes of a cell.
+const CELL: usize = size_of::<Option<Value>>();
+
+/// Bytes of a closure, what it captured not counted.
+const CLOSURE: usize = size_of::<Option<Closure>>();
+
+/// Bytes of a hash table, its entries not counted.
+const TABLE: usize = size_of::<Option<Table>>();
+
+/// Bytes of a failure, what it holds not counted.
+const FAILURE: usize = size_of::<Option<Failure>>();
+
+/// Bytes of a text and the two counters in front of it.
+fn text_block(text: &str) -> usize {
+    block(text.len() + 2 * size_of::<usize>())
+}
+
+/// Marks of one collection, and the objects still to be looked into.
+#[derive(Debug)]
+pub struct HeapMarks {
+    /// One bit a pair.
+    pub pairs: Marks,
+    /// One bit a string.
+    pub strings: Marks,
+    /// One bit a cell.
+    pub cells: Marks,
+    /// One bit a closure.
+    pub closures: Marks,
+    /// One bit a table.
+    pub tables: Marks,
+    /// One bit a failure.
+    pub failures: Marks,
+}
+
+impl HeapMarks {
+    /// Nothing marked.
+    pub fn new(heap: &Heap) -> Self {
+        Self {
+            pairs: Marks::new(heap.pairs.len()),
+            strings: Marks::new(heap.strings.slots()),
+            cells: Marks::new(heap.cells.slots()),
+            closures: Marks::new(heap.closures.slots()),
+            tables: Marks::new(heap.tables.slots()),
+            failures: Marks::new(heap.failures.slots()),
+        }
+    }
+}
+
+impl Heap {
+    /// An empty heap.
+    pub fn new() -> Self {
+        Self { threshold: MIN_THRESHOLD, ..Self::default() }
+    }
+
+    /// A new pair.
+    pub fn cons(&mut self, car: Value, cdr: Value) -> Value {
+        self.allocated += PAIR;
+        match self.free_pairs.pop() {
+            Some(index) => {
+                self.pairs[index as usize] = (car, cdr);
+                Value::Cons(index)
+            }
+            None => {
+                self.pairs.push((car, cdr));
+                Value::Cons(self.pairs.len() as u32 - 1)
+            }
+        }
+    }
+
+    /// A new string.
+    pub fn string(&mut self, text: &str) -> Value {
+        let bytes = text_block(text);
+        self.allocated += STRING + bytes;
+        self.text_bytes += bytes;
+        Value::Str(self.strings.insert(text.into()))
+    }
+
+    /// A new cell.
+    pub fn cell(&mut self, value: Value) -> Value {
+        self.allocated += CELL;
+        Value::Cell(self.cells.insert(value))
+    }
+
+    /// A new closure.
+    pub fn closure(&mut self, code: u32, captured: Box<[Value]>) -> Value {
+        self.allocated += CLOSURE + block(captured.len() * size_of::<Value>());
+        Value::Closure(self.closures.insert(Closure { code, captured }))
+    }
+
+    /// A new hash table. Its entries are counted where they are made.
+    pub fn table(&mut self) -> Value {
+        self.allocated += TABLE;
+        Value::Table(self.tables.insert(Table::default()))
+    }
+
+    /// A new failure.
+    pub(crate) fn failure(&mut self, failure: Failure) -> Value {
+        self.allocated += FAILURE + crate::state::memory::failure(&failure);
+        Value::Failure(self.failures.insert(failure))
+    }
+
+    /// Puts an entry into a hash table.
+    pub fn enter(&mut self, table: u32, key: Key, entry: (Value, Value)) {
+        self.allocated += table_entry(&key);
+        self.tables[table].entries.insert(key, entry);
+    }
+
+    /// A new list.
+    pub fn list(&mut self, items: &[Value]) -> Value {
+        self.list_with_tail(items, Value::Nil)
+    }
+
+    /// A new list that ends in `tail`.
+    pub fn list_with_tail(&mut self, items: &[Value], tail: Value) -> Value {
+        items.iter().rev().fold(tail, |tail, &item| self.cons(item, tail))
+    }
+
+    /// The halves of a pair.
+    pub fn pair(&self, index: u32) -> (Value, Value) {
+        self.pairs[index as usize]
+    }
+
+    /// Whether each table knows which of its places are free.
+    pub(crate) fn is_whole(&self) -> bool {
+        let pairs = is_free_list(&self.free_pairs, self.pairs.len(), |index| self.pairs[index].0 == Value::Unbound);
+        let slabs = [self.strings.is_whole(), self.cells.is_whole(), self.closures.is_whole()];
+        let counts = [self.allocated, self.live, self.text_bytes].iter().all(|&count| count <= usize::MAX / 8);
+        pairs && slabs == [true; 3] && self.tables.is_whole() && self.failures.is_whole() && counts
+    }
+
+    /// Whether a collection is due.
+    pub fn is_full(&self) -> bool {
+        self.allocated >= self.threshold
+    }
+
+    /// Frees what is not marked. A table keeps so many bytes of free room.
+    pub fn sweep(&mut self, marks: &HeapMarks, slack: usize) {
+        self.sweep_pairs(&marks.pairs, slack);
+        let mut freed = 0;
+        self.strings.sweep(&marks.strings, slack, |text| freed += text_block(&text));
+        self.text_bytes = self.text_bytes.saturating_sub(freed);
+        self.cells.sweep(&marks.cells, slack, drop);
+        self.closures.sweep(&marks.closures, slack, drop);
+        self.tables.sweep(&marks.tables, slack, drop);
+        self.failures.sweep(&marks.failures, slack, drop);
+    }
+
+    /// The free pairs are used again from the first on, so that those at the end can be given back.
+    fn sweep_pairs(&mut self, marks: &Marks, slack: usize) {
+        let used = marks.last().map_or(0, |last| last as usize + 1);
+        self.pairs.truncate(used);
+        give_back(&mut self.pairs, slack);
+        self.free_pairs.clear();
+        for (group, pairs) in self.pairs.chunks_mut(64).enumerate().rev() {
+            let first = group * 64;
+            if marks.are_all_set(first) {
+                continue;
+            }
+            for (offset, pair) in pairs.iter_mut().enumerate().rev() {
+                let index = (first + offset) as u32;
+                if !marks.is_set(index) {
+                    *pair = (Value::Unbound, Value::Nil);
+                    self.free_pairs.push(index);
+                }
+            }
+        }
+        give_back(&mut self.free_pairs, slack);
+    }
+
+    /// Bytes ever made.
+    pub fn made_bytes(&self) -> u64 {
+        self.allocated_before + self.allocated as u64
+    }
+
+    /// Bytes of all tables, free places included, and of texts.
+    pub(crate) fn bytes(&self) -> usize {
+        self.pairs.len() * PAIR
+            + self.free_pairs.len() * size_of::<u32>()
+            + self.strings.slots() * STRING
+            + self.text_bytes
+            + self.cells.slots() * CELL
+            + self.closures.slots() * CLOSURE
+            + self.tables.slots() * TABLE
+            + self.failures.slots() * FAILURE
+    }
+}
