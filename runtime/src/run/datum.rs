@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) type Origins = BTreeMap<u32, NodeId>;
 
 /// What is left to do of a node on its way to a value.
-enum Step {
+enum Visit {
     Node(NodeId),
     End(NodeId),
 }
@@ -21,20 +21,20 @@ enum Step {
 /// A node as a value.
 pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: NodeId, origins: &mut Origins) -> Value {
     let mut values = Vec::new();
-    let mut steps = vec![Step::Node(node)];
+    let mut steps = vec![Visit::Node(node)];
     while let Some(step) = steps.pop() {
         let node = match step {
-            Step::End(node) => {
+            Visit::End(node) => {
                 let items = values.split_off(values.len() - tree.items(node).len());
                 values.push(list_of(heap, tree, node, items, origins));
                 continue;
             }
-            Step::Node(node) => node,
+            Visit::Node(node) => node,
         };
         values.push(match &tree.get(node).kind {
             Kind::List { .. } => {
-                steps.push(Step::End(node));
-                steps.extend(tree.items(node).iter().rev().map(|&item| Step::Node(item)));
+                steps.push(Visit::End(node));
+                steps.extend(tree.items(node).iter().rev().map(|&item| Visit::Node(item)));
                 continue;
             }
             Kind::Symbol(symbol) => match symbols.name(*symbol) {
@@ -92,7 +92,7 @@ pub(crate) fn to_node(
     most: usize,
 ) -> Result<NodeId, Unfit> {
     let Value::Cons(first) = value else { return Ok(leaf(heap, symbols, tree, value, span, objects)) };
-    let mut builder = Builder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
+    let mut builder = TreeBuilder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
     builder.open(first);
     let mut count = 0;
     while let Some(list) = builder.open.last_mut() {
@@ -164,7 +164,7 @@ fn leaf(
 }
 
 /// A list that is being walked.
-struct Open {
+struct OpenList {
     first: u32,
     /// What follows the pairs walked so far.
     at: Value,
@@ -172,18 +172,18 @@ struct Open {
     before: usize,
 }
 
-struct Builder<'h> {
+struct TreeBuilder<'h> {
     heap: &'h Heap,
-    open: Vec<Open>,
+    open: Vec<OpenList>,
     /// Items of the open lists.
     nodes: Vec<NodeId>,
     /// Pairs walked of the open lists: to come to one again is to go in a circle.
     on_path: BTreeSet<u32>,
 }
 
-impl Builder<'_> {
+impl TreeBuilder<'_> {
     fn open(&mut self, first: u32) {
-        self.open.push(Open { first, at: Value::Cons(first), before: self.nodes.len() });
+        self.open.push(OpenList { first, at: Value::Cons(first), before: self.nodes.len() });
     }
 
     /// Ends the innermost list; gives its first pair and its items.

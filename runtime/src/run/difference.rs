@@ -40,7 +40,7 @@ impl Display for Difference {
 }
 
 fn leaves<T: Serialize + ?Sized>(name: &str, value: &T) -> Vec<(String, String)> {
-    let mut walk = Walk { path: name.to_string(), leaves: Vec::new(), places: Vec::new() };
+    let mut walk = DifferenceWalk { path: name.to_string(), leaves: Vec::new(), places: Vec::new() };
     match value.serialize(&mut walk) {
         Ok(()) => walk.leaves,
         Err(error) => unreachable!("a state can be written: {error}"),
@@ -50,7 +50,7 @@ fn leaves<T: Serialize + ?Sized>(name: &str, value: &T) -> Vec<(String, String)>
 /// Tables keep their entries in a list of this name, which paths leave out.
 const TABLE: &str = "slots";
 
-struct Walk {
+struct DifferenceWalk {
     path: String,
     leaves: Vec<(String, String)>,
     /// For each list under way: the number of its next element.
@@ -77,7 +77,7 @@ impl ser::Error for Never {
 
 type Walked = Result<(), Never>;
 
-impl Walk {
+impl DifferenceWalk {
     fn leaf(&mut self, value: impl Display) -> Walked {
         self.leaves.push((self.path.clone(), value.to_string()));
         Ok(())
@@ -115,16 +115,16 @@ macro_rules! leaf {
     };
 }
 
-impl<'w> ser::Serializer for &'w mut Walk {
+impl<'w> ser::Serializer for &'w mut DifferenceWalk {
     type Ok = ();
     type Error = Never;
-    type SerializeSeq = &'w mut Walk;
-    type SerializeTuple = &'w mut Walk;
-    type SerializeTupleStruct = &'w mut Walk;
-    type SerializeTupleVariant = &'w mut Walk;
-    type SerializeMap = &'w mut Walk;
-    type SerializeStruct = &'w mut Walk;
-    type SerializeStructVariant = &'w mut Walk;
+    type SerializeSeq = &'w mut DifferenceWalk;
+    type SerializeTuple = &'w mut DifferenceWalk;
+    type SerializeTupleStruct = &'w mut DifferenceWalk;
+    type SerializeTupleVariant = &'w mut DifferenceWalk;
+    type SerializeMap = &'w mut DifferenceWalk;
+    type SerializeStruct = &'w mut DifferenceWalk;
+    type SerializeStructVariant = &'w mut DifferenceWalk;
 
     leaf!(serialize_bool: bool, serialize_i8: i8, serialize_i16: i16, serialize_i32: i32, serialize_i64: i64,
         serialize_i128: i128, serialize_u8: u8, serialize_u16: u16, serialize_u32: u32, serialize_u64: u64,
@@ -216,7 +216,7 @@ impl<'w> ser::Serializer for &'w mut Walk {
 
 macro_rules! elements {
     ($($part:ident $method:ident),*) => {
-        $(impl ser::$part for &mut Walk {
+        $(impl ser::$part for &mut DifferenceWalk {
             type Ok = ();
             type Error = Never;
 
@@ -234,7 +234,7 @@ macro_rules! elements {
 elements!(SerializeSeq serialize_element, SerializeTuple serialize_element, SerializeTupleStruct serialize_field,
     SerializeTupleVariant serialize_field);
 
-impl ser::SerializeMap for &mut Walk {
+impl ser::SerializeMap for &mut DifferenceWalk {
     type Ok = ();
     type Error = Never;
 
@@ -253,7 +253,7 @@ impl ser::SerializeMap for &mut Walk {
 
 macro_rules! fields {
     ($($part:ident),*) => {
-        $(impl ser::$part for &mut Walk {
+        $(impl ser::$part for &mut DifferenceWalk {
             type Ok = ();
             type Error = Never;
 

@@ -8,9 +8,7 @@ use crate::state::valve::{Below, Link, LinkKind, NO_LINK, Valve};
 use crate::state::valve_line::ValveLine;
 use std::collections::BTreeMap;
 
-type Check = Result<(), String>;
-
-fn ensure(holds: bool, what: impl FnOnce() -> String) -> Check {
+fn ensure(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
     if holds { Ok(()) } else { Err(what()) }
 }
 
@@ -37,7 +35,7 @@ impl Machine {
         self.check_valves()
     }
 
-    fn check_task(&self, index: u32, task: &Task, is_queued: bool) -> Check {
+    fn check_task(&self, index: u32, task: &Task, is_queued: bool) -> Result<(), String> {
         ensure(is_queued == (task.state() == State::Ready && !task.is_held()), || {
             format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state().name(), task.stop())
         })?;
@@ -54,7 +52,7 @@ impl Machine {
         self.check_waiting(index, task)
     }
 
-    fn check_parent(&self, index: u32, task: &Task) -> Check {
+    fn check_parent(&self, index: u32, task: &Task) -> Result<(), String> {
         let mut stops = task.own_stops();
         if task.parent != NONE {
             let parent = self.tasks.get(task.parent).filter(|parent| !parent.state().is_dead());
@@ -69,7 +67,7 @@ impl Machine {
         ensure(stops == task.stop(), || format!("counts {} suspensions, and there are {stops}", task.stop()))
     }
 
-    fn check_children(&self, index: u32, task: &Task) -> Check {
+    fn check_children(&self, index: u32, task: &Task) -> Result<(), String> {
         let mut counts = vec![0; task.scopes.len()];
         let mut at = task.first_child;
         let mut before = NONE;
@@ -97,7 +95,7 @@ impl Machine {
         Ok(())
     }
 
-    fn check_waiting(&self, index: u32, task: &Task) -> Check {
+    fn check_waiting(&self, index: u32, task: &Task) -> Result<(), String> {
         ensure(self.clocks_are_right(index), || "counts time worked while it is suspended, or does not".into())?;
         match task.waiting {
             Waiting::Fluent { fluent, .. } => {
@@ -144,7 +142,7 @@ impl Machine {
         before == task && behind == task
     }
 
-    fn check_fluents(&self) -> Check {
+    fn check_fluents(&self) -> Result<(), String> {
         let mut in_line = 0;
         for (index, fluent) in self.fluents.iter() {
             for &input in &fluent.inputs {
@@ -170,7 +168,7 @@ impl Machine {
         ensure(in_line == waiting, || format!("{waiting} tasks wait for fluents, and {in_line} stand in their lines"))
     }
 
-    fn check_watches(&self) -> Check {
+    fn check_watches(&self) -> Result<(), String> {
         for (index, watch) in self.watches.iter() {
             let task = self.tasks.get(watch.task).filter(|task| !task.state().is_dead());
             let has_scope = |task: &Task| task.scopes.iter().any(|scope| scope.kind == ScopeKind::Watch(index));
@@ -183,7 +181,7 @@ impl Machine {
         Ok(())
     }
 
-    fn check_valves(&self) -> Check {
+    fn check_valves(&self) -> Result<(), String> {
         let mut claims = 0;
         let mut links = BTreeMap::new();
         for (number, valve) in self.valves.iter().enumerate() {
@@ -208,7 +206,7 @@ impl Machine {
         ensure(links == known, || format!("valves have the links {links:?}, and tasks know of {known:?}"))
     }
 
-    fn check_valve(&self, number: u32, valve: &Valve) -> Check {
+    fn check_valve(&self, number: u32, valve: &Valve) -> Result<(), String> {
         let mut before = NO_LINK;
         for link in &valve.links {
             let task = self.tasks.find_alive(link.task).map(|task| &self.tasks[task]);
@@ -228,7 +226,7 @@ impl Machine {
     }
 
     /// The lines are those that follow from who waits.
-    fn check_line(&self, number: u32, valve: &Valve) -> Check {
+    fn check_line(&self, number: u32, valve: &Valve) -> Result<(), String> {
         let mut line = ValveLine::default();
         let mut lines: BTreeMap<u64, Below> = BTreeMap::new();
         for (&task, waiter) in &valve.waiters {

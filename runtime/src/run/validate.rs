@@ -8,11 +8,9 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::slab::NONE;
 use crate::state::task::{Children, Decision, Leaving, Raises, Scope, ScopeKind, Task, Then, Waiting};
 use crate::state::value::{TaskRef, Value};
-use crate::state::valve::{LinkKind, Purpose};
+use crate::state::valve::{HoldPurpose, LinkKind};
 use rpl_lang::code::{Op, Program};
 use rpl_lang::symbol::Symbol;
-
-type Check = Result<(), String>;
 
 /// Counters that only grow stay far from their end.
 const MAX_COUNT: u32 = u32::MAX / 2;
@@ -20,7 +18,7 @@ const MAX_COUNT: u32 = u32::MAX / 2;
 /// How far above its caller's a frame can begin.
 const WINDOW: u32 = 256;
 
-fn ensure(holds: bool, what: &str) -> Check {
+fn ensure(holds: bool, what: &str) -> Result<(), String> {
     if holds { Ok(()) } else { Err(what.to_string()) }
 }
 
@@ -32,7 +30,7 @@ pub(crate) struct Bounds<'p> {
 }
 
 impl Bounds<'_> {
-    fn code(&self, code: u32) -> Check {
+    fn code(&self, code: u32) -> Result<(), String> {
         ensure((code as usize) < self.program.codes.len(), "a code is not in the program")
     }
 }
@@ -42,7 +40,7 @@ impl Machine {
     ///
     /// # Errors
     /// One sentence about the first thing that names nothing. Cost: linear.
-    pub(crate) fn validate(&self, bounds: &Bounds<'_>) -> Check {
+    pub(crate) fn validate(&self, bounds: &Bounds<'_>) -> Result<(), String> {
         ensure(self.is_whole(), "a table's list of free places is wrong")?;
         ensure(
             self.constants.len() == bounds.program.constants.len(),
@@ -76,23 +74,23 @@ impl Machine {
         self.fluents.is_whole() && self.watches.is_whole() && self.tasks.is_whole() && self.heap.is_whole()
     }
 
-    fn symbol(&self, symbol: Symbol) -> Check {
+    fn symbol(&self, symbol: Symbol) -> Result<(), String> {
         ensure(self.symbols.contains(symbol), "a symbol has no name")
     }
 
-    fn validate_reference(&self, task: TaskRef) -> Check {
+    fn validate_reference(&self, task: TaskRef) -> Result<(), String> {
         ensure(self.tasks.may_be_named(task), "a task is not in its table")
     }
 
-    fn validate_link(&self, task: u32) -> Check {
+    fn validate_link(&self, task: u32) -> Result<(), String> {
         ensure(task == NONE || self.tasks.get(task).is_some(), "a link leads to no task")
     }
 
-    fn fluent(&self, fluent: u32) -> Check {
+    fn fluent(&self, fluent: u32) -> Result<(), String> {
         ensure(self.fluents.get(fluent).is_some(), "a fluent is not in its table")
     }
 
-    fn validate_value(&self, bounds: &Bounds<'_>, value: Value) -> Check {
+    fn validate_value(&self, bounds: &Bounds<'_>, value: Value) -> Result<(), String> {
         let heap = &self.heap;
         match value {
             Value::Nil | Value::True | Value::Int(_) | Value::Float(_) | Value::Unbound => Ok(()),
@@ -112,16 +110,20 @@ impl Machine {
         }
     }
 
-    fn validate_failure(&self, bounds: &Bounds<'_>, value: Value) -> Check {
+    fn validate_failure(&self, bounds: &Bounds<'_>, value: Value) -> Result<(), String> {
         ensure(matches!(value, Value::Failure(_)), "what is raised is no failure")?;
         self.validate_value(bounds, value)
     }
 
-    fn validate_values<'v>(&self, bounds: &Bounds<'_>, values: impl IntoIterator<Item = &'v Value>) -> Check {
+    fn validate_values<'v>(
+        &self,
+        bounds: &Bounds<'_>,
+        values: impl IntoIterator<Item = &'v Value>,
+    ) -> Result<(), String> {
         values.into_iter().try_for_each(|&value| self.validate_value(bounds, value))
     }
 
-    fn validate_heap(&self, bounds: &Bounds<'_>) -> Check {
+    fn validate_heap(&self, bounds: &Bounds<'_>) -> Result<(), String> {
         for &(car, cdr) in &self.heap.pairs {
             self.validate_value(bounds, car)?;
             self.validate_value(bounds, cdr)?;
@@ -157,7 +159,7 @@ impl Machine {
         Ok(())
     }
 
-    fn validate_fluents(&self, bounds: &Bounds<'_>) -> Check {
+    fn validate_fluents(&self, bounds: &Bounds<'_>) -> Result<(), String> {
         for (_, fluent) in self.fluents.iter() {
             fluent.name.map_or(Ok(()), |name| self.symbol(name))?;
             self.validate_value(bounds, fluent.value)?;
@@ -181,14 +183,14 @@ impl Machine {
         Ok(())
     }
 
-    fn validate_valves(&self, bounds: &Bounds<'_>) -> Check {
+    fn validate_valves(&self, bounds: &Bounds<'_>) -> Result<(), String> {
         for valve in &self.valves {
             self.symbol(valve.name)?;
             for link in &valve.links {
                 self.validate_reference(link.task)?;
                 if let LinkKind::Hold { count, purpose } = link.kind {
                     ensure(count > 0 && count <= MAX_COUNT, "a hold counts nothing")?;
-                    if let Purpose::Activation(behaviour) = purpose {
+                    if let HoldPurpose::Activation(behaviour) = purpose {
                         ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")?;
                     }
                 }
@@ -217,7 +219,7 @@ impl Machine {
         Ok(())
     }
 
-    fn validate_task(&self, bounds: &Bounds<'_>, task: &Task, has_code: bool) -> Check {
+    fn validate_task(&self, bounds: &Bounds<'_>, task: &Task, has_code: bool) -> Result<(), String> {
         self.symbol(task.name)?;
         self.validate_values(bounds, self.tasks.registers.get(task.registers).iter().chain([&task.value]))?;
         ensure(
@@ -270,7 +272,7 @@ impl Machine {
         ensure(valves.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
     }
 
-    fn validate_scope(&self, bounds: &Bounds<'_>, task: &Task, scope: &Scope) -> Check {
+    fn validate_scope(&self, bounds: &Bounds<'_>, task: &Task, scope: &Scope) -> Result<(), String> {
         let depth = scope.depth as usize;
         ensure(depth <= task.frames.len(), "a scope belongs to no frame")?;
         let frame = task.frames.get(depth).unwrap_or(&task.frame);
@@ -303,7 +305,7 @@ impl Machine {
         }
     }
 
-    fn validate_children(&self, bounds: &Bounds<'_>, children: &Children) -> Check {
+    fn validate_children(&self, bounds: &Bounds<'_>, children: &Children) -> Result<(), String> {
         self.symbol(children.name)?;
         self.validate_value(bounds, children.last_value)?;
         children.held.iter().try_for_each(|held| self.validate_reference(held.task))?;
@@ -315,7 +317,7 @@ impl Machine {
         }
     }
 
-    fn validate_leaving(&self, bounds: &Bounds<'_>, task: &Task, leaving: &Leaving) -> Check {
+    fn validate_leaving(&self, bounds: &Bounds<'_>, task: &Task, leaving: &Leaving) -> Result<(), String> {
         match leaving {
             Leaving::Evaporate => Ok(()),
             Leaving::Fail(failure) | Leaving::FailCall { failure, .. } => self.validate_failure(bounds, *failure),
@@ -331,7 +333,7 @@ impl Machine {
     }
 
     /// No line is a circle, no task stands in two.
-    fn validate_lines(&self) -> Check {
+    fn validate_lines(&self) -> Result<(), String> {
         let mut seen = crate::state::slab::Marks::new(self.tasks.slots());
         let fluents = self.fluents.iter().map(|(_, fluent)| fluent.waiters);
         let rare = self.tasks.iter().filter_map(|(_, task)| task.rare.as_ref());
@@ -382,7 +384,7 @@ impl Machine {
 ///
 /// # Errors
 /// One sentence about the first thing that names nothing.
-pub(crate) fn validate_program(program: &Program, from: usize) -> Check {
+pub(crate) fn validate_program(program: &Program, from: usize) -> Result<(), String> {
     let has_code = |code: u32| (code as usize) < program.codes.len();
     for code in &program.codes[from.min(program.codes.len())..] {
         ensure(code.spans.len() == code.ops.len(), "an instruction has no place")?;

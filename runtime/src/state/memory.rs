@@ -3,7 +3,7 @@
 use crate::state::block::{block, entry};
 use crate::state::failure::Failure;
 use crate::state::fluent::{Fluent, Origin, Watch};
-use crate::state::task::{Call, Children, Frame, Rare, Scope, ScopeKind, Task};
+use crate::state::task::{Children, Frame, PlanCall, Rare, Scope, ScopeKind, Task};
 use crate::state::timers::Timer;
 use crate::state::value::Value;
 use crate::state::valve::{Below, Link, Waiter};
@@ -55,7 +55,7 @@ pub(crate) const SCOPE_STACK: usize = 304;
 pub(crate) fn scope(kind: &ScopeKind) -> usize {
     let inside = match kind {
         ScopeKind::Call(call) => {
-            block(size_of::<Call>())
+            block(size_of::<PlanCall>())
                 + counters(call.counters.len())
                 + block(std::mem::size_of_val(call.tags.as_slice()))
         }

@@ -19,14 +19,14 @@ struct Priority {
     /// The tasks of this priority that are ready.
     line: Line,
     /// Its last number, and what it is appended to.
-    place: Place,
+    place: ListPlace,
 }
 
 /// A number at a depth behind the list of another priority, zeros between. Places behind one priority
 /// come in the order of their importance, that priority itself between the positive and the negative
 /// numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-struct Place {
+struct ListPlace {
     prefix: u32,
     is_negative: bool,
     /// The depth; from the end if the number is negative, for less is lost the deeper it stands.
@@ -35,7 +35,7 @@ struct Place {
     lack: u64,
 }
 
-impl Place {
+impl ListPlace {
     fn new(prefix: u32, depth: u32, number: i64) -> Self {
         let is_negative = number < 0;
         let turn = if is_negative { u32::MAX - depth } else { depth };
@@ -63,7 +63,7 @@ pub struct Priorities {
     /// By number. The first is the empty list.
     all: Slab<Priority>,
     /// Their numbers by their places.
-    places: BTreeMap<Place, u32>,
+    places: BTreeMap<ListPlace, u32>,
     /// Those with ready tasks, the most important last.
     ready: Vec<u32>,
     /// Turns of the loops that keep the order.
@@ -83,7 +83,7 @@ impl PartialEq for Work {
 
 impl Default for Priorities {
     fn default() -> Self {
-        let place = Place::edge(NONE, false, false);
+        let place = ListPlace::edge(NONE, false, false);
         let mut all = Slab::default();
         all.insert(Priority { rank: 1 << 63, above: NONE, below: NONE, line: Line::default(), place });
         Self { all, places: BTreeMap::new(), ready: Vec::new(), work: Work::default() }
@@ -91,7 +91,7 @@ impl Default for Priorities {
 }
 
 /// Where a new priority goes in the order: next to another.
-enum Beside {
+enum Neighbour {
     Above(u32),
     Below(u32),
 }
@@ -103,7 +103,7 @@ impl Priorities {
         if number == 0 {
             return priority;
         }
-        let place = Place::new(priority, depth as u32, number);
+        let place = ListPlace::new(priority, depth as u32, number);
         if let Some(&known) = self.places.get(&place) {
             return known;
         }
@@ -112,19 +112,19 @@ impl Priorities {
     }
 
     /// What a priority at a new place stands next to.
-    fn neighbour(&mut self, place: Place) -> Beside {
-        let Place { prefix, is_negative, .. } = place;
+    fn neighbour(&mut self, place: ListPlace) -> Neighbour {
+        let ListPlace { prefix, is_negative, .. } = place;
         if is_negative {
-            let before = self.places.range(Place::edge(prefix, true, false)..place).next_back();
+            let before = self.places.range(ListPlace::edge(prefix, true, false)..place).next_back();
             return match before.map(|(_, &before)| before) {
-                Some(before) => Beside::Below(self.outermost(before, true)),
-                None => Beside::Below(prefix),
+                Some(before) => Neighbour::Below(self.outermost(before, true)),
+                None => Neighbour::Below(prefix),
             };
         }
-        let behind = self.places.range(place..=Place::edge(prefix, false, true)).next();
+        let behind = self.places.range(place..=ListPlace::edge(prefix, false, true)).next();
         match behind.map(|(_, &behind)| behind) {
-            Some(behind) => Beside::Above(self.outermost(behind, false)),
-            None => Beside::Above(prefix),
+            Some(behind) => Neighbour::Above(self.outermost(behind, false)),
+            None => Neighbour::Above(prefix),
         }
     }
 
@@ -133,7 +133,7 @@ impl Priorities {
         let mut at = priority;
         loop {
             self.work.0 += 1;
-            let mut longer = self.places.range(Place::edge(at, least, false)..=Place::edge(at, least, true));
+            let mut longer = self.places.range(ListPlace::edge(at, least, false)..=ListPlace::edge(at, least, true));
             let next = if least { longer.next_back() } else { longer.next() };
             match next {
                 Some((_, &next)) => at = next,
@@ -142,10 +142,10 @@ impl Priorities {
         }
     }
 
-    fn add(&mut self, place: Place, beside: Beside) -> u32 {
+    fn add(&mut self, place: ListPlace, beside: Neighbour) -> u32 {
         let (above, below) = match beside {
-            Beside::Above(below) => (self.all[below].above, below),
-            Beside::Below(above) => (above, self.all[above].below),
+            Neighbour::Above(below) => (self.all[below].above, below),
+            Neighbour::Below(above) => (above, self.all[above].below),
         };
         let rank = self.rank_between(above, below);
         let priority = self.all.insert(Priority { rank, above, below, line: Line::default(), place });
@@ -334,7 +334,7 @@ impl Priorities {
 
     /// Bytes of the table.
     pub(crate) fn bytes(&self) -> usize {
-        self.all.slots() * (size_of::<Option<Priority>>() + entry::<(Place, u32)>())
+        self.all.slots() * (size_of::<Option<Priority>>() + entry::<(ListPlace, u32)>())
     }
 
     /// How many numbers there may be.

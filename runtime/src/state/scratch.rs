@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The place of execution; in local variables while the loop runs.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Cursor {
     pub(crate) frame: Frame,
     /// Steps until control goes back to the caller.
     pub(crate) fuel: u32,
@@ -15,7 +15,7 @@ pub(crate) struct Place {
     pub(crate) reserve: u32,
 }
 
-impl Place {
+impl Cursor {
     /// So many steps in slices.
     pub(crate) fn new(frame: Frame, steps: u32, slice: u32) -> Self {
         let fuel = steps.min(slice);
@@ -69,7 +69,7 @@ pub struct Scratch {
     /// Bytes of the output that was added since there was none.
     pub(crate) output_bytes: usize,
     /// Where the running task goes on when the datum it asked for is compiled.
-    pub(crate) asked: Option<(crate::state::scratch::Place, rpl_lang::code::Reg)>,
+    pub(crate) asked: Option<(crate::state::scratch::Cursor, rpl_lang::code::Reg)>,
     /// Turns of the runtime's own loops: how they grow with a plan is told by it, and not by time.
     pub(crate) work: u64,
     /// Evaluations of networks and macros that are under way, one inside the other.

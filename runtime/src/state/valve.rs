@@ -2,14 +2,14 @@
 
 use crate::state::priorities::Priorities;
 use crate::state::value::TaskRef;
-use crate::state::valve_line::{Place, ValveLine};
+use crate::state::valve_line::{LinePlace, ValveLine};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What a hold is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Purpose {
+pub enum HoldPurpose {
     /// `with-valve` or `request-valve`.
     Plan,
     /// A behaviour drives with it.
@@ -26,7 +26,7 @@ pub enum LinkKind {
         /// How often.
         count: u32,
         /// What for.
-        purpose: Purpose,
+        purpose: HoldPurpose,
     },
     /// The valve was taken away here, and the task and all below it are suspended.
     Mark,
@@ -54,7 +54,7 @@ impl Link {
         !self.is_hold()
     }
 
-    pub(crate) fn serves(&self, wanted: Purpose) -> bool {
+    pub(crate) fn serves(&self, wanted: HoldPurpose) -> bool {
         matches!(self.kind, LinkKind::Hold { purpose, .. } if purpose == wanted)
     }
 }
@@ -75,7 +75,7 @@ pub struct Below {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Waiter {
     /// Its place in line.
-    pub place: Place,
+    pub place: LinePlace,
     /// The line it stands in; none while it is suspended.
     pub line: Option<u64>,
 }
@@ -142,7 +142,7 @@ impl Valve {
 
     /// Tasks that hold it, the present holder last. Hooks do so only for the time of a handover.
     pub fn holders(&self) -> impl DoubleEndedIterator<Item = TaskRef> {
-        self.links.iter().filter(|link| link.is_hold() && !link.serves(Purpose::Hooks)).map(|link| link.task)
+        self.links.iter().filter(|link| link.is_hold() && !link.serves(HoldPurpose::Hooks)).map(|link| link.task)
     }
 
     /// Roots of the subtrees it was taken away from, and that are suspended for it.
@@ -165,7 +165,7 @@ impl Valve {
 
     /// Whether a task has taken it and not given it back.
     pub(crate) fn is_taken_by(&self, task: TaskRef) -> bool {
-        self.links.iter().any(|link| link.task == task && link.serves(Purpose::Plan))
+        self.links.iter().any(|link| link.task == task && link.serves(HoldPurpose::Plan))
     }
 
     /// Whether nobody has anything to do with it.

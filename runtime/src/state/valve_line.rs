@@ -8,14 +8,14 @@ use std::collections::BTreeMap;
 
 /// Where somebody stands in a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Place {
+pub struct LinePlace {
     /// The priority asked with.
     pub priority: u32,
     /// The how manieth request of the valve it was.
     pub asked: u64,
 }
 
-impl Place {
+impl LinePlace {
     /// Whether this place is served before another.
     pub fn is_before(self, other: Self, priorities: &Priorities) -> bool {
         match self.priority == other.priority {
@@ -54,7 +54,7 @@ impl ValveLine {
     }
 
     /// A task takes its place.
-    pub fn enter(&mut self, priorities: &Priorities, place: Place, task: u32) {
+    pub fn enter(&mut self, priorities: &Priorities, place: LinePlace, task: u32) {
         let at = self.find(priorities, place.priority).unwrap_or_else(|at| {
             self.equals.insert(at, Equals { priority: place.priority, waiters: BTreeMap::new() });
             at
@@ -63,7 +63,7 @@ impl ValveLine {
     }
 
     /// A place becomes free.
-    pub fn leave(&mut self, priorities: &Priorities, place: Place) {
+    pub fn leave(&mut self, priorities: &Priorities, place: LinePlace) {
         let Ok(at) = self.find(priorities, place.priority) else { return };
         self.equals[at].waiters.remove(&place.asked);
         if self.equals[at].waiters.is_empty() {
@@ -72,15 +72,15 @@ impl ValveLine {
     }
 
     /// Whoever is served first.
-    pub fn first(&self) -> Option<(Place, u32)> {
+    pub fn first(&self) -> Option<(LinePlace, u32)> {
         self.iter().next()
     }
 
     /// All, in the order in which they are served.
-    pub fn iter(&self) -> impl Iterator<Item = (Place, u32)> {
+    pub fn iter(&self) -> impl Iterator<Item = (LinePlace, u32)> {
         self.equals.iter().flat_map(|equals| {
             let Equals { priority, ref waiters } = *equals;
-            waiters.iter().map(move |(&asked, &task)| (Place { priority, asked }, task))
+            waiters.iter().map(move |(&asked, &task)| (LinePlace { priority, asked }, task))
         })
     }
 
@@ -106,11 +106,11 @@ mod tests {
         let middle = priorities.appended(0, 0, 1);
         let mut line = ValveLine::default();
         for (asked, priority) in [(1, low), (2, middle), (3, high), (4, middle), (5, 0)] {
-            line.enter(&priorities, Place { priority, asked }, asked as u32);
+            line.enter(&priorities, LinePlace { priority, asked }, asked as u32);
         }
         let served = |line: &ValveLine| line.iter().map(|(_, task)| task).collect::<Vec<_>>();
         assert_eq!(served(&line), [3, 2, 4, 5, 1]);
-        line.leave(&priorities, Place { priority: high, asked: 3 });
+        line.leave(&priorities, LinePlace { priority: high, asked: 3 });
         assert_eq!(served(&line), [2, 4, 5, 1]);
     }
 }

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 /// Text longer than this is cut, so that a circular list prints.
 const MAX_CHARACTERS: usize = 1 << 20;
 
-enum Piece {
+enum ToPrint {
     Value(Value),
     /// The rest of a list after its first element.
     Rest(Value),
@@ -34,32 +34,32 @@ pub fn display(machine: &Machine, program: &Program, value: Value) -> String {
 /// A value as it could be read, where it can be.
 pub fn readable(machine: &Machine, program: &Program, value: Value) -> String {
     let mut text = String::new();
-    let mut waiting = vec![Piece::Value(value)];
+    let mut waiting = vec![ToPrint::Value(value)];
     while let Some(piece) = waiting.pop() {
         if text.len() > MAX_CHARACTERS {
             text.push('…');
             break;
         }
         match piece {
-            Piece::Text(piece) => text.push_str(piece),
-            Piece::Value(Value::Cons(pair)) => {
+            ToPrint::Text(piece) => text.push_str(piece),
+            ToPrint::Value(Value::Cons(pair)) => {
                 let (car, cdr) = machine.heap.pair(pair);
                 text.push('(');
-                waiting.push(Piece::Rest(cdr));
-                waiting.push(Piece::Value(car));
+                waiting.push(ToPrint::Rest(cdr));
+                waiting.push(ToPrint::Value(car));
             }
-            Piece::Value(value) => atom(machine, program, value, &mut text),
-            Piece::Rest(Value::Nil) => text.push(')'),
-            Piece::Rest(Value::Cons(pair)) => {
+            ToPrint::Value(value) => atom(machine, program, value, &mut text),
+            ToPrint::Rest(Value::Nil) => text.push(')'),
+            ToPrint::Rest(Value::Cons(pair)) => {
                 let (car, cdr) = machine.heap.pair(pair);
                 text.push(' ');
-                waiting.push(Piece::Rest(cdr));
-                waiting.push(Piece::Value(car));
+                waiting.push(ToPrint::Rest(cdr));
+                waiting.push(ToPrint::Value(car));
             }
-            Piece::Rest(tail) => {
+            ToPrint::Rest(tail) => {
                 text.push_str(" . ");
-                waiting.push(Piece::Text(")"));
-                waiting.push(Piece::Value(tail));
+                waiting.push(ToPrint::Text(")"));
+                waiting.push(ToPrint::Value(tail));
             }
         }
     }

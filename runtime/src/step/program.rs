@@ -3,7 +3,7 @@
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::Machine;
 use crate::state::registers::Registers;
-use crate::state::task::{Call, Scope, ScopeKind, Task};
+use crate::state::task::{PlanCall, Scope, ScopeKind, Task};
 use crate::state::value::Value;
 use crate::state::valve::Valve;
 use rpl_lang::code::{Atom, Constant, GlobalKind, Part, Program};
@@ -89,7 +89,7 @@ impl Machine {
     pub fn start_main(&mut self, code: u32) {
         let name = self.symbols.intern("main");
         let mut task = Task::new(code, Registers::default(), name, 0);
-        let call = Call::new(name, 1, None);
+        let call = PlanCall::new(name, 1, None);
         task.scopes.push(Scope { kind: ScopeKind::Call(Box::new(call)), depth: 0 });
         task.exposed = true;
         self.main = self.tasks.insert(task);

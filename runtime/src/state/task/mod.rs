@@ -9,7 +9,7 @@ mod waiting;
 pub use children::{Children, Decision, Held};
 pub use leaving::{Leaving, Then};
 pub use life::State;
-pub use scope::{Call, Scope, ScopeKind, Scopes};
+pub use scope::{PlanCall, Scope, ScopeKind, Scopes};
 pub use waiting::{Raises, Waiting, Wake};
 
 use crate::state::active_time::ActiveTime;

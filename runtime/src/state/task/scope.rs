@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// A plan call: a node of the task tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Call {
+pub struct PlanCall {
     /// The plan.
     pub name: Symbol,
     /// How many calls of this name its surroundings had before, from 1.
@@ -30,7 +30,7 @@ pub struct Call {
     pub failure: Option<Value>,
 }
 
-impl Call {
+impl PlanCall {
     /// A plan call that begins.
     pub(crate) fn new(name: Symbol, occurrence: u32, span: Option<Span>) -> Self {
         let (counters, tags) = (BTreeMap::new(), Vec::new());
@@ -69,7 +69,7 @@ pub enum ScopeKind {
     /// A clean-up is running.
     InCleanup(Box<Then>),
     /// A plan call.
-    Call(Box<Call>),
+    Call(Box<PlanCall>),
     /// A construct with children.
     Children(Box<Children>),
     /// A valve is held.
@@ -107,14 +107,12 @@ struct ScopeStack {
     calls: Vec<u32>,
 }
 
-impl Scopes {
-    /// Enters a scope.
-    pub fn push(&mut self, scope: Scope) {
-        let stack = self.0.get_or_insert_default();
-        let index = stack.all.len() as u32;
-        match scope.kind {
-            ScopeKind::InCleanup(_) => stack.clean_ups.push(index),
-            ScopeKind::Call(_) => stack.calls.push(index),
+impl ScopeStack {
+    /// The places of all scopes of this kind, if they are kept.
+    fn kept_with(&mut self, kind: &ScopeKind) -> Option<&mut Vec<u32>> {
+        match kind {
+            ScopeKind::InCleanup(_) => Some(&mut self.clean_ups),
+            ScopeKind::Call(_) => Some(&mut self.calls),
             ScopeKind::Block { .. }
             | ScopeKind::Handler { .. }
             | ScopeKind::Cleanup { .. }
@@ -123,7 +121,18 @@ impl Scopes {
             | ScopeKind::OnInterrupt(_)
             | ScopeKind::OnResume(_)
             | ScopeKind::Suspended(_)
-            | ScopeKind::Watch(_) => {}
+            | ScopeKind::Watch(_) => None,
+        }
+    }
+}
+
+impl Scopes {
+    /// Enters a scope.
+    pub fn push(&mut self, scope: Scope) {
+        let stack = self.0.get_or_insert_default();
+        let index = stack.all.len() as u32;
+        if let Some(kept) = stack.kept_with(&scope.kind) {
+            kept.push(index);
         }
         stack.all.push(scope);
     }
@@ -132,18 +141,8 @@ impl Scopes {
     pub fn pop(&mut self) -> Option<Scope> {
         let stack = self.0.as_mut()?;
         let scope = stack.all.pop()?;
-        match scope.kind {
-            ScopeKind::InCleanup(_) => drop(stack.clean_ups.pop()),
-            ScopeKind::Call(_) => drop(stack.calls.pop()),
-            ScopeKind::Block { .. }
-            | ScopeKind::Handler { .. }
-            | ScopeKind::Cleanup { .. }
-            | ScopeKind::Children(_)
-            | ScopeKind::Valve(_)
-            | ScopeKind::OnInterrupt(_)
-            | ScopeKind::OnResume(_)
-            | ScopeKind::Suspended(_)
-            | ScopeKind::Watch(_) => {}
+        if let Some(kept) = stack.kept_with(&scope.kind) {
+            kept.pop();
         }
         Some(scope)
     }
@@ -173,7 +172,7 @@ impl Scopes {
     }
 
     /// The plan calls among the first scopes, innermost first, with their indices.
-    pub fn calls_within(&self, scopes: usize) -> impl Iterator<Item = (usize, &Call)> {
+    pub fn calls_within(&self, scopes: usize) -> impl Iterator<Item = (usize, &PlanCall)> {
         let (all, calls) = self.0.as_ref().map_or((&[][..], &[][..]), |stack| (&stack.all, &stack.calls));
         let within = calls.partition_point(|&call| (call as usize) < scopes);
         calls[..within].iter().rev().filter_map(|&call| match &all[call as usize].kind {
@@ -183,7 +182,7 @@ impl Scopes {
     }
 
     /// The innermost plan call.
-    pub fn innermost_call(&mut self) -> Option<&mut Call> {
+    pub fn innermost_call(&mut self) -> Option<&mut PlanCall> {
         let index = self.call_within(usize::MAX)?;
         match &mut self[index].kind {
             ScopeKind::Call(call) => Some(call),

@@ -2,16 +2,16 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::step::native::Surroundings;
 
 impl Machine {
     /// The place of a task that has spent its budget and gets it once more. What is evaluated without
     /// a task is not cut.
-    pub(crate) fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Place {
+    pub(crate) fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Cursor {
         let slice = if self.current == SCRATCH_TASK { u32::MAX } else { around.slice_steps };
-        Place::new(frame, self.limits.steps, slice)
+        Cursor::new(frame, self.limits.steps, slice)
     }
 
     /// The running task has spent its budget, and begins a new one.

@@ -3,7 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::limits::Limits;
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use crate::step::exec::{Exit, REACH, WINDOW};
@@ -160,7 +160,7 @@ impl Machine {
     pub(crate) fn call_value(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &mut Place,
+        place: &mut Cursor,
         mut function: Value,
         arguments: &[Value],
         mut first: usize,
@@ -201,7 +201,7 @@ impl Machine {
     fn enter_function(
         &mut self,
         around: &Surroundings<'_>,
-        place: &mut Place,
+        place: &mut Cursor,
         function: Value,
         arguments: &[Value],
         first: usize,

@@ -2,7 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Frame, Leaving};
 use crate::state::value::Value;
@@ -44,7 +44,7 @@ impl Machine {
         self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
         let entry = self.scratch.frames.len();
         let frame = Frame { code, pc: 0, base: base as u32 };
-        let mut place = Place::new(frame, self.limits.steps / 10, u32::MAX);
+        let mut place = Cursor::new(frame, self.limits.steps / 10, u32::MAX);
         let exit = self.execute(around, &mut place, entry);
         self.scratch.burned =
             self.scratch.burned.saturating_add((self.limits.steps / 10).saturating_sub(place.steps()));

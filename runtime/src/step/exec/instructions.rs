@@ -3,11 +3,11 @@
 use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use crate::step::exec::arithmetic::{as_floats, overflow};
-use crate::step::exec::plan_instructions::Next;
+use crate::step::exec::plan_instructions::Flow;
 use crate::step::exec::{Exit, REACH};
 use crate::step::native::{Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Op, Reg};
@@ -34,7 +34,7 @@ impl Machine {
     pub(crate) fn instructions<const STEPPING: bool>(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &mut Place,
+        place: &mut Cursor,
         entry: usize,
     ) -> Result<Exit, Raise> {
         let program = around.program;
@@ -245,15 +245,15 @@ impl Machine {
                     let next = $instruction?;
                     fuel = place.fuel;
                     match next {
-                        Next::On => {}
-                        Next::Switch => {
+                        Flow::On => {}
+                        Flow::Switch => {
                             check_switch!();
                         }
-                        Next::Leave => {
+                        Flow::Leave => {
                             check_leaving!();
                             check_switch!();
                         }
-                        Next::Blocked => return Ok(Exit::Blocked),
+                        Flow::Blocked => return Ok(Exit::Blocked),
                     }
                     continue 'frame;
                 }};

@@ -10,7 +10,7 @@ mod raising;
 pub(crate) mod turn;
 
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
 use rpl_lang::code::Reg;
@@ -41,7 +41,7 @@ pub(crate) enum Exit {
 }
 
 impl Machine {
-    fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Place, entry: usize) -> Exit {
+    fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor, entry: usize) -> Exit {
         loop {
             // Where a departure ends, what was protected until then is stopped before it goes on.
             if self.scratch.switch && self.current != SCRATCH_TASK {

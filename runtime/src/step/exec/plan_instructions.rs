@@ -4,9 +4,9 @@ use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::memory;
 use crate::state::registers::Registers;
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
-use crate::state::task::{Call, Leaving, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
+use crate::state::task::{Leaving, PlanCall, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
 use crate::step::native::Surroundings;
 use rpl_lang::code::{Construct, Missed, NO_REG, Program, Reg};
@@ -14,46 +14,46 @@ use rpl_lang::kind::Kind;
 
 /// How the loop goes on after an instruction about plans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Next {
+pub(crate) enum Flow {
     /// With the next instruction.
     On,
     /// With the next instruction, unless a more important task has become ready.
     Switch,
-    /// As after [`Next::Switch`], unless the task has begun to depart.
+    /// As after [`Flow::Switch`], unless the task has begun to depart.
     Leave,
     /// Not now: the task waits or departs.
     Blocked,
 }
 
 /// The instruction that lies so far from the next one.
-fn target(place: &Place, distance: i32) -> u32 {
+fn target(place: &Cursor, distance: i32) -> u32 {
     (i64::from(place.frame.pc) + i64::from(distance)) as u32
 }
 
 impl Machine {
-    fn register(&self, place: &Place, register: Reg) -> Value {
+    fn register(&self, place: &Cursor, register: Reg) -> Value {
         self.scratch.stack[place.frame.base as usize + usize::from(register)]
     }
 
-    fn set_register(&mut self, place: &Place, register: Reg, value: Value) {
+    fn set_register(&mut self, place: &Cursor, register: Reg, value: Value) {
         self.scratch.stack[place.frame.base as usize + usize::from(register)] = value;
     }
 
     /// The running task waits; the register gets what it finds then.
-    fn block_for(&mut self, register: Reg) -> Next {
+    fn block_for(&mut self, register: Reg) -> Flow {
         let task = self.current;
         self.tasks[task].wake_register = register;
-        Next::Blocked
+        Flow::Blocked
     }
 
     /// The running task waits, and then comes to its instruction once more.
-    fn block_and_repeat(&mut self, place: &mut Place) -> Next {
+    fn block_and_repeat(&mut self, place: &mut Cursor) -> Flow {
         place.frame.pc -= 1;
         self.block_for(NO_REG)
     }
 
     /// Begins a plan call, whose code the frame has just entered.
-    pub(super) fn enter_plan(&mut self, program: &Program, place: &Place) -> Result<Next, Raise> {
+    pub(super) fn enter_plan(&mut self, program: &Program, place: &Cursor) -> Result<Flow, Raise> {
         self.refuse_in_network("a plan cannot be called")?;
         let task = self.current;
         let name = program.codes[place.frame.code as usize].name;
@@ -61,34 +61,34 @@ impl Machine {
             program.codes[frame.code as usize].spans.get((frame.pc as usize).saturating_sub(1)).copied()
         });
         let occurrence = self.count_use(task, name);
-        self.push_scope(ScopeKind::Call(Box::new(Call::new(name, occurrence, span))));
+        self.push_scope(ScopeKind::Call(Box::new(PlanCall::new(name, occurrence, span))));
         self.trace_call(task);
         self.collect_if_full()?;
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     /// Ends a plan call, once what it spawned is dead.
     pub(super) fn leave_plan(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &mut Place,
+        place: &mut Cursor,
         value: Reg,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let value = self.register(place, value);
         if self.waits_for_spawned(around, place) {
-            return Ok(Next::Blocked);
+            return Ok(Flow::Blocked);
         }
         let task = self.current;
         self.trace_return(around.program, task, value);
         if let Some(Scope { kind: ScopeKind::Call(call), .. }) = self.tasks[task].scopes.pop() {
             self.end_call(around, &call.tags);
         }
-        Ok(Next::Switch)
+        Ok(Flow::Switch)
     }
 
     /// Evaporates what the innermost plan call spawned; tells whether the task must wait for some of
     /// it. The instruction runs again when it is dead.
-    pub(super) fn waits_for_spawned(&mut self, around: &mut Surroundings<'_>, place: &mut Place) -> bool {
+    pub(super) fn waits_for_spawned(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor) -> bool {
         let task = self.current;
         let Some(index) = self.tasks[task].scopes.call_within(usize::MAX) else { return false };
         if self.evaporate_children(around, task, index as u32) == 0 {
@@ -100,7 +100,7 @@ impl Machine {
     }
 
     /// Makes a tag: a task that others can name before it starts.
-    pub(super) fn new_tag(&mut self, place: &Place, to: Reg, name: u32) -> Result<Next, Raise> {
+    pub(super) fn new_tag(&mut self, place: &Cursor, to: Reg, name: u32) -> Result<Flow, Raise> {
         if let Value::Symbol(name) = self.constants[name as usize] {
             let task = self.current;
             let priority = self.tasks[task].priority;
@@ -114,7 +114,7 @@ impl Machine {
             self.set_register(place, to, value);
         }
         self.collect_if_full()?;
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     /// Notes a tag of a plan call. Those that were reached need nothing at its end and are dropped.
@@ -136,10 +136,10 @@ impl Machine {
     pub(super) fn start_parallel(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &Place,
+        place: &Cursor,
         to: Reg,
         construct: u32,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         self.refuse_in_network("a task cannot be started")?;
         let program = around.program;
         let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
@@ -151,11 +151,11 @@ impl Machine {
     pub(super) fn start_parallel_map(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &Place,
+        place: &Cursor,
         to: Reg,
         list: Reg,
         construct: u32,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let list = self.register(place, list);
         self.refuse_in_network("a task cannot be started")?;
         let Ok(count) = self.heap.length(list) else {
@@ -170,16 +170,16 @@ impl Machine {
     fn start_children(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &Place,
+        place: &Cursor,
         construct: &Construct,
         list: Option<Value>,
         to: Reg,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         self.collect_if_full()?;
         match self.start_construct(around, construct, list, to, place.frame.base as usize)? {
             Some(value) => {
                 self.set_register(place, to, value);
-                Ok(Next::On)
+                Ok(Flow::On)
             }
             None => {
                 let task = self.current;
@@ -193,20 +193,20 @@ impl Machine {
     pub(super) fn spawn(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &Place,
+        place: &Cursor,
         to: Reg,
         construct: u32,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         self.refuse_in_network("a task cannot be started")?;
         self.collect_if_full()?;
         let program = around.program;
         let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
         let value = self.start_spawned(around, construct, place.frame.base as usize)?;
         self.set_register(place, to, value);
-        Ok(Next::Switch)
+        Ok(Flow::Switch)
     }
 
-    pub(super) fn push_block(&mut self, place: &Place, to: Reg, result: Reg, distance: i32) -> Result<Next, Raise> {
+    pub(super) fn push_block(&mut self, place: &Cursor, to: Reg, result: Reg, distance: i32) -> Result<Flow, Raise> {
         let identity = self.next_identity;
         self.next_identity += 1;
         self.set_register(place, to, Value::Int(identity as i64));
@@ -214,7 +214,7 @@ impl Machine {
     }
 
     /// Leaves a block of the running task with a value.
-    pub(super) fn return_from(&mut self, place: &Place, block: Reg, value: Reg) -> Result<Next, Raise> {
+    pub(super) fn return_from(&mut self, place: &Cursor, block: Reg, value: Reg) -> Result<Flow, Raise> {
         let (identity, value) = (self.register(place, block), self.register(place, value));
         let identity = if let Value::Int(identity) = identity { identity as u64 } else { u64::MAX };
         let task = self.current;
@@ -227,55 +227,55 @@ impl Machine {
             ));
         }
         self.tasks[task].leave(Leaving::Block { identity, value });
-        Ok(Next::Blocked)
+        Ok(Flow::Blocked)
     }
 
     pub(super) fn push_handler(
         &mut self,
-        place: &Place,
+        place: &Cursor,
         failure: Reg,
         clauses: u16,
         distance: i32,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let target = target(place, distance);
         self.open_scope(ScopeKind::Handler { code: place.frame.code, index: u32::from(clauses), failure, target })
     }
 
-    pub(super) fn push_cleanup(&mut self, place: &Place, distance: i32) -> Result<Next, Raise> {
+    pub(super) fn push_cleanup(&mut self, place: &Cursor, distance: i32) -> Result<Flow, Raise> {
         self.open_scope(ScopeKind::Cleanup { target: target(place, distance) })
     }
 
     /// The protected part has ended by itself: its clean-up runs.
-    pub(super) fn begin_cleanup(&mut self) -> Result<Next, Raise> {
+    pub(super) fn begin_cleanup(&mut self) -> Result<Flow, Raise> {
         let task = self.current;
         self.tasks[task].scopes.pop();
         self.push_scope(ScopeKind::InCleanup(Box::new(Then::Continue)));
         self.refresh_boost(task);
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     /// A clean-up has ended: what cut the protected part short goes on, or what came meanwhile.
-    pub(super) fn end_cleanup(&mut self, around: &mut Surroundings<'_>) -> Result<Next, Raise> {
+    pub(super) fn end_cleanup(&mut self, around: &mut Surroundings<'_>) -> Result<Flow, Raise> {
         let task = self.current;
         let Some(Scope { kind: ScopeKind::InCleanup(then), .. }) = self.tasks[task].scopes.pop() else {
-            return Ok(Next::On);
+            return Ok(Flow::On);
         };
         Ok(match *then {
             Then::Leave(leaving) => {
                 self.tasks[task].leave(leaving);
-                Next::Blocked
+                Flow::Blocked
             }
-            Then::Continue if self.take_up_pending(around, task) => Next::Blocked,
-            Then::Continue => Next::Switch,
+            Then::Continue if self.take_up_pending(around, task) => Flow::Blocked,
+            Then::Continue => Flow::Switch,
         })
     }
 
     pub(super) fn push_valve(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &Place,
+        place: &Cursor,
         valve: Reg,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let value = self.register(place, valve);
         self.refuse_in_network("a valve cannot be requested")?;
         let Value::Valve(valve) = value else {
@@ -286,14 +286,14 @@ impl Machine {
         // The scope is entered when the valve is there: it is pushed now, and a release of what is
         // not held does nothing.
         self.push_scope(ScopeKind::Valve(valve));
-        Ok(if granted { Next::Switch } else { self.block_for(NO_REG) })
+        Ok(if granted { Flow::Switch } else { self.block_for(NO_REG) })
     }
 
-    pub(super) fn push_on_interrupt(&mut self, place: &Place, hook: Reg) -> Result<Next, Raise> {
+    pub(super) fn push_on_interrupt(&mut self, place: &Cursor, hook: Reg) -> Result<Flow, Raise> {
         self.open_scope(ScopeKind::OnInterrupt(self.register(place, hook)))
     }
 
-    pub(super) fn push_on_resume(&mut self, place: &Place, hook: Reg) -> Result<Next, Raise> {
+    pub(super) fn push_on_resume(&mut self, place: &Cursor, hook: Reg) -> Result<Flow, Raise> {
         self.open_scope(ScopeKind::OnResume(self.register(place, hook)))
     }
 
@@ -301,9 +301,9 @@ impl Machine {
     pub(super) fn push_suspended(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &Place,
+        place: &Cursor,
         other: Reg,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let value = self.register(place, other);
         self.refuse_in_network("a task cannot be suspended")?;
         let Value::Task(other) = value else {
@@ -316,16 +316,16 @@ impl Machine {
                 return Ok(self.block_for(NO_REG));
             }
         }
-        Ok(Next::Switch)
+        Ok(Flow::Switch)
     }
 
     pub(super) fn push_watch(
         &mut self,
-        place: &Place,
+        place: &Cursor,
         fluent: Reg,
         missed: Missed,
         owned: bool,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let value = self.register(place, fluent);
         self.refuse_in_network("a fluent cannot be watched")?;
         let Value::Fluent(watched) = value else {
@@ -340,16 +340,16 @@ impl Machine {
     }
 
     /// Waits for the next event of the innermost watch.
-    pub(super) fn wait_for_event(&mut self, place: &mut Place) -> Result<Next, Raise> {
+    pub(super) fn wait_for_event(&mut self, place: &mut Cursor) -> Result<Flow, Raise> {
         let watch = self.innermost_watch(self.current);
-        Ok(if self.next_event(watch)? { Next::On } else { self.block_and_repeat(place) })
+        Ok(if self.next_event(watch)? { Flow::On } else { self.block_and_repeat(place) })
     }
 
     /// An event of the innermost watch has been served.
-    pub(super) fn end_event_service(&mut self) -> Result<Next, Raise> {
+    pub(super) fn end_event_service(&mut self) -> Result<Flow, Raise> {
         let watch = self.innermost_watch(self.current);
         self.event_served(watch);
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     pub(crate) fn innermost_watch(&self, task: u32) -> u32 {
@@ -365,11 +365,11 @@ impl Machine {
     }
 
     /// Leaves scopes whose bodies have ended by themselves.
-    pub(super) fn pop_scopes(&mut self, around: &mut Surroundings<'_>, count: u8) -> Result<Next, Raise> {
+    pub(super) fn pop_scopes(&mut self, around: &mut Surroundings<'_>, count: u8) -> Result<Flow, Raise> {
         for _ in 0..count {
             self.pop_ended_scope(around);
         }
-        Ok(Next::Leave)
+        Ok(Flow::Leave)
     }
 
     /// Leaves the innermost scope, whose body has ended by itself.
@@ -388,40 +388,40 @@ impl Machine {
     }
 
     /// Goes to an instruction outside scopes that are to be left first.
-    pub(super) fn leave_scopes(&mut self, place: &Place, count: u8, distance: i32) -> Result<Next, Raise> {
+    pub(super) fn leave_scopes(&mut self, place: &Cursor, count: u8, distance: i32) -> Result<Flow, Raise> {
         let task = self.current;
         let scopes = self.tasks[task].scopes.len() as u32 - u32::from(count);
         let depth = self.scratch.frames.len() as u32;
         self.tasks[task].leave(Leaving::Jump { scopes, target: target(place, distance), depth });
-        Ok(Next::Blocked)
+        Ok(Flow::Blocked)
     }
 
     /// Makes a fluent that is computed from others.
     pub(super) fn make_network(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &mut Place,
+        place: &mut Cursor,
         to: Reg,
         code: u32,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let captures = &around.program.codes[code as usize].captures;
         let captured = captures.iter().map(|&register| self.register(place, register)).collect();
         let fluent = self.create_network(around, code, captured);
         place.spend(std::mem::take(&mut self.scratch.burned) as usize);
         self.set_register(place, to, fluent);
         self.collect_if_full()?;
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     /// Waits for a fluent to be true.
     pub(super) fn wait_for(
         &mut self,
-        place: &Place,
+        place: &Cursor,
         to: Reg,
         condition: Reg,
         seconds: Reg,
         owned: bool,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let value = self.register(place, condition);
         let Value::Fluent(fluent) = value else {
             self.refuse_in_network("nothing can be waited for")?;
@@ -447,7 +447,7 @@ impl Machine {
                 self.free_network(fluent);
             }
             self.set_register(place, to, value);
-            return Ok(Next::On);
+            return Ok(Flow::On);
         }
         let task = self.current;
         self.number_wait(task);
@@ -460,21 +460,21 @@ impl Machine {
     }
 
     /// The value of a fluent.
-    pub(super) fn dereference(&mut self, place: &Place, to: Reg, fluent: u32) -> Result<Next, Raise> {
+    pub(super) fn dereference(&mut self, place: &Cursor, to: Reg, fluent: u32) -> Result<Flow, Raise> {
         let value = self.read_fluent(fluent)?;
         self.set_register(place, to, value);
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     /// Assigns a fluent.
     pub(super) fn assign_instruction(
         &mut self,
         around: &mut Surroundings<'_>,
-        place: &mut Place,
+        place: &mut Cursor,
         to: Reg,
         fluent: Reg,
         value: Reg,
-    ) -> Result<Next, Raise> {
+    ) -> Result<Flow, Raise> {
         let (fluent, value) = (self.register(place, fluent), self.register(place, value));
         self.set_register(place, to, value);
         if let (Value::Nil | Value::True, Value::Fluent(fluent)) = (value, fluent)
@@ -486,31 +486,31 @@ impl Machine {
         self.assign_fluent(around, fluent, value)?;
         place.spend(std::mem::take(&mut self.scratch.burned) as usize);
         self.collect_if_full()?;
-        Ok(Next::Switch)
+        Ok(Flow::Switch)
     }
 
     /// `nil` or `t` to a fluent nothing is computed from: the common signal, for which nothing but
     /// waiters needs to be looked at. None if it is not so simple.
-    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Option<Next> {
+    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Option<Flow> {
         if self.current == SCRATCH_TASK || self.trace.enabled {
             return None;
         }
         let entry = self.fluents.get_mut(fluent).filter(|entry| entry.is_plain())?;
         if entry.value == truth {
-            return Some(Next::On);
+            return Some(Flow::On);
         }
         entry.value = truth;
         if truth.is_true() && entry.waiters.first != NONE {
             self.wake_waiters(fluent, Wake::Value(Value::True));
-            return Some(Next::Switch);
+            return Some(Flow::Switch);
         }
-        Some(Next::On)
+        Some(Flow::On)
     }
 
-    fn open_scope(&mut self, kind: ScopeKind) -> Result<Next, Raise> {
+    fn open_scope(&mut self, kind: ScopeKind) -> Result<Flow, Raise> {
         self.push_scope(kind);
         self.collect_if_full()?;
-        Ok(Next::On)
+        Ok(Flow::On)
     }
 
     pub(crate) fn push_scope(&mut self, kind: ScopeKind) {

@@ -2,7 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::task::Leaving;
 use crate::state::value::Value;
 use crate::step::exec::Exit;
@@ -12,7 +12,7 @@ use crate::step::tasks::unwind::{Landing, Unwound};
 
 impl Machine {
     /// Raises a failure where the current task stands; answers how it left, if it did.
-    pub(crate) fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Place, raise: Raise) -> Option<Exit> {
+    pub(crate) fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor, raise: Raise) -> Option<Exit> {
         let failure = self.failure_from(raise);
         if let Value::Failure(index) = failure
             && self.heap.failures[index].span.is_none()
@@ -33,7 +33,7 @@ impl Machine {
     }
 
     /// Goes on with the current task's departure; tells whether code is to run now.
-    pub(crate) fn unwind_running(&mut self, around: &mut Surroundings<'_>, place: &mut Place) -> bool {
+    pub(crate) fn unwind_running(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor) -> bool {
         let task = self.current;
         let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
         self.scratch.top = place.frame.base as usize + registers;
@@ -48,7 +48,7 @@ impl Machine {
         }
     }
 
-    fn land_at(&mut self, place: &mut Place, landing: Landing) {
+    fn land_at(&mut self, place: &mut Cursor, landing: Landing) {
         if let Some(&frame) = self.scratch.frames.get(landing.depth as usize) {
             place.frame = frame;
             self.scratch.frames.truncate(landing.depth as usize);

@@ -2,7 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
-use crate::state::scratch::Place;
+use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Frame, Raises, ScopeKind, State, Wake};
 use crate::state::value::Value;
@@ -65,7 +65,7 @@ impl Machine {
         self.flush_status(around);
         let record = &self.tasks[task];
         let steps = self.limits.steps.saturating_sub(record.steps);
-        let mut place = Place::new(record.frame, steps, around.slice_steps);
+        let mut place = Cursor::new(record.frame, steps, around.slice_steps);
         self.scratch.frames.clear();
         if !record.frames.is_empty() {
             self.scratch.frames.extend_from_slice(&record.frames);
@@ -80,7 +80,7 @@ impl Machine {
     }
 
     /// Lays aside what ran and had so many steps left at first, as far as its exit asks for.
-    fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit, steps: u32) -> Ran {
+    fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit, steps: u32) -> Ran {
         // One that ran out of its limit has got it anew.
         self.steps += u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
         if let Exit::Execute(datum, register) = exit {
@@ -119,7 +119,7 @@ impl Machine {
 
     /// Gives a task that goes on what it was woken with; answers how it left, if it did.
     #[inline]
-    fn take_up(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
+    fn take_up(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Cursor) -> Option<Exit> {
         let record = &mut self.tasks[task];
         if record.raises != Raises::Nothing || record.rare.is_some() {
             return self.take_up_slowly(around, task, place);
@@ -137,7 +137,7 @@ impl Machine {
     }
 
     #[inline(never)]
-    fn take_up_slowly(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Place) -> Option<Exit> {
+    fn take_up_slowly(&mut self, around: &mut Surroundings<'_>, task: u32, place: &mut Cursor) -> Option<Exit> {
         let record = &mut self.tasks[task];
         let wake = record.take_wake();
         let register = record.frame.base as usize + usize::from(record.wake_register);
@@ -155,7 +155,7 @@ impl Machine {
 
     /// Lays a task aside that waits now, unless there is more to do than that.
     #[inline]
-    fn pause(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place) -> bool {
+    fn pause(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor) -> bool {
         let Some(record) = self.tasks.get_mut(task) else { return false };
         if record.state() != State::Running || record.rare.is_some() || self.scratch.gives_way {
             return false;
@@ -191,7 +191,7 @@ impl Machine {
         stack[kept..].fill(Value::Nil);
     }
 
-    fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Place, exit: Exit) -> Ran {
+    fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit) -> Ran {
         let mut ran = Ran::Task;
         let alive = self.tasks.get(task).is_some_and(|record| !record.state().is_dead());
         if alive {

@@ -10,7 +10,7 @@ use crate::step::native::Surroundings;
 use std::collections::BTreeSet;
 
 /// When a network is brought up to date: its height, its number; and its slot.
-type Turn = (u32, u64, u32);
+type EvaluationOrder = (u32, u64, u32);
 
 /// A network that computes itself from itself is cut after this many evaluations.
 const MAX_EVALUATIONS: usize = 1_000_000;
@@ -21,7 +21,7 @@ impl Machine {
         self.scratch.rereading.clear();
         let is_pulse = roots.iter().any(|&root| self.fluents[root].is_pulsed);
         let mut touched = roots;
-        let mut dirty: BTreeSet<Turn> = BTreeSet::new();
+        let mut dirty: BTreeSet<EvaluationOrder> = BTreeSet::new();
         for &root in &touched {
             self.mark_dependents(root, &mut dirty);
         }
@@ -56,12 +56,12 @@ impl Machine {
         self.settle(around, touched);
     }
 
-    fn turn(&self, network: u32) -> Turn {
+    fn turn(&self, network: u32) -> EvaluationOrder {
         let fluent = &self.fluents[network];
         (fluent.height, fluent.number, network)
     }
 
-    fn mark_dependents(&mut self, fluent: u32, dirty: &mut BTreeSet<Turn>) {
+    fn mark_dependents(&mut self, fluent: u32, dirty: &mut BTreeSet<EvaluationOrder>) {
         self.scratch.work += self.fluents[fluent].dependents.len() as u64;
         self.fluents[fluent].dependents.for_each(|dependent| {
             dirty.insert(self.turn(dependent));
@@ -118,7 +118,7 @@ impl Machine {
 
     /// Ends pulses and changes: what read them is evaluated again, silently.
     fn settle(&mut self, around: &mut Surroundings<'_>, touched: Vec<u32>) {
-        let mut again: BTreeSet<Turn> = BTreeSet::new();
+        let mut again: BTreeSet<EvaluationOrder> = BTreeSet::new();
         for &fluent in &touched {
             let Some(entry) = self.fluents.get_mut(fluent) else { continue };
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);

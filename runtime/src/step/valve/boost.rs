@@ -3,7 +3,7 @@
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
 use crate::state::valve::Claim;
-use crate::state::valve_line::Place;
+use crate::state::valve_line::LinePlace;
 use crate::step::native::Surroundings;
 
 /// Changes of a boost while valves are served, before it only rises.
@@ -12,7 +12,7 @@ const MAX_BOOST_CHANGES: u32 = 16;
 impl Machine {
     /// What keeps the first in line waiting runs at its priority: a subtree with clean-ups, or one
     /// whose hooks run.
-    pub(crate) fn set_claim(&mut self, valve: u32, blocked: Option<(Place, u32)>) {
+    pub(crate) fn set_claim(&mut self, valve: u32, blocked: Option<(LinePlace, u32)>) {
         let entry = &self.valves[valve as usize];
         let with_hooks = entry.handover.and(entry.links.iter().rev().find(|link| link.is_mark()));
         let claim = match (with_hooks, entry.line.first(), blocked) {

@@ -4,7 +4,7 @@ use crate::state::machine::Machine;
 use crate::state::registers::Registers;
 use crate::state::task::{ScopeKind, State, Task};
 use crate::state::value::Value;
-use crate::state::valve::{Handover, Purpose};
+use crate::state::valve::{Handover, HoldPurpose};
 use crate::step::native::Surroundings;
 use std::collections::BTreeSet;
 
@@ -55,7 +55,7 @@ impl Machine {
         task.occurrence = self.count_use(root, name);
         let index = self.tasks.insert(task);
         self.adopt(root, self.tasks[root].scopes.len() as u32, index);
-        self.take(index, valve, Purpose::Hooks);
+        self.take(index, valve, HoldPurpose::Hooks);
         self.set_claim(valve, None);
         self.make_ready(index);
         self.trace_task_begin(index);

@@ -5,7 +5,7 @@ use crate::state::memory;
 use crate::state::slab::NONE;
 use crate::state::task::{Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
-use crate::state::valve::{Link, LinkKind, NO_LINK, Purpose};
+use crate::state::valve::{HoldPurpose, Link, LinkKind, NO_LINK};
 use crate::step::native::Surroundings;
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ impl Machine {
     pub(crate) fn grant(&mut self, around: &mut Surroundings<'_>, task: u32, valve: u32) {
         self.interrupt_activations(around, task, valve);
         self.leave_valve_line(task, valve);
-        self.take(task, valve, Purpose::Plan);
+        self.take(task, valve, HoldPurpose::Plan);
         if task == self.current {
             self.tasks[task].waiting = Waiting::Nothing;
         } else {
@@ -23,7 +23,7 @@ impl Machine {
     }
 
     /// The task's hold goes on top, or counts once more.
-    pub(crate) fn take(&mut self, task: u32, valve: u32, purpose: Purpose) {
+    pub(crate) fn take(&mut self, task: u32, valve: u32, purpose: HoldPurpose) {
         let me = self.tasks.reference(task);
         let top = self.valves[valve as usize].links.last_mut().filter(|top| top.task == me && top.serves(purpose));
         if let Some(LinkKind::Hold { count, .. }) = top.map(|top| &mut top.kind) {
@@ -33,7 +33,7 @@ impl Machine {
         let number = self.valves[valve as usize].push(me, LinkKind::Hold { count: 1, purpose });
         self.tasks[task].rare().held.push(valve);
         self.heap.allocated += memory::LINK;
-        if purpose != Purpose::Hooks {
+        if purpose != HoldPurpose::Hooks {
             self.trace_valve(task, valve, "granted");
         }
         self.gather_line(task, valve, number);
@@ -68,7 +68,7 @@ impl Machine {
             if let Some(at) = list.iter().rposition(|&known| known == valve) {
                 list.swap_remove(at);
             }
-            if let LinkKind::Hold { purpose: Purpose::Plan | Purpose::Activation(_), .. } = link.kind {
+            if let LinkKind::Hold { purpose: HoldPurpose::Plan | HoldPurpose::Activation(_), .. } = link.kind {
                 self.trace_valve(task, valve, "released");
             }
         }
@@ -101,7 +101,7 @@ impl Machine {
     pub(crate) fn release_valve(&mut self, around: &mut Surroundings<'_>, task: u32, valve: u32) {
         let me = self.tasks.reference(task);
         let links = &mut self.valves[valve as usize].links;
-        let Some(at) = links.iter().rposition(|link| link.task == me && link.serves(Purpose::Plan)) else { return };
+        let Some(at) = links.iter().rposition(|link| link.task == me && link.serves(HoldPurpose::Plan)) else { return };
         if let LinkKind::Hold { count: count @ 2.., .. } = &mut links[at].kind {
             *count -= 1;
             return;
@@ -132,12 +132,12 @@ impl Machine {
 
     /// A borrowed hold for a behaviour.
     pub(crate) fn hold_for_activation(&mut self, task: u32, valve: u32, behaviour: u16) {
-        self.take(task, valve, Purpose::Activation(behaviour));
+        self.take(task, valve, HoldPurpose::Activation(behaviour));
     }
 
     /// The behaviour has ended: its hold is given back.
     pub(crate) fn release_activation(&mut self, around: &mut Surroundings<'_>, behaviour: u16, owner: Option<TaskRef>) {
-        let purpose = Purpose::Activation(behaviour);
+        let purpose = HoldPurpose::Activation(behaviour);
         let held = owner.and_then(|owner| self.tasks.find(owner)).map_or(&[][..], |owner| self.tasks[owner].held());
         let drives = |&&valve: &&u32| self.valves[valve as usize].links.iter().any(|link| link.serves(purpose));
         let Some(&valve) = held.iter().find(drives) else { return };
@@ -152,7 +152,7 @@ impl Machine {
         let mut driving = Vec::new();
         for (at, link) in self.valves[valve as usize].links.iter().enumerate().rev() {
             let owner = self.tasks.find(link.task);
-            if let LinkKind::Hold { purpose: Purpose::Activation(behaviour), .. } = link.kind
+            if let LinkKind::Hold { purpose: HoldPurpose::Activation(behaviour), .. } = link.kind
                 && !owner.is_some_and(|owner| self.is_within(task, owner))
             {
                 driving.push((at, behaviour));

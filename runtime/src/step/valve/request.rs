@@ -4,8 +4,8 @@ use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::task::Waiting;
-use crate::state::valve::{NO_LINK, Purpose, Waiter};
-use crate::state::valve_line::Place;
+use crate::state::valve::{HoldPurpose, NO_LINK, Waiter};
+use crate::state::valve_line::LinePlace;
 use crate::step::native::Surroundings;
 use crate::step::valve::serving::Way;
 
@@ -33,7 +33,7 @@ impl Machine {
         valve: u32,
     ) -> Result<bool, Raise> {
         if self.valves[valve as usize].links.is_empty() || self.holds_valve(task, valve) {
-            self.take(task, valve, Purpose::Plan);
+            self.take(task, valve, HoldPurpose::Plan);
             return Ok(true);
         }
         let is_open = matches!(self.way(task, self.effective_priority(task), valve), Way::Open | Way::Through(_));
@@ -52,7 +52,7 @@ impl Machine {
         let priority = self.effective_priority(task);
         let entry = &mut self.valves[valve as usize];
         entry.asked += 1;
-        let place = Place { priority, asked: entry.asked };
+        let place = LinePlace { priority, asked: entry.asked };
         entry.waiters.insert(task, Waiter { place, line: None });
         self.heap.allocated += memory::WAITER;
         self.enter_line(task, valve);

@@ -5,7 +5,7 @@ use crate::state::memory;
 use crate::state::priorities::Priorities;
 use crate::state::slab::NONE;
 use crate::state::valve::{Below, Handover, Link, LinkKind};
-use crate::state::valve_line::Place;
+use crate::state::valve_line::LinePlace;
 use crate::step::native::Surroundings;
 use std::collections::BTreeSet;
 
@@ -24,18 +24,18 @@ pub(crate) enum Way {
 
 /// Who is served next, and what keeps a more important one from it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Next {
-    served: Option<(Place, u32, Option<u32>)>,
-    blocked: Option<(Place, u32)>,
+struct NextServed {
+    served: Option<(LinePlace, u32, Option<u32>)>,
+    blocked: Option<(LinePlace, u32)>,
     /// How many were looked at.
     looks: u64,
 }
 
-impl Next {
+impl NextServed {
     /// Notes the way of one who waits; tells whether it leads on.
-    fn note(&mut self, priorities: &Priorities, place: Place, task: u32, way: Way) -> bool {
+    fn note(&mut self, priorities: &Priorities, place: LinePlace, task: u32, way: Way) -> bool {
         self.looks += 1;
-        let is_first = |known: Option<Place>| known.is_none_or(|known| place.is_before(known, priorities));
+        let is_first = |known: Option<LinePlace>| known.is_none_or(|known| place.is_before(known, priorities));
         match way {
             Way::Open | Way::Through(_) => {
                 if is_first(self.served.map(|(place, ..)| place)) {
@@ -100,9 +100,9 @@ impl Machine {
     }
 
     /// Who is served next, and who would be if no clean-up kept it waiting.
-    fn next_served(&self, valve: u32) -> Next {
+    fn next_served(&self, valve: u32) -> NextServed {
         let entry = &self.valves[valve as usize];
-        let mut next = Next::default();
+        let mut next = NextServed::default();
         let Some((first, task)) = entry.line.first() else { return next };
         let Some((_, hold)) = entry.top_hold() else {
             let way = self.way(task, first.priority, valve);
@@ -125,7 +125,7 @@ impl Machine {
 
     /// Looks for who can pre-empt the holder in one line. Those who are below no task that is above
     /// the holder too all want the same subtree suspended: the first speaks for all.
-    fn look_along(&self, next: &mut Next, valve: u32, below: &Below, holder: u32, floor: u32) {
+    fn look_along(&self, next: &mut NextServed, valve: u32, below: &Below, holder: u32, floor: u32) {
         let entry = &self.valves[valve as usize];
         let link = entry.links.binary_search_by_key(&below.link, |link| link.number).ok().map(|at| entry.links[at]);
         let lender = link.filter(Link::is_hold).and_then(|link| self.tasks.find(link.task));
@@ -232,7 +232,7 @@ impl Machine {
             return;
         };
         // A clean-up of the interrupted stands for it.
-        let mut next = Next::default();
+        let mut next = NextServed::default();
         let way = if self.holds_valve(task, valve) { Way::Open } else { self.way(task, place.priority, valve) };
         if next.note(&self.priorities, place, task, way)
             && let Some((_, task, root)) = next.served
