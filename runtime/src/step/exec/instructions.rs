@@ -634,7 +634,11 @@ impl Machine {
                         Value::Fluent(fluent) => plan!(self.dereference(place, a, fluent)),
                         value => r!(a) = value,
                     },
-                    Op::Assign(a, fluent, value) => plan!(self.assign_instruction(around, place, a, fluent, value)),
+                    Op::Assign(a, fluent, value) => {
+                        let (fluent, value) = (r!(fluent), r!(value));
+                        r!(a) = value;
+                        plan!(self.assign_instruction(around, place, fluent, value))
+                    }
                     Op::Refail(a) => {
                         let failure = r!(a);
                         fail!(Raise::Again(failure));

@@ -467,44 +467,56 @@ impl Machine {
     }
 
     /// Assigns a fluent.
+    #[inline]
     pub(super) fn assign_instruction(
         &mut self,
         around: &mut Surroundings<'_>,
         place: &mut Cursor,
-        to: Reg,
-        fluent: Reg,
-        value: Reg,
+        fluent: Value,
+        value: Value,
     ) -> Result<Flow, Raise> {
-        let (fluent, value) = (self.register(place, fluent), self.register(place, value));
-        self.set_register(place, to, value);
-        if let (Value::Nil | Value::True, Value::Fluent(fluent)) = (value, fluent)
-            && let Some(next) = self.signal_plainly(fluent, value)
-        {
-            return Ok(next);
+        match (fluent, value) {
+            (Value::Fluent(fluent), Value::Nil | Value::True) if self.signals_plainly(fluent) => {
+                Ok(self.signal_plainly(fluent, value))
+            }
+            _ => self.assign_any(around, place, fluent, value),
         }
+    }
+
+    /// Whether nothing but waiters needs to be looked at when `nil` or `t` is assigned: the common
+    /// signal, to a fluent nothing is computed from.
+    #[inline]
+    fn signals_plainly(&self, fluent: u32) -> bool {
+        self.current != SCRATCH_TASK
+            && !self.trace.enabled
+            && self.fluents.get(fluent).is_some_and(|entry| entry.is_plain())
+    }
+
+    #[inline]
+    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Flow {
+        let entry = &mut self.fluents[fluent];
+        let is_new = entry.value != truth;
+        entry.value = truth;
+        if is_new && truth.is_true() && entry.waiters.first != NONE {
+            self.wake_waiters(fluent, Wake::Value(Value::True));
+            return Flow::Switch;
+        }
+        Flow::On
+    }
+
+    #[inline(never)]
+    fn assign_any(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Cursor,
+        fluent: Value,
+        value: Value,
+    ) -> Result<Flow, Raise> {
         self.refuse_in_network("a fluent cannot be assigned")?;
         self.assign_fluent(around, fluent, value)?;
         place.spend(std::mem::take(&mut self.scratch.burned) as usize);
         self.collect_if_full()?;
         Ok(Flow::Switch)
-    }
-
-    /// `nil` or `t` to a fluent nothing is computed from: the common signal, for which nothing but
-    /// waiters needs to be looked at. None if it is not so simple.
-    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Option<Flow> {
-        if self.current == SCRATCH_TASK || self.trace.enabled {
-            return None;
-        }
-        let entry = self.fluents.get_mut(fluent).filter(|entry| entry.is_plain())?;
-        if entry.value == truth {
-            return Some(Flow::On);
-        }
-        entry.value = truth;
-        if truth.is_true() && entry.waiters.first != NONE {
-            self.wake_waiters(fluent, Wake::Value(Value::True));
-            return Some(Flow::Switch);
-        }
-        Some(Flow::On)
     }
 
     fn open_scope(&mut self, kind: ScopeKind) -> Result<Flow, Raise> {
