@@ -476,10 +476,11 @@ fn run_rotated(seed: u64) {
         Err(error) => panic!("{error}"),
     };
     let oracle = Oracle::new(model.simulator.clone(), seed);
-    let scenario_library = match Library::new([base(), office::oracle_natives()].concat(), &[prelude], &oracle, &[]) {
-        Ok(library) => Arc::new(library),
-        Err(rejected) => panic!("{}", rejected.render(false)),
-    };
+    let scenario_library =
+        match Library::new([base(), office::oracle_natives()].concat(), &[prelude], office::oracle_tables(), &[]) {
+            Ok(library) => Arc::new(library),
+            Err(rejected) => panic!("{}", rejected.render(false)),
+        };
     let turn = include_str!("../../examples/experiments/rotated.rpl");
     let scenario = match scenario_library.load("rotated.rpl", turn, &mut NoFiles) {
         Ok(loaded) => System::new(scenario_library, loaded, oracle, seed),
@@ -488,7 +489,7 @@ fn run_rotated(seed: u64) {
     let host = SimulatedHost::new(model.simulator.clone(), seed, Some(scenario));
     let robot = OfficeRobot::new(model, host, seed);
     let plans = [prelude, ("robot", office::PLANS)];
-    let library = match Library::new([base(), office::natives()].concat(), &plans, &robot, &[]) {
+    let library = match Library::new([base(), office::natives()].concat(), &plans, office::tables(), &[]) {
         Ok(library) => Arc::new(library),
         Err(rejected) => panic!("{}", rejected.render(false)),
     };

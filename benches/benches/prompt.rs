@@ -57,8 +57,8 @@ fn mission(start_known: bool) -> System<OfficeRobot> {
     let robot = OfficeRobot::new(model.clone(), SimulatedHost::new(model.simulator.clone(), 1, None), 1);
     let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), office::natives()].concat();
     let texts = [("prelude", rpl_stdlib::PRELUDE), ("robot", office::PLANS)];
-    let library =
-        Library::new(natives, &texts, &robot, &[]).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
+    let library = Library::new(natives, &texts, office::tables(), &[])
+        .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     System::session(&Arc::new(library), robot, 1).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
 }
 

@@ -3,9 +3,10 @@
 use crate::console::Console;
 use crate::events::{self, Told};
 use crate::interrupt;
-use crate::mission::{CONTINUOUS_FLUENTS, PositionBelief, Robot, Sight};
+use crate::mission::{PositionBelief, Robot, Sight};
 use crate::trace::{Seen, TraceFile};
 use rpl_robot::localization::Localization;
+use rpl_robot::office::{self, ReportKind};
 use rpl_runtime::run::system::{Outcome, System, Turn};
 use rpl_runtime::state::output::Channel;
 use rpl_runtime::state::trace::{Event, EventKind};
@@ -78,7 +79,7 @@ pub struct Records {
 /// The belief at a moment.
 pub struct Scene {
     /// What happened.
-    pub what: String,
+    pub what: ReportKind,
     /// When, in seconds of virtual time.
     pub time_s: f64,
     /// The belief.
@@ -90,13 +91,14 @@ pub struct Scene {
 }
 
 /// Reports at which the belief is worth a drawing.
-const TURNING_POINTS: &[&str] = &["position lost", "localization action", "position found"];
+const TURNING_POINTS: [ReportKind; 3] =
+    [ReportKind::PositionLost, ReportKind::LocalizationAction, ReportKind::PositionFound];
 
 /// Something the robot or the scenario reported, and how things stood then.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// What was reported, such as "position lost".
-    pub what: String,
+    /// What was reported.
+    pub what: ReportKind,
     /// The robot at the end of that instant.
     pub sight: Sight,
     /// How far it had driven.
@@ -270,23 +272,22 @@ impl Driver<'_> {
         if is_lost && events::is_relocalization(event) {
             self.records.relocalizations += 1;
         }
-        if event.kind == EventKind::Robot
+        if let Some(what) = ReportKind::of(event)
             && let (Some(sight), Some(account)) = (self.system.outside.sight(), self.system.outside.account())
         {
-            let what = events::detail(event, "what").to_string();
             if let Some(scenes) = &mut self.records.scenes
-                && TURNING_POINTS.contains(&what.as_str())
+                && TURNING_POINTS.contains(&what)
                 && let Some(belief) = self.system.outside.belief()
             {
                 let time_s = event.time_us as f64 / 1e6;
                 let track_length = self.records.track.len();
-                scenes.push(Scene { what: what.clone(), time_s, belief, sight, track_length });
+                scenes.push(Scene { what, time_s, belief, sight, track_length });
             }
             if let Some(choices) = &mut self.records.choices
-                && what == "localization action"
+                && what == ReportKind::LocalizationAction
                 && let Robot::Office(robot) = &self.system.outside
             {
-                choices.extend(robot.board.localization.clone());
+                choices.extend(robot.localization().cloned());
             }
             let track_length = self.records.track.len();
             self.records.marks.push(Mark { what, sight, distance_m: account.distance_m, track_length });
@@ -354,15 +355,13 @@ impl Driver<'_> {
 }
 
 fn silence_continuous_fluents(system: &mut System<Robot>) {
-    let fluents: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| robot_fluent(system, name)).collect();
+    let names: Vec<&str> = office::tables().continuous_fluents().collect();
+    let fluents: Vec<u32> = names.iter().filter_map(|name| robot_fluent(system, name)).collect();
     system.machine.trace.quiet.extend(fluents);
     // The first step of the robot was traced before anybody could say which fluents are quiet.
     system.machine.trace.events.retain(|event| {
         event.kind != EventKind::Fluent
-            || !event
-                .details
-                .iter()
-                .any(|(name, value)| name == "fluent" && CONTINUOUS_FLUENTS.contains(&value.as_str()))
+            || !event.details.iter().any(|(name, value)| name == "fluent" && names.contains(&value.as_str()))
     });
 }
 

@@ -1,7 +1,9 @@
 //! What a person wants to be told while a mission runs.
 
 use crate::mission::{Robot, Sight};
-use rpl_runtime::behaviour::{Outside, Phase};
+use rpl_robot::office::{ACTIVE_LOCALIZATION, ReportKind};
+use rpl_runtime::robot::Outside;
+use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::output::{Channel, Output};
 use rpl_runtime::state::slab::NONE;
@@ -16,12 +18,12 @@ pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
 /// Whether active localization was started.
 pub fn is_relocalization(event: &Event) -> bool {
     event.kind == EventKind::Behaviour
-        && detail(event, "behaviour") == "active-localization"
+        && detail(event, "behaviour") == ACTIVE_LOCALIZATION
         && detail(event, "what") == "activated"
 }
 
 fn is_loss(event: &Event) -> bool {
-    event.kind == EventKind::Robot && detail(event, "what") == "position lost"
+    ReportKind::of(event) == Some(ReportKind::PositionLost)
 }
 
 /// A line that a run has for a person.
@@ -113,11 +115,13 @@ fn signal(event: &Event) -> Option<String> {
 /// Time, what the robot does, how sure it is of its place, and where in the plan it is, in so many
 /// columns if possible.
 pub fn status_line(machine: &Machine, robot: &Robot, sight: Option<Sight>, room: usize) -> String {
-    let active = machine.activations.iter().zip(robot.behaviours());
+    let active = machine.activations.iter().zip(&robot.tables().behaviours);
     // Position tracking never rests; what drives says more.
     let mut busy = active.filter(|(activation, spec)| activation.phase == Phase::Active && spec.valve.is_some());
     let (doing, task) = match busy.next_back() {
-        Some((activation, spec)) => (Some(spec.name), activation.task.and_then(|task| machine.tasks.find_alive(task))),
+        Some((activation, spec)) => {
+            (Some(&*spec.name), activation.task.and_then(|task| machine.tasks.find_alive(task)))
+        }
         None => (None, None),
     };
     let mut parts = vec![format!("{:.1} s", machine.now_s())];
@@ -176,8 +180,8 @@ mod tests {
 
     #[test]
     fn a_loss_and_what_is_done_about_it_are_one_line() {
-        let loss = event(EventKind::Robot, &[("what", "position lost"), ("certainty", "0.31")]);
-        let details = [("behaviour", "active-localization"), ("what", "activated")];
+        let loss = event(EventKind::Robot, &[("what", ReportKind::PositionLost.name()), ("certainty", "0.31")]);
+        let details = [("behaviour", ACTIVE_LOCALIZATION), ("what", "activated")];
         let relocalization = event(EventKind::Behaviour, &details);
         let both = [loss.clone(), relocalization.clone()];
         assert_eq!(told(&both, true), ["12.4 s  certainty 0.31 – position lost, relocalizing"]);

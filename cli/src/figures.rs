@@ -138,13 +138,13 @@ pub fn write_mission(
         folder.draw(BELIEF, &draw(&figure))?;
     }
     for (number, scene) in records.scenes.iter().flatten().enumerate() {
-        let title = format!("{:.1} s: {}, certainty {:.2}", scene.time_s, scene.what, scene.sight.certainty);
+        let title = format!("{:.1} s: {}, certainty {:.2}", scene.time_s, scene.what.name(), scene.sight.certainty);
         let mut figure = Figure::of_map(&title, &map, &world.rooms);
         figure.belief = Some(&scene.belief);
         let before = &track[..scene.track_length];
         figure.true_paths_in_map.push(before.iter().map(|sight| sight.robot_in_map.point()).collect());
         figure.mark(&scene.sight);
-        let name = format!("belief-{:02}-{}.svg", number + 1, scene.what.replace(' ', "-"));
+        let name = format!("belief-{:02}-{}.svg", number + 1, scene.what.name().replace(' ', "-"));
         folder.draw(&name, &draw(&figure))?;
     }
     Ok(())

@@ -8,15 +8,12 @@ use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::{Point, Pose, Vector};
 use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::occupancy::OccupancyGrid;
-use rpl_robot::office::{
-    self, BEHAVIOURS, Cost, FLUENTS, OfficeModel, OfficeRobot, OfficeSettings, Oracle, ROBOT_NAMES, SCENARIO_NAMES,
-    SimulatedHost, VALVES,
-};
-use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
+use rpl_robot::office::{self, Cost, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
 use rpl_robot::world::World;
-use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
+use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, Stop};
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
@@ -25,35 +22,6 @@ use serde::Serialize;
 use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
-/// functions are a library like any other.
-const RESERVED_NAMES: &[&str] = &[
-    "position-tracking",
-    "active-localization",
-    "navigation",
-    "gripper",
-    "look-around",
-    "wheels",
-    "arm",
-    "x*",
-    "y*",
-    "o*",
-    "pos-certainty*",
-    "navigation-active?*",
-    "nr-of-nav-goals*",
-    "travel-mode*",
-    "region*",
-    "speed*",
-    "bumped?*",
-    "holding*",
-    "battery*",
-    "messages*",
-];
-
-/// Fluents that change with every step of the robot: a trace that told each change would tell
-/// nothing else.
-pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*", "battery*"];
 
 /// Memory for the models of a world, if nobody says how much.
 pub const MEMORY_GIB: f64 = 4.0;
@@ -86,7 +54,7 @@ impl Site {
     /// The prelude does not compile.
     pub fn without_robot() -> Result<Self> {
         Ok(Self {
-            library: plan_library(base_natives(), &NoRobot, &[], ROBOT_NAMES)?,
+            library: plan_library(base_natives(), RobotTables::EMPTY, &[], &office::robot_names())?,
             office: None,
             scenario: None,
             lacks_world: false,
@@ -106,10 +74,7 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn for_checking_scenarios() -> Result<Self> {
-        let world = world("test-room")?;
-        let simulator = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
-        let library = scenario_library(&Oracle::new(Arc::new(simulator), 0))?;
-        Ok(Self { library, office: None, scenario: None, lacks_world: true })
+        Ok(Self { library: scenario_library()?, office: None, scenario: None, lacks_world: true })
     }
 
     /// A site with the robot in a world; none is a site without a robot.
@@ -140,7 +105,7 @@ impl Site {
         let name = world.name.clone();
         let office = OfficeModel::new(world, settings)
             .with_context(|| format!("the robot cannot be put into the world `{name}`"))?;
-        let scenario = scenario.map(|plan| Scenario::compile(plan, &office)).transpose()?;
+        let scenario = scenario.map(Scenario::compile).transpose()?;
         Ok(Self { library: robot_library()?, office: Some(Arc::new(office)), scenario, lacks_world: false })
     }
 
@@ -149,8 +114,10 @@ impl Site {
     /// # Errors
     /// There is no robot, or the scenario's text is wrong.
     pub fn with_scenario(&self, scenario: PlanText) -> Result<Self> {
-        let Some(office) = &self.office else { bail!("the scenario `{}` needs a robot", scenario.name) };
-        Ok(Self { scenario: Some(Scenario::compile(scenario, office)?), ..self.clone() })
+        if self.office.is_none() {
+            bail!("the scenario `{}` needs a robot", scenario.name);
+        }
+        Ok(Self { scenario: Some(Scenario::compile(scenario)?), ..self.clone() })
     }
 
     /// What was built from the world, if there is one.
@@ -171,8 +138,8 @@ impl Site {
 }
 
 impl Scenario {
-    fn compile(plan: PlanText, office: &OfficeModel) -> Result<Self> {
-        let library = scenario_library(&Oracle::new(office.simulator.clone(), 0))?;
+    fn compile(plan: PlanText) -> Result<Self> {
+        let library = scenario_library()?;
         let PlanText { name, text, mut folder } = plan;
         match library.load(&name, &text, &mut folder) {
             Ok(loaded) => Ok(Self { library, loaded }),
@@ -239,41 +206,6 @@ pub enum Robot {
     Office(Box<OfficeRobot>),
 }
 
-/// The tables of the robot, for compiling plans where there is no world.
-struct RobotTables(NoRobot);
-
-impl Outside for RobotTables {
-    fn behaviours(&self) -> &'static [BehaviourSpec] {
-        BEHAVIOURS
-    }
-
-    fn fluents(&self) -> &'static [FluentSpec] {
-        FLUENTS
-    }
-
-    fn valves(&self) -> &'static [&'static str] {
-        VALVES
-    }
-
-    fn start(
-        &mut self,
-        machine: &Machine,
-        behaviour: u16,
-        arguments: &[(Symbol, Value)],
-        outbox: &mut Outbox,
-    ) -> Result<(), Raise> {
-        self.0.start(machine, behaviour, arguments, outbox)
-    }
-
-    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
-        self.0.stop(behaviour, how, outbox);
-    }
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
-    }
-}
-
 /// What can be seen of a robot from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
@@ -328,7 +260,7 @@ impl Robot {
     pub fn is_lost(&self) -> bool {
         match self {
             Robot::Absent(_) => false,
-            Robot::Office(robot) => robot.estimate().certainty <= robot.model.settings.active.certainty,
+            Robot::Office(robot) => robot.estimate().certainty <= robot.model().settings.active.certainty,
         }
     }
 
@@ -371,7 +303,7 @@ impl Robot {
         match self {
             Robot::Absent(_) => None,
             Robot::Office(robot) => {
-                let grid = &robot.model.map.as_ref()?.localization.grid;
+                let grid = &robot.model().map.as_ref()?.localization.grid;
                 Some(PositionBelief {
                     resolution_m: grid.cell_m,
                     // The grid names the middle of its first cell, a drawing wants its corner.
@@ -399,16 +331,8 @@ impl Robot {
 }
 
 impl Outside for Robot {
-    fn behaviours(&self) -> &'static [BehaviourSpec] {
-        self.outside().behaviours()
-    }
-
-    fn fluents(&self) -> &'static [FluentSpec] {
-        self.outside().fluents()
-    }
-
-    fn valves(&self) -> &'static [&'static str] {
-        self.outside().valves()
+    fn tables(&self) -> &RobotTables {
+        self.outside().tables()
     }
 
     fn start(
@@ -429,8 +353,8 @@ impl Outside for Robot {
         self.outside().period_us()
     }
 
-    fn step(&mut self, outbox: &mut Outbox) {
-        self.outside_mut().step(outbox);
+    fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
+        self.outside_mut().step(phases, outbox);
     }
 
     fn as_any(&mut self) -> &mut dyn Any {
@@ -448,30 +372,30 @@ pub fn natives() -> Vec<Native> {
 }
 
 fn robot_library() -> Result<Arc<Library>> {
-    plan_library(natives(), &RobotTables(NoRobot), &[("robot", office::PLANS)], RESERVED_NAMES)
+    plan_library(natives(), office::tables(), &[("robot", office::PLANS)], &office::reserved_names())
 }
 
-fn scenario_library(oracle: &Oracle) -> Result<Arc<Library>> {
-    Ok(Arc::new(library([base_natives(), office::oracle_natives()].concat(), oracle, &[], &[])?))
+fn scenario_library() -> Result<Arc<Library>> {
+    Ok(Arc::new(library([base_natives(), office::oracle_natives()].concat(), office::oracle_tables(), &[], &[])?))
 }
 
 fn plan_library(
     natives: Vec<Native>,
-    outside: &dyn Outside,
+    tables: &RobotTables,
     plans: &[(&str, &str)],
-    robot_names: &'static [&'static str],
+    robot_names: &[String],
 ) -> Result<Arc<Library>> {
-    Ok(Arc::new(library(natives, outside, plans, robot_names)?.without_scenario_names(SCENARIO_NAMES)))
+    Ok(Arc::new(library(natives, tables, plans, robot_names)?.without_scenario_names(&office::scenario_names())))
 }
 
 fn library(
     natives: Vec<Native>,
-    outside: &dyn Outside,
+    tables: &RobotTables,
     plans: &[(&str, &str)],
-    robot_names: &'static [&'static str],
+    robot_names: &[String],
 ) -> Result<Library> {
     let preludes = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
-    match Library::new(natives, &preludes, outside, robot_names) {
+    match Library::new(natives, &preludes, tables, robot_names) {
         Ok(library) => Ok(library),
         Err(rejected) => bail!("the prelude does not compile, which is a fault of rpl\n{}", rejected.render(false)),
     }
@@ -542,19 +466,4 @@ fn read_map(path: &Path) -> Result<OccupancyGrid> {
         console::note(&warning);
     }
     Ok(grid)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_name_of_the_robots_tables_is_reserved() {
-        let behaviours = BEHAVIOURS.iter().map(|behaviour| behaviour.name);
-        let valves = VALVES.iter().copied();
-        let fluents = FLUENTS.iter().map(|fluent| fluent.name);
-        let names: Vec<&str> = behaviours.chain(valves).chain(fluents).collect();
-        assert_eq!(names, RESERVED_NAMES);
-        assert!(names.iter().all(|name| ROBOT_NAMES.contains(name)));
-    }
 }

@@ -16,7 +16,7 @@ use rpl_lang::reader::{fold_name, read};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
-use rpl_robot::office::BEHAVIOURS;
+use rpl_robot::office;
 use rpl_runtime::state::failure::CLASSES;
 use std::collections::BTreeMap;
 pub use topics::{TOPICS, Topic};
@@ -118,10 +118,11 @@ impl Reference {
                 reference.add(name, Kind::SpecialForm, form.form.to_string(), form.doc.to_string(), form.example);
             }
         }
-        for behaviour in BEHAVIOURS {
-            let valve = behaviour.valve.map_or(String::new(), |valve| format!(" Drives with the valve `{valve}`."));
+        for behaviour in &office::tables().behaviours {
+            let valve =
+                behaviour.valve.as_deref().map_or(String::new(), |valve| format!(" Drives with the valve `{valve}`."));
             let signature = call("activate", format!("{} {}", behaviour.name, behaviour.parameters).trim_end());
-            reference.add(behaviour.name, Kind::Behaviour, signature, format!("{}{valve}", behaviour.doc), "");
+            reference.add(&behaviour.name, Kind::Behaviour, signature, format!("{}{valve}", behaviour.doc), "");
         }
         for (name, parent, slots, doc) in CLASSES {
             let below = if parent.is_empty() { String::new() } else { format!(" below {parent}") };
@@ -274,6 +275,13 @@ mod tests {
             let ends = entry.doc.ends_with(['.', '`']);
             assert!(ends && entry.doc.starts_with(|c: char| !c.is_lowercase()), "{entry:?}");
         }
+    }
+
+    #[test]
+    fn everything_a_robot_offers_has_its_entry() {
+        let reference = reference();
+        let missing: Vec<&str> = office::tables().names().filter(|name| reference.find(name).is_none()).collect();
+        assert!(missing.is_empty(), "{missing:?}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Why a task waits or failed: the chain of causes.
 
-use crate::mission::CONTINUOUS_FLUENTS;
 use crate::situation::{Ended, Situation, Standing, is_within};
 use rpl_lang::suggest::suggest;
+use rpl_robot::office;
 use rpl_runtime::step::tasks::condition::Reading;
 use std::borrow::Cow;
 
@@ -145,7 +145,7 @@ fn tell_reading(situation: &Situation, standing: &Standing, reading: &Reading, d
     let value = shortened(later.unwrap_or(&reading.value));
     let since = match change {
         Some(change) => format!(", since {:.3} s, by {}", change.time_us as f64 / 1e6, change.by),
-        None if standing.told < u64::MAX && CONTINUOUS_FLUENTS.contains(&name.as_str()) => {
+        None if standing.told < u64::MAX && office::tables().continuous_fluents().any(|known| known == name) => {
             " when the wait began; its changes are not in the trace".to_string()
         }
         None => String::new(),

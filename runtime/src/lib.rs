@@ -2,14 +2,15 @@
 //!
 //! The whole run is one value, [`run::system::System`], that [`run::system::System::advance`] steps
 //! from instant to instant. Nothing here knows a clock, a thread, a file or a robot: time is virtual,
-//! and the robot stands behind [`behaviour::Outside`].
+//! and the robot stands behind [`robot::Outside`].
 //!
-//! Three floors, each of which imports only from those below it: [`run`] on [`step`] on [`state`].
+//! Four floors, each of which imports only from those below it: [`run`] on [`step`] on [`robot`] on
+//! [`state`].
 //! Read in this order: [`state::value`], [`state::task`], [`state::machine`], `step::exec`,
-//! `step::construct`, [`step::tasks`], `step::fluents`, `step::valve`, [`behaviour`],
+//! `step::construct`, [`step::tasks`], `step::fluents`, `step::valve`, [`robot`],
 //! [`run::system`].
 
-pub mod behaviour;
+pub mod robot;
 pub mod run;
 pub mod state;
 pub mod step;

@@ -5,7 +5,7 @@ pub mod generated;
 pub mod mission;
 pub mod valves;
 
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::{NoRobot, RobotTables};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::output::Channel;
@@ -16,7 +16,7 @@ pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
         let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
-        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &NoRobot, &[]) {
+        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], RobotTables::EMPTY, &[]) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the prelude does not compile:\n{}", rejected.render(false)),
         }

@@ -4,7 +4,7 @@ use rpl_lang::compile::NoFiles;
 use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
 use rpl_robot::world::World;
-use rpl_runtime::behaviour::Outside;
+use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::output::{Channel, Output};
@@ -12,9 +12,6 @@ use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::Native;
 use std::sync::{Arc, OnceLock};
-
-/// Fluents that change with every step; a trace that told each change would tell nothing else.
-pub const CONTINUOUS_FLUENTS: &[&str] = &["x*", "y*", "o*", "pos-certainty*", "speed*", "battery*"];
 
 /// How fine the grid of the belief is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,10 +58,10 @@ pub fn test_room() -> Arc<OfficeModel> {
     MODEL.get_or_init(|| builtin("test-room", Grid::Coarse)).clone()
 }
 
-fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) -> Arc<Library> {
+fn library(natives: Vec<Native>, plans: &[(&str, &str)], tables: &RobotTables) -> Arc<Library> {
     let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), natives].concat();
     let texts = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
-    match Library::new(natives, &texts, outside, &[]) {
+    match Library::new(natives, &texts, tables, &[]) {
         Ok(library) => Arc::new(library),
         Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),
     }
@@ -73,18 +70,13 @@ fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) 
 /// What plans can call on a robot, compiled once.
 pub fn robot_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    let compile = || {
-        let model = test_room();
-        let host = SimulatedHost::new(model.simulator.clone(), 0, None);
-        let robot = OfficeRobot::new(model, host, 0);
-        library(office::natives(), &[("robot plans", office::PLANS)], &robot)
-    };
+    let compile = || library(office::natives(), &[("robot plans", office::PLANS)], office::tables());
     LIBRARY.get_or_init(compile).clone()
 }
 
 fn scenario_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    let compile = || library(office::oracle_natives(), &[], &Oracle::new(test_room().simulator.clone(), 0));
+    let compile = || library(office::oracle_natives(), &[], office::oracle_tables());
     LIBRARY.get_or_init(compile).clone()
 }
 
@@ -137,8 +129,8 @@ impl Mission {
     pub fn start_with(&self, robot: OfficeRobot, seed: u64) -> System<OfficeRobot> {
         let mut system = System::new(robot_library(), self.plan.clone(), robot, seed);
         system.machine.trace.enabled = true;
-        system.machine.trace.quiet = CONTINUOUS_FLUENTS
-            .iter()
+        system.machine.trace.quiet = office::tables()
+            .continuous_fluents()
             .map(|name| match fluent(&system, name) {
                 Value::Fluent(fluent) => fluent,
                 _ => panic!("the robot has no fluent `{name}`"),

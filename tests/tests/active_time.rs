@@ -1,7 +1,7 @@
 //! Time worked: waits and deadlines with `:active` count only while their task is not suspended.
 
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::system::System;
 use rpl_tests::{library, run, system, transcript};
 

@@ -1,7 +1,7 @@
 //! However deep data, code and tasks nest, the stack of the program's own thread does not grow.
 
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_tests::{library, run};
 use std::thread;

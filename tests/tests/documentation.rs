@@ -3,16 +3,12 @@
 
 use rpl_lang::check::{KnownPlaces, RULES};
 use rpl_lang::compile::NoFiles;
-use rpl_robot::office::{self, BEHAVIOURS, FLUENTS, OfficeModel, OfficeSettings, Oracle, PLANS, ROBOT_NAMES, VALVES};
-use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
+use rpl_robot::office::{self, OfficeModel, OfficeSettings, PLANS};
 use rpl_robot::world::World;
-use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, NoRobot, Outbox, Outside, Stop};
+use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::Library;
-use rpl_runtime::state::failure::{CLASSES, Raise};
-use rpl_runtime::state::machine::Machine;
-use rpl_runtime::state::value::Value;
+use rpl_runtime::state::failure::CLASSES;
 use rpl_runtime::step::native::Native;
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -107,48 +103,14 @@ fn differs(found: &str, shown: Option<&str>) -> Option<String> {
     }
 }
 
-/// The tables of the robot without the robot: enough to compile.
-struct Tables(NoRobot);
-
-impl Outside for Tables {
-    fn behaviours(&self) -> &'static [BehaviourSpec] {
-        BEHAVIOURS
-    }
-
-    fn fluents(&self) -> &'static [FluentSpec] {
-        FLUENTS
-    }
-
-    fn valves(&self) -> &'static [&'static str] {
-        VALVES
-    }
-
-    fn start(
-        &mut self,
-        machine: &Machine,
-        behaviour: u16,
-        arguments: &[(rpl_lang::symbol::Symbol, Value)],
-        outbox: &mut Outbox,
-    ) -> Result<(), Raise> {
-        self.0.start(machine, behaviour, arguments, outbox)
-    }
-
-    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
-        self.0.stop(behaviour, how, outbox);
-    }
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
-    }
-}
-
 fn base_natives() -> Vec<Native> {
     [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
 }
 
-fn library(natives: Vec<Native>, plans: &[(&str, &str)], outside: &dyn Outside) -> Library {
+fn library(natives: Vec<Native>, plans: &[(&str, &str)], tables: &RobotTables) -> Library {
     let texts = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
-    Library::new(natives, &texts, outside, ROBOT_NAMES).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
+    Library::new(natives, &texts, tables, &office::robot_names())
+        .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
 }
 
 fn faults_of(library: &Library, place: &str, text: &str) -> Option<String> {
@@ -173,7 +135,7 @@ fn plans_with_an_error_show_it() {
 }
 
 fn robot_library() -> Library {
-    library([base_natives(), office::natives()].concat(), &[("robot", PLANS)], &Tables(NoRobot))
+    library([base_natives(), office::natives()].concat(), &[("robot", PLANS)], office::tables())
 }
 
 #[test]
@@ -207,9 +169,7 @@ fn plans_for_the_robot_compile() {
 
 #[test]
 fn scenarios_compile() {
-    let world = Arc::new(World::builtin("test-room").expect("the world is built in"));
-    let oracle = Oracle::new(Arc::new(SimulatorModel::new(world, SimulatorSettings::default())), 1);
-    let library = library([base_natives(), office::oracle_natives()].concat(), &[], &oracle);
+    let library = library([base_natives(), office::oracle_natives()].concat(), &[], office::oracle_tables());
     each_block(&["lisp scenario"], |place, block, _| faults_of(&library, place, &block.text));
 }
 
@@ -310,12 +270,14 @@ fn the_reference_names_every_failure_class() {
 #[test]
 fn the_tables_of_the_robot_are_those_of_the_code() {
     let chapter = read("docs/behaviours.md").text;
+    let tables = office::tables();
     let mut rows: Vec<String> =
-        FLUENTS.iter().map(|fluent| format!("| `{}` | {} |", fluent.name, fluent.doc)).collect();
-    rows.extend(BEHAVIOURS.iter().map(|behaviour| {
-        let valve = behaviour.valve.map_or("–".to_string(), |valve| format!("`{valve}`"));
+        tables.fluents.iter().map(|fluent| format!("| `{}` | {} |", fluent.name, fluent.doc)).collect();
+    rows.extend(tables.behaviours.iter().map(|behaviour| {
+        let valve = behaviour.valve.as_deref().map_or("–".to_string(), |valve| format!("`{valve}`"));
         format!("| `{}` | {valve} | {} |", behaviour.name, behaviour.doc)
     }));
+    rows.extend(tables.valves.iter().map(|valve| format!("`{valve}`")));
     rows.extend(office::natives().iter().chain(&office::oracle_natives()).map(|native| {
         let call = format!("{} {}", native.name, native.parameters);
         format!("| `({})` | {} |", call.trim_end(), native.doc)

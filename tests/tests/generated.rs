@@ -1,7 +1,7 @@
 //! Some thousand generated runs, and what earlier ones found.
 
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_runtime::state::trace::Event;
 use rpl_tests::generated::drive::{Case, Tally};

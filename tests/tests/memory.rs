@@ -4,7 +4,7 @@
 #![cfg(target_os = "linux")]
 
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_runtime::state::trace::EventKind;
 use rpl_tests::{library, run, system, transcript};

@@ -1,6 +1,6 @@
 //! `deftest` and what is asserted in it: r[test.*], r[assert.*].
 
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::system::{Progress, System};
 
 /// The names of the tests of a text, each with what it does when it runs alone.

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::disturbance::Disturbance;
 use rpl_runtime::run::save::SaveError;
 use rpl_runtime::run::system::System;

@@ -1,7 +1,7 @@
 //! Forms handed to a running program one after the other.
 
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::beside::Beside;
 use rpl_runtime::run::session::Answer;
 use rpl_runtime::run::stepping::{Stepped, Stop};

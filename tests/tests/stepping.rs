@@ -1,6 +1,6 @@
 //! Stepping through a run: where it stops, what is seen there, and that it changes nothing.
 
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::stepping::{Stepped, Stop};
 use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::value::Value;

@@ -30,7 +30,7 @@ const PROGRAMS: &[&str] = &[
                                      (with-timeout 9 (print 'clean) (wait-time 1))))",
 ];
 
-fn finish(mut system: System<rpl_runtime::behaviour::NoRobot>, what: &str) -> String {
+fn finish(mut system: System<rpl_runtime::robot::NoRobot>, what: &str) -> String {
     for _ in 0..1_000 {
         let progress = system.advance();
         if let Err(broken) = system.machine.check_invariants() {

@@ -2,7 +2,7 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_robot::office::{OfficeRobot, SimulatedHost};
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::stepping::Stop;
 use rpl_runtime::run::system::System;
 use rpl_runtime::run::timeline::{Position, Timeline};

@@ -31,7 +31,7 @@ impl Day {
             _ => None,
         });
         let is_at = |point: Point, place: &str| {
-            let place = robot.model.world.place(place);
+            let place = robot.model().world.place(place);
             place.is_ok_and(|place| distance_m(place.pose_in_map.point(), point) <= AT_PLACE_M)
         };
         for (item, from, to) in orders {

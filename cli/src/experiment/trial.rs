@@ -8,7 +8,7 @@ use crate::mission::{Robot, Sight};
 use anyhow::{Context, Result};
 use rpl_lang::code::Program;
 use rpl_robot::geometry::{Point, Pose, distance_m, wrap_angle_rad};
-use rpl_robot::office::OfficeRobot;
+use rpl_robot::office::{OfficeRobot, ReportKind};
 use rpl_robot::simulator::ItemPlace;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::machine::Machine;
@@ -183,9 +183,9 @@ fn righted_m(track: &[Sight]) -> Option<f64> {
 /// it then believed to have found its position where it was not, and how often it thought itself
 /// lost without reason.
 fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
-    let deed = marks.iter().position(|mark| mark.what.ends_with("by hand"));
+    let deed = marks.iter().position(|mark| mark.what.is_by_hand());
     let (before, after) = marks.split_at(deed.unwrap_or(marks.len()));
-    let lost = |mark: &&Mark| mark.what == "position lost";
+    let lost = |mark: &&Mark| mark.what == ReportKind::PositionLost;
     let noticed = after.iter().find(lost);
     let deed_m = deed.map(|deed| marks[deed].distance_m);
     let lost_m = deed_m.zip(noticed).map(|(deed_m, noticed)| noticed.distance_m - deed_m);
@@ -203,7 +203,7 @@ fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str
     };
     let is_wrong = |mark: &&Mark| {
         let off_m = mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map);
-        mark.what == "position found" && off_m > WRONG_ESTIMATE_M
+        mark.what == ReportKind::PositionFound && off_m > WRONG_ESTIMATE_M
     };
     let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
     let alarms = before

@@ -7,9 +7,10 @@ use crate::events::{self, Told};
 use crate::failure_report::Reporter;
 use crate::files::Folder;
 use crate::interrupt;
-use crate::mission::{CONTINUOUS_FLUENTS, Robot, Site};
+use crate::mission::{Robot, Site};
 use anyhow::{Result, anyhow};
 use rpl_lang::symbol::Symbol;
+use rpl_robot::office;
 use rpl_runtime::run::library::Rejected;
 use rpl_runtime::run::session::{Answer, Submitted};
 use rpl_runtime::run::stepping::Stop;
@@ -133,7 +134,8 @@ impl Session {
     pub fn new(site: &Site, seed: u64) -> Result<Self> {
         let mut system = System::session(&site.library, site.robot(seed), seed)
             .map_err(|rejected: Rejected| anyhow!("the session cannot start\n{}", rejected.render(false)))?;
-        let quiet: Vec<u32> = CONTINUOUS_FLUENTS.iter().filter_map(|name| fluent_named(&system, name)).collect();
+        let continuous = office::tables().continuous_fluents();
+        let quiet: Vec<u32> = continuous.filter_map(|name| fluent_named(&system, name)).collect();
         system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
         let timeline = Timeline::new(&system, Robot::bytes_apart);

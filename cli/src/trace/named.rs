@@ -2,8 +2,8 @@
 
 use super::filter::{Filter, concerns, lies_in};
 use crate::events::detail;
-use crate::mission::CONTINUOUS_FLUENTS;
 use rpl_lang::suggest::suggest;
+use rpl_robot::office;
 use rpl_runtime::state::trace::{Event, EventKind};
 use std::collections::BTreeSet;
 
@@ -43,7 +43,7 @@ impl Named {
             return Some(unknown("task or plan call", task, &self.tasks));
         }
         let fluent = filter.fluent.as_deref().filter(|_| !self.has_fluent)?;
-        if CONTINUOUS_FLUENTS.contains(&fluent) {
+        if office::tables().continuous_fluents().any(|known| known == fluent) {
             return Some(format!(
                 "`{fluent}` changes in every step and is not recorded; `rpl run --trace-poses 5` records where the robot is"
             ));

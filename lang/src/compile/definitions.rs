@@ -36,7 +36,7 @@ impl Compiler<'_> {
     /// Whether the name is the robot's and there is a robot; without one it is free.
     fn is_robot_name(&self, name: Symbol) -> bool {
         let is_defined = self.program.names.get(&name).is_some_and(|&global| self.is_library(global));
-        is_defined && self.robot_names.contains(&self.symbols.name(name))
+        is_defined && self.robot_names.iter().any(|known| known == self.symbols.name(name))
     }
 
     pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {

@@ -106,9 +106,9 @@ pub struct Compilation<'a> {
     /// Finds loaded files.
     pub loader: &'a mut dyn Loader,
     /// Names that exist only with a robot, so that an error can say so.
-    pub robot_names: &'a [&'static str],
+    pub robot_names: &'a [String],
     /// Names that only a scenario has, so that an error can say so.
-    pub scenario_names: &'a [&'static str],
+    pub scenario_names: &'a [String],
 }
 
 /// The result of a compilation: the code of its forms, and the findings.
@@ -203,8 +203,8 @@ pub(crate) struct Compiler<'a> {
     specials: BTreeMap<Symbol, Special>,
     macros: &'a mut dyn MacroHost,
     loader: &'a mut dyn Loader,
-    robot_names: &'a [&'static str],
-    scenario_names: &'a [&'static str],
+    robot_names: &'a [String],
+    scenario_names: &'a [String],
     purpose: Purpose,
     tree: Tree,
     diagnostics: Vec<Diagnostic>,
@@ -415,7 +415,7 @@ impl<'a> Compiler<'a> {
                 .help = Some("move the defmacro above its first use".into());
             } else if let Some(accessor) = text.strip_prefix("%set-") {
                 self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
-            } else if self.robot_names.contains(&text.as_str()) {
+            } else if self.robot_names.contains(&text) {
                 self.error(
                     "needs-a-world",
                     span,
@@ -423,7 +423,7 @@ impl<'a> Compiler<'a> {
                     "needs a world",
                 )
                 .help = Some("add `--world dept` to the command".into());
-            } else if self.scenario_names.contains(&text.as_str()) {
+            } else if self.scenario_names.contains(&text) {
                 self.error(
                     "needs-a-scenario",
                     span,

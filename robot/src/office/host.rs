@@ -1,18 +1,26 @@
-//! The simulated host: the robot behind `step(commands) -> percept`, and the scenario beside it.
+//! Hosts: who moves the robot and senses for it. The truth about the world, if there is any, lives in
+//! the host alone.
 
+use super::Report;
 use super::scenario::Oracle;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
-use rpl_runtime::behaviour::Outbox;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::value::Value;
 use std::sync::Arc;
+
+/// Who moves the robot and senses for it: the simulator, or a replay of what was once perceived.
+pub trait Host {
+    /// One step: the commands take effect, and at its end the robot perceives. What else happened goes
+    /// into the reports.
+    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Percept;
+}
 
 /// A simulated robot, and the experimenter's plan that runs beside it.
 #[derive(Clone)]
 pub struct SimulatedHost {
     /// What does not change.
     pub model: Arc<SimulatorModel>,
-    /// The simulated world.
+    /// The simulated world: the experimenter looks into it, the robot never.
     pub state: SimulatorState,
     /// A system of its own: only it sees the oracle.
     pub scenario: Option<Box<System<Oracle>>>,
@@ -25,35 +33,35 @@ impl SimulatedHost {
         Self { model, state, scenario: scenario.map(Box::new) }
     }
 
-    /// One step: the scenario acts, then the robot moves and senses.
-    pub fn step(&mut self, commands: &Commands, outbox: &mut Outbox) -> Percept {
-        if let Some(scenario) = &mut self.scenario {
-            std::mem::swap(&mut scenario.outside.state, &mut self.state);
-            let was_over = scenario.outcome().is_some();
-            scenario.advance_to(scenario.outside.state.time_us);
-            std::mem::swap(&mut scenario.outside.state, &mut self.state);
-            for (what, details) in scenario.outside.deeds.drain(..) {
-                outbox.events.push((what, details));
-            }
-            for line in scenario.machine.output.drain(..) {
-                outbox.events.push(("scenario".into(), vec![("text".into(), line.text)]));
-            }
-            if !was_over && let Some(Outcome::Failed(failure)) = scenario.outcome() {
-                outbox.events.push(("scenario failed".into(), failure_details(scenario, failure)));
-            }
+    /// Lets the scenario act, up to now.
+    fn step_scenario(&mut self, reports: &mut Vec<Report>) {
+        let Some(scenario) = &mut self.scenario else { return };
+        std::mem::swap(&mut scenario.outside.state, &mut self.state);
+        let was_over = scenario.outcome().is_some();
+        scenario.advance_to(scenario.outside.state.time_us);
+        std::mem::swap(&mut scenario.outside.state, &mut self.state);
+        reports.append(&mut scenario.outside.deeds);
+        reports.extend(scenario.machine.output.drain(..).map(|line| Report::Scenario { text: line.text }));
+        if !was_over && let Some(Outcome::Failed(failure)) = scenario.outcome() {
+            reports.push(failed(scenario, failure));
         }
+    }
+}
+
+impl Host for SimulatedHost {
+    /// The scenario acts, then the robot moves and senses.
+    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Percept {
+        self.step_scenario(reports);
         self.model.step(&mut self.state, commands)
     }
 }
 
 /// What became of a scenario that failed, and where in its text.
-fn failure_details(scenario: &System<Oracle>, failure: Value) -> Vec<(String, String)> {
+fn failed(scenario: &System<Oracle>, failure: Value) -> Report {
     let (machine, program) = (&scenario.machine, &scenario.program);
-    let mut details = vec![("failure".into(), machine.show(program, failure))];
-    if let Value::Failure(index) = failure
-        && let Some(span) = machine.heap.failures[index].span
-    {
-        details.push(("at".into(), program.sources.place(span)));
-    }
-    details
+    let span = match failure {
+        Value::Failure(index) => machine.heap.failures[index].span,
+        _ => None,
+    };
+    Report::ScenarioFailed { failure: machine.show(program, failure), at: span.map(|span| program.sources.place(span)) }
 }

@@ -1,8 +1,8 @@
 //! Functions of the robot that plans can call.
 
-use super::behaviours::NAVIGATION;
-use super::board::{mode_name, no_map, patience_argument};
-use super::{OfficeModel, OfficeRobot, plan_text};
+use super::behaviours::navigation::{self, patience_argument};
+use super::behaviours::position_tracking::{X, Y};
+use super::{Controller, OfficeModel, mode_name, no_map, plan_text};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
 use rpl_lang::reader::fold_name;
@@ -79,12 +79,8 @@ fn model(call: &mut Call<'_, '_>) -> Result<Arc<OfficeModel>, Raise> {
     Ok(robot(call)?.model.clone())
 }
 
-fn robot<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut OfficeRobot, Raise> {
-    call.around
-        .outside
-        .as_any()
-        .downcast_mut()
-        .ok_or_else(|| Raise::new("no-robot", "there is no robot; add `--world dept`"))
+fn robot<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut Controller, Raise> {
+    call.around.outside.as_any().downcast_mut().ok_or_else(Raise::no_robot)
 }
 
 fn named_place(call: &mut Call<'_, '_>) -> Result<(Arc<OfficeModel>, Place), Raise> {
@@ -113,19 +109,13 @@ fn place_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 /// The estimated position, read through the fluents so that a network that asks is woken.
 fn estimated_point(call: &mut Call<'_, '_>) -> Result<Point, Raise> {
-    let mut read = |name: &str| -> Result<f64, Raise> {
-        let fluent = call
-            .machine
-            .symbols
-            .find(name)
-            .and_then(|symbol| call.around.program.names.get(&symbol))
-            .map(|&global| call.machine.globals[global as usize]);
-        match fluent {
-            Some(Value::Fluent(fluent)) => Ok(call.machine.read_fluent(fluent)?.as_f64().unwrap_or(f64::NAN)),
-            _ => Err(Raise::new("no-robot", "there is no robot; add `--world dept`")),
+    let mut read = |number: usize| -> Result<f64, Raise> {
+        match call.machine.robot_fluent(call.around.robot, number) {
+            Some(fluent) => Ok(call.machine.read_fluent(fluent)?.as_f64().unwrap_or(f64::NAN)),
+            None => Err(Raise::no_robot()),
         }
     };
-    Ok(Point::new(read("x*")?, read("y*")?))
+    Ok(Point::new(read(X)?, read(Y)?))
 }
 
 fn distance_m(call: &mut Call<'_, '_>) -> Result<f64, Raise> {
@@ -155,7 +145,7 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let patience_s = if call.arguments.len() > 1 { patience_argument(call.argument(1))? } else { None };
     let robot = robot(call)?;
     let start_in_map: Pose = robot.estimate().pose_in_map;
-    let closed_doors = robot.board.navigation.closed_doors();
+    let closed_doors = robot.modules.navigation.closed_doors();
     let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
     let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors, patience_s);
     plan.map(Reply::Value).map_err(|unreachable| {
@@ -174,7 +164,7 @@ fn pose_list(call: &mut Call<'_, '_>, pose: Pose) -> Reply {
 }
 
 fn odometry_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let odometry_in_odom = robot(call)?.board.odometry_in_odom();
+    let odometry_in_odom = robot(call)?.board.position.odometry_in_odom();
     Ok(pose_list(call, odometry_in_odom))
 }
 
@@ -185,7 +175,7 @@ fn odometry_in_map(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let numbers: Option<Vec<f64>> = elements.into_iter().map(Value::as_f64).collect();
     let Some(&[x_m, y_m, heading_rad]) = numbers.as_deref() else { return Err(expected()) };
     let robot = robot(call)?;
-    let odom_in_map = robot.estimate().pose_in_map.compose(robot.board.odometry_in_odom().inverse());
+    let odom_in_map = robot.estimate().pose_in_map.compose(robot.board.position.odometry_in_odom().inverse());
     Ok(pose_list(call, odom_in_map.compose(Pose::new(x_m, y_m, heading_rad))))
 }
 
@@ -193,7 +183,7 @@ fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let count = if call.arguments.is_empty() { 10 } else { call.integer(0)?.clamp(1, 100) as usize };
     let robot = robot(call)?;
     let model = robot.model.clone();
-    let maxima: Vec<(Pose, f64)> = match (&model.map, &robot.board.localization) {
+    let maxima: Vec<(Pose, f64)> = match (&model.map, robot.board.position.localization()) {
         (Some(map), Some(localization)) => {
             let maxima = localization.maxima(&map.localization, count, 0.001);
             maxima.iter().map(|maximum| (maximum.pose_in_map, maximum.mass)).collect()
@@ -208,7 +198,7 @@ fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    call.machine.remove_goals(call.around, NAVIGATION);
+    call.machine.remove_goals(call.around, navigation::NUMBER);
     Ok(Reply::Value(Value::Nil))
 }
 
@@ -217,7 +207,7 @@ fn doubt_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if robot.model.map.is_none() {
         return Err(no_map("there is no belief to give up"));
     }
-    robot.board.position_doubted = true;
+    robot.board.position.doubt();
     Ok(Reply::Value(Value::Nil))
 }
 

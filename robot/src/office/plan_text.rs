@@ -1,7 +1,6 @@
 //! Navigation plans as data: what the topological planner found, written as an RPL plan.
 
-use super::MapModel;
-use super::board::mode_name;
+use super::{MapModel, mode_name};
 use crate::geometry::Pose;
 use crate::navigation::{Target, Unreachable};
 use crate::world::{Place, TravelMode};

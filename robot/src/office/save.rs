@@ -1,6 +1,6 @@
 //! The robot's part of a saved run: everything that changes, and beside it what it belongs to.
 
-use super::{Board, OfficeRobot, Oracle};
+use super::{Board, Controller, Modules, OfficeRobot, Oracle, Report, SimulatedHost};
 use crate::active::ActiveParameters;
 use crate::localization::LocalizationParameters;
 use crate::simulator::SimulatorState;
@@ -22,17 +22,15 @@ struct Setting {
 
 impl Setting {
     fn of(robot: &OfficeRobot) -> Self {
-        let settings = &robot.model.settings;
+        let settings = &robot.model().settings;
         Self {
-            world: World::clone(&robot.model.world),
+            world: World::clone(&robot.model().world),
             localization: settings.localization.clone(),
             active: settings.active.clone(),
             map_known: settings.map_known,
         }
     }
 }
-
-type Deeds = Vec<(String, Vec<(String, String)>)>;
 
 fn written(value: &impl Serialize) -> Vec<u8> {
     match postcard::to_allocvec(value) {
@@ -45,11 +43,12 @@ fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
     postcard::from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
 }
 
-impl SaveOutside for OfficeRobot {
+impl SaveOutside for OfficeRobot<SimulatedHost> {
     fn save(&self) -> Vec<u8> {
         let scenario = self.host.scenario.as_ref().map(|scenario| scenario.save());
         let setting = written(&Setting::of(self));
-        written(&(setting, &self.board, &self.host.state, scenario))
+        let Controller { board, modules, .. } = &self.controller;
+        written(&(setting, board, modules, &self.host.state, scenario))
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
@@ -71,8 +70,9 @@ impl SaveOutside for OfficeRobot {
         if setting != here {
             return Err("the run was saved with other settings of localization".into());
         }
-        let (board, state, scenario): (Board, SimulatorState, Option<Vec<u8>>) = read(rest)?;
-        if board.localization.is_some() != here.map_known {
+        type Changing = (Board, Modules, SimulatorState, Option<Vec<u8>>);
+        let (board, modules, state, scenario): Changing = read(rest)?;
+        if board.position.localization().is_some() != here.map_known {
             return Err("its state is damaged: only a robot with a map has a belief".into());
         }
         if !self.host.model.fits(&state) {
@@ -85,7 +85,7 @@ impl SaveOutside for OfficeRobot {
             (None, Some(_)) => return Err("the run was saved without a scenario, and there is one".into()),
         };
         self.host.state = state;
-        self.board = board;
+        (self.controller.board, self.controller.modules) = (board, modules);
         Ok(())
     }
 }
@@ -103,7 +103,7 @@ impl SaveOutside for Oracle {
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let (state, deeds): (SimulatorState, Deeds) = read(bytes)?;
+        let (state, deeds): (SimulatorState, Vec<Report>) = read(bytes)?;
         if !self.model.fits(&state) {
             return Err("its state does not fit the world".into());
         }

@@ -1,34 +1,19 @@
 //! Scenarios: the experimenter's plan, which alone sees the truth and can meddle with the world.
 
+use super::Report;
 use crate::geometry::Pose;
 use crate::simulator::{SimulatorModel, SimulatorState};
 use crate::world::{Object, Rect, SeenBy, Shape};
-use rpl_runtime::behaviour::{BehaviourSpec, FluentSpec, Outbox, Outside, Reading, Stop};
+use rpl_runtime::robot::reading::Reading;
+use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, Stop};
+use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Effect, Native, Reply};
 use std::any::Any;
-use std::sync::Arc;
-
-/// Names that only a scenario has.
-pub const SCENARIO_NAMES: &[&str] = &[
-    "true-x*",
-    "true-y*",
-    "true-o*",
-    "true-distance*",
-    "true-pose",
-    "rotate-robot!",
-    "teleport-robot!",
-    "open-door!",
-    "close-door!",
-    "add-object!",
-    "remove-object!",
-    "drop-sonars!",
-    "place-item!",
-    "set-battery!",
-    "send-message!",
-];
+use std::borrow::Cow;
+use std::sync::{Arc, LazyLock};
 
 /// The truth about the simulated world, and the hands that change it.
 #[derive(Clone, Debug)]
@@ -38,7 +23,7 @@ pub struct Oracle {
     /// The world; swapped in while the scenario runs.
     pub state: SimulatorState,
     /// What the scenario has done since the last step.
-    pub deeds: Vec<(String, Vec<(String, String)>)>,
+    pub deeds: Vec<Report>,
 }
 
 impl Oracle {
@@ -49,24 +34,26 @@ impl Oracle {
     }
 }
 
-const FLUENTS: &[FluentSpec] = &[
-    FluentSpec { name: "true-x*", doc: "The robot's true x, in metres." },
-    FluentSpec { name: "true-y*", doc: "The robot's true y, in metres." },
-    FluentSpec { name: "true-o*", doc: "The robot's true heading, in radians." },
-    FluentSpec { name: "true-distance*", doc: "Metres driven so far." },
-];
+/// What a scenario sees of the world.
+pub fn oracle_tables() -> &'static RobotTables {
+    static TABLES: LazyLock<RobotTables> = LazyLock::new(new_oracle_tables);
+    &TABLES
+}
+
+fn new_oracle_tables() -> RobotTables {
+    let fluent = |name, doc| FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: true };
+    let fluents = vec![
+        fluent("true-x*", "The robot's true x, in metres."),
+        fluent("true-y*", "The robot's true y, in metres."),
+        fluent("true-o*", "The robot's true heading, in radians."),
+        fluent("true-distance*", "Metres driven so far."),
+    ];
+    RobotTables { fluents, ..RobotTables::default() }
+}
 
 impl Outside for Oracle {
-    fn behaviours(&self) -> &'static [BehaviourSpec] {
-        &[]
-    }
-
-    fn fluents(&self) -> &'static [FluentSpec] {
-        FLUENTS
-    }
-
-    fn valves(&self) -> &'static [&'static str] {
-        &[]
+    fn tables(&self) -> &RobotTables {
+        oracle_tables()
     }
 
     fn start(
@@ -89,7 +76,7 @@ impl Outside for Oracle {
         Some(self.model.settings.step_us)
     }
 
-    fn step(&mut self, outbox: &mut Outbox) {
+    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
         let pose = self.state.true_pose();
         let values = [pose.x_m, pose.y_m, pose.heading_rad, self.state.distance_driven_m()];
         outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());
@@ -144,9 +131,8 @@ fn finite(call: &Call<'_, '_>, at: usize) -> Result<f64, Raise> {
     Err(Raise::new("arithmetic-error", format!("{what} must be finite, and it is {found}")))
 }
 
-fn done(oracle: &mut Oracle, what: &str, details: Vec<(&str, String)>) -> Reply {
-    let details = details.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
-    oracle.deeds.push((what.to_string(), details));
+fn done(oracle: &mut Oracle, deed: Report) -> Reply {
+    oracle.deeds.push(deed);
     Reply::Value(Value::Nil)
 }
 
@@ -164,15 +150,14 @@ fn rotate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let angle_rad = finite(call, 0)?;
     let oracle = oracle(call)?;
     oracle.state.rotate(angle_rad);
-    Ok(done(oracle, "rotated by hand", vec![("degrees", format!("{:.0}", angle_rad.to_degrees()))]))
+    Ok(done(oracle, Report::RotatedByHand { angle_rad }))
 }
 
 fn teleport(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let pose = Pose::new(finite(call, 0)?, finite(call, 1)?, finite(call, 2)?);
     let oracle = oracle(call)?;
     oracle.model.clone().teleport(&mut oracle.state, pose).map_err(refused)?;
-    let details = vec![("x", format!("{:.2}", pose.x_m)), ("y", format!("{:.2}", pose.y_m))];
-    Ok(done(oracle, "carried by hand", details))
+    Ok(done(oracle, Report::CarriedByHand { point_in_map: pose.point() }))
 }
 
 fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
@@ -185,12 +170,14 @@ fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
         .iter()
         .find(|known| known.name.eq_ignore_ascii_case(&room))
         .map_or(room, |known| known.name.clone());
-    if open {
+    let deed = if open {
         model.open_door(&mut oracle.state, &room).map_err(refused)?;
+        Report::DoorOpened { room }
     } else {
         model.close_door(&mut oracle.state, &room).map_err(refused)?;
-    }
-    Ok(done(oracle, if open { "door opened" } else { "door closed" }, vec![("room", room)]))
+        Report::DoorClosed { room }
+    };
+    Ok(done(oracle, deed))
 }
 
 fn add_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -203,14 +190,14 @@ fn add_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let object = Object { name: name.clone(), shape: Shape::Rect(rect), mapped: false, seen_by };
     let oracle = oracle(call)?;
     oracle.model.clone().add_object(&mut oracle.state, object).map_err(refused)?;
-    Ok(done(oracle, "object added", vec![("object", name)]))
+    Ok(done(oracle, Report::ObjectAdded { object: name }))
 }
 
 fn remove_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let name = call.name(0)?;
     let oracle = oracle(call)?;
     oracle.model.clone().remove_object(&mut oracle.state, &name).map_err(refused)?;
-    Ok(done(oracle, "object removed", vec![("object", name)]))
+    Ok(done(oracle, Report::ObjectRemoved { object: name }))
 }
 
 fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -218,7 +205,7 @@ fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let seconds = call.number(0)?;
     let oracle = oracle(call)?;
     oracle.state.drop_sonars(seconds);
-    Ok(done(oracle, "sonars failed", vec![("seconds", format!("{seconds}"))]))
+    Ok(done(oracle, Report::SonarsFailed { seconds }))
 }
 
 fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -226,14 +213,14 @@ fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let point = crate::geometry::Point::new(finite(call, 1)?, finite(call, 2)?);
     let oracle = oracle(call)?;
     oracle.state.place_item(&name, point);
-    Ok(done(oracle, "item placed", vec![("item", name)]))
+    Ok(done(oracle, Report::ItemPlaced { item: name }))
 }
 
 fn set_battery(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let charge = finite(call, 0)?;
     let oracle = oracle(call)?;
     oracle.state.set_battery(charge);
-    Ok(done(oracle, "battery set", vec![("charge", format!("{charge:.2}"))]))
+    Ok(done(oracle, Report::BatterySet { charge }))
 }
 
 fn send_message(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -241,5 +228,5 @@ fn send_message(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let oracle = oracle(call)?;
     let text = words.join(" ");
     oracle.state.send_message(words);
-    Ok(done(oracle, "message sent", vec![("text", text)]))
+    Ok(done(oracle, Report::MessageSent { text }))
 }

@@ -1,7 +1,7 @@
 //! Forms beside the one that a session runs: each is a task of its own under the main task, and goes
 //! first when it is handed in.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::library::Rejected;
 use crate::run::session::{Answer, Submitted};
 use crate::run::stepping::Stop;

@@ -1,6 +1,6 @@
 //! What can happen to a run from outside its plan, between two steps.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::system::System;
 use crate::state::failure::Raise;
 use crate::state::slab::NONE;

@@ -1,6 +1,6 @@
 //! Code made at run time: data compiled for `execute-plan`.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::datum;
 use crate::run::datum::{MAX_NODES, Origins, Unfit};
 use crate::run::library::has_error;

@@ -1,6 +1,6 @@
 //! From instant to instant: timers and the robot's steps.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::system::{Outcome, Progress, System};
 use crate::state::machine::Machine;
 use crate::state::task::Wake;

@@ -1,6 +1,6 @@
 //! What every program starts from: natives, prelude and, with a robot, its names.
 
-use crate::behaviour::{BehaviourSpec, Outside};
+use crate::robot::{BehaviourSpec, RobotGlobals, RobotTables};
 use crate::run::macro_host::MacroMachine;
 use crate::state::failure::base_classes;
 use crate::step::native::Native;
@@ -51,15 +51,17 @@ pub struct Library {
     pub(crate) signatures: Arc<[NativeSignature]>,
     program: Program,
     symbols: Symbols,
-    robot_names: &'static [&'static str],
-    scenario_names: &'static [&'static str],
+    robot_names: Arc<[String]>,
+    scenario_names: Arc<[String]>,
+    /// Where the robot's names stand in the program.
+    pub(crate) robot: Arc<RobotGlobals>,
     /// What a check needs to know beyond the program.
     behaviours: Arc<[BehaviourSignature]>,
     resolved: Arc<Vec<Resolved>>,
 }
 
 impl Library {
-    /// Compiles preludes over native functions, with the names of a robot. `robot_names` are names
+    /// Compiles preludes over native functions, with what a robot offers. `robot_names` are names
     /// that exist only with a robot, so that a program without one gets a helpful error.
     ///
     /// # Errors
@@ -67,18 +69,19 @@ impl Library {
     pub fn new(
         natives: Vec<Native>,
         preludes: &[(&str, &str)],
-        outside: &dyn Outside,
-        robot_names: &'static [&'static str],
+        tables: &RobotTables,
+        robot_names: &[String],
     ) -> Result<Self, Rejected> {
         let mut symbols = Symbols::default();
         let mut program = Program { failure_classes: base_classes(&mut symbols), ..Program::default() };
-        for (number, behaviour) in outside.behaviours().iter().enumerate() {
-            define(&mut program, &mut symbols, behaviour.name, GlobalKind::Behaviour(number as u16), behaviour.doc);
+        for (number, behaviour) in tables.behaviours.iter().enumerate() {
+            define(&mut program, &mut symbols, &behaviour.name, GlobalKind::Behaviour(number as u16), &behaviour.doc);
         }
-        for fluent in outside.fluents() {
-            define(&mut program, &mut symbols, fluent.name, GlobalKind::Fluent, fluent.doc);
+        let mut fluents = Vec::new();
+        for fluent in &tables.fluents {
+            fluents.push(define(&mut program, &mut symbols, &fluent.name, GlobalKind::Fluent, &fluent.doc));
         }
-        for &valve in outside.valves() {
+        for valve in &tables.valves {
             define(
                 &mut program,
                 &mut symbols,
@@ -88,15 +91,21 @@ impl Library {
             );
         }
         let signatures = natives.iter().map(Native::signature).collect();
-        let behaviours = outside.behaviours().iter().map(BehaviourSpec::signature).collect();
+        let behaviours = tables.behaviours.iter().map(BehaviourSpec::signature).collect();
+        let valve_of = |behaviour: &BehaviourSpec| {
+            let valve = symbols.find(behaviour.valve.as_deref()?)?;
+            program.names.get(&valve).copied()
+        };
+        let robot = RobotGlobals { fluents, valves: tables.behaviours.iter().map(valve_of).collect() };
         let resolved = Arc::default();
         let mut library = Self {
             natives: natives.into(),
             signatures,
             program,
             symbols,
-            robot_names,
-            scenario_names: &[],
+            robot_names: robot_names.into(),
+            scenario_names: Arc::default(),
+            robot: Arc::new(robot),
             behaviours,
             resolved,
         };
@@ -122,8 +131,8 @@ impl Library {
     /// A library of plans that knows which names only scenarios have, so that a scenario that is taken
     /// for a plan gets a helpful error.
     #[must_use]
-    pub fn without_scenario_names(self, scenario_names: &'static [&'static str]) -> Self {
-        Self { scenario_names, ..self }
+    pub fn without_scenario_names(self, scenario_names: &[String]) -> Self {
+        Self { scenario_names: scenario_names.into(), ..self }
     }
 
     fn compile(
@@ -141,8 +150,8 @@ impl Library {
             natives: &self.signatures,
             macros: &mut macros,
             loader,
-            robot_names: self.robot_names,
-            scenario_names: self.scenario_names,
+            robot_names: &self.robot_names,
+            scenario_names: &self.scenario_names,
         };
         compile::compile_text(surroundings, source, purpose)
     }
@@ -223,17 +232,20 @@ impl Library {
             natives: &self.signatures,
             macros,
             loader: &mut NoFiles,
-            robot_names: self.robot_names,
-            scenario_names: self.scenario_names,
+            robot_names: &self.robot_names,
+            scenario_names: &self.scenario_names,
         };
         compile::compile_datum(surroundings, tree, root)
     }
 }
 
-fn define(program: &mut Program, symbols: &mut Symbols, name: &str, kind: GlobalKind, doc: &str) {
+/// Adds a global of the robot; gives its number.
+fn define(program: &mut Program, symbols: &mut Symbols, name: &str, kind: GlobalKind, doc: &str) -> u32 {
     let name = symbols.intern(name);
     program.globals.push(Global { name, kind, doc: Some(doc.into()), span: None });
-    program.names.insert(name, program.globals.len() as u32 - 1);
+    let global = program.globals.len() as u32 - 1;
+    program.names.insert(name, global);
+    global
 }
 
 /// Whether one of the findings keeps the text from running.

@@ -1,6 +1,6 @@
 //! Runs macros at compile time, in a machine of their own without tasks.
 
-use crate::behaviour::NoRobot;
+use crate::robot::{NoRobot, RobotGlobals};
 use crate::run::datum;
 use crate::run::datum::{MAX_NODES, Origins, Unfit};
 use crate::state::failure::Raise;
@@ -74,6 +74,7 @@ impl MacroMachine {
             natives: &self.natives,
             signatures: &self.signatures,
             outside: &mut NoRobot,
+            robot: RobotGlobals::NONE,
             // What is evaluated without a task is not cut.
             slice_steps: u32::MAX,
         };

@@ -10,7 +10,7 @@
 //! Layout: `RPLSAVE`, then little-endian u32: version, fingerprint of the program, checksum of the
 //! rest; the rest is [`postcard`].
 
-use crate::behaviour::{NoRobot, Outside};
+use crate::robot::{NoRobot, Outside};
 use crate::run::base::Base;
 use crate::run::difference::{Difference, difference};
 use crate::run::library::{Library, Loaded};
@@ -30,7 +30,7 @@ use std::sync::Arc;
 const MAGIC: &[u8; 7] = b"RPLSAVE";
 
 /// Of the layout and of everything in it; any change to a saved type needs a new one.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 
 const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 
@@ -243,7 +243,7 @@ impl<O: SaveOutside> System<O> {
         outside.load(&robot).map_err(SaveError::Outside)?;
         let (program, units) = addition.add_to(&base.program);
         let bounds =
-            Bounds { program: &program, natives: library.natives.len(), behaviours: outside.behaviours().len() };
+            Bounds { program: &program, natives: library.natives.len(), behaviours: outside.tables().behaviours.len() };
         validate_program(&program, base.program.codes.len())
             .and_then(|()| machine.validate(&bounds))
             .and_then(|()| machine.check_invariants())

@@ -3,7 +3,7 @@
 //! The main task waits for the next form, runs it, keeps its outcome and waits again; what a form
 //! spawns lives on. A definition replaces an older one for every call that is yet to come.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::library::{Library, Rejected, has_error};
 use crate::run::system::System;
 use crate::state::task::{Leaving, ScopeKind, State, Waiting};

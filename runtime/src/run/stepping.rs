@@ -3,7 +3,7 @@
 //! Stepping changes nothing: a run that is stepped through has the same trace as one that is not,
 //! unless it comes close to the limit of memory.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::system::{System, Turn};
 use crate::state::task::Frame;
 use crate::state::value::TaskRef;

@@ -1,6 +1,6 @@
 //! A run as a value: program, machine and robot, stepped from instant to instant.
 
-use crate::behaviour::{NoRobot, Outbox, Outside};
+use crate::robot::{NoRobot, Outbox, Outside};
 use crate::run::base::Base;
 use crate::run::library::{Library, Loaded};
 use crate::run::macro_host::Macros;
@@ -106,11 +106,8 @@ impl<O: Outside> System<O> {
         let Loaded { program, symbols, main, .. } = loaded;
         let mut machine = Machine::new(&program, symbols, Stream::new(seed, outside.stream()));
         machine.trace.enabled = traced;
-        for fluent in outside.fluents() {
-            let known = machine.symbols.find(fluent.name).and_then(|name| Some((name, *program.names.get(&name)?)));
-            if let Some((name, global)) = known {
-                machine.define_system_fluent(global, name, Value::Nil);
-            }
+        for &global in &library.robot.fluents {
+            machine.define_system_fluent(global, program.globals[global as usize].name, Value::Nil);
         }
         let base = Arc::new(Base::new(program.clone()));
         let mut system = Self {
@@ -137,6 +134,7 @@ impl<O: Outside> System<O> {
             natives: &self.library.natives,
             signatures: &self.library.signatures,
             outside: &mut self.outside,
+            robot: &self.library.robot,
             slice_steps: self.slice_steps,
         };
         let answer = act(&mut self.machine, &mut around);
@@ -148,7 +146,8 @@ impl<O: Outside> System<O> {
     pub(crate) fn step_robot(&mut self) {
         let Some(period) = self.outside.period_us() else { return };
         let mut outbox = Outbox::default();
-        self.outside.step(&mut outbox);
+        self.outside.step(self.machine.phases(), &mut outbox);
+        self.machine.make_room_for(&outbox);
         self.next_step_us = self.machine.now_us + period;
         self.with_machine(|machine, around| {
             machine.apply_outbox(around, outbox);

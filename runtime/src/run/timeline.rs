@@ -4,7 +4,7 @@
 //! Copies share what has not changed between them. When they hold too much, those are given up
 //! without which replay grows least.
 
-use crate::behaviour::Outside;
+use crate::robot::Outside;
 use crate::run::stepping::{Stepped, Stop};
 use crate::run::system::{System, Turn};
 use crate::state::failure::Failure;

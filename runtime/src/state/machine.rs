@@ -1,6 +1,6 @@
 //! The machine: everything a run consists of, as one value.
 
-use crate::behaviour::Activation;
+use crate::state::activation::Activation;
 use crate::state::fluent::{Fluent, Watch};
 use crate::state::heap::Heap;
 use crate::state::limits::Limits;

@@ -1,6 +1,7 @@
 //! The records a run consists of. Each has the operations that keep it whole, and no others: what a
 //! plan makes of them is in [`crate::step`].
 
+pub mod activation;
 pub mod active_time;
 pub(crate) mod block;
 pub mod failure;

@@ -4,6 +4,7 @@
 //! plans hands over to the folder of what it is about. Nothing here knows of a whole run or of a
 //! library.
 
+mod behaviours;
 mod construct;
 pub(crate) mod exec;
 pub(crate) mod failures;

@@ -1,6 +1,6 @@
 //! Native functions: name, arguments, documentation and code in one place.
 
-use crate::behaviour::Outside;
+use crate::robot::{Outside, RobotGlobals};
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::value::{TaskRef, Value};
@@ -277,8 +277,10 @@ pub struct Surroundings<'a> {
     pub natives: &'a [Native],
     /// How many arguments each of them takes.
     pub signatures: &'a [NativeSignature],
-    /// The robot, or [`crate::behaviour::NoRobot`].
+    /// The robot, or [`crate::robot::NoRobot`].
     pub outside: &'a mut dyn Outside,
+    /// Where its names stand in the program.
+    pub robot: &'a RobotGlobals,
     /// Steps a task takes before control goes back to the caller for a moment.
     pub slice_steps: u32,
 }

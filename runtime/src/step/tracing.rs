@@ -1,5 +1,6 @@
 //! Events written to the trace, while it is switched on.
 
+use crate::robot::RobotEvent;
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
 use crate::state::task::{Leaving, State, Waiting};
@@ -244,7 +245,7 @@ impl Machine {
 
     pub(crate) fn trace_behaviour(&mut self, around: &Surroundings<'_>, behaviour: u16, what: &str) {
         if self.trace.enabled {
-            let name = around.outside.behaviours()[usize::from(behaviour)].name.to_string();
+            let name = around.outside.tables().behaviours[usize::from(behaviour)].name.to_string();
             let path = self.current_path();
             self.event(path, EventKind::Behaviour, vec![("behaviour", name), ("what", what.to_string())]);
         }
@@ -252,7 +253,7 @@ impl Machine {
 
     pub(crate) fn trace_signal(&mut self, around: &Surroundings<'_>, behaviour: u16, signal: &Result<(), Value>) {
         if self.trace.enabled {
-            let name = around.outside.behaviours()[usize::from(behaviour)].name.to_string();
+            let name = around.outside.tables().behaviours[usize::from(behaviour)].name.to_string();
             let text = match signal {
                 Ok(()) => "success".to_string(),
                 Err(failure) => self.show(around.program, *failure),
@@ -261,11 +262,11 @@ impl Machine {
         }
     }
 
-    pub(crate) fn trace_robot(&mut self, what: &str, details: &[(String, String)]) {
+    pub(crate) fn trace_robot(&mut self, event: &RobotEvent) {
         if self.trace.enabled {
-            let mut all = vec![("what", what.to_string())];
-            all.extend(details.iter().map(|(name, value)| (name.as_str(), value.clone())));
-            self.event(String::new(), EventKind::Robot, all);
+            let mut details = vec![("what", event.what.to_string())];
+            details.extend(event.details.iter().map(|(name, value)| (&**name, value.clone())));
+            self.event(String::new(), EventKind::Robot, details);
         }
     }
 

@@ -2,14 +2,15 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, Outside, RobotTables, Stop};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Progress, System};
+use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
 use std::any::Any;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A behaviour that succeeds after some steps, or strikes a rock.
 #[derive(Debug, Default)]
@@ -20,16 +21,13 @@ struct Digger {
 }
 
 impl Outside for Digger {
-    fn behaviours(&self) -> &'static [BehaviourSpec] {
-        &[BehaviourSpec { name: "digging", doc: "Digs.", valve: None, parameters: "&key steps rock" }]
-    }
-
-    fn fluents(&self) -> &'static [FluentSpec] {
-        &[]
-    }
-
-    fn valves(&self) -> &'static [&'static str] {
-        &[]
+    fn tables(&self) -> &RobotTables {
+        static TABLES: LazyLock<RobotTables> = LazyLock::new(|| {
+            let (name, doc, parameters) = ("digging".into(), "Digs.".into(), "&key steps rock".into());
+            let digging = BehaviourSpec { name, doc, valve: None, parameters };
+            RobotTables { behaviours: vec![digging], ..RobotTables::default() }
+        });
+        &TABLES
     }
 
     fn start(&mut self, machine: &Machine, _: u16, arguments: &[(Symbol, Value)], _: &mut Outbox) -> Result<(), Raise> {
@@ -53,7 +51,7 @@ impl Outside for Digger {
         Some(1_000_000)
     }
 
-    fn step(&mut self, outbox: &mut Outbox) {
+    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
         let Some(left) = self.steps_left.as_mut() else { return };
         *left -= 1;
         if *left == 0 {
@@ -72,7 +70,7 @@ impl Outside for Digger {
 fn dig(text: &str) -> (String, Digger) {
     let mut natives = rpl_stdlib::natives();
     natives.extend(rpl_runtime::step::natives::natives());
-    let library = Library::new(natives, &[("prelude.rpl", rpl_stdlib::PRELUDE)], &Digger::default(), &[]);
+    let library = Library::new(natives, &[("prelude.rpl", rpl_stdlib::PRELUDE)], Digger::default().tables(), &[]);
     let library = Arc::new(library.unwrap_or_else(|rejected| panic!("{}", rejected.render(false))));
     let loaded = library.load("test", text, &mut NoFiles);
     let loaded = loaded.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));

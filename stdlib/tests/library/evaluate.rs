@@ -1,6 +1,6 @@
 //! Plan text in, printed value out.
 
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Progress, System};
 use std::sync::{Arc, LazyLock};
@@ -9,7 +9,7 @@ static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| {
     let mut natives = rpl_stdlib::natives();
     natives.extend(rpl_runtime::step::natives::natives());
     let preludes = [("prelude.rpl", rpl_stdlib::PRELUDE)];
-    match Library::new(natives, &preludes, &NoRobot, &[]) {
+    match Library::new(natives, &preludes, RobotTables::EMPTY, &[]) {
         Ok(library) => Arc::new(library),
         Err(rejected) => panic!("{}", rejected.render(false)),
     }

@@ -1,9 +1,11 @@
 //! The robot and the native functions generated programs use.
 
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::behaviour::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, Reading, Stop};
+use rpl_runtime::robot::reading::Reading;
+use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, RobotTables, Stop};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::save::SaveOutside;
+use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::output::Channel;
@@ -11,7 +13,7 @@ use rpl_runtime::state::task::ScopeKind;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Effect, Native, Reply};
 use std::any::Any;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 /// A robot that does nothing for a reason: each step is a function of how many there were.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,24 +35,29 @@ impl Whim {
     }
 }
 
+static TABLES: LazyLock<RobotTables> = LazyLock::new(|| {
+    let behaviour = |name: &'static str, doc: &'static str, valve: Option<&'static str>| BehaviourSpec {
+        name: name.into(),
+        doc: doc.into(),
+        valve: valve.map(Into::into),
+        parameters: "".into(),
+    };
+    let fluent =
+        |name: &'static str, doc: &'static str| FluentSpec { name: name.into(), doc: doc.into(), continuous: false };
+    RobotTables {
+        behaviours: vec![behaviour("drive", "Drives.", Some("wheels")), behaviour("look", "Looks.", None)],
+        fluents: vec![
+            fluent("level*", "A number from 0 to 3."),
+            fluent("bump*", "Sometimes true."),
+            fluent("active*", "Whether something is at work."),
+        ],
+        valves: vec!["wheels".into()],
+    }
+});
+
 impl Outside for Whim {
-    fn behaviours(&self) -> &'static [BehaviourSpec] {
-        &[
-            BehaviourSpec { name: "drive", doc: "Drives.", valve: Some("wheels"), parameters: "" },
-            BehaviourSpec { name: "look", doc: "Looks.", valve: None, parameters: "" },
-        ]
-    }
-
-    fn fluents(&self) -> &'static [FluentSpec] {
-        &[
-            FluentSpec { name: "level*", doc: "A number from 0 to 3." },
-            FluentSpec { name: "bump*", doc: "Sometimes true." },
-            FluentSpec { name: "active*", doc: "Whether something is at work." },
-        ]
-    }
-
-    fn valves(&self) -> &'static [&'static str] {
-        &["wheels"]
+    fn tables(&self) -> &RobotTables {
+        &TABLES
     }
 
     fn start(
@@ -77,7 +84,7 @@ impl Outside for Whim {
         self.period_us
     }
 
-    fn step(&mut self, outbox: &mut Outbox) {
+    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
         let drawn = self.draw();
         outbox.fluents.push((0, Reading::Int((drawn & 3) as i64)));
         outbox.fluents.push((1, Reading::Truth(drawn & 0x30 == 0)));
@@ -190,7 +197,7 @@ pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
         let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), NATIVES.to_vec()].concat();
-        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &Whim::default(), &[]) {
+        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &TABLES, &[]) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),
         }

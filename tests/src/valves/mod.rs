@@ -8,7 +8,7 @@ use crate::library;
 use model::{Blow, Id, Model, Told, What};
 use program::Program;
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::behaviour::NoRobot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::disturbance::Disturbance;
 use rpl_runtime::run::system::System;
 use rpl_runtime::state::trace::{Event, EventKind};

@@ -2,9 +2,9 @@
 
 use super::world::wheels_are_free;
 use rpl_robot::geometry::{Point, distance_m};
+use rpl_robot::office::ReportKind;
 use rpl_robot::simulator::ItemPlace;
-use rpl_runtime::state::trace::EventKind::Robot;
-use rpl_tests::mission::{Mission, Run, dept, is, test_room};
+use rpl_tests::mission::{Mission, Run, dept, test_room};
 
 const DELIVERY: &str = "(deliver 'mail 'mail-slots 'wolframs-shelf)";
 
@@ -20,7 +20,7 @@ fn item_at(run: &Run, name: &str) -> Point {
 }
 
 fn place(run: &Run, name: &str) -> Point {
-    run.system.outside.model.world.place(name).expect("the world has the place").pose_in_map.point()
+    run.system.outside.model().world.place(name).expect("the world has the place").pose_in_map.point()
 }
 
 #[track_caller]
@@ -33,7 +33,7 @@ fn check_delivered(run: &Run) {
 }
 
 fn was_carried(run: &Run) -> bool {
-    run.count(|event| is(event, Robot, &[("what", "carried by hand")])) > 0
+    run.count(|event| ReportKind::of(event) == Some(ReportKind::CarriedByHand)) > 0
 }
 
 /// Carried away on the last metre, while the gripper opens, and after that.

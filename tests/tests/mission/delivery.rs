@@ -18,7 +18,7 @@ fn the_mail_lies_at_the_shelf() {
     let run = rotated();
     assert!(run.outcome().contains("mail delivered"), "{}", run.outcome());
     let robot = &run.system.outside;
-    let shelf = robot.model.world.place("wolframs-shelf").expect("a place of the department").pose_in_map.point();
+    let shelf = robot.model().world.place("wolframs-shelf").expect("a place of the department").pose_in_map.point();
     assert!(distance_m(robot.true_pose_in_map().point(), shelf) < 0.5, "{:?}", robot.true_pose_in_map());
     let mail = robot.host.state.gripper.items.iter().find(|item| item.name == "mail").expect("the world has mail");
     match mail.at {

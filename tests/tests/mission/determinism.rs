@@ -1,5 +1,6 @@
 //! Same program, world and seed: the same trace, byte for byte.
 
+use rpl_robot::office::ReportKind;
 use rpl_tests::mission::{Mission, Run, detail, test_room};
 
 /// A cup is fetched and brought while somebody turns the robot.
@@ -59,7 +60,7 @@ fn plan_and_scenario_draw_from_streams_of_their_own() {
         let scenario: Vec<&str> = run
             .events
             .iter()
-            .filter(|event| detail(event, "what") == "scenario")
+            .filter(|event| ReportKind::of(event) == Some(ReportKind::Scenario))
             .map(|event| detail(event, "text"))
             .collect();
         assert_eq!((run.output.len(), scenario.len()), (20, 20), "{}", run.trace());

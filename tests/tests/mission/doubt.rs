@@ -2,10 +2,9 @@
 
 use super::world::{closed_room, wheels_are_free};
 use rpl_robot::geometry::Pose;
-use rpl_robot::localization::{Localization, Spread};
-use rpl_robot::office::OfficeRobot;
-use rpl_runtime::state::trace::EventKind::Robot;
-use rpl_tests::mission::{Mission, Run, is, run_until};
+use rpl_robot::localization::Spread;
+use rpl_robot::office::{OfficeRobot, ReportKind};
+use rpl_tests::mission::{Mission, Run, run_until};
 
 /// Another room, whose door is closed.
 const ELSEWHERE: Pose = Pose { x_m: 6.5, y_m: 3.0, heading_rad: 0.0 };
@@ -15,8 +14,7 @@ fn believes_to_be_elsewhere(robot: &mut OfficeRobot) {
 }
 
 fn believes_to_be_about(robot: &mut OfficeRobot, spread: Spread) {
-    let map = robot.model.map.as_ref().expect("the robot has a map");
-    robot.board.localization = Some(Localization::start_at(&map.localization, ELSEWHERE, spread));
+    robot.tell_position(ELSEWHERE, spread);
 }
 
 #[test]
@@ -27,9 +25,9 @@ fn after_an_interruption_a_contradiction_is_a_wrong_position() {
     believes_to_be_elsewhere(&mut system.outside);
     system.run_until(400_000_000);
     let run = Run::of(system);
-    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position doubted")])), 1, "{}", run.trace());
+    assert_eq!(run.count(|event| ReportKind::of(event) == Some(ReportKind::PositionDoubted)), 1, "{}", run.trace());
     assert!(run.outcome().starts_with("=>"), "{}\n{}", run.outcome(), run.trace());
-    let there = run.system.outside.model.world.place("table-side").expect("a place").pose_in_map;
+    let there = run.system.outside.model().world.place("table-side").expect("a place").pose_in_map;
     let pose = run.system.outside.true_pose_in_map();
     assert!(libm::hypot(pose.x_m - there.x_m, pose.y_m - there.y_m) < 0.5, "{pose:?}");
     assert!(wheels_are_free(&run.system));
@@ -45,7 +43,7 @@ fn at_the_first_attempt_a_contradiction_reaches_the_caller() {
     system.run_until(60_000_000);
     let run = Run::of(system);
     assert_eq!(run.outcome(), "=> 0.0");
-    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position doubted")])), 0);
+    assert_eq!(run.count(|event| ReportKind::of(event) == Some(ReportKind::PositionDoubted)), 0);
 }
 
 /// It may have been called away from the search for its position.
@@ -59,7 +57,7 @@ fn a_contradiction_to_a_position_that_is_not_quite_sure_is_a_wrong_position() {
     let mut system = mission.start_with(robot, 1);
     system.run_until(400_000_000);
     let run = Run::of(system);
-    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position doubted")])), 1, "{}", run.trace());
+    assert_eq!(run.count(|event| ReportKind::of(event) == Some(ReportKind::PositionDoubted)), 1, "{}", run.trace());
     assert!(run.outcome().starts_with("=>"), "{}\n{}", run.outcome(), run.trace());
 }
 
@@ -70,11 +68,11 @@ fn a_destination_that_really_has_no_way_is_given_up_after_two_doubts() {
     let mission = Mission::new(closed_room(), plan);
     let mut system = mission.start(1);
     assert!(run_until(&mut system, 10.0, |system| system.machine.now_s() >= 1.9));
-    let model = system.outside.model.clone();
+    let model = system.outside.model().clone();
     model.simulator.teleport(&mut system.outside.host.state, ELSEWHERE).expect("free");
     believes_to_be_elsewhere(&mut system.outside);
     system.run_until(900_000_000);
     let run = Run::of(system);
     assert_eq!(run.outcome(), "=> given-up", "{}", run.trace());
-    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position doubted")])), 2, "{}", run.trace());
+    assert_eq!(run.count(|event| ReportKind::of(event) == Some(ReportKind::PositionDoubted)), 2, "{}", run.trace());
 }

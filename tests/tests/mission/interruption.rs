@@ -1,5 +1,6 @@
 //! The plan of the paper while somebody turns the robot by hand: what must happen, in its order.
 
+use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::Outcome;
 use rpl_runtime::state::trace::EventKind::{Behaviour, End, Fluent, Pulse, Robot, Signal, Valve};
 use rpl_runtime::state::trace::{Event, EventKind};
@@ -35,8 +36,8 @@ fn by_policy(event: &Event) -> bool {
 fn a_turn_by_hand_interrupts_and_the_navigation_goes_on_from_the_new_pose() {
     let run = rotated();
     let find = |from: usize, what: &str, holds: &dyn Fn(&Event) -> bool| run.find(from, what, holds);
-    let turned = find(0, "the turn", &|event| is(event, Robot, &[("what", "rotated by hand")]));
-    let lost = find(turned, "the loss of certainty", &|event| is(event, Robot, &[("what", "position lost")]));
+    let turned = find(0, "the turn", &|event| ReportKind::of(event) == Some(ReportKind::RotatedByHand));
+    let lost = find(turned, "the loss of certainty", &|event| ReportKind::of(event) == Some(ReportKind::PositionLost));
     assert!(detail(&run.events[lost], "certainty").parse::<f64>().expect("a number") <= 0.8);
     let requested = find(lost, "the request of the policy", &|event| {
         by_policy(event) && is(event, Valve, &[("valve", "wheels"), ("what", "requested")])
@@ -95,7 +96,7 @@ fn the_new_plan_starts_from_the_new_pose() {
 #[test]
 fn the_interrupted_delivery_ends_at_the_shelf() {
     let robot = &rotated().system.outside;
-    let shelf = robot.model.world.place("wolframs-shelf").expect("a place of the department").pose_in_map;
+    let shelf = robot.model().world.place("wolframs-shelf").expect("a place of the department").pose_in_map;
     let pose = robot.true_pose_in_map();
     assert!(libm::hypot(pose.x_m - shelf.x_m, pose.y_m - shelf.y_m) < 0.5, "{pose:?}");
     assert_eq!(robot.contacts().caused, 0);

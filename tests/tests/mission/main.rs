@@ -6,6 +6,7 @@ mod delivery;
 mod determinism;
 mod doubt;
 mod examples;
+mod host;
 mod interruption;
 mod mapless;
 mod office;

@@ -1,7 +1,8 @@
 //! Policies, valves, time-outs and clean-ups around a robot that drives.
 
 use super::world::{closed_room, wheels_are_free};
-use rpl_runtime::state::trace::EventKind::{Behaviour, Robot};
+use rpl_robot::office::ReportKind;
+use rpl_runtime::state::trace::EventKind::Behaviour;
 use rpl_tests::mission::{Mission, Run, dept, fluent_text, is, run_until, test_room};
 
 /// A policy that takes the wheels for some seconds once the bell rings.
@@ -47,8 +48,8 @@ fn the_same_policy_twice_gives_up_the_belief_once() {
     let run = Run::of(system);
     assert!(run.outcome().starts_with("=>"), "{}", run.outcome());
     // The second policy finds the position known when it gets the wheels.
-    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position lost")])), given_up, "{}", run.trace());
-    assert_eq!(run.count(|event| is(event, Robot, &[("what", "position found")])), given_up);
+    assert_eq!(run.count(|event| ReportKind::of(event) == Some(ReportKind::PositionLost)), given_up, "{}", run.trace());
+    assert_eq!(run.count(|event| ReportKind::of(event) == Some(ReportKind::PositionFound)), given_up);
     assert!(given_up > 0 && activations == given_up, "{given_up} of {activations}");
     assert!(wheels_are_free(&run.system));
 }

@@ -1,7 +1,7 @@
 //! Stalls: with a robot the world may always change, so a run that waits in vain is no deadlock. It
 //! is reported when nothing drives and no task but policies has gone on for a long time.
 
-use crate::behaviour::Phase;
+use crate::state::activation::Phase;
 use crate::state::machine::Machine;
 use crate::state::output::Channel;
 use crate::state::slab::NONE;
@@ -59,7 +59,7 @@ impl Machine {
     }
 
     fn drives(&self, around: &Surroundings<'_>) -> bool {
-        let specs = around.outside.behaviours();
+        let specs = &around.outside.tables().behaviours;
         self.activations
             .iter()
             .zip(specs)

@@ -1,0 +1,108 @@
+//! What is built from a world once and shared by all runs in it.
+
+use crate::active::ActiveParameters;
+use crate::localization::{LocalizationModel, LocalizationParameters, ModelError};
+use crate::navigation::{Concern, DriveLimits, NavigationModel, TopologicalModel};
+use crate::simulator::{SimulatorModel, SimulatorSettings};
+use crate::world::World;
+use std::sync::Arc;
+
+/// Edge of a cell of the map the expected distances are cast in.
+pub(super) const SENSOR_MAP_CELL_M: f64 = 0.05;
+
+/// What can be set about the robot and its world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfficeSettings {
+    /// The simulated robot.
+    pub simulator: SimulatorSettings,
+    /// The filter.
+    pub localization: LocalizationParameters,
+    /// Active localization.
+    pub active: ActiveParameters,
+    /// Whether the robot is told where it starts.
+    pub start_known: bool,
+    /// Whether the robot has a map of the world. Without one it goes by its odometry and by what its
+    /// sensors have seen.
+    pub map_known: bool,
+}
+
+impl Default for OfficeSettings {
+    fn default() -> Self {
+        Self {
+            simulator: SimulatorSettings::default(),
+            localization: LocalizationParameters::default(),
+            active: ActiveParameters::default(),
+            start_known: true,
+            map_known: true,
+        }
+    }
+}
+
+/// Everything about a world that does not change; built once, shared by all runs.
+#[derive(Debug)]
+pub struct OfficeModel {
+    /// The world.
+    pub world: Arc<World>,
+    /// The simulator.
+    pub simulator: Arc<SimulatorModel>,
+    /// What the robot knows of the world, if it has a map.
+    pub map: Option<MapModel>,
+    /// What the robot can do.
+    pub limits: DriveLimits,
+    /// What can be set.
+    pub settings: OfficeSettings,
+}
+
+/// The robot's map of the world, as each of its uses needs it.
+#[derive(Debug)]
+pub struct MapModel {
+    /// The filter's tables.
+    pub localization: LocalizationModel,
+    /// The planner's map.
+    pub navigation: NavigationModel,
+    /// Rooms, doors and regions.
+    pub topology: TopologicalModel,
+}
+
+impl MapModel {
+    fn new(world: &Arc<World>, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
+        let sensor_map =
+            if settings.localization.centred { World::map_centred } else { World::map }(world, SENSOR_MAP_CELL_M);
+        let localization = LocalizationModel::new(&sensor_map, settings.localization.clone())?;
+        let navigation = NavigationModel::new(world, limits);
+        let topology = TopologicalModel::new(world, &navigation.planner);
+        Ok(Self { localization, navigation, topology })
+    }
+}
+
+impl OfficeModel {
+    /// Builds all models of a world.
+    ///
+    /// # Errors
+    /// If the filter's grid cannot be built for this world.
+    pub fn new(world: World, settings: OfficeSettings) -> Result<Self, ModelError> {
+        let world = Arc::new(world);
+        let step_s = settings.simulator.step_us as f64 / 1e6;
+        let limits = DriveLimits {
+            step_s,
+            robot_radius_m: settings.simulator.robot_radius_m,
+            sonar_max_range_m: settings.simulator.sonar_max_range_m,
+            ..DriveLimits::default()
+        };
+        let map = settings.map_known.then(|| MapModel::new(&world, limits, &settings)).transpose()?;
+        Ok(Self {
+            simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
+            map,
+            limits,
+            settings,
+            world,
+        })
+    }
+
+    /// What of a world is probably not meant as it stands, looked over without building all models.
+    pub fn survey(world: &Arc<World>, settings: &OfficeSettings) -> Vec<Concern> {
+        let navigation = NavigationModel::new(world, DriveLimits::default());
+        let topology = TopologicalModel::new(world, &navigation.planner);
+        topology.survey(&navigation.planner, settings.simulator.gripper_reach_m)
+    }
+}

@@ -1,0 +1,57 @@
+//! The names the robot brings, all taken from where they are defined.
+
+use super::{PLANS, natives, oracle_natives, oracle_tables, tables};
+use rpl_lang::reader::read;
+use rpl_lang::source::SourceId;
+use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::Tree;
+
+/// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
+/// functions are a library like any other.
+pub fn reserved_names() -> Vec<String> {
+    tables().names().map(str::to_string).collect()
+}
+
+/// Names that exist only with a robot: a plan without one is told that it needs a world.
+pub fn robot_names() -> Vec<String> {
+    let natives = natives().into_iter().map(|native| native.name.to_string());
+    reserved_names().into_iter().chain(natives).chain(definitions(PLANS)).collect()
+}
+
+/// Names that only a scenario has.
+pub fn scenario_names() -> Vec<String> {
+    let natives = oracle_natives().into_iter().map(|native| native.name.to_string());
+    oracle_tables().names().map(str::to_string).chain(natives).collect()
+}
+
+/// What the forms of a text define: the second word of each.
+fn definitions(text: &str) -> Vec<String> {
+    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
+    let (forms, _) = read(text, SourceId(0), &mut symbols, &mut tree);
+    let name = |form| tree.symbol(*tree.items(form).get(1)?);
+    forms.into_iter().filter_map(name).map(|name| symbols.name(name).to_string()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn no_name_is_given_twice() {
+        for names in [robot_names(), scenario_names()] {
+            let once: BTreeSet<&String> = names.iter().collect();
+            assert_eq!(once.len(), names.len(), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn the_names_are_those_of_tables_functions_and_plans() {
+        let names = robot_names();
+        for name in ["navigation", "wheels", "x*", "belief-maxima", "go-to", "is-spot-at?"] {
+            assert!(names.iter().any(|known| known == name), "{name}");
+        }
+        assert!(reserved_names().iter().all(|name| names.contains(name)));
+        assert!(!reserved_names().iter().any(|name| name == "go-to"), "a plan may define its own");
+    }
+}

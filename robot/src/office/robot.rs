@@ -1,0 +1,147 @@
+//! The robot: its controller and a host, as the runtime steps them.
+
+use super::{Controller, Host, OfficeModel, SimulatedHost, tables};
+use crate::geometry::Pose;
+use crate::localization::{Estimate, Localization, Spread};
+use crate::simulator::{Contacts, OracleError, Percept};
+use rpl_lang::symbol::Symbol;
+use rpl_runtime::robot::{Outbox, Outside, RobotEvent, RobotTables, Stop};
+use rpl_runtime::state::activation::Phases;
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
+use std::any::Any;
+use std::sync::Arc;
+
+/// A robot in its world: what the runtime steps.
+#[derive(Clone)]
+pub struct OfficeRobot<H = SimulatedHost> {
+    /// What runs on it.
+    pub controller: Controller,
+    /// Who moves it and senses for it.
+    pub host: H,
+}
+
+impl<H> OfficeRobot<H> {
+    /// A robot at the start of its world.
+    pub fn new(model: Arc<OfficeModel>, host: H, seed: u64) -> Self {
+        Self { controller: Controller::new(model, seed), host }
+    }
+
+    /// What does not change.
+    pub fn model(&self) -> &Arc<OfficeModel> {
+        &self.controller.model
+    }
+
+    /// Tells it where it is. Without a map it cannot be told.
+    pub fn tell_position(&mut self, pose_in_map: Pose, spread: Spread) {
+        let Controller { model, board, .. } = &mut self.controller;
+        if let Some(map) = &model.map {
+            board.position.tell(map, pose_in_map, spread);
+        }
+    }
+
+    /// Where it believes itself to be, and how certain it is. Without a map: where its odometry says it is,
+    /// in `odom`.
+    pub fn estimate(&self) -> Estimate {
+        self.controller.estimate()
+    }
+
+    /// Where it believes itself to be, also without a map: then by its odometry from the start of the world.
+    pub fn estimated_pose_in_map(&self) -> Pose {
+        let Estimate { pose_in_map, .. } = self.estimate();
+        let model = self.model();
+        if model.map.is_some() { pose_in_map } else { model.world.start_in_map.compose(pose_in_map) }
+    }
+
+    /// The filter; none without a map.
+    pub fn localization(&self) -> Option<&Localization> {
+        self.controller.board.position.localization()
+    }
+
+    /// Probability of each cell of (x, y), `[row][column]` on the filter's grid; none without a map.
+    pub fn belief_xy(&self) -> Option<Vec<f64>> {
+        let map = self.model().map.as_ref()?;
+        Some(self.localization()?.belief_xy(&map.localization))
+    }
+
+    /// Bytes of belief and plans of the way that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        let belief = match (self.localization(), earlier.localization()) {
+            (Some(now), Some(earlier)) => now.bytes_apart(earlier),
+            (Some(_) | None, _) => 0,
+        };
+        let (now, earlier) = (&self.controller.modules, &earlier.controller.modules);
+        belief + now.navigation.bytes_apart(&earlier.navigation)
+    }
+
+    /// The percept of the last step.
+    pub fn percept(&self) -> Option<&Percept> {
+        self.controller.board.percept.as_ref()
+    }
+}
+
+/// What only an experimenter knows and does.
+impl OfficeRobot<SimulatedHost> {
+    /// The same robot at the beginning of a run, put down elsewhere and told so.
+    ///
+    /// # Errors
+    /// Something stands there.
+    pub fn starting_at(mut self, start_in_map: Pose) -> Result<Self, OracleError> {
+        self.host.model.clone().teleport(&mut self.host.state, start_in_map)?;
+        self.tell_position(start_in_map, Spread::default());
+        Ok(self)
+    }
+
+    /// Where the robot really is.
+    pub fn true_pose_in_map(&self) -> Pose {
+        self.host.state.true_pose()
+    }
+
+    /// Contacts so far.
+    pub fn contacts(&self) -> Contacts {
+        self.host.state.contacts()
+    }
+
+    /// Metres driven so far.
+    pub fn distance_driven_m(&self) -> f64 {
+        self.host.state.distance_driven_m()
+    }
+}
+
+impl<H: Host + 'static> Outside for OfficeRobot<H> {
+    fn tables(&self) -> &RobotTables {
+        tables()
+    }
+
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise> {
+        self.controller.start(machine, behaviour, arguments, outbox)
+    }
+
+    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+        self.controller.stop(behaviour, how, outbox);
+    }
+
+    fn period_us(&self) -> Option<u64> {
+        Some(self.model().settings.simulator.step_us)
+    }
+
+    fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
+        let commands = self.controller.take_commands(phases);
+        let mut reports = Vec::new();
+        let percept = self.host.step(&commands, &mut reports);
+        outbox.events.extend(reports.into_iter().map(RobotEvent::from));
+        self.controller.step(phases, percept, outbox);
+    }
+
+    /// Functions of plans reach the controller, whatever the host, and never the host.
+    fn as_any(&mut self) -> &mut dyn Any {
+        &mut self.controller
+    }
+}

@@ -1,0 +1,208 @@
+//! The seam to the robot: what plans see of it, and what it has to tell.
+
+pub mod reading;
+
+use self::reading::Reading;
+use crate::state::activation::Phases;
+use crate::state::failure::Raise;
+use crate::state::machine::Machine;
+use crate::state::value::Value;
+use rpl_lang::check::BehaviourSignature;
+use rpl_lang::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+use std::any::Any;
+use std::borrow::Cow;
+
+/// A behaviour, as plans see it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BehaviourSpec {
+    /// Its name.
+    pub name: Cow<'static, str>,
+    /// What it does.
+    pub doc: Cow<'static, str>,
+    /// The valve it needs, if it drives.
+    pub valve: Option<Cow<'static, str>>,
+    /// Its keyword arguments.
+    pub parameters: Cow<'static, str>,
+}
+
+impl BehaviourSpec {
+    /// What a check of a plan needs to know.
+    pub fn signature(&self) -> BehaviourSignature {
+        let parameters = self.parameters.split_whitespace().map(|key| key.trim_start_matches(':').to_string());
+        BehaviourSignature { parameters: parameters.collect(), valve: self.valve.as_deref().map(str::to_string) }
+    }
+}
+
+/// A fluent the robot sets.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FluentSpec {
+    /// Its name.
+    pub name: Cow<'static, str>,
+    /// What it holds, with its unit.
+    pub doc: Cow<'static, str>,
+    /// Whether it changes with every step of the robot: a trace that told each change would tell
+    /// nothing else.
+    pub continuous: bool,
+}
+
+/// What plans see of a robot. A behaviour, a fluent and a valve are known by their place here.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RobotTables {
+    /// Its behaviours.
+    pub behaviours: Vec<BehaviourSpec>,
+    /// Its fluents.
+    pub fluents: Vec<FluentSpec>,
+    /// Names of its valves.
+    pub valves: Vec<Cow<'static, str>>,
+}
+
+impl RobotTables {
+    /// What no robot offers: nothing.
+    pub const EMPTY: &'static Self = &Self { behaviours: Vec::new(), fluents: Vec::new(), valves: Vec::new() };
+
+    /// The names of everything in them.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let behaviours = self.behaviours.iter().map(|behaviour| &behaviour.name);
+        let fluents = self.fluents.iter().map(|fluent| &fluent.name);
+        behaviours.chain(&self.valves).chain(fluents).map(|name| &**name)
+    }
+
+    /// Names of the fluents that change with every step.
+    pub fn continuous_fluents(&self) -> impl Iterator<Item = &str> {
+        self.fluents.iter().filter(|fluent| fluent.continuous).map(|fluent| &*fluent.name)
+    }
+}
+
+/// Where a robot's names stand among the globals of a program: found once, when the library is
+/// compiled.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RobotGlobals {
+    /// Of each fluent, by its number.
+    pub fluents: Vec<u32>,
+    /// Of the valve of each behaviour that has one.
+    pub valves: Vec<Option<u32>>,
+}
+
+impl RobotGlobals {
+    /// Without a robot.
+    pub(crate) const NONE: &'static Self = &Self { fluents: Vec::new(), valves: Vec::new() };
+}
+
+/// Why a behaviour stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stop {
+    /// A plan deactivates it.
+    Deactivated,
+    /// Its valve is lent to somebody else, or its goals are removed: it commands nothing more.
+    Interrupted,
+}
+
+/// How a behaviour ended by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// It has done what it was asked to.
+    Success,
+    /// It cannot.
+    Failure {
+        /// The class of failure.
+        class: String,
+        /// One sentence.
+        message: String,
+        /// Slots by name.
+        slots: Vec<(String, Reading)>,
+    },
+}
+
+impl Ending {
+    /// A failure without slots: its class and one sentence.
+    pub fn failure(class: &str, message: impl Into<String>) -> Self {
+        Ending::Failure { class: class.to_string(), message: message.into(), slots: Vec::new() }
+    }
+}
+
+/// What the robot has to tell after a step, a start or a stop.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outbox {
+    /// New values of fluents, by their place in [`RobotTables::fluents`]; applied as one.
+    pub fluents: Vec<(usize, Reading)>,
+    /// Behaviours that ended.
+    pub endings: Vec<(u16, Ending)>,
+    /// Things worth a line in the trace.
+    pub events: Vec<RobotEvent>,
+}
+
+/// Something that happened to the robot or around it, as the trace tells it. What can happen is the
+/// robot's own business.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotEvent {
+    /// What happened.
+    pub what: Cow<'static, str>,
+    /// Details by name.
+    pub details: Vec<(Cow<'static, str>, String)>,
+}
+
+/// The robot, as the machine sees it.
+pub trait Outside: Any {
+    /// What plans see of it: always the same.
+    fn tables(&self) -> &RobotTables;
+
+    /// Starts a behaviour.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments, or why it cannot start.
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise>;
+
+    /// Stops a behaviour.
+    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox);
+
+    /// The name of the stream of random numbers that plans draw from in front of this.
+    fn stream(&self) -> &'static str {
+        "plan"
+    }
+
+    /// Microseconds between two steps; none if there is no robot.
+    fn period_us(&self) -> Option<u64> {
+        None
+    }
+
+    /// One step: commands go out, percepts come in, behaviours work. Which of them do is told by
+    /// their phases.
+    fn step(&mut self, _phases: Phases<'_>, _outbox: &mut Outbox) {}
+
+    /// For native functions of the robot itself.
+    fn as_any(&mut self) -> &mut dyn Any;
+}
+
+impl Raise {
+    /// Something of a robot is asked for, and there is none.
+    pub fn no_robot() -> Self {
+        Raise::new("no-robot", "there is no robot; add `--world dept`")
+    }
+}
+
+/// No robot: nothing to activate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NoRobot;
+
+impl Outside for NoRobot {
+    fn tables(&self) -> &RobotTables {
+        RobotTables::EMPTY
+    }
+
+    fn start(&mut self, _: &Machine, _: u16, _: &[(Symbol, Value)], _: &mut Outbox) -> Result<(), Raise> {
+        Err(Raise::no_robot())
+    }
+
+    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
