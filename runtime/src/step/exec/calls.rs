@@ -6,7 +6,7 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
-use crate::step::exec::{Exit, REACH, WINDOW};
+use crate::step::exec::{Flow, REACH, WINDOW};
 use crate::step::native::{Call as NativeCall, Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Parameters, Reg};
 use rpl_lang::compile::NativeSignature;
@@ -155,6 +155,68 @@ impl Machine {
         self.call_native(around, native, arguments)
     }
 
+    /// Calls a function of any kind with the arguments in the registers from `first` on, where its value
+    /// goes.
+    #[inline(never)]
+    pub(super) fn call_any(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Cursor,
+        function: Value,
+        first: Reg,
+        count: u8,
+        tail: bool,
+    ) -> Result<Flow, Raise> {
+        let from = place.frame.base as usize + usize::from(first);
+        let arguments = self.scratch.stack[from..from + usize::from(count)].to_vec();
+        self.call_value(around, place, function, &arguments, usize::from(first), tail, first)
+    }
+
+    /// Goes on with what a native has answered, unless that is a value at once.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments, reason = "the instruction in full")]
+    pub(super) fn take_reply(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Cursor,
+        to: Reg,
+        first: usize,
+        count: u8,
+        native: u16,
+        reply: Result<Reply, Raise>,
+    ) -> Result<Flow, Raise> {
+        let base = place.frame.base as usize;
+        let reply = match reply {
+            Ok(reply) => reply,
+            Err(raise) => {
+                let from = base + first;
+                let arguments = self.scratch.stack[from..from + usize::from(count)].to_vec();
+                self.call_with_room(around, native, &arguments, raise)?
+            }
+        };
+        match reply {
+            Reply::Value(value) => {
+                self.scratch.stack[base + usize::from(to)] = value;
+                self.collect_if_full()?;
+                let acts = around.natives[usize::from(native)].effect.acts();
+                Ok(if self.scratch.switch || acts { Flow::Leave } else { Flow::On })
+            }
+            Reply::Wait => {
+                let task = self.current;
+                self.tasks[task].wake_register = to;
+                Ok(Flow::Blocked)
+            }
+            Reply::Leave => {
+                self.scratch.stack[base + usize::from(to)] = Value::Nil;
+                Ok(Flow::Leave)
+            }
+            Reply::Execute(datum) => Ok(Flow::Execute(datum, to)),
+            Reply::Call(function, arguments) => {
+                self.call_value(around, place, function, &arguments, usize::from(to), false, to)
+            }
+        }
+    }
+
     /// Calls any function value. On return `place` tells where to go on; an exit if the task stops.
     #[allow(clippy::too_many_arguments, reason = "the calling convention in full")]
     pub(crate) fn call_value(
@@ -166,22 +228,22 @@ impl Machine {
         mut first: usize,
         mut tail: bool,
         result: Reg,
-    ) -> Result<Option<Exit>, Raise> {
+    ) -> Result<Flow, Raise> {
         let mut arguments = Cow::Borrowed(arguments);
         // A native may go on in a function, and that be a native again: as far as data reach.
         while let Value::Native(native) = function {
             match self.call_native_value(around, native, &arguments)? {
                 Reply::Value(value) => {
                     self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;
-                    return Ok(None);
+                    return Ok(Flow::Entered);
                 }
                 Reply::Wait => {
                     let task = self.current;
                     self.tasks[task].wake_register = result;
-                    return Ok(Some(Exit::Blocked));
+                    return Ok(Flow::Blocked);
                 }
-                Reply::Leave => return Ok(None),
-                Reply::Execute(datum) => return Ok(Some(Exit::Execute(datum, result))),
+                Reply::Leave => return Ok(Flow::Entered),
+                Reply::Execute(datum) => return Ok(Flow::Execute(datum, result)),
                 Reply::Call(next, further) => {
                     (function, arguments) = (next, Cow::Owned(further));
                     (first, tail) = (usize::from(result), false);
@@ -206,7 +268,7 @@ impl Machine {
         arguments: &[Value],
         first: usize,
         tail: bool,
-    ) -> Result<Option<Exit>, Raise> {
+    ) -> Result<Flow, Raise> {
         let (number, captured) = match function {
             Value::Function(number) => (number, None),
             Value::Closure(index) => (self.heap.closures[index].code, Some(self.heap.closures[index].captured.clone())),
@@ -233,7 +295,7 @@ impl Machine {
             self.scratch.stack[at..at + captured.len()].copy_from_slice(&captured);
         }
         place.frame = Frame { code: number, pc: 0, base: base as u32 };
-        Ok(None)
+        Ok(Flow::Entered)
     }
 
     /// Calls a native that is known only by its value.

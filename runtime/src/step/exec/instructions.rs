@@ -7,10 +7,9 @@ use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use crate::step::exec::arithmetic::{as_floats, overflow};
-use crate::step::exec::plan_instructions::Flow;
-use crate::step::exec::{Exit, REACH};
+use crate::step::exec::{Exit, Flow, REACH};
 use crate::step::native::{Reply, Surroundings};
-use rpl_lang::code::{Code, CodeKind, Op, Reg};
+use rpl_lang::code::{Code, CodeKind, Op};
 use rpl_lang::kind::Kind;
 use std::hint::black_box;
 
@@ -97,14 +96,6 @@ impl Machine {
                     return Ok(Exit::Blocked);
                 }
             };
-        }
-        macro_rules! block {
-            ($register:expr) => {{
-                save!();
-                let task = self.current;
-                self.tasks[task].wake_register = $register;
-                return Ok(Exit::Blocked);
-            }};
         }
         // What a native or a network has burned, taken from the slice and then from what is behind it.
         macro_rules! spend {
@@ -217,29 +208,12 @@ impl Machine {
                     match &r!($a) {
                         &Value::Int(x) => x $operator i64::from($value),
                         &Value::Float(x) => x $operator f64::from($value),
-                        other => {
-                            let other = *other;
-                            fail!(self.wrong_operands($name, other, other))
-                        }
+                        &other => fail!(self.wrong_operands($name, other, other)),
                     }
                 };
             }
-            // Any value is called: entered, or done if it is a native.
-            macro_rules! call {
-                ($function:expr, $arguments:expr, $first:expr, $tail:expr, $to:expr) => {{
-                    if let Some(exit) = self.call_value(around, place, $function, $arguments, $first, $tail, $to)? {
-                        return Ok(exit);
-                    }
-                    (code_number, pc, base) = (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                    code = &program.codes[code_number as usize];
-                    spend!();
-                    check_leaving!();
-                    check_switch!();
-                    continue 'frame;
-                }};
-            }
-            // An instruction about plans says how to go on.
-            macro_rules! plan {
+            // What is not done here is handed over to a function, which says how to go on.
+            macro_rules! hand_over {
                 ($instruction:expr) => {{
                     save!();
                     let next = $instruction?;
@@ -253,7 +227,16 @@ impl Machine {
                             check_leaving!();
                             check_switch!();
                         }
+                        Flow::Entered => {
+                            (code_number, pc, base) =
+                                (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
+                            code = &program.codes[code_number as usize];
+                            spend!();
+                            check_leaving!();
+                            check_switch!();
+                        }
                         Flow::Blocked => return Ok(Exit::Blocked),
+                        Flow::Execute(datum, to) => return Ok(Exit::Execute(datum, to)),
                     }
                     continue 'frame;
                 }};
@@ -336,10 +319,7 @@ impl Machine {
                             None => fail!(overflow("+")),
                         },
                         &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        other => {
-                            let other = *other;
-                            fail!(self.wrong_operands("+", other, other))
-                        }
+                        &other => fail!(self.wrong_operands("+", other, other)),
                     },
                     Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
@@ -439,13 +419,7 @@ impl Machine {
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
-                            function => {
-                                save!();
-                                let first = usize::from(first);
-                                let arguments =
-                                    self.scratch.stack[base + first..base + first + usize::from(count)].to_vec();
-                                call!(function, &arguments, first, false, first as Reg)
-                            }
+                            function => hand_over!(self.call_any(around, place, function, first, count, false)),
                         }
                     }
                     Op::TailCall(first, count, global) => {
@@ -465,13 +439,7 @@ impl Machine {
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
-                            function => {
-                                save!();
-                                let first = usize::from(first);
-                                let arguments =
-                                    self.scratch.stack[base + first..base + first + usize::from(count)].to_vec();
-                                call!(function, &arguments, first, true, first as Reg)
-                            }
+                            function => hand_over!(self.call_any(around, place, function, first, count, true)),
                         }
                     }
                     Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
@@ -509,9 +477,7 @@ impl Machine {
                             continue 'frame;
                         }
                         let function = *function;
-                        let arguments = r[first..first + usize::from(count)].to_vec();
-                        save!();
-                        call!(function, &arguments, first, tail, first as Reg)
+                        hand_over!(self.call_any(around, place, function, callee + 1, count, tail))
                     }
                     Op::CallCode(first, number) => {
                         burn!();
@@ -544,33 +510,14 @@ impl Machine {
                             }
                         };
                         spend!();
-                        let reply = match reply {
-                            Ok(reply) => reply,
-                            Err(raise) => {
-                                let arguments = base + first..base + first + usize::from(count);
-                                let arguments = self.scratch.stack[arguments].to_vec();
-                                attempt!(self.call_with_room(around, native, &arguments, raise))
-                            }
+                        let Ok(Reply::Value(value)) = reply else {
+                            hand_over!(self.take_reply(around, place, to, first, count, native, reply))
                         };
-                        match reply {
-                            Reply::Value(value) => {
-                                self.scratch.stack[base + usize::from(to)] = value;
-                                collect_if_full!();
-                                if self.scratch.switch || around.natives[usize::from(native)].effect.acts() {
-                                    check_leaving!();
-                                    check_switch!();
-                                }
-                            }
-                            Reply::Wait => block!(to),
-                            Reply::Leave => {
-                                self.scratch.stack[base + usize::from(to)] = Value::Nil;
-                                check_leaving!();
-                                check_switch!();
-                            }
-                            Reply::Execute(datum) => return Ok(Exit::Execute(datum, to)),
-                            Reply::Call(function, arguments) => {
-                                call!(function, &arguments, usize::from(to), false, to)
-                            }
+                        self.scratch.stack[base + usize::from(to)] = value;
+                        collect_if_full!();
+                        if self.scratch.switch || around.natives[usize::from(native)].effect.acts() {
+                            check_leaving!();
+                            check_switch!();
                         }
                         continue 'frame;
                     }
@@ -601,68 +548,47 @@ impl Machine {
                         }
                         continue 'frame;
                     }
-                    Op::EnterPlan => plan!(self.enter_plan(program, place)),
-                    Op::LeavePlan(a) => plan!(self.leave_plan(around, place, a)),
-                    Op::TagNew(a, name) => plan!(self.new_tag(place, a, name)),
-                    Op::Parallel(a, construct) => plan!(self.start_parallel(around, place, a, construct)),
+                    Op::EnterPlan => hand_over!(self.enter_plan(program, place)),
+                    Op::LeavePlan(a) => hand_over!(self.leave_plan(around, place, a)),
+                    Op::TagNew(a, name) => hand_over!(self.new_tag(place, a, name)),
+                    Op::Parallel(a, construct) => hand_over!(self.start_parallel(around, place, a, construct)),
                     Op::ParallelMap(a, list, construct) => {
-                        plan!(self.start_parallel_map(around, place, a, list, construct))
+                        hand_over!(self.start_parallel_map(around, place, a, list, construct))
                     }
-                    Op::Spawn(a, construct) => plan!(self.spawn(around, place, a, construct)),
-                    Op::PushBlock(a, result, distance) => plan!(self.push_block(place, a, result, distance)),
-                    Op::ReturnFrom(a, b) => plan!(self.return_from(place, a, b)),
+                    Op::Spawn(a, construct) => hand_over!(self.spawn(around, place, a, construct)),
+                    Op::PushBlock(a, result, distance) => hand_over!(self.push_block(place, a, result, distance)),
+                    Op::ReturnFrom(a, b) => hand_over!(self.return_from(place, a, b)),
                     Op::PushHandler(failure, clauses, distance) => {
-                        plan!(self.push_handler(place, failure, clauses, distance))
+                        hand_over!(self.push_handler(place, failure, clauses, distance))
                     }
-                    Op::PushCleanup(distance) => plan!(self.push_cleanup(place, distance)),
-                    Op::BeginCleanup => plan!(self.begin_cleanup()),
-                    Op::EndCleanup => plan!(self.end_cleanup(around)),
-                    Op::PushValve(a) => plan!(self.push_valve(around, place, a)),
-                    Op::PushOnInterrupt(a) => plan!(self.push_on_interrupt(place, a)),
-                    Op::PushOnResume(a) => plan!(self.push_on_resume(place, a)),
-                    Op::PushSuspended(a) => plan!(self.push_suspended(around, place, a)),
-                    Op::PushWatch(a, missed, owned) => plan!(self.push_watch(place, a, missed, owned)),
-                    Op::WatchWait => plan!(self.wait_for_event(place)),
-                    Op::WatchDone => plan!(self.end_event_service()),
-                    Op::PopScopes(count) => plan!(self.pop_scopes(around, count)),
-                    Op::LeaveScopes(count, distance) => plan!(self.leave_scopes(place, count, distance)),
-                    Op::Network(a, code) => plan!(self.make_network(around, place, a, code)),
+                    Op::PushCleanup(distance) => hand_over!(self.push_cleanup(place, distance)),
+                    Op::BeginCleanup => hand_over!(self.begin_cleanup()),
+                    Op::EndCleanup => hand_over!(self.end_cleanup(around)),
+                    Op::PushValve(a) => hand_over!(self.push_valve(around, place, a)),
+                    Op::PushOnInterrupt(a) => hand_over!(self.push_on_interrupt(place, a)),
+                    Op::PushOnResume(a) => hand_over!(self.push_on_resume(place, a)),
+                    Op::PushSuspended(a) => hand_over!(self.push_suspended(around, place, a)),
+                    Op::PushWatch(a, missed, owned) => hand_over!(self.push_watch(place, a, missed, owned)),
+                    Op::WatchWait => hand_over!(self.wait_for_event(place)),
+                    Op::WatchDone => hand_over!(self.end_event_service()),
+                    Op::PopScopes(count) => hand_over!(self.pop_scopes(around, count)),
+                    Op::LeaveScopes(count, distance) => hand_over!(self.leave_scopes(place, count, distance)),
+                    Op::Network(a, code) => hand_over!(self.make_network(around, place, a, code)),
                     Op::WaitFor(a, condition, seconds, owned) => {
-                        plan!(self.wait_for(place, a, condition, seconds, owned))
+                        hand_over!(self.wait_for(place, a, condition, seconds, owned))
                     }
                     Op::Deref(a, b) => match r!(b) {
-                        Value::Fluent(fluent) => plan!(self.dereference(place, a, fluent)),
+                        Value::Fluent(fluent) => hand_over!(self.dereference(place, a, fluent)),
                         value => r!(a) = value,
                     },
                     Op::Assign(a, fluent, value) => {
                         let (fluent, value) = (r!(fluent), r!(value));
                         r!(a) = value;
-                        plan!(self.assign_instruction(around, place, fluent, value))
+                        hand_over!(self.assign_instruction(around, place, fluent, value))
                     }
-                    Op::Refail(a) => {
-                        let failure = r!(a);
-                        fail!(Raise::Again(failure));
-                    }
+                    Op::Refail(a) => fail!(Raise::Again(r!(a))),
                 }
             }
         }
-    }
-
-    /// Collects garbage, if it is due, in the midst of an instruction.
-    #[inline]
-    pub(super) fn collect_if_full(&mut self) -> Result<(), Raise> {
-        if self.heap.is_full() { self.collect_here(self.scratch.top) } else { Ok(()) }
-    }
-
-    /// Collects garbage while registers below `top` are in use.
-    #[cold]
-    #[inline(never)]
-    fn collect_here(&mut self, top: usize) -> Result<(), Raise> {
-        self.scratch.top = top;
-        // A network under evaluation is not named by anything yet, nor is what it was called for.
-        if self.current != SCRATCH_TASK {
-            self.collect();
-        }
-        if self.has_room(0) { Ok(()) } else { Err(self.out_of_memory()) }
     }
 }

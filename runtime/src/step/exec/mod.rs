@@ -40,6 +40,23 @@ pub(crate) enum Exit {
     Execute(Value, Reg),
 }
 
+/// How the loop goes on after an instruction that it has handed over.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Flow {
+    /// With the next instruction.
+    On,
+    /// With the next instruction, unless a more important task has become ready.
+    Switch,
+    /// As after [`Flow::Switch`], unless the task has begun to depart.
+    Leave,
+    /// In the frame that runs now, as after [`Flow::Leave`].
+    Entered,
+    /// Not now: the task waits or departs.
+    Blocked,
+    /// When a datum is compiled, in its code; the value goes to the register.
+    Execute(Value, Reg),
+}
+
 impl Machine {
     fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor, entry: usize) -> Exit {
         loop {

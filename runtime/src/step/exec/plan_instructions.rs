@@ -8,22 +8,10 @@ use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Leaving, PlanCall, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
+use crate::step::exec::Flow;
 use crate::step::native::Surroundings;
 use rpl_lang::code::{Construct, Missed, NO_REG, Program, Reg};
 use rpl_lang::kind::Kind;
-
-/// How the loop goes on after an instruction about plans.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Flow {
-    /// With the next instruction.
-    On,
-    /// With the next instruction, unless a more important task has become ready.
-    Switch,
-    /// As after [`Flow::Switch`], unless the task has begun to depart.
-    Leave,
-    /// Not now: the task waits or departs.
-    Blocked,
-}
 
 /// The instruction that lies so far from the next one.
 fn target(place: &Cursor, distance: i32) -> u32 {

@@ -98,4 +98,22 @@ impl Machine {
         let least = (self.limits.bytes / RESERVE).min(MIN_THRESHOLD);
         self.heap.threshold = self.heap.live.max(MIN_THRESHOLD).min(room.max(least));
     }
+
+    /// Collects garbage, if it is due, in the midst of an instruction.
+    #[inline]
+    pub(crate) fn collect_if_full(&mut self) -> Result<(), Raise> {
+        if self.heap.is_full() { self.collect_here(self.scratch.top) } else { Ok(()) }
+    }
+
+    /// Collects garbage while registers below `top` are in use.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn collect_here(&mut self, top: usize) -> Result<(), Raise> {
+        self.scratch.top = top;
+        // A network under evaluation is not named by anything yet, nor is what it was called for.
+        if self.current != SCRATCH_TASK {
+            self.collect();
+        }
+        if self.has_room(0) { Ok(()) } else { Err(self.out_of_memory()) }
+    }
 }
