@@ -6,10 +6,11 @@
 use anyhow::{Result, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::diagnostic::render;
-use rpl_lang::reader::{fold_name, read};
+use rpl_lang::reader::read;
 use rpl_lang::source::{SourceId, Sources};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
+use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::{NodeId, Tree};
 
 /// Forms that give a global name its first value, and so can be overridden.

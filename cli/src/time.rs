@@ -1,6 +1,6 @@
 //! Times on the command line: `90s`, `5min`, `120`.
 
-use rpl_lang::number::{Number, parse_number};
+use rpl_lang::number::{NumberLiteral, parse_number};
 use rpl_runtime::state::time::{LAST_INSTANT_US, microseconds};
 
 /// Units of time among the units of the language.
@@ -18,8 +18,8 @@ pub fn parse_duration_us(text: &str) -> Result<u64, String> {
         return Err(EXPECTED.to_string());
     }
     let seconds = match parse_number(text) {
-        Ok(Number::Int(value)) => value as f64,
-        Ok(Number::Float(value)) => value,
+        Ok(NumberLiteral::Int(value)) => value as f64,
+        Ok(NumberLiteral::Float(value)) => value,
         Err(_) => return Err(EXPECTED.to_string()),
     };
     microseconds(seconds).ok_or_else(|| format!("the clock ends at {} s, after 253 years", LAST_INSTANT_US / 1_000_000))

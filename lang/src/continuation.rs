@@ -1,15 +1,16 @@
 //! Where the next line of an unfinished text begins, for an editor that asks for it.
 
-use crate::indentation::{Rule, Shape, rule_of};
+use crate::indentation::layout_of;
+use crate::layout::{ItemShape, Layout};
 use crate::lexer::{Prefix, Token, lex};
-use crate::reader::fold_name;
 use crate::source::SourceId;
+use crate::symbol::fold_name;
 
 /// The column in which the next line of a text begins: where the formatter would leave it. None at
 /// top level, and within a string or a comment, where every space is the author's.
 pub fn next_line_column(text: &str) -> Option<usize> {
     let (tokens, _) = lex(text, SourceId(0));
-    let mut open: Vec<Open> = Vec::new();
+    let mut open: Vec<OpenForm> = Vec::new();
     let mut mark = None;
     for (token, span) in tokens {
         let (start, end) = (span.start as usize, span.end as usize);
@@ -21,11 +22,11 @@ pub fn next_line_column(text: &str) -> Option<usize> {
                 if mark.is_none() {
                     begin_item(&mut open, text, start, end, false);
                 }
-                mark = Some(if prefix == Prefix::Quote { Shape::Quoted } else { Shape::Form });
+                mark = Some(if prefix == Prefix::Quote { ItemShape::Quoted } else { ItemShape::Form });
             }
             Token::Open => {
                 let shape = mark.take().unwrap_or_else(|| begin_item(&mut open, text, start, end, false));
-                open.push(Open { start, shape, head: None, items: 0, argument: None });
+                open.push(OpenForm { start, shape, head: None, items: 0, argument: None });
             }
             Token::Symbol | Token::Keyword | Token::Int(_) | Token::Float(_) | Token::Str | Token::Error => {
                 if mark.take().is_none() {
@@ -35,14 +36,14 @@ pub fn next_line_column(text: &str) -> Option<usize> {
         }
     }
     let list = open.last()?;
-    Some(list.rule().column(list.items.max(1), column(text, list.start), list.argument))
+    Some(list.layout().column(list.items.max(1), column(text, list.start), list.argument))
 }
 
 /// A list that is not closed yet.
-struct Open {
+struct OpenForm {
     /// The byte of its `(`.
     start: usize,
-    shape: Shape,
+    shape: ItemShape,
     /// What it begins with, if that is an atom.
     head: Option<String>,
     items: usize,
@@ -50,15 +51,15 @@ struct Open {
     argument: Option<usize>,
 }
 
-impl Open {
-    fn rule(&self) -> Rule {
-        rule_of(self.head.as_deref(), self.shape, |_| None)
+impl OpenForm {
+    fn layout(&self) -> Layout {
+        layout_of(self.head.as_deref(), self.shape, |_| None)
     }
 }
 
 /// Counts an item of the innermost list; tells what it is if it is a list itself.
-fn begin_item(open: &mut [Open], text: &str, start: usize, end: usize, is_name: bool) -> Shape {
-    let Some(list) = open.last_mut() else { return Shape::Form };
+fn begin_item(open: &mut [OpenForm], text: &str, start: usize, end: usize, is_name: bool) -> ItemShape {
+    let Some(list) = open.last_mut() else { return ItemShape::Form };
     let at = list.items;
     list.items += 1;
     if at == 0 && is_name {
@@ -67,7 +68,7 @@ fn begin_item(open: &mut [Open], text: &str, start: usize, end: usize, is_name: 
     if at == 1 && !text[list.start..start].contains('\n') {
         list.argument = Some(column(text, start));
     }
-    list.rule().shape(at)
+    list.layout().shape(at)
 }
 
 fn column(text: &str, at: usize) -> usize {

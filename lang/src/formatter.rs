@@ -9,14 +9,16 @@ mod concrete;
 mod lines;
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::indentation::{Rule, Shape, Style, WIDTH, aligns, is_label, rule_of};
+use crate::indentation::{aligns, is_label, layout_of};
+use crate::layout::{ItemShape, Layout, Style, WIDTH};
 use crate::lexer::{Prefix, lex};
-use crate::reader::{fold_name, read};
+use crate::reader::read;
 use crate::source::SourceId;
 use crate::stack::deep;
 use crate::symbol::Symbols;
+use crate::symbol::fold_name;
 use crate::syntax::Tree;
-use concrete::{Concrete, Mark, Node, Piece};
+use concrete::{Concrete, ConcreteKind, ConcreteNode, DatumMark};
 use lines::Lines;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -79,7 +81,7 @@ fn bodies(concrete: &Concrete<'_>) -> BTreeMap<String, usize> {
     bodies
 }
 
-fn parameters_before_body(concrete: &Concrete<'_>, parameters: &Node) -> Option<usize> {
+fn parameters_before_body(concrete: &Concrete<'_>, parameters: &ConcreteNode) -> Option<usize> {
     let words: Vec<_> = concrete.data(parameters).map(|node| fold_name(concrete.text(node))).collect();
     let at = words.iter().position(|word| matches!(word.as_ref(), "&body" | "&rest"))?;
     let takes_body = words[at] == "&body" || matches!(words.get(at + 1)?.as_ref(), "body" | "forms");
@@ -93,11 +95,11 @@ struct Formatter<'a> {
 }
 
 /// A list on its way to paper.
-struct Layout<'a> {
-    rule: Rule,
+struct OpenList<'a> {
+    layout: Layout,
     head: Option<String>,
     /// Data, comments left out.
-    items: Vec<&'a Node>,
+    items: Vec<&'a ConcreteNode>,
     /// Column of the `(`.
     column: usize,
     /// Column of the first argument, once it stands on the head's line.
@@ -111,7 +113,7 @@ struct Layout<'a> {
 }
 
 impl<'a> Formatter<'a> {
-    fn node(&self, index: usize) -> &'a Node {
+    fn node(&self, index: usize) -> &'a ConcreteNode {
         &self.concrete.nodes[index]
     }
 
@@ -124,33 +126,33 @@ impl<'a> Formatter<'a> {
             } else {
                 self.lines.space();
             }
-            self.piece(node, Shape::Form, 0);
+            self.piece(node, ItemShape::Form, 0);
             after_datum = !node.is_comment();
         }
     }
 
     /// Writes a piece where the line ends now; so many closers follow it on its line.
-    fn piece(&mut self, node: &'a Node, shape: Shape, closers: usize) {
+    fn piece(&mut self, node: &'a ConcreteNode, shape: ItemShape, closers: usize) {
         match node.piece {
-            Piece::Atom | Piece::BlockComment => self.lines.write(self.concrete.text(node)),
-            Piece::LineComment => self.lines.comment(self.concrete.text(node).trim_end()),
-            Piece::Marked(mark) => self.marked(node, mark, shape, closers),
-            Piece::List => deep(|| self.list(node, shape, closers)),
+            ConcreteKind::Atom | ConcreteKind::BlockComment => self.lines.write(self.concrete.text(node)),
+            ConcreteKind::LineComment => self.lines.comment(self.concrete.text(node).trim_end()),
+            ConcreteKind::Marked(mark) => self.marked(node, mark, shape, closers),
+            ConcreteKind::List => deep(|| self.list(node, shape, closers)),
         }
     }
 
-    fn marked(&mut self, node: &'a Node, mark: Mark, shape: Shape, closers: usize) {
+    fn marked(&mut self, node: &'a ConcreteNode, mark: DatumMark, shape: ItemShape, closers: usize) {
         self.lines.write(self.concrete.text(node));
         let column = self.lines.column();
         let shape = match mark {
-            Mark::Prefix(Prefix::Quote) => Shape::Quoted,
-            Mark::DatumComment => shape,
-            Mark::Prefix(_) => Shape::Form,
+            DatumMark::Prefix(Prefix::Quote) => ItemShape::Quoted,
+            DatumMark::DatumComment => shape,
+            DatumMark::Prefix(_) => ItemShape::Form,
         };
         for (at, &index) in node.children.iter().enumerate() {
             let child = self.node(index);
             // `, @x` must not become `,@x`.
-            let is_splice = mark == Mark::Prefix(Prefix::Unquote) && self.concrete.text(child).starts_with('@');
+            let is_splice = mark == DatumMark::Prefix(Prefix::Unquote) && self.concrete.text(child).starts_with('@');
             if self.lines.must_break() {
                 self.lines.new_line(column, false);
             } else if at > 0 || is_splice {
@@ -160,8 +162,8 @@ impl<'a> Formatter<'a> {
         }
     }
 
-    fn list(&mut self, node: &'a Node, shape: Shape, closers: usize) {
-        let mut layout = self.layout(node, shape, closers);
+    fn list(&mut self, node: &'a ConcreteNode, shape: ItemShape, closers: usize) {
+        let mut list = self.open(node, shape, closers);
         self.lines.write("(");
         let mut at = 0;
         for (place, &index) in node.children.iter().enumerate() {
@@ -170,85 +172,85 @@ impl<'a> Formatter<'a> {
             let closers = if is_last { closers + 1 } else { 0 };
             if place > 0 {
                 let is_own_line = child.lines_before > 0 || self.lines.must_break();
-                if is_own_line || self.overflows(&layout, child, at, closers) {
-                    self.lines.new_line(layout.indent(at), child.lines_before > 1);
+                if is_own_line || self.overflows(&list, child, at, closers) {
+                    self.lines.new_line(list.indent(at), child.lines_before > 1);
                 } else {
                     self.lines.space();
                     if at == 1 && !child.is_comment() {
-                        layout.argument = Some(self.lines.column());
+                        list.argument = Some(self.lines.column());
                     }
                 }
             }
-            self.piece(child, layout.rule.shape(at), closers);
+            self.piece(child, list.layout.shape(at), closers);
             at += usize::from(!child.is_comment());
         }
         if self.lines.ends_in_comment() {
-            self.lines.new_line(layout.indent(at.max(1)), false);
+            self.lines.new_line(list.indent(at.max(1)), false);
         }
         self.lines.write(")");
     }
 
     /// Whether the child, which the author put on the present line, must begin one of its own.
-    fn overflows(&self, layout: &Layout<'_>, child: &Node, at: usize, closers: usize) -> bool {
-        if child.is_comment() || at < layout.on_first_line || self.follows_label(layout, at) {
+    fn overflows(&self, list: &OpenList<'_>, child: &ConcreteNode, at: usize, closers: usize) -> bool {
+        if child.is_comment() || at < list.on_first_line || self.follows_label(list, at) {
             return false;
         }
-        if layout.is_too_long && !layout.fills {
+        if list.is_too_long && !list.fills {
             return true;
         }
         let mut end = self.lines.column() + 1 + child.width + closers;
-        if self.is_label(layout, at) {
-            end += layout.items.get(at + 1).map_or(0, |value| 1 + value.width);
+        if self.is_label(list, at) {
+            end += list.items.get(at + 1).map_or(0, |value| 1 + value.width);
         }
-        child.is_flat && end > WIDTH && layout.indent(at) <= self.lines.column()
+        child.is_flat && end > WIDTH && list.indent(at) <= self.lines.column()
     }
 
-    fn is_label(&self, layout: &Layout<'_>, at: usize) -> bool {
-        let word = layout.items.get(at).map(|item| fold_name(self.concrete.text(item)));
-        word.is_some_and(|word| is_label(layout.head.as_deref(), &word))
+    fn is_label(&self, list: &OpenList<'_>, at: usize) -> bool {
+        let word = list.items.get(at).map(|item| fold_name(self.concrete.text(item)));
+        word.is_some_and(|word| is_label(list.head.as_deref(), &word))
     }
 
     /// Whether the item is the value of a keyword or the condition of an `until`, on whose line it
     /// stays.
-    fn follows_label(&self, layout: &Layout<'_>, at: usize) -> bool {
-        let run = (1..at).rev().take(8).take_while(|&before| self.is_label(layout, before)).count();
-        run % 2 == 1 && !self.is_label(layout, at)
+    fn follows_label(&self, list: &OpenList<'_>, at: usize) -> bool {
+        let run = (1..at).rev().take(8).take_while(|&before| self.is_label(list, before)).count();
+        run % 2 == 1 && !self.is_label(list, at)
     }
 
-    fn layout(&self, node: &'a Node, shape: Shape, closers: usize) -> Layout<'a> {
-        let items: Vec<&Node> = self.concrete.data(node).collect();
+    fn open(&self, node: &'a ConcreteNode, shape: ItemShape, closers: usize) -> OpenList<'a> {
+        let items: Vec<&ConcreteNode> = self.concrete.data(node).collect();
         let column = self.lines.column();
-        let head = items.first().filter(|head| head.piece == Piece::Atom).map(|head| self.concrete.text(head));
+        let head = items.first().filter(|head| head.piece == ConcreteKind::Atom).map(|head| self.concrete.text(head));
         let head = head.filter(|head| !head.starts_with('"')).map(|head| fold_name(head).into_owned());
-        let rule = rule_of(head.as_deref(), shape, |head| self.bodies.get(head).copied());
+        let layout = layout_of(head.as_deref(), shape, |head| self.bodies.get(head).copied());
         let argument_column = column + 2 + head.as_deref().map_or(0, |head| head.chars().count());
-        let on_first_line = match rule.style {
+        let on_first_line = match layout.style {
             Style::Body(distinguished) => 1 + distinguished,
             Style::Call if aligns(argument_column, WIDTH) => 2,
             Style::Call | Style::Forms | Style::Data => 1,
         };
-        let is_call = matches!(rule.style, Style::Call | Style::Data);
-        let mut layout = Layout {
-            rule,
+        let is_call = matches!(layout.style, Style::Call | Style::Data);
+        let mut list = OpenList {
+            layout,
             head,
             column,
             argument: None,
             on_first_line,
             is_too_long: node.is_flat && column + node.width + closers > WIDTH,
-            fills: is_call && items.iter().all(|item| item.piece == Piece::Atom),
+            fills: is_call && items.iter().all(|item| item.piece == ConcreteKind::Atom),
             items,
         };
         // `(loop while E` is one line.
-        if layout.head.as_deref() == Some("loop") && self.is_label(&layout, 1) {
-            layout.on_first_line = 3;
+        if list.head.as_deref() == Some("loop") && self.is_label(&list, 1) {
+            list.on_first_line = 3;
         }
-        layout
+        list
     }
 }
 
-impl Layout<'_> {
+impl OpenList<'_> {
     /// The column of the item at a position that begins a line.
     fn indent(&self, at: usize) -> usize {
-        self.rule.column(at, self.column, self.argument)
+        self.layout.column(at, self.column, self.argument)
     }
 }

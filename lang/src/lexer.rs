@@ -4,7 +4,7 @@
 //! the same tokens; [`crate::reader`] skips the comments.
 
 use crate::diagnostic::Diagnostic;
-use crate::number::{Number, begins_like_number, parse_number};
+use crate::number::{NumberLiteral, begins_like_number, parse_number};
 use crate::source::{BYTE_ORDER_MARK, SourceId, Sources, Span, holds_code};
 use crate::visible::{is_invisible, named, reorders, visible};
 use logos::{FilterResult, Logos};
@@ -26,7 +26,7 @@ pub enum Prefix {
 
 /// The kinds of token; what a token says is the text of its span.
 #[derive(Logos, Clone, Copy, Debug, PartialEq)]
-#[logos(extras = Scan)]
+#[logos(extras = LexerState)]
 #[logos(skip r"[\t\n\x0b\x0c\r ]+")]
 pub enum Token {
     /// `(`
@@ -85,7 +85,7 @@ impl Token {
 /// What the callbacks write to.
 #[doc(hidden)]
 #[derive(Debug)]
-pub struct Scan {
+pub struct LexerState {
     source: SourceId,
     found: Vec<Diagnostic>,
     /// The first string that holds a line beginning with `(`: when the text ends within a string,
@@ -104,7 +104,7 @@ pub fn lex(text: &str, source: SourceId) -> (Vec<(Token, Span)>, Vec<Diagnostic>
     if let Some(refusal) = refuse(text, source) {
         return (Vec::new(), vec![refusal]);
     }
-    let mut lexer = Lexer::with_extras(text, Scan { source, found: Vec::new(), suspect: None });
+    let mut lexer = Lexer::with_extras(text, LexerState { source, found: Vec::new(), suspect: None });
     if text.starts_with(BYTE_ORDER_MARK) {
         lexer.bump(BYTE_ORDER_MARK.len_utf8());
     }
@@ -235,8 +235,8 @@ fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
 
 fn number(lexer: &mut Lexer<'_>) -> Token {
     match parse_number(lexer.slice()) {
-        Ok(Number::Int(value)) => Token::Int(value),
-        Ok(Number::Float(value)) => Token::Float(value),
+        Ok(NumberLiteral::Int(value)) => Token::Int(value),
+        Ok(NumberLiteral::Float(value)) => Token::Float(value),
         Err(error) => {
             let error = Diagnostic::error("bad-number", span_of(lexer), error.message, "not a number").help(error.help);
             lexer.extras.found.push(error);
@@ -427,5 +427,5 @@ pub(crate) fn find_name(sources: &Sources, within: Span, name: &str) -> Option<S
         .into_iter()
         .filter(|(token, _)| *token == Token::Symbol)
         .map(|(_, span)| Span { start: within.start + span.start, end: within.start + span.end, ..within })
-        .find(|&span| crate::reader::fold_name(sources.text_of(span)) == name)
+        .find(|&span| crate::symbol::fold_name(sources.text_of(span)) == name)
 }

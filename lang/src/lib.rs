@@ -1,13 +1,22 @@
-//! Plan text to compiled code: tokens, syntax, expansion, resolution, register code.
+//! Plan text to register code, and plan text laid out anew.
 //!
-//! Pure: no task, no robot, no file. Every phase returns a result *and* the errors beside it.
-//! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`].
+//! Every phase returns a result *and* the errors beside it: text ([`source`]) → tokens ([`lexer`]) → data
+//! with places ([`reader`], [`syntax`]) → expanded, resolved and compiled, one top-level form after the
+//! other ([`compile`]) → what the run time executes ([`code`]). What is probably wrong with a text that can
+//! run is told by [`check`]; how text and data are laid out say [`formatter`] and [`pretty`].
+//!
+//! It knows no task, no robot, no file and no clock, and runs nothing: macros are run by the crate above,
+//! through [`compile::MacroHost`].
+//!
+//! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`],
+//! [`code`], [`compile`] with its special forms (`compile/forms`), [`check`], [`layout`], [`formatter`].
 
 pub mod continuation;
 pub mod diagnostic;
 pub mod formatter;
 pub mod indentation;
 pub mod kind;
+pub mod layout;
 pub mod lexer;
 mod nesting;
 pub mod number;

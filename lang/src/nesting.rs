@@ -3,7 +3,7 @@
 use crate::lexer::Token;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Frame {
+enum Level {
     List,
     Prefix,
     DatumComment,
@@ -13,7 +13,7 @@ enum Frame {
 /// recurses.
 #[derive(Debug, Default)]
 pub(crate) struct Nesting {
-    frames: Vec<Frame>,
+    frames: Vec<Level>,
     lists: usize,
     strays: usize,
 }
@@ -31,8 +31,8 @@ impl Nesting {
         match token {
             Token::Open => self.open_list(),
             Token::Close => self.close_list(),
-            Token::Prefix(_) => self.frames.push(Frame::Prefix),
-            Token::DatumComment => self.frames.push(Frame::DatumComment),
+            Token::Prefix(_) => self.frames.push(Level::Prefix),
+            Token::DatumComment => self.frames.push(Level::DatumComment),
             Token::Dot => self.drop_marks(),
             Token::Str | Token::Symbol | Token::Keyword | Token::Int(_) | Token::Float(_) | Token::Error => {
                 self.end_datum();
@@ -68,7 +68,7 @@ impl Nesting {
     }
 
     fn open_list(&mut self) {
-        self.frames.push(Frame::List);
+        self.frames.push(Level::List);
         self.lists += 1;
     }
 
@@ -87,9 +87,9 @@ impl Nesting {
     fn end_datum(&mut self) {
         while let Some(frame) = self.frames.pop() {
             match frame {
-                Frame::Prefix => {}
-                Frame::DatumComment => break,
-                Frame::List => {
+                Level::Prefix => {}
+                Level::DatumComment => break,
+                Level::List => {
                     self.frames.push(frame);
                     break;
                 }
@@ -99,7 +99,7 @@ impl Nesting {
 
     /// Marks that wait in vain.
     fn drop_marks(&mut self) {
-        while self.frames.last().is_some_and(|&frame| frame != Frame::List) {
+        while self.frames.last().is_some_and(|&frame| frame != Level::List) {
             self.frames.pop();
         }
     }

@@ -4,7 +4,7 @@ use crate::suggest::suggest;
 
 /// A number as read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Number {
+pub enum NumberLiteral {
     /// Digits with an optional sign.
     Int(i64),
     /// Anything with a point, an exponent or a unit, in SI.
@@ -78,17 +78,17 @@ pub fn begins_like_number(atom: &str) -> bool {
 ///
 /// # Errors
 /// An integer or float out of range, an unknown unit, or no number at all.
-pub fn parse_number(atom: &str) -> Result<Number, NumberError> {
+pub fn parse_number(atom: &str) -> Result<NumberLiteral, NumberError> {
     let atom = atom.to_lowercase();
     if let Some(value) = non_finite(&atom) {
-        return Ok(Number::Float(value));
+        return Ok(NumberLiteral::Float(value));
     }
     let parts = split(&atom);
     match (parts.unit, parts.is_integer) {
         ("", true) => parse_integer(parts.digits),
-        ("", false) => parse_float(parts.digits, Scale::Decimal(0)).map(Number::Float),
+        ("", false) => parse_float(parts.digits, Scale::Decimal(0)).map(NumberLiteral::Float),
         (unit, _) => match UNITS.iter().find(|&&(name, _)| name == unit) {
-            Some(&(_, scale)) => parse_float(parts.digits, scale).map(Number::Float),
+            Some(&(_, scale)) => parse_float(parts.digits, scale).map(NumberLiteral::Float),
             None => Err(unknown_unit(&atom, &parts)),
         },
     }
@@ -147,8 +147,8 @@ fn split(atom: &str) -> Parts<'_> {
     Parts { digits: &atom[..end], is_integer, unit: &atom[end..] }
 }
 
-fn parse_integer(digits: &str) -> Result<Number, NumberError> {
-    digits.parse().map(Number::Int).map_err(|_| NumberError {
+fn parse_integer(digits: &str) -> Result<NumberLiteral, NumberError> {
+    digits.parse().map(NumberLiteral::Int).map_err(|_| NumberError {
         message: format!("the integer `{digits}` does not fit in 64 bits"),
         help: format!("integers go from {} to {}; write `{digits}.0` for a float", i64::MIN, i64::MAX),
     })
@@ -207,7 +207,7 @@ mod tests {
 
     fn float(atom: &str) -> f64 {
         match parse_number(atom) {
-            Ok(Number::Float(value)) => value,
+            Ok(NumberLiteral::Float(value)) => value,
             other => panic!("{atom}: {other:?}"),
         }
     }
@@ -260,8 +260,8 @@ mod tests {
         {
             assert_eq!(float(atom), value, "{atom}");
         }
-        assert_eq!(parse_number("-9223372036854775808"), Ok(Number::Int(i64::MIN)));
-        assert_eq!(parse_number("+7"), Ok(Number::Int(7)));
+        assert_eq!(parse_number("-9223372036854775808"), Ok(NumberLiteral::Int(i64::MIN)));
+        assert_eq!(parse_number("+7"), Ok(NumberLiteral::Int(7)));
     }
 
     #[test]

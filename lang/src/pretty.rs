@@ -2,12 +2,13 @@
 //!
 //! Both walk the datum with a stack of their own, so depth costs no Rust stack.
 
-use crate::indentation::{Style, aligns, is_label, rule};
+use crate::indentation::{aligns, is_label, layout};
+use crate::layout::Style;
 use crate::number::format_float;
 use crate::source::{SourceId, Span};
 use crate::symbol::Symbols;
-use crate::syntax::{Kind, NodeId, Tree};
-use crate::visible::{is_invisible, push_escape};
+use crate::syntax::{NodeId, NodeKind, Tree};
+use crate::visible::quote_string;
 
 /// The datum on one line, such that reading it gives the same datum – but for run-time objects and
 /// names made by `gensym`, which no text can name.
@@ -31,25 +32,9 @@ pub fn pretty(tree: &mut Tree, symbols: &Symbols, root: NodeId, width: usize, so
     text
 }
 
-/// A string as it is written, with quotes and escapes.
-pub fn quote_string(value: &str) -> String {
-    let mut text = String::with_capacity(value.len() + 2);
-    text.push('"');
-    for character in value.chars() {
-        match character {
-            '"' => text.push_str("\\\""),
-            '\\' => text.push_str("\\\\"),
-            c if is_invisible(c) => push_escape(&mut text, c),
-            c => text.push(c),
-        }
-    }
-    text.push('"');
-    text
-}
-
 /// How the items of a list that does not fit on its line are laid out.
 #[derive(Clone, Copy)]
-struct Layout {
+struct Wrap {
     /// Items on the first line, head included.
     on_first_line: usize,
     /// Column of the others.
@@ -58,11 +43,11 @@ struct Layout {
     fill: bool,
 }
 
-enum Step {
+enum PrintStep {
     /// Write a node; so many closers follow it on its line.
     Node { node: NodeId, closers: usize },
     /// Go on with a list at its `next` item.
-    Items { list: NodeId, next: usize, layout: Option<Layout>, closers: usize },
+    Items { list: NodeId, next: usize, wrap: Option<Wrap>, closers: usize },
     /// The node that started here is written.
     End { node: NodeId, start: u32 },
 }
@@ -75,7 +60,7 @@ struct Printer<'a> {
     /// Characters on the present line.
     column: usize,
     places: Vec<(NodeId, u32, u32)>,
-    steps: Vec<Step>,
+    steps: Vec<PrintStep>,
 }
 
 impl<'a> Printer<'a> {
@@ -84,12 +69,12 @@ impl<'a> Printer<'a> {
     }
 
     fn run(&mut self, root: NodeId) {
-        self.steps.push(Step::Node { node: root, closers: 0 });
+        self.steps.push(PrintStep::Node { node: root, closers: 0 });
         while let Some(step) = self.steps.pop() {
             match step {
-                Step::Node { node, closers } => self.node(node, closers),
-                Step::Items { list, next, layout, closers } => self.item(list, next, layout, closers),
-                Step::End { node, start } => self.places.push((node, start, self.text.len() as u32)),
+                PrintStep::Node { node, closers } => self.node(node, closers),
+                PrintStep::Items { list, next, wrap, closers } => self.item(list, next, wrap, closers),
+                PrintStep::End { node, start } => self.places.push((node, start, self.text.len() as u32)),
             }
         }
     }
@@ -107,48 +92,48 @@ impl<'a> Printer<'a> {
 
     fn node(&mut self, node: NodeId, closers: usize) {
         let start = self.text.len() as u32;
-        self.steps.push(Step::End { node, start });
+        self.steps.push(PrintStep::End { node, start });
         if let Some((mark, datum)) = marked(self.tree, self.symbols, node) {
             self.write(mark);
             self.places.push((self.tree.items(node)[0], start, self.text.len() as u32));
             if mark == "," && atom_text(self.tree, self.symbols, datum).starts_with('@') {
                 self.write(" ");
             }
-            self.steps.push(Step::Node { node: datum, closers });
-        } else if matches!(self.tree.get(node).kind, Kind::List { .. }) {
+            self.steps.push(PrintStep::Node { node: datum, closers });
+        } else if matches!(self.tree.get(node).kind, NodeKind::List { .. }) {
             self.write("(");
-            let layout = self.layout(node, closers);
-            self.steps.push(Step::Items { list: node, next: 0, layout, closers });
+            let wrap = self.wrap(node, closers);
+            self.steps.push(PrintStep::Items { list: node, next: 0, wrap, closers });
         } else {
             let text = atom_text(self.tree, self.symbols, node);
             self.write(&text);
         }
     }
 
-    fn item(&mut self, list: NodeId, next: usize, layout: Option<Layout>, closers: usize) {
+    fn item(&mut self, list: NodeId, next: usize, wrap: Option<Wrap>, closers: usize) {
         let items = self.tree.items(list);
         let Some(&item) = items.get(next) else { return self.write(")") };
         let is_last = next + 1 == items.len();
         if next > 0 {
-            match layout {
-                Some(layout) if self.breaks_before(items, next, layout, closers) => self.new_line(layout.indent),
+            match wrap {
+                Some(wrap) if self.breaks_before(items, next, wrap, closers) => self.new_line(wrap.indent),
                 _ => self.write(" "),
             }
         }
-        if is_last && matches!(self.tree.get(list).kind, Kind::List { dotted: true, .. }) {
+        if is_last && matches!(self.tree.get(list).kind, NodeKind::List { dotted: true, .. }) {
             self.write(". ");
         }
-        self.steps.push(Step::Items { list, next: next + 1, layout, closers });
-        self.steps.push(Step::Node { node: item, closers: if is_last { closers + 1 } else { 0 } });
+        self.steps.push(PrintStep::Items { list, next: next + 1, wrap, closers });
+        self.steps.push(PrintStep::Node { node: item, closers: if is_last { closers + 1 } else { 0 } });
     }
 
-    fn breaks_before(&self, items: &[NodeId], next: usize, layout: Layout, closers: usize) -> bool {
-        if next < layout.on_first_line || self.follows_label(items, next) {
+    fn breaks_before(&self, items: &[NodeId], next: usize, wrap: Wrap, closers: usize) -> bool {
+        if next < wrap.on_first_line || self.follows_label(items, next) {
             return false;
         }
         let closers = if next + 1 == items.len() { closers + 1 } else { 0 };
         let room = self.width.saturating_sub(self.column + 1 + closers);
-        !(layout.fill && self.fits(items[next], room))
+        !(wrap.fill && self.fits(items[next], room))
     }
 
     /// Whether the item is the value of a keyword, or the condition of a loop's `until` or `while`,
@@ -156,8 +141,8 @@ impl<'a> Printer<'a> {
     fn follows_label(&self, items: &[NodeId], next: usize) -> bool {
         let head = self.tree.symbol(items[0]).map(|head| self.symbols.name(head));
         let is_label = |index: usize| match self.tree.get(items[index]).kind {
-            Kind::Keyword(_) => true,
-            Kind::Symbol(word) => is_label(head, self.symbols.name(word)),
+            NodeKind::Keyword(_) => true,
+            NodeKind::Symbol(word) => is_label(head, self.symbols.name(word)),
             _ => false,
         };
         // A longer run of keywords is data, not arguments.
@@ -166,7 +151,7 @@ impl<'a> Printer<'a> {
     }
 
     /// None if the list, whose `(` is written, fits on the present line.
-    fn layout(&self, list: NodeId, closers: usize) -> Option<Layout> {
+    fn wrap(&self, list: NodeId, closers: usize) -> Option<Wrap> {
         let column = self.column;
         let room = self.width.saturating_sub(column).saturating_sub(closers);
         if self.width == usize::MAX || self.fits(list, room.saturating_add(1)) {
@@ -175,14 +160,14 @@ impl<'a> Printer<'a> {
         let items = self.tree.items(list);
         let &first = items.first()?;
         let head = match self.tree.get(first).kind {
-            Kind::Symbol(symbol) => Some(self.symbols.name(symbol).to_string()),
-            Kind::Keyword(symbol) => Some(format!(":{}", self.symbols.name(symbol))),
+            NodeKind::Symbol(symbol) => Some(self.symbols.name(symbol).to_string()),
+            NodeKind::Keyword(symbol) => Some(format!(":{}", self.symbols.name(symbol))),
             _ => None,
         };
-        let style = head.as_deref().and_then(rule).map(|rule| rule.style);
+        let style = head.as_deref().and_then(layout).map(|layout| layout.style);
         let is_flat = items
             .iter()
-            .all(|&item| !matches!(self.tree.get(item).kind, Kind::List { len: 1.., .. } | Kind::Keyword(_)));
+            .all(|&item| !matches!(self.tree.get(item).kind, NodeKind::List { len: 1.., .. } | NodeKind::Keyword(_)));
         let is_data = self.text.ends_with("'(");
         let (on_first_line, indent) = match (&head, style) {
             (_, Some(Style::Body(distinguished))) => (1 + distinguished, column + 1),
@@ -195,7 +180,7 @@ impl<'a> Printer<'a> {
         };
         // Deep data would otherwise be mostly indentation, of a size quadratic in its depth.
         let indent = indent.min(self.width / 5 * 4).max(1);
-        Some(Layout { on_first_line, indent, fill: is_flat && style.is_none() })
+        Some(Wrap { on_first_line, indent, fill: is_flat && style.is_none() })
     }
 
     /// Whether the node takes at most `room` characters on one line. Cost: O(room).
@@ -208,7 +193,7 @@ impl<'a> Printer<'a> {
                     waiting.push(datum);
                     mark.len()
                 }
-                (None, &Kind::List { dotted, .. }) => {
+                (None, &NodeKind::List { dotted, .. }) => {
                     let items = self.tree.items(node);
                     // The parentheses, the spaces between, the dot with its space.
                     let around = 2 + items.len().saturating_sub(1) + if dotted { 2 } else { 0 };
@@ -219,7 +204,7 @@ impl<'a> Printer<'a> {
                     around
                 }
                 // At most four bytes a character.
-                (None, Kind::Str(value)) if value.len() / 4 > room => return false,
+                (None, NodeKind::Str(value)) if value.len() / 4 > room => return false,
                 (None, _) => atom_text(self.tree, self.symbols, node).chars().count(),
             };
             if used > room {
@@ -246,13 +231,13 @@ fn marked<'s>(tree: &Tree, symbols: &'s Symbols, node: NodeId) -> Option<(&'s st
 /// What an atom is written as; nothing for a list.
 fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
     match &tree.get(node).kind {
-        Kind::Symbol(symbol) => symbols.name(*symbol).to_string(),
-        Kind::Keyword(symbol) => format!(":{}", symbols.name(*symbol)),
-        Kind::Int(value) => value.to_string(),
-        Kind::Float(value) => format_float(*value),
-        Kind::Str(value) => quote_string(value),
-        Kind::Object(number) => format!("#<object {number}>"),
-        Kind::Hole => "nil".to_string(),
-        Kind::List { .. } => String::new(),
+        NodeKind::Symbol(symbol) => symbols.name(*symbol).to_string(),
+        NodeKind::Keyword(symbol) => format!(":{}", symbols.name(*symbol)),
+        NodeKind::Int(value) => value.to_string(),
+        NodeKind::Float(value) => format_float(*value),
+        NodeKind::Str(value) => quote_string(value),
+        NodeKind::Object(number) => format!("#<object {number}>"),
+        NodeKind::Hole => "nil".to_string(),
+        NodeKind::List { .. } => String::new(),
     }
 }

@@ -4,14 +4,13 @@ use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token, lex, unescape};
 use crate::nesting::Nesting;
 use crate::source::{LINE_ENDS, SourceId, Span};
-use crate::symbol::Symbols;
-use crate::syntax::{Kind, NodeId, Tree};
+use crate::symbol::{Symbols, fold_name};
+use crate::syntax::{NodeId, NodeKind, Tree};
 use chumsky::error::{Error, LabelError};
 use chumsky::input::{Input, MapExtra, MappedInput};
 use chumsky::inspector::SimpleState;
 use chumsky::prelude::*;
 use chumsky::util::MaybeRef;
-use std::borrow::Cow;
 
 mod fault;
 use fault::{Fault, Places};
@@ -33,7 +32,7 @@ pub fn read(text: &str, source: SourceId, symbols: &mut Symbols, tree: &mut Tree
     let (tokens, mut found) = lex(text, source);
     let lexemes = prepare(text, &tokens, &mut found);
     let end = SimpleSpan::from(text.len()..text.len());
-    let mut builder = SimpleState(Builder { text, source, symbols, tree, unclosed: Vec::new(), given_up_at: 0 });
+    let mut builder = SimpleState(TreeBuilder { text, source, symbols, tree, unclosed: Vec::new(), given_up_at: 0 });
     let (roots, faults) =
         grammar().parse_with_state(lexemes.as_slice().split_token_span(end), &mut builder).into_output_errors();
     // Within an unterminated string or comment the missing closers may well be there.
@@ -46,23 +45,6 @@ pub fn read(text: &str, source: SourceId, symbols: &mut Symbols, tree: &mut Tree
     }
     found.sort_by_key(|diagnostic| (diagnostic.span.start, diagnostic.span.end));
     (roots.unwrap_or_default(), limit(found))
-}
-
-/// The name a symbol's text stands for: lower case, and `≤ ≥ ≠` written out.
-pub fn fold_name(text: &str) -> Cow<'_, str> {
-    if text.bytes().all(|b| b.is_ascii() && !b.is_ascii_uppercase()) {
-        return Cow::Borrowed(text);
-    }
-    let mut name = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '≤' => name.push_str("<="),
-            '≥' => name.push_str(">="),
-            '≠' => name.push_str("/="),
-            _ => name.extend(character.to_lowercase()),
-        }
-    }
-    Cow::Owned(name)
 }
 
 /// Whether a text can be read as it stands, for a prompt that asks for more lines.
@@ -170,7 +152,7 @@ fn limit(mut found: Vec<Diagnostic>) -> Vec<Diagnostic> {
 
 /// Builds nodes while the grammar runs. The grammar never goes back over a lexeme it took, so
 /// nothing is built twice.
-struct Builder<'b> {
+struct TreeBuilder<'b> {
     text: &'b str,
     source: SourceId,
     symbols: &'b mut Symbols,
@@ -181,29 +163,29 @@ struct Builder<'b> {
     given_up_at: usize,
 }
 
-impl Builder<'_> {
+impl TreeBuilder<'_> {
     fn span(&self, span: SimpleSpan) -> Span {
         Span { source: self.source, start: span.start as u32, end: span.end as u32 }
     }
 
     fn named(&mut self, name: &str, span: SimpleSpan) -> NodeId {
         let symbol = self.symbols.intern(name);
-        self.tree.atom(Kind::Symbol(symbol), self.span(span))
+        self.tree.atom(NodeKind::Symbol(symbol), self.span(span))
     }
 
     fn hole(&mut self, span: SimpleSpan) -> NodeId {
-        self.tree.atom(Kind::Hole, self.span(span))
+        self.tree.atom(NodeKind::Hole, self.span(span))
     }
 
     fn atom(&mut self, token: Token, span: SimpleSpan) -> NodeId {
         let text = &self.text[span.start..span.end];
         let kind = match token {
-            Token::Int(value) => Kind::Int(value),
-            Token::Float(value) => Kind::Float(value),
-            Token::Str => Kind::Str(unescape(&text[1..text.len() - 1]).0.into()),
-            Token::Keyword => Kind::Keyword(self.symbols.intern(&fold_name(&text[1..]))),
-            Token::Symbol => Kind::Symbol(self.symbols.intern(&fold_name(text))),
-            _ => Kind::Hole,
+            Token::Int(value) => NodeKind::Int(value),
+            Token::Float(value) => NodeKind::Float(value),
+            Token::Str => NodeKind::Str(unescape(&text[1..text.len() - 1]).0.into()),
+            Token::Keyword => NodeKind::Keyword(self.symbols.intern(&fold_name(&text[1..]))),
+            Token::Symbol => NodeKind::Symbol(self.symbols.intern(&fold_name(text))),
+            _ => NodeKind::Hole,
         };
         self.tree.atom(kind, self.span(span))
     }
@@ -278,8 +260,8 @@ enum Element {
 }
 
 type Lexemes<'t> = MappedInput<'t, Lexeme, SimpleSpan, &'t [(Lexeme, SimpleSpan)]>;
-type At<'t, 'p, 'b> = MapExtra<'t, 'p, Lexemes<'t>, Extra<'b>>;
-type Extra<'b> = extra::Full<Fault, SimpleState<Builder<'b>>, ()>;
+type LexemeContext<'t, 'p, 'b> = MapExtra<'t, 'p, Lexemes<'t>, Extra<'b>>;
+type Extra<'b> = extra::Full<Fault, SimpleState<TreeBuilder<'b>>, ()>;
 
 impl<'t> Error<'t, Lexemes<'t>> for Fault {}
 
@@ -296,7 +278,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
     let mut comment = Recursive::declare();
 
     let atom = select_ref! { Lexeme::Atom(token) => *token }
-        .map_with(|token, e: &mut At<'t, '_, 'b>| {
+        .map_with(|token, e: &mut LexemeContext<'t, '_, 'b>| {
             let span = e.span();
             e.state().atom(token, span)
         })
@@ -306,7 +288,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
     let prefixed = mark
         .then_ignore(comment.clone().repeated())
         .then(datum.clone().or_not())
-        .validate(|((prefix, at), datum): ((_, SimpleSpan), _), e: &mut At<'t, '_, 'b>, emitter| {
+        .validate(|((prefix, at), datum): ((_, SimpleSpan), _), e: &mut LexemeContext<'t, '_, 'b>, emitter| {
             let datum = datum.unwrap_or_else(|| {
                 let span: SimpleSpan = e.span();
                 emitter.emit(Fault::BarePrefix { prefix, at, end: span.end });
@@ -328,7 +310,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
         .map_with(|_, e| -> SimpleSpan { e.span() })
         .then(element.repeated().collect::<Vec<_>>())
         .then(closer)
-        .validate(|((opener, elements), closer), e: &mut At<'t, '_, 'b>, emitter| {
+        .validate(|((opener, elements), closer), e: &mut LexemeContext<'t, '_, 'b>, emitter| {
             let span = e.span();
             e.state().close(opener, closer);
             e.state().list(&elements, span, &mut |fault| emitter.emit(fault))

@@ -1,6 +1,7 @@
 //! Interned names.
 
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -94,4 +95,21 @@ impl<'de> Deserialize<'de> for Symbols {
         let bytes = names.iter().map(|name| BYTES_A_NAME + name.len()).sum();
         Ok(Self { names, by_name, bytes })
     }
+}
+
+/// The name a symbol's text stands for: lower case, and `≤ ≥ ≠` written out.
+pub fn fold_name(text: &str) -> Cow<'_, str> {
+    if text.bytes().all(|b| b.is_ascii() && !b.is_ascii_uppercase()) {
+        return Cow::Borrowed(text);
+    }
+    let mut name = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '≤' => name.push_str("<="),
+            '≥' => name.push_str(">="),
+            '≠' => name.push_str("/="),
+            _ => name.extend(character.to_lowercase()),
+        }
+    }
+    Cow::Owned(name)
 }

@@ -13,14 +13,14 @@ pub struct NodeId(pub u32);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     /// What it is.
-    pub kind: Kind,
+    pub kind: NodeKind,
     /// Where it stands; for a node made by a macro, where the macro was called.
     pub span: Span,
 }
 
 /// The kinds of datum. `nil` and `t` are symbols here; `()` is an empty list.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum NodeKind {
     /// A name, folded to lower case.
     Symbol(Symbol),
     /// `:goal`; the name is kept without the colon.
@@ -60,7 +60,7 @@ pub struct Tree {
 
 impl Tree {
     /// Adds a node that is not a list.
-    pub fn atom(&mut self, kind: Kind, span: Span) -> NodeId {
+    pub fn atom(&mut self, kind: NodeKind, span: Span) -> NodeId {
         self.nodes.push(Node { kind, span });
         NodeId(self.nodes.len() as u32 - 1)
     }
@@ -74,7 +74,7 @@ impl Tree {
     pub fn list_with_tail(&mut self, items: &[NodeId], dotted: bool, span: Span) -> NodeId {
         let start = self.children.len() as u32;
         self.children.extend_from_slice(items);
-        self.atom(Kind::List { start, len: items.len() as u32, dotted }, span)
+        self.atom(NodeKind::List { start, len: items.len() as u32, dotted }, span)
     }
 
     /// The node.
@@ -90,7 +90,7 @@ impl Tree {
     /// The children of a list, the dotted tail included; an atom has none.
     pub fn items(&self, id: NodeId) -> &[NodeId] {
         match self.get(id).kind {
-            Kind::List { start, len, .. } => &self.children[start as usize..(start + len) as usize],
+            NodeKind::List { start, len, .. } => &self.children[start as usize..(start + len) as usize],
             _ => &[],
         }
     }
@@ -98,7 +98,7 @@ impl Tree {
     /// The children, if the node is a proper list.
     pub fn proper_list(&self, id: NodeId) -> Option<&[NodeId]> {
         match self.get(id).kind {
-            Kind::List { dotted: false, .. } => Some(self.items(id)),
+            NodeKind::List { dotted: false, .. } => Some(self.items(id)),
             _ => None,
         }
     }
@@ -106,7 +106,7 @@ impl Tree {
     /// The symbol, if the node is one.
     pub fn symbol(&self, id: NodeId) -> Option<Symbol> {
         match self.get(id).kind {
-            Kind::Symbol(symbol) => Some(symbol),
+            NodeKind::Symbol(symbol) => Some(symbol),
             _ => None,
         }
     }

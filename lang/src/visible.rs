@@ -4,7 +4,6 @@
 //! – but for what a plan prints itself – such characters stand there as `\u{…}`, so that no text
 //! looks like another, and none moves the cursor or changes the colours.
 
-use crate::pretty::quote_string;
 use std::borrow::Cow;
 
 /// Ranges of characters that leave no mark: control and format characters, spaces other than the
@@ -214,6 +213,22 @@ fn picture(character: char) -> char {
         space if space.is_whitespace() => '\u{2423}',
         _ => char::REPLACEMENT_CHARACTER,
     }
+}
+
+/// A string as it is written, with quotes and escapes.
+pub fn quote_string(value: &str) -> String {
+    let mut text = String::with_capacity(value.len() + 2);
+    text.push('"');
+    for character in value.chars() {
+        match character {
+            '"' => text.push_str("\\\""),
+            '\\' => text.push_str("\\\\"),
+            c if is_invisible(c) => push_escape(&mut text, c),
+            c => text.push(c),
+        }
+    }
+    text.push('"');
+    text
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use rpl_lang::pretty::{pretty, print};
 use rpl_lang::reader::read;
 use rpl_lang::source::{SourceId, Sources, Span};
 use rpl_lang::symbol::Symbols;
-use rpl_lang::syntax::{Kind, NodeId, Tree};
+use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 
 const SOURCE: SourceId = SourceId(7);
 const NOWHERE: Span = Span { source: SourceId(0), start: 0, end: 0 };
@@ -24,11 +24,11 @@ enum Datum {
 
 fn add(datum: &Datum, symbols: &mut Symbols, tree: &mut Tree) -> NodeId {
     let kind = match datum {
-        Datum::Symbol(name) => Kind::Symbol(symbols.intern(name)),
-        Datum::Keyword(name) => Kind::Keyword(symbols.intern(name)),
-        Datum::Int(value) => Kind::Int(*value),
-        Datum::Float(bits) => Kind::Float(f64::from_bits(*bits)),
-        Datum::Str(value) => Kind::Str(value.as_str().into()),
+        Datum::Symbol(name) => NodeKind::Symbol(symbols.intern(name)),
+        Datum::Keyword(name) => NodeKind::Keyword(symbols.intern(name)),
+        Datum::Int(value) => NodeKind::Int(*value),
+        Datum::Float(bits) => NodeKind::Float(f64::from_bits(*bits)),
+        Datum::Str(value) => NodeKind::Str(value.as_str().into()),
         Datum::List(items, dotted) => {
             let items: Vec<_> = items.iter().map(|item| add(item, symbols, tree)).collect();
             return tree.list_with_tail(&items, *dotted, NOWHERE);
@@ -39,15 +39,15 @@ fn add(datum: &Datum, symbols: &mut Symbols, tree: &mut Tree) -> NodeId {
 
 fn datum_of(node: NodeId, symbols: &Symbols, tree: &Tree) -> Datum {
     match &tree.get(node).kind {
-        Kind::Symbol(symbol) => Datum::Symbol(symbols.name(*symbol).to_string()),
-        Kind::Keyword(symbol) => Datum::Keyword(symbols.name(*symbol).to_string()),
-        Kind::Int(value) => Datum::Int(*value),
-        Kind::Float(value) => Datum::Float(value.to_bits()),
-        Kind::Str(value) => Datum::Str(value.to_string()),
-        Kind::List { dotted, .. } => {
+        NodeKind::Symbol(symbol) => Datum::Symbol(symbols.name(*symbol).to_string()),
+        NodeKind::Keyword(symbol) => Datum::Keyword(symbols.name(*symbol).to_string()),
+        NodeKind::Int(value) => Datum::Int(*value),
+        NodeKind::Float(value) => Datum::Float(value.to_bits()),
+        NodeKind::Str(value) => Datum::Str(value.to_string()),
+        NodeKind::List { dotted, .. } => {
             Datum::List(tree.items(node).iter().map(|&item| datum_of(item, symbols, tree)).collect(), *dotted)
         }
-        Kind::Object(_) | Kind::Hole => panic!("no text without faults reads as this"),
+        NodeKind::Object(_) | NodeKind::Hole => panic!("no text without faults reads as this"),
     }
 }
 
@@ -96,11 +96,11 @@ fn atoms_and_objects() {
     let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
     let gensym = symbols.uninterned("x");
     let items = [
-        tree.atom(Kind::Float(1e21), NOWHERE),
-        tree.atom(Kind::Float(-0.0), NOWHERE),
-        tree.atom(Kind::Float(0.1), NOWHERE),
-        tree.atom(Kind::Object(3), NOWHERE),
-        tree.atom(Kind::Symbol(gensym), NOWHERE),
+        tree.atom(NodeKind::Float(1e21), NOWHERE),
+        tree.atom(NodeKind::Float(-0.0), NOWHERE),
+        tree.atom(NodeKind::Float(0.1), NOWHERE),
+        tree.atom(NodeKind::Object(3), NOWHERE),
+        tree.atom(NodeKind::Symbol(gensym), NOWHERE),
         tree.list(&[], NOWHERE),
     ];
     let list = tree.list(&items, NOWHERE);
@@ -114,7 +114,7 @@ fn depth_costs_no_stack_and_little_text() {
     let mut node = tree.list(&[], NOWHERE);
     const DEPTH: usize = 100_000;
     for _ in 0..DEPTH {
-        let head = tree.atom(Kind::Symbol(name), NOWHERE);
+        let head = tree.atom(NodeKind::Symbol(name), NOWHERE);
         node = tree.list(&[head, node], NOWHERE);
     }
     assert_eq!(print(&tree, &symbols, node).len(), DEPTH * "(seq )".len() + 2);

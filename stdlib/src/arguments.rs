@@ -7,7 +7,7 @@ use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, Reply};
 use std::sync::Arc;
 
 /// What every native of the library answers.
-pub(crate) type Answer = Result<Reply, Raise>;
+pub(crate) type NativeResult = Result<Reply, Raise>;
 
 /// A native without effect.
 pub(crate) const fn pure(name: &'static str, parameters: &'static str, doc: &'static str, code: NativeCode) -> Native {
@@ -25,29 +25,29 @@ pub(crate) const fn changing(
 }
 
 /// Answers with a value.
-pub(crate) fn value(value: Value) -> Answer {
+pub(crate) fn value(value: Value) -> NativeResult {
     Ok(Reply::Value(value))
 }
 
 /// Answers with `t` or `nil`.
-pub(crate) fn truth(condition: bool) -> Answer {
+pub(crate) fn truth(condition: bool) -> NativeResult {
     value(Value::truth(condition))
 }
 
 /// Answers with an integer.
-pub(crate) fn integer(number: i64) -> Answer {
+pub(crate) fn integer(number: i64) -> NativeResult {
     value(Value::Int(number))
 }
 
 /// Answers with a new string.
-pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> Answer {
+pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> NativeResult {
     room_for_text(call, text.len())?;
     call.burn_text(text.len());
     value(call.machine.heap.string(text))
 }
 
 /// Answers with a new list.
-pub(crate) fn list(call: &mut Call<'_, '_>, items: &[Value]) -> Answer {
+pub(crate) fn list(call: &mut Call<'_, '_>, items: &[Value]) -> NativeResult {
     room_for_pairs(call, items.len())?;
     call.burn(items.len());
     value(call.machine.heap.list(items))

@@ -1,14 +1,15 @@
 //! Elements of lists and strings: how many, where, all but some, in another order.
 
 use crate::arguments::{
-    Answer, Sequence, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text, value,
+    NativeResult, Sequence, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text,
+    value,
 };
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::Heap;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
-fn length(call: &mut Call<'_, '_>) -> Answer {
+fn length(call: &mut Call<'_, '_>) -> NativeResult {
     if let Value::Str(_) = call.argument(0) {
         let string = call.text(0)?;
         call.burn_text(string.len());
@@ -22,7 +23,7 @@ fn length(call: &mut Call<'_, '_>) -> Answer {
     integer(length as i64)
 }
 
-fn reverse(call: &mut Call<'_, '_>) -> Answer {
+fn reverse(call: &mut Call<'_, '_>) -> NativeResult {
     match sequence(call, 0)? {
         Sequence::List(mut items) => {
             items.reverse();
@@ -57,7 +58,7 @@ pub(crate) fn characters(string: &str, start: usize, end: usize) -> &str {
     &string[byte(start)..byte(end)]
 }
 
-fn subsequence(call: &mut Call<'_, '_>) -> Answer {
+fn subsequence(call: &mut Call<'_, '_>) -> NativeResult {
     match sequence(call, 0)? {
         Sequence::List(items) => {
             let (start, end) = part(call, items.len())?;
@@ -70,7 +71,7 @@ fn subsequence(call: &mut Call<'_, '_>) -> Answer {
     }
 }
 
-fn elt(call: &mut Call<'_, '_>) -> Answer {
+fn elt(call: &mut Call<'_, '_>) -> NativeResult {
     let position = natural(call, 1)?;
     let outside = |length: usize| index_error(format!("there is no element {position}: the length is {length}"));
     match sequence(call, 0)? {
@@ -118,12 +119,12 @@ pub(crate) fn find_equal(call: &mut Call<'_, '_>, wanted: Value, at: usize) -> R
     find(call, at, |heap, item| Ok(heap.compared(item, wanted)))
 }
 
-fn member(call: &mut Call<'_, '_>) -> Answer {
+fn member(call: &mut Call<'_, '_>) -> NativeResult {
     let found = find_equal(call, call.argument(0), 1)?;
     value(found.map_or(Value::Nil, |(_, pair)| Value::Cons(pair)))
 }
 
-fn position(call: &mut Call<'_, '_>) -> Answer {
+fn position(call: &mut Call<'_, '_>) -> NativeResult {
     let found = find_equal(call, call.argument(0), 1)?;
     value(found.map_or(Value::Nil, |(position, _)| Value::Int(position as i64)))
 }
@@ -153,16 +154,16 @@ fn entry(call: &mut Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value
     }))
 }
 
-fn assoc(call: &mut Call<'_, '_>, by_value: bool) -> Answer {
+fn assoc(call: &mut Call<'_, '_>, by_value: bool) -> NativeResult {
     value(entry(call, by_value)?.map_or(Value::Nil, |(item, _, _)| item))
 }
 
-fn assoc_value(call: &mut Call<'_, '_>) -> Answer {
+fn assoc_value(call: &mut Call<'_, '_>) -> NativeResult {
     value(entry(call, false)?.map_or(call.argument(2), |(_, _, content)| content))
 }
 
 /// One half of every entry of an association list.
-fn halves(call: &mut Call<'_, '_>, values: bool) -> Answer {
+fn halves(call: &mut Call<'_, '_>, values: bool) -> NativeResult {
     let mut found = Vec::new();
     for item in elements(call, 0)? {
         match item {
@@ -179,7 +180,7 @@ fn halves(call: &mut Call<'_, '_>, values: bool) -> Answer {
     list(call, &found)
 }
 
-fn remove(call: &mut Call<'_, '_>) -> Answer {
+fn remove(call: &mut Call<'_, '_>) -> NativeResult {
     let unwanted = call.argument(0);
     let mut items = elements(call, 1)?;
     let mut steps = 0;
@@ -192,7 +193,7 @@ fn remove(call: &mut Call<'_, '_>) -> Answer {
     list(call, &items)
 }
 
-fn substitute(call: &mut Call<'_, '_>) -> Answer {
+fn substitute(call: &mut Call<'_, '_>) -> NativeResult {
     let (new, old) = (call.argument(0), call.argument(1));
     let mut items = elements(call, 2)?;
     let mut steps = 0;

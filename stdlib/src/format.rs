@@ -1,6 +1,6 @@
 //! `format`: text with directives that stand for arguments.
 
-use crate::arguments::{Answer, pure, room_for_text, text};
+use crate::arguments::{NativeResult, pure, room_for_text, text};
 use rpl_lang::kind::Kind;
 use rpl_lang::number::format_float;
 use rpl_runtime::state::failure::Raise;
@@ -89,7 +89,7 @@ fn pad(out: &mut String, shown: &str, directive: Directive) {
     }
 }
 
-fn format(call: &mut Call<'_, '_>) -> Answer {
+fn format(call: &mut Call<'_, '_>) -> NativeResult {
     let template = call.text(0)?;
     let mut characters = template.chars().peekable();
     let mut out = String::new();

@@ -1,7 +1,7 @@
 //! Building lists and taking them apart.
 
 use crate::arguments::{
-    Answer, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
+    NativeResult, count, elements, given, index_error, list, natural, proper_end, pure, room_for_pairs, value,
 };
 use crate::numbers::{Number, number, overflow};
 use rpl_lang::kind::Kind;
@@ -26,31 +26,31 @@ pub(crate) fn follow(call: &Call<'_, '_>, letters: &[u8]) -> Result<Value, Raise
     letters.iter().try_fold(call.argument(0), |at, &letter| half(call, at, letter))
 }
 
-fn path(call: &Call<'_, '_>, letters: &[u8]) -> Answer {
+fn path(call: &Call<'_, '_>, letters: &[u8]) -> NativeResult {
     value(follow(call, letters)?)
 }
 
-fn cons(call: &mut Call<'_, '_>) -> Answer {
+fn cons(call: &mut Call<'_, '_>) -> NativeResult {
     value(call.machine.heap.cons(call.arguments[0], call.arguments[1]))
 }
 
-fn list_of(call: &mut Call<'_, '_>) -> Answer {
+fn list_of(call: &mut Call<'_, '_>) -> NativeResult {
     value(call.machine.heap.list(call.arguments))
 }
 
-fn list_with_tail(call: &mut Call<'_, '_>) -> Answer {
+fn list_with_tail(call: &mut Call<'_, '_>) -> NativeResult {
     let (tail, items) = call.arguments.split_last().map_or((Value::Nil, [].as_slice()), |(&tail, items)| (tail, items));
     value(call.machine.heap.list_with_tail(items, tail))
 }
 
-fn make_list(call: &mut Call<'_, '_>) -> Answer {
+fn make_list(call: &mut Call<'_, '_>) -> NativeResult {
     let length = natural(call, 0)?;
     room_for_pairs(call, length)?;
     list(call, &vec![call.argument(1); length])
 }
 
 /// The pairs of all lists but the last are new.
-fn append(call: &mut Call<'_, '_>) -> Answer {
+fn append(call: &mut Call<'_, '_>) -> NativeResult {
     let Some(last) = count(call).checked_sub(1) else { return value(Value::Nil) };
     let mut items = Vec::new();
     for at in 0..last {
@@ -77,13 +77,13 @@ fn tail_from(call: &mut Call<'_, '_>, from: Value, position: usize) -> Value {
     at
 }
 
-fn nth(call: &mut Call<'_, '_>) -> Answer {
+fn nth(call: &mut Call<'_, '_>) -> NativeResult {
     let position = natural(call, 0)?;
     nth_of(call, 1, position)
 }
 
 /// The element of a list at a position counted from zero, nil behind its end.
-fn nth_of(call: &mut Call<'_, '_>, at: usize, position: usize) -> Answer {
+fn nth_of(call: &mut Call<'_, '_>, at: usize, position: usize) -> NativeResult {
     match tail_from(call, call.argument(at), position) {
         Value::Nil => value(Value::Nil),
         Value::Cons(index) => value(call.machine.heap.pair(index).0),
@@ -91,7 +91,7 @@ fn nth_of(call: &mut Call<'_, '_>, at: usize, position: usize) -> Answer {
     }
 }
 
-fn nthcdr(call: &mut Call<'_, '_>) -> Answer {
+fn nthcdr(call: &mut Call<'_, '_>) -> NativeResult {
     let position = natural(call, 0)?;
     match call.argument(1) {
         Value::Nil | Value::Cons(_) => value(tail_from(call, call.argument(1), position)),
@@ -99,7 +99,7 @@ fn nthcdr(call: &mut Call<'_, '_>) -> Answer {
     }
 }
 
-fn element_number(call: &mut Call<'_, '_>, position: usize) -> Answer {
+fn element_number(call: &mut Call<'_, '_>, position: usize) -> NativeResult {
     nth_of(call, 0, position)
 }
 
@@ -114,24 +114,24 @@ fn split_before_last(call: &mut Call<'_, '_>) -> Result<usize, Raise> {
     Ok(length.saturating_sub(last))
 }
 
-fn last(call: &mut Call<'_, '_>) -> Answer {
+fn last(call: &mut Call<'_, '_>) -> NativeResult {
     let position = split_before_last(call)?;
     value(tail_from(call, call.argument(0), position))
 }
 
-fn butlast(call: &mut Call<'_, '_>) -> Answer {
+fn butlast(call: &mut Call<'_, '_>) -> NativeResult {
     let length = split_before_last(call)?;
     room_for_pairs(call, length)?;
     let items: Vec<Value> = call.machine.heap.spine(call.argument(0)).take(length).map(|(_, item)| item).collect();
     list(call, &items)
 }
 
-fn copy_list(call: &mut Call<'_, '_>) -> Answer {
+fn copy_list(call: &mut Call<'_, '_>) -> NativeResult {
     let items = elements(call, 0)?;
     list(call, &items)
 }
 
-fn acons(call: &mut Call<'_, '_>) -> Answer {
+fn acons(call: &mut Call<'_, '_>) -> NativeResult {
     if !matches!(call.argument(2), Value::Nil | Value::Cons(_)) {
         return Err(call.wrong_type(2));
     }
@@ -151,7 +151,7 @@ fn bounds(call: &Call<'_, '_>) -> Result<(Number, Number, Number), Raise> {
     })
 }
 
-fn range(call: &mut Call<'_, '_>) -> Answer {
+fn range(call: &mut Call<'_, '_>) -> NativeResult {
     let (start, end, step) = bounds(call)?;
     let length = match (start, end, step) {
         (Number::Int(start), Number::Int(end), Number::Int(step)) => {
@@ -164,7 +164,7 @@ fn range(call: &mut Call<'_, '_>) -> Answer {
     progression(call, length, start, step)
 }
 
-fn iota(call: &mut Call<'_, '_>) -> Answer {
+fn iota(call: &mut Call<'_, '_>) -> NativeResult {
     let length = natural(call, 0)?;
     let start = if count(call) > 1 { number(call, 1)? } else { Number::Int(0) };
     let step = if count(call) > 2 { number(call, 2)? } else { Number::Int(1) };
@@ -172,7 +172,7 @@ fn iota(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// Each element from the first one, so that rounding errors do not add up.
-fn progression(call: &mut Call<'_, '_>, length: usize, start: Number, step: Number) -> Answer {
+fn progression(call: &mut Call<'_, '_>, length: usize, start: Number, step: Number) -> NativeResult {
     room_for_pairs(call, length)?;
     let items: Option<Vec<Value>> = (0..length as i64)
         .map(|turn| match (start, step) {
@@ -188,7 +188,7 @@ fn progression(call: &mut Call<'_, '_>, length: usize, start: Number, step: Numb
 
 /// All atoms but nil, from left to right. The work is bounded by the room for the result and by
 /// the number of pairs that can be visited on the way to it.
-fn flatten(call: &mut Call<'_, '_>) -> Answer {
+fn flatten(call: &mut Call<'_, '_>) -> NativeResult {
     let mut items = Vec::new();
     let mut waiting = vec![call.argument(0)];
     let mut visited = 0usize;
@@ -212,7 +212,7 @@ fn flatten(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The value behind a name in a list of names and values in turn.
-fn getf(call: &mut Call<'_, '_>) -> Answer {
+fn getf(call: &mut Call<'_, '_>) -> NativeResult {
     let items = elements(call, 0)?;
     let wanted = call.argument(1);
     let found = items.chunks(2).find(|entry| entry[0] == wanted);

@@ -1,7 +1,7 @@
 //! Arithmetic and comparison. Integers have 64 bits and never wrap; an integer with a float gives a
 //! float.
 
-use crate::arguments::{Answer, count, pure, truth, value};
+use crate::arguments::{NativeResult, count, pure, truth, value};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
@@ -98,7 +98,7 @@ fn divide(left: Number, right: Number) -> Result<Number, Raise> {
 }
 
 /// Folds all arguments from the left, beginning with a neutral number.
-fn fold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Number, Raise>) -> Answer {
+fn fold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Number, Raise>) -> NativeResult {
     let mut result = Number::Int(neutral);
     for at in 0..count(call) {
         result = step(result, number(call, at)?)?;
@@ -107,7 +107,7 @@ fn fold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Nu
 }
 
 /// The first argument with all others taken off it; a single one is taken off the neutral number.
-fn unfold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Number, Raise>) -> Answer {
+fn unfold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Number, Raise>) -> NativeResult {
     let first = number(call, 0)?;
     if count(call) == 1 {
         return value(step(Number::Int(neutral), first)?.value());
@@ -128,7 +128,7 @@ fn compare(left: Number, right: Number) -> Option<Ordering> {
 
 /// Whether a relation holds between all neighbours. All arguments must be numbers, also those
 /// behind the first pair that does not fit.
-fn chain(call: &Call<'_, '_>, holds: fn(Option<Ordering>) -> bool) -> Answer {
+fn chain(call: &Call<'_, '_>, holds: fn(Option<Ordering>) -> bool) -> NativeResult {
     let mut all = true;
     let mut before = number(call, 0)?;
     for at in 1..count(call) {
@@ -139,7 +139,7 @@ fn chain(call: &Call<'_, '_>, holds: fn(Option<Ordering>) -> bool) -> Answer {
     truth(all)
 }
 
-fn all_different(call: &mut Call<'_, '_>) -> Answer {
+fn all_different(call: &mut Call<'_, '_>) -> NativeResult {
     let mut numbers = Vec::new();
     for at in 0..count(call) {
         numbers.push(number(call, at)?);
@@ -152,7 +152,7 @@ fn all_different(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The argument that comes first in an order; the earlier one of equals.
-fn extreme(call: &Call<'_, '_>, wanted: Ordering) -> Answer {
+fn extreme(call: &Call<'_, '_>, wanted: Ordering) -> NativeResult {
     let mut best = number(call, 0)?;
     for at in 1..count(call) {
         let next = number(call, at)?;
@@ -163,14 +163,14 @@ fn extreme(call: &Call<'_, '_>, wanted: Ordering) -> Answer {
     value(best.value())
 }
 
-fn absolute(call: &mut Call<'_, '_>) -> Answer {
+fn absolute(call: &mut Call<'_, '_>) -> NativeResult {
     value(match number(call, 0)? {
         Number::Int(number) => Value::Int(number.checked_abs().ok_or_else(|| overflow("the absolute value"))?),
         Number::Float(number) => Value::Float(number.abs()),
     })
 }
 
-fn signum(call: &mut Call<'_, '_>) -> Answer {
+fn signum(call: &mut Call<'_, '_>) -> NativeResult {
     value(match number(call, 0)? {
         Number::Int(number) => Value::Int(number.signum()),
         Number::Float(number) if number == 0.0 || number.is_nan() => Value::Float(number),
@@ -178,7 +178,7 @@ fn signum(call: &mut Call<'_, '_>) -> Answer {
     })
 }
 
-fn clamp(call: &mut Call<'_, '_>) -> Answer {
+fn clamp(call: &mut Call<'_, '_>) -> NativeResult {
     let (wish, low, high) = (number(call, 0)?, number(call, 1)?, number(call, 2)?);
     if compare(low, high) == Some(Ordering::Greater) {
         let (low, high) = (crate::arguments::show(call, low.value()), crate::arguments::show(call, high.value()));
@@ -191,11 +191,11 @@ fn clamp(call: &mut Call<'_, '_>) -> Answer {
     })
 }
 
-fn parity(call: &Call<'_, '_>, odd: bool) -> Answer {
+fn parity(call: &Call<'_, '_>, odd: bool) -> NativeResult {
     truth((call.integer(0)? % 2 != 0) == odd)
 }
 
-fn sign_is(call: &Call<'_, '_>, wanted: Ordering) -> Answer {
+fn sign_is(call: &Call<'_, '_>, wanted: Ordering) -> NativeResult {
     truth(compare(number(call, 0)?, Number::Int(0)) == Some(wanted))
 }
 
@@ -207,7 +207,7 @@ fn gcd_of(left: u64, right: u64) -> u64 {
     left
 }
 
-fn gcd(call: &mut Call<'_, '_>) -> Answer {
+fn gcd(call: &mut Call<'_, '_>) -> NativeResult {
     let mut result = 0;
     for at in 0..count(call) {
         result = gcd_of(result, call.integer(at)?.unsigned_abs());
@@ -215,7 +215,7 @@ fn gcd(call: &mut Call<'_, '_>) -> Answer {
     value(Value::Int(i64::try_from(result).map_err(|_| overflow("the greatest common divisor"))?))
 }
 
-fn lcm(call: &mut Call<'_, '_>) -> Answer {
+fn lcm(call: &mut Call<'_, '_>) -> NativeResult {
     let mut result = 1u64;
     for at in 0..count(call) {
         let next = call.integer(at)?.unsigned_abs();

@@ -1,7 +1,7 @@
 //! What `setf` calls: `(setf (ACCESSOR ARG...) VALUE)` is `(%set-ACCESSOR ARG... VALUE)` and gives
 //! the value.
 
-use crate::arguments::{Answer, changing, index_error, natural, value};
+use crate::arguments::{NativeResult, changing, index_error, natural, value};
 use crate::lists::follow;
 use rpl_lang::kind::Kind;
 use rpl_runtime::state::failure::Raise;
@@ -9,7 +9,7 @@ use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
 /// Writes one half of the pair that the letters lead to from the first argument.
-fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> Answer {
+fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> NativeResult {
     let pair = follow(call, way)?;
     let Value::Cons(index) = pair else {
         return Err(match pair {
@@ -28,7 +28,7 @@ fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> Answer {
 }
 
 /// Writes the element at a position of the list in an argument.
-fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value) -> Answer {
+fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value) -> NativeResult {
     let mut spine = call.machine.heap.spine(call.argument(list));
     let found = spine.nth(position);
     let length = spine.passed();
@@ -47,12 +47,12 @@ fn missing(position: usize, length: usize) -> Raise {
     index_error(format!("there is no element {position} to set: the length is {length}"))
 }
 
-fn set_nth(call: &mut Call<'_, '_>) -> Answer {
+fn set_nth(call: &mut Call<'_, '_>) -> NativeResult {
     let position = natural(call, 0)?;
     set_element(call, 1, position, call.argument(2))
 }
 
-fn set_elt(call: &mut Call<'_, '_>) -> Answer {
+fn set_elt(call: &mut Call<'_, '_>) -> NativeResult {
     if let Value::Str(_) = call.argument(0) {
         return Err(Raise::type_error("a string cannot be changed; build a new one with `string-append`"));
     }

@@ -1,18 +1,18 @@
 //! What a value is, and whether two are the same.
 
-use crate::arguments::{Answer, pure, truth};
+use crate::arguments::{NativeResult, pure, truth};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
-fn is(call: &Call<'_, '_>, test: fn(Value) -> bool) -> Answer {
+fn is(call: &Call<'_, '_>, test: fn(Value) -> bool) -> NativeResult {
     truth(test(call.argument(0)))
 }
 
-fn same(call: &mut Call<'_, '_>) -> Answer {
+fn same(call: &mut Call<'_, '_>) -> NativeResult {
     truth(call.argument(0) == call.argument(1))
 }
 
-fn equal(call: &mut Call<'_, '_>) -> Answer {
+fn equal(call: &mut Call<'_, '_>) -> NativeResult {
     let (are_equal, pairs) = call.machine.heap.compared(call.argument(0), call.argument(1));
     call.burn(pairs);
     truth(are_equal)

@@ -1,8 +1,8 @@
 //! From floats to integers and back, and division with a remainder.
 
-use crate::arguments::{Answer, count, pure, text, value};
+use crate::arguments::{NativeResult, count, pure, text, value};
 use crate::numbers::{Number, arithmetic_error, division_by_zero, number, overflow};
-use rpl_lang::number::{self as atom, begins_like_number, format_float};
+use rpl_lang::number::{self, NumberLiteral, begins_like_number, format_float};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
@@ -68,7 +68,7 @@ fn divide_floats(left: f64, right: f64, toward: Toward) -> f64 {
     }
 }
 
-fn rounded(call: &Call<'_, '_>, toward: Toward) -> Answer {
+fn rounded(call: &Call<'_, '_>, toward: Toward) -> NativeResult {
     let left = number(call, 0)?;
     if count(call) == 1 {
         return value(match left {
@@ -88,7 +88,7 @@ fn rounded(call: &Call<'_, '_>, toward: Toward) -> Answer {
 }
 
 /// The remainder with the sign of the divisor (`floored`) or of the number.
-fn remainder(call: &Call<'_, '_>, floored: bool) -> Answer {
+fn remainder(call: &Call<'_, '_>, floored: bool) -> NativeResult {
     let (left, right) = (number(call, 0)?, number(call, 1)?);
     if right.as_f64() == 0.0 {
         return Err(division_by_zero());
@@ -108,25 +108,25 @@ fn remainder(call: &Call<'_, '_>, floored: bool) -> Answer {
     })
 }
 
-fn float(call: &mut Call<'_, '_>) -> Answer {
+fn float(call: &mut Call<'_, '_>) -> NativeResult {
     value(Value::Float(call.number(0)?))
 }
 
 /// Reads a number as the reader does, units included.
-fn parse_number(call: &mut Call<'_, '_>) -> Answer {
+fn parse_number(call: &mut Call<'_, '_>) -> NativeResult {
     let text = call.text(0)?;
     let text = text.trim();
     if !begins_like_number(text) {
         return value(Value::Nil);
     }
-    value(match atom::parse_number(text) {
-        Ok(atom::Number::Int(integer)) => Value::Int(integer),
-        Ok(atom::Number::Float(float)) => Value::Float(float),
+    value(match number::parse_number(text) {
+        Ok(NumberLiteral::Int(integer)) => Value::Int(integer),
+        Ok(NumberLiteral::Float(float)) => Value::Float(float),
         Err(_) => Value::Nil,
     })
 }
 
-fn number_to_string(call: &mut Call<'_, '_>) -> Answer {
+fn number_to_string(call: &mut Call<'_, '_>) -> NativeResult {
     let shown = match number(call, 0)? {
         Number::Int(integer) => integer.to_string(),
         Number::Float(float) => format_float(float),
@@ -134,7 +134,7 @@ fn number_to_string(call: &mut Call<'_, '_>) -> Answer {
     text(call, &shown)
 }
 
-fn integer_square_root(call: &mut Call<'_, '_>) -> Answer {
+fn integer_square_root(call: &mut Call<'_, '_>) -> NativeResult {
     let number = call.integer(0)?;
     match number.checked_isqrt() {
         Some(root) => value(Value::Int(root)),

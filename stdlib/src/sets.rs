@@ -1,6 +1,6 @@
 //! Lists as sets: `equal` elements count as one, the order of the first list is kept.
 
-use crate::arguments::{Answer, elements, list, pure, room_for, truth, value};
+use crate::arguments::{NativeResult, elements, list, pure, room_for, truth, value};
 use crate::elements::find_equal;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::table_entry;
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// Values met so far, up to `equal`.
 #[derive(Default)]
-struct Seen {
+struct SeenKeys {
     keys: BTreeSet<Key>,
     /// Values that are too large for a key.
     large: Vec<Value>,
@@ -21,9 +21,9 @@ struct Seen {
     bytes: usize,
 }
 
-impl Seen {
+impl SeenKeys {
     fn of(call: &Call<'_, '_>, items: &[Value]) -> Result<Self, Raise> {
-        let mut seen = Seen::default();
+        let mut seen = SeenKeys::default();
         for &item in items {
             seen.insert(call, item)?;
         }
@@ -66,8 +66,8 @@ impl Seen {
 }
 
 /// The elements that are new, each once.
-fn distinct(call: &mut Call<'_, '_>, items: Vec<Value>) -> Answer {
-    let (mut seen, mut distinct) = (Seen::default(), Vec::new());
+fn distinct(call: &mut Call<'_, '_>, items: Vec<Value>) -> NativeResult {
+    let (mut seen, mut distinct) = (SeenKeys::default(), Vec::new());
     for item in items {
         if seen.insert(call, item)? {
             distinct.push(item);
@@ -77,37 +77,37 @@ fn distinct(call: &mut Call<'_, '_>, items: Vec<Value>) -> Answer {
     list(call, &distinct)
 }
 
-fn remove_duplicates(call: &mut Call<'_, '_>) -> Answer {
+fn remove_duplicates(call: &mut Call<'_, '_>) -> NativeResult {
     let items = elements(call, 0)?;
     distinct(call, items)
 }
 
-fn union(call: &mut Call<'_, '_>) -> Answer {
+fn union(call: &mut Call<'_, '_>) -> NativeResult {
     let mut items = elements(call, 0)?;
     items.extend(elements(call, 1)?);
     distinct(call, items)
 }
 
 /// The elements of the first list that are, or are not, in the second.
-fn select(call: &mut Call<'_, '_>, common: bool) -> Answer {
+fn select(call: &mut Call<'_, '_>, common: bool) -> NativeResult {
     let mut items = elements(call, 0)?;
     let others = elements(call, 1)?;
-    let mut others = Seen::of(call, &others)?;
+    let mut others = SeenKeys::of(call, &others)?;
     items.retain(|&item| others.contains(&call.machine.heap, item) == common);
     call.burn(others.steps);
     list(call, &items)
 }
 
-fn is_subset(call: &mut Call<'_, '_>) -> Answer {
+fn is_subset(call: &mut Call<'_, '_>) -> NativeResult {
     let items = elements(call, 0)?;
     let others = elements(call, 1)?;
-    let mut others = Seen::of(call, &others)?;
+    let mut others = SeenKeys::of(call, &others)?;
     let is_subset = items.iter().all(|&item| others.contains(&call.machine.heap, item));
     call.burn(others.steps);
     truth(is_subset)
 }
 
-fn adjoin(call: &mut Call<'_, '_>) -> Answer {
+fn adjoin(call: &mut Call<'_, '_>) -> NativeResult {
     let (item, set) = (call.argument(0), call.argument(1));
     let known = find_equal(call, item, 1)?.is_some();
     value(if known { set } else { call.machine.heap.cons(item, set) })

@@ -1,7 +1,7 @@
 //! Sorting by an order that is known here, without a call for each comparison: pieces, which the
 //! prelude has merged, so that control comes back between them.
 
-use crate::arguments::{Answer, elements, list, natural, pure, room_for, value};
+use crate::arguments::{NativeResult, elements, list, natural, pure, room_for, value};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
@@ -92,7 +92,7 @@ fn room_to_sort(call: &Call<'_, '_>, elements: usize) -> Result<(), Raise> {
 
 /// The first so many elements in order, if the order is known and their keys are all of one kind;
 /// else `t`.
-fn sorted(call: &mut Call<'_, '_>) -> Answer {
+fn sorted(call: &mut Call<'_, '_>) -> NativeResult {
     let Some(order) = Order::of(call, call.argument(0)) else { return value(Value::True) };
     let count = natural(call, 2)?;
     let items: Vec<Value> = call.machine.heap.spine(call.argument(1)).take(count).map(|(_, item)| item).collect();
@@ -108,7 +108,7 @@ fn sorted(call: &mut Call<'_, '_>) -> Answer {
 
 /// One list in order of two that are, those of the left first among equals; `t` if one of them is
 /// `t` or their keys are not all of one kind.
-fn merged(call: &mut Call<'_, '_>) -> Answer {
+fn merged(call: &mut Call<'_, '_>) -> NativeResult {
     let Some(order) = Order::of(call, call.argument(0)) else { return value(Value::True) };
     if [1, 2].iter().any(|&at| call.argument(at) == Value::True) {
         return value(Value::True);

@@ -1,6 +1,6 @@
 //! Strings. Positions and lengths count characters, not bytes.
 
-use crate::arguments::{Answer, count, elements, list, natural, pure, room_for_text, show, text, truth, value};
+use crate::arguments::{NativeResult, count, elements, list, natural, pure, room_for_text, show, text, truth, value};
 use crate::elements::{characters, part};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -16,7 +16,7 @@ fn pattern(call: &Call<'_, '_>, at: usize) -> Result<std::sync::Arc<str>, Raise>
     Ok(pattern)
 }
 
-fn string_append(call: &mut Call<'_, '_>) -> Answer {
+fn string_append(call: &mut Call<'_, '_>) -> NativeResult {
     let parts: Vec<_> = (0..count(call)).map(|at| call.text(at)).collect::<Result<_, _>>()?;
     room_for_text(call, parts.iter().map(|part| part.len()).sum())?;
     text(call, &parts.concat())
@@ -38,7 +38,7 @@ fn push_shown(call: &mut Call<'_, '_>, joined: &mut String, value: Value) -> Res
 }
 
 /// The arguments as `print` shows them, one after the other.
-fn concat(call: &mut Call<'_, '_>) -> Answer {
+fn concat(call: &mut Call<'_, '_>) -> NativeResult {
     let mut joined = String::new();
     for &argument in call.arguments {
         push_shown(call, &mut joined, argument)?;
@@ -47,20 +47,20 @@ fn concat(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// Whether an order holds between all neighbours; symbols count as their names.
-fn chain(call: &mut Call<'_, '_>, holds: fn(Ordering) -> bool) -> Answer {
+fn chain(call: &mut Call<'_, '_>, holds: fn(Ordering) -> bool) -> NativeResult {
     let names: Vec<String> = (0..count(call)).map(|at| call.name(at)).collect::<Result<_, _>>()?;
     call.burn_text(names.iter().map(String::len).sum());
     truth(names.windows(2).all(|pair| holds(pair[0].cmp(&pair[1]))))
 }
 
-fn substring(call: &mut Call<'_, '_>) -> Answer {
+fn substring(call: &mut Call<'_, '_>) -> NativeResult {
     let string = call.text(0)?;
     call.burn_text(string.len());
     let (start, end) = part(call, string.chars().count())?;
     text(call, characters(&string, start, end))
 }
 
-fn search(call: &mut Call<'_, '_>) -> Answer {
+fn search(call: &mut Call<'_, '_>) -> NativeResult {
     let (wanted, string) = (call.text(0)?, call.text(1)?);
     call.burn_text(wanted.len() + string.len());
     let start = if count(call) > 2 { natural(call, 2)? } else { 0 };
@@ -73,16 +73,16 @@ fn search(call: &mut Call<'_, '_>) -> Answer {
     })
 }
 
-fn starts(call: &mut Call<'_, '_>) -> Answer {
+fn starts(call: &mut Call<'_, '_>) -> NativeResult {
     truth(call.text(1)?.starts_with(&*call.text(0)?))
 }
 
-fn ends(call: &mut Call<'_, '_>) -> Answer {
+fn ends(call: &mut Call<'_, '_>) -> NativeResult {
     truth(call.text(1)?.ends_with(&*call.text(0)?))
 }
 
 /// Without a separator the words between spaces, which are never empty.
-fn split(call: &mut Call<'_, '_>) -> Answer {
+fn split(call: &mut Call<'_, '_>) -> NativeResult {
     let string = call.text(0)?;
     call.burn_text(string.len());
     if count(call) == 1 {
@@ -95,14 +95,14 @@ fn split(call: &mut Call<'_, '_>) -> Answer {
 /// What a string in a list takes beside its text, halved.
 const BYTES_A_STRING: usize = 64;
 
-fn list_of_strings<'s>(call: &mut Call<'_, '_>, parts: impl Iterator<Item = &'s str> + Clone) -> Answer {
+fn list_of_strings<'s>(call: &mut Call<'_, '_>, parts: impl Iterator<Item = &'s str> + Clone) -> NativeResult {
     let (count, bytes) = parts.clone().fold((0, 0), |(count, bytes), part| (count + 1, bytes + part.len()));
     room_for_text(call, bytes + count * BYTES_A_STRING)?;
     let parts: Vec<Value> = parts.map(|part| call.machine.heap.string(part)).collect();
     list(call, &parts)
 }
 
-fn join(call: &mut Call<'_, '_>) -> Answer {
+fn join(call: &mut Call<'_, '_>) -> NativeResult {
     let separator = if count(call) > 1 { call.text(1)?.to_string() } else { String::new() };
     let mut joined = String::new();
     for (position, item) in elements(call, 0)?.into_iter().enumerate() {
@@ -115,7 +115,7 @@ fn join(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// `(string-trim STRING)` or, as in Common Lisp, `(string-trim CHARACTERS STRING)`.
-fn trim(call: &mut Call<'_, '_>) -> Answer {
+fn trim(call: &mut Call<'_, '_>) -> NativeResult {
     if count(call) == 1 {
         let string = call.text(0)?;
         return text(call, string.trim());
@@ -124,37 +124,37 @@ fn trim(call: &mut Call<'_, '_>) -> Answer {
     text(call, string.trim_matches(|character| unwanted.contains(character)))
 }
 
-fn replace(call: &mut Call<'_, '_>) -> Answer {
+fn replace(call: &mut Call<'_, '_>) -> NativeResult {
     let (string, old, new) = (call.text(0)?, pattern(call, 1)?, call.text(2)?);
     call.burn_text(string.len());
     room_for_text(call, string.matches(&*old).count().saturating_mul(new.len()).saturating_add(string.len()))?;
     text(call, &string.replace(&*old, &new))
 }
 
-fn repeat(call: &mut Call<'_, '_>) -> Answer {
+fn repeat(call: &mut Call<'_, '_>) -> NativeResult {
     let (string, times) = (call.text(0)?, natural(call, 1)?);
     room_for_text(call, string.len().saturating_mul(times))?;
     // An empty string can be asked for any number of times.
     text(call, &string.repeat(if string.is_empty() { 0 } else { times }))
 }
 
-fn upcase(call: &mut Call<'_, '_>) -> Answer {
+fn upcase(call: &mut Call<'_, '_>) -> NativeResult {
     let string = call.text(0)?.to_uppercase();
     text(call, &string)
 }
 
-fn downcase(call: &mut Call<'_, '_>) -> Answer {
+fn downcase(call: &mut Call<'_, '_>) -> NativeResult {
     let string = call.text(0)?.to_lowercase();
     text(call, &string)
 }
 
-fn to_characters(call: &mut Call<'_, '_>) -> Answer {
+fn to_characters(call: &mut Call<'_, '_>) -> NativeResult {
     let string = call.text(0)?;
     let ends = string.char_indices().map(|(start, character)| &string[start..start + character.len_utf8()]);
     list_of_strings(call, ends)
 }
 
-fn to_string(call: &mut Call<'_, '_>) -> Answer {
+fn to_string(call: &mut Call<'_, '_>) -> NativeResult {
     if let Value::Str(_) = call.argument(0) {
         return value(call.argument(0));
     }
@@ -165,7 +165,7 @@ fn to_string(call: &mut Call<'_, '_>) -> Answer {
     text(call, &shown)
 }
 
-fn write_to_string(call: &mut Call<'_, '_>) -> Answer {
+fn write_to_string(call: &mut Call<'_, '_>) -> NativeResult {
     let written = call.machine.write(call.around.program, call.argument(0));
     text(call, &written)
 }

@@ -1,7 +1,7 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{Answer, elements, list, natural, pure, room_for_pairs, text, truth, value};
+use crate::arguments::{NativeResult, elements, list, natural, pure, room_for_pairs, text, truth, value};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
 use rpl_runtime::state::failure::Raise;
@@ -9,7 +9,7 @@ use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
 /// Turns a list round in place. The prelude does so only with lists nobody else has seen.
-fn reverse_in_place(call: &mut Call<'_, '_>) -> Answer {
+fn reverse_in_place(call: &mut Call<'_, '_>) -> NativeResult {
     let (mut turned, mut passed) = (Value::Nil, 0);
     let mut at = call.argument(0);
     while let Value::Cons(index) = at {
@@ -22,7 +22,7 @@ fn reverse_in_place(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// Links the second list to the first pair of the first one.
-fn link(call: &mut Call<'_, '_>) -> Answer {
+fn link(call: &mut Call<'_, '_>) -> NativeResult {
     if let Value::Cons(index) = call.argument(0) {
         call.machine.heap.pairs[index as usize].1 = call.argument(1);
     }
@@ -30,7 +30,7 @@ fn link(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// Cuts a list behind so many pairs and gives the rest.
-fn cut(call: &mut Call<'_, '_>) -> Answer {
+fn cut(call: &mut Call<'_, '_>) -> NativeResult {
     let mut at = call.argument(0);
     let length = natural(call, 1)?;
     call.burn_walk(length);
@@ -44,7 +44,7 @@ fn cut(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The first elements of all lists, then the second ones, up to the end of the shortest.
-fn transpose(call: &mut Call<'_, '_>) -> Answer {
+fn transpose(call: &mut Call<'_, '_>) -> NativeResult {
     let mut columns = Vec::new();
     let mut count = 0;
     for column in elements(call, 0)? {
@@ -69,7 +69,7 @@ fn transpose(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The list in the first argument; the others name the function and the position for the error.
-fn checked_list(call: &mut Call<'_, '_>) -> Answer {
+fn checked_list(call: &mut Call<'_, '_>) -> NativeResult {
     match call.argument(0) {
         Value::Nil | Value::Cons(_) => value(call.argument(0)),
         other => {
@@ -80,7 +80,7 @@ fn checked_list(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// The function in the first argument.
-fn checked_function(call: &mut Call<'_, '_>) -> Answer {
+fn checked_function(call: &mut Call<'_, '_>) -> NativeResult {
     match call.argument(0) {
         Value::Function(_) | Value::Closure(_) | Value::Native(_) => value(call.argument(0)),
         other => {
@@ -91,7 +91,7 @@ fn checked_function(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// Whether a symbol is, where macros are expanded, the name of a function and of no macro.
-fn names_function(call: &mut Call<'_, '_>) -> Answer {
+fn names_function(call: &mut Call<'_, '_>) -> NativeResult {
     let Value::Symbol(name) = call.argument(0) else { return truth(false) };
     let program = call.around.program;
     let is_macro = program.macros.contains_key(&name);
@@ -105,7 +105,7 @@ fn names_function(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// A value in the message of a failure, cut where it is long.
-fn brief(call: &mut Call<'_, '_>) -> Answer {
+fn brief(call: &mut Call<'_, '_>) -> NativeResult {
     const LONGEST: usize = 200;
     let written = call.machine.write(call.around.program, call.argument(0));
     let brief = match written.char_indices().nth(LONGEST) {
@@ -116,7 +116,7 @@ fn brief(call: &mut Call<'_, '_>) -> Answer {
 }
 
 /// What a macro raises when its form is not of the right shape.
-fn malformed(call: &mut Call<'_, '_>) -> Answer {
+fn malformed(call: &mut Call<'_, '_>) -> NativeResult {
     Err(Raise::type_error(format!("this is not of the form {}", call.text(0)?)))
 }
 

@@ -1,14 +1,14 @@
 //! Symbols and keywords from names and back.
 
-use crate::arguments::{Answer, count, pure, text, value};
-use rpl_lang::reader::fold_name;
+use crate::arguments::{NativeResult, count, pure, text, value};
+use rpl_lang::symbol::fold_name;
 use rpl_lang::symbol::{Symbol, Symbols};
 use rpl_lang::visible::quoted;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
-fn symbol_name(call: &mut Call<'_, '_>) -> Answer {
+fn symbol_name(call: &mut Call<'_, '_>) -> NativeResult {
     let name = match call.argument(0) {
         Value::Nil => "nil".to_string(),
         Value::True => "t".to_string(),
@@ -41,7 +41,7 @@ fn named(call: &mut Call<'_, '_>, name: impl FnOnce(&mut Symbols) -> Symbol) -> 
     symbol
 }
 
-fn intern(call: &mut Call<'_, '_>) -> Answer {
+fn intern(call: &mut Call<'_, '_>) -> NativeResult {
     if let Value::Nil | Value::True | Value::Symbol(_) = call.argument(0) {
         return value(call.argument(0));
     }
@@ -53,11 +53,11 @@ fn intern(call: &mut Call<'_, '_>) -> Answer {
     })
 }
 
-fn make_keyword(call: &mut Call<'_, '_>) -> Answer {
+fn make_keyword(call: &mut Call<'_, '_>) -> NativeResult {
     value(Value::Keyword(folded(call)?))
 }
 
-fn gensym(call: &mut Call<'_, '_>) -> Answer {
+fn gensym(call: &mut Call<'_, '_>) -> NativeResult {
     let stem = if count(call) > 0 { call.name(0)? } else { "g".to_string() };
     value(Value::Symbol(named(call, |symbols| symbols.uninterned(&stem))))
 }

@@ -1,6 +1,6 @@
 //! Hash tables: keys are compared as by `equal`, entries stand in the order of their keys.
 
-use crate::arguments::{Answer, changing, elements, integer, list, pure, room_for, truth, value};
+use crate::arguments::{NativeResult, changing, elements, integer, list, pure, room_for, truth, value};
 use crate::elements::no_pair;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::table_entry;
@@ -41,7 +41,7 @@ fn key_and_table(call: &mut Call<'_, '_>, at: usize) -> Result<(Key, u32), Raise
 }
 
 /// Common Lisp's `:test` is taken and means nothing: every table compares by `equal`.
-fn make_hash_table(call: &mut Call<'_, '_>) -> Answer {
+fn make_hash_table(call: &mut Call<'_, '_>) -> NativeResult {
     if let Some(&option) = call.arguments.first() {
         let is_test = matches!(option, Value::Keyword(name) if call.machine.symbols.name(name) == "test");
         if !is_test || call.arguments.len() != 2 {
@@ -54,7 +54,7 @@ fn make_hash_table(call: &mut Call<'_, '_>) -> Answer {
     value(call.machine.heap.table())
 }
 
-fn from_alist(call: &mut Call<'_, '_>) -> Answer {
+fn from_alist(call: &mut Call<'_, '_>) -> NativeResult {
     let mut entries = BTreeMap::new();
     let mut bytes = 0;
     for item in elements(call, 0)? {
@@ -76,7 +76,7 @@ fn from_alist(call: &mut Call<'_, '_>) -> Answer {
     value(made)
 }
 
-fn gethash(call: &mut Call<'_, '_>) -> Answer {
+fn gethash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
     let found = call.machine.heap.tables[table].entries.get(&key).map(|&(_, content)| content);
     value(found.unwrap_or(call.argument(2)))
@@ -84,7 +84,7 @@ fn gethash(call: &mut Call<'_, '_>) -> Answer {
 
 /// The value is the last argument; a default before it, as in `(incf (gethash k h 0))`, is passed
 /// over.
-fn set_gethash(call: &mut Call<'_, '_>) -> Answer {
+fn set_gethash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
     let of = call.argument(0);
     let content = call.arguments.last().copied().unwrap_or_default();
@@ -93,24 +93,24 @@ fn set_gethash(call: &mut Call<'_, '_>) -> Answer {
     value(content)
 }
 
-fn contains(call: &mut Call<'_, '_>) -> Answer {
+fn contains(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
     truth(call.machine.heap.tables[table].entries.contains_key(&key))
 }
 
-fn remhash(call: &mut Call<'_, '_>) -> Answer {
+fn remhash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
     truth(call.machine.heap.tables[table].entries.remove(&key).is_some())
 }
 
-fn clrhash(call: &mut Call<'_, '_>) -> Answer {
+fn clrhash(call: &mut Call<'_, '_>) -> NativeResult {
     let table = table(call, 0)?;
     let entries = std::mem::take(&mut call.machine.heap.tables[table].entries);
     call.burn(entries.len());
     value(call.argument(0))
 }
 
-fn count_entries(call: &mut Call<'_, '_>) -> Answer {
+fn count_entries(call: &mut Call<'_, '_>) -> NativeResult {
     let table = table(call, 0)?;
     integer(call.machine.heap.tables[table].entries.len() as i64)
 }
@@ -121,17 +121,17 @@ fn entries(call: &Call<'_, '_>) -> Result<Vec<(Value, Value)>, Raise> {
     Ok(call.machine.heap.tables[table(call, 0)?].entries.values().copied().collect())
 }
 
-fn keys(call: &mut Call<'_, '_>) -> Answer {
+fn keys(call: &mut Call<'_, '_>) -> NativeResult {
     let keys: Vec<Value> = entries(call)?.into_iter().map(|(key, _)| key).collect();
     list(call, &keys)
 }
 
-fn values(call: &mut Call<'_, '_>) -> Answer {
+fn values(call: &mut Call<'_, '_>) -> NativeResult {
     let values: Vec<Value> = entries(call)?.into_iter().map(|(_, content)| content).collect();
     list(call, &values)
 }
 
-fn to_alist(call: &mut Call<'_, '_>) -> Answer {
+fn to_alist(call: &mut Call<'_, '_>) -> NativeResult {
     let pairs: Vec<Value> =
         entries(call)?.into_iter().map(|(key, content)| call.machine.heap.cons(key, content)).collect();
     list(call, &pairs)

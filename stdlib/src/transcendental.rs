@@ -1,6 +1,6 @@
 //! Roots, powers, logarithms and angles. What has no real value is an `arithmetic-error`.
 
-use crate::arguments::{Answer, count, pure, value};
+use crate::arguments::{NativeResult, count, pure, value};
 use crate::numbers::{Number, arithmetic_error, division_by_zero, number, overflow};
 use rpl_lang::number::format_float;
 use rpl_runtime::state::failure::Raise;
@@ -8,12 +8,12 @@ use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 use std::f64::consts::PI;
 
-fn of_one(call: &Call<'_, '_>, function: fn(f64) -> f64) -> Answer {
+fn of_one(call: &Call<'_, '_>, function: fn(f64) -> f64) -> NativeResult {
     value(Value::Float(function(call.number(0)?)))
 }
 
 /// The function of an argument that must lie within bounds.
-fn within(call: &Call<'_, '_>, what: &str, low: f64, high: f64, function: fn(f64) -> f64) -> Answer {
+fn within(call: &Call<'_, '_>, what: &str, low: f64, high: f64, function: fn(f64) -> f64) -> NativeResult {
     let argument = call.number(0)?;
     if argument < low || argument > high {
         return Err(arithmetic_error(format!("{} has no {what}", format_float(argument))));
@@ -28,7 +28,7 @@ fn logarithm_of(argument: f64) -> Result<f64, Raise> {
     Ok(libm::log(argument))
 }
 
-fn logarithm(call: &mut Call<'_, '_>) -> Answer {
+fn logarithm(call: &mut Call<'_, '_>) -> NativeResult {
     let argument = logarithm_of(call.number(0)?)?;
     if count(call) == 1 {
         return value(Value::Float(argument));
@@ -39,12 +39,12 @@ fn logarithm(call: &mut Call<'_, '_>) -> Answer {
     }
 }
 
-fn arc_tangent(call: &mut Call<'_, '_>) -> Answer {
+fn arc_tangent(call: &mut Call<'_, '_>) -> NativeResult {
     let y = call.number(0)?;
     value(Value::Float(if count(call) == 1 { libm::atan(y) } else { libm::atan2(y, call.number(1)?) }))
 }
 
-fn power(call: &mut Call<'_, '_>) -> Answer {
+fn power(call: &mut Call<'_, '_>) -> NativeResult {
     let (base, exponent) = (number(call, 0)?, number(call, 1)?);
     if base.as_f64() == 0.0 && exponent.as_f64() < 0.0 {
         return Err(division_by_zero());
@@ -71,7 +71,7 @@ fn integer_power(base: i64, exponent: i64) -> Option<i64> {
     }
 }
 
-fn distance(call: &mut Call<'_, '_>) -> Answer {
+fn distance(call: &mut Call<'_, '_>) -> NativeResult {
     value(Value::Float(libm::hypot(call.number(0)?, call.number(1)?)))
 }
 

@@ -2,7 +2,8 @@
 //! documents show.
 
 use rpl_lang::formatter::format;
-use rpl_lang::indentation::{Style, rule};
+use rpl_lang::indentation::layout;
+use rpl_lang::layout::Style;
 use rpl_lang::lexer::lex;
 use rpl_lang::pretty::print;
 use rpl_lang::reader::read;
@@ -71,7 +72,7 @@ fn formatting_keeps_data_and_comments_of_every_plan_in_the_documents() {
 }
 
 #[test]
-fn every_macro_of_the_prelude_that_takes_a_body_has_its_rule() {
+fn every_macro_of_the_prelude_that_takes_a_body_has_its_layout() {
     let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
     let (roots, _) = read(rpl_stdlib::PRELUDE, SourceId(0), &mut symbols, &mut tree);
     let mut count = 0;
@@ -86,7 +87,7 @@ fn every_macro_of_the_prelude_that_takes_a_body_has_its_rule() {
             && rest == "&rest"
             && body == "body"
         {
-            let style = rule(&text(*name)).map(|rule| rule.style);
+            let style = layout(&text(*name)).map(|layout| layout.style);
             assert_eq!(style, Some(Style::Body(before.len())), "`{}`", text(*name));
             count += 1;
         }

@@ -7,6 +7,9 @@ const PROGRAMS: &[&str] = &[
     "(unwind-protect (par (wait-time 1) (seq (wait-time 2) (print (quote x)))) (seq (print 'clean) (wait-time 1) (print 'cleaned)))",
     "(unwind-protect (try-all (unwind-protect (wait-time 1) (print 'clean-a)) (seq (print 'b) (fail \"b\")))
                      (par (wait-time 1) (seq (print 'clean) (wait-time 2))))",
+    "(pursue-first-n 2 (unwind-protect (wait-time 3) (seq (wait-time 1) (print 'clean-a)))
+                       (unwind-protect (seq (wait-time 1) 'b) (print 'clean-b)) (seq (print 'c) (fail \"c\"))
+                       (quorum :all 2 (wait-time 2) (unwind-protect (wait-time 2) (print 'clean-d)) (fail \"d\")))",
     "(def-plan p () (spawn (unwind-protect (wait-time 5) (seq (wait-time 1) (print 'clean-spawned)))) (wait-time 1))
      (p) (unwind-protect (p) (print 'clean))",
     "(def-valve v)

@@ -400,6 +400,8 @@ fn where_a_lone_tag_is_the_child() {
         format!("(par {tag})"),
         format!("(pursue {tag})"),
         format!("(try-all {tag})"),
+        format!("(quorum 1 1 {tag})"),
+        format!("(pursue-first-n 1 {tag})"),
         format!("(plan ({tag}))"),
         format!("(with-policy {tag} nil)"),
         format!("(with-policy nil {tag})"),

@@ -45,7 +45,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "parallel",
         "Side by side, one after the other",
-        "par pursue try-all try-in-order try-each-in-order par-map pursue-map try-all-map plan partial-order process :tag \
+        "par pursue try-all quorum pursue-first-n try-in-order try-each-in-order par-map pursue-map try-all-map plan partial-order process :tag \
          spawn with-timeout with-priority execute-plan",
     ),
     topic(

@@ -2,9 +2,10 @@
 
 use super::breakpoint::UNTYPED;
 use crate::mission::Robot;
-use rpl_lang::reader::{fold_name, read};
+use rpl_lang::reader::read;
 use rpl_lang::source::{SourceId, Span};
 use rpl_lang::symbol::Symbols;
+use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::{NodeId, Tree};
 use rpl_runtime::run::system::System;
 

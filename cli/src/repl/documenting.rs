@@ -9,9 +9,9 @@ use crate::reference::{self, Kind};
 use crate::why::shortened;
 use anyhow::Result;
 use rpl_lang::code::{CodeKind, GlobalKind, Program};
-use rpl_lang::reader::fold_name;
 use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
+use rpl_lang::symbol::fold_name;
 use rpl_runtime::run::system::System;
 
 impl Prompt<'_> {

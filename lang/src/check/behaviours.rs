@@ -1,7 +1,7 @@
 //! What belongs to a behaviour, a fluent of the robot or a class of failure.
 
-use super::Check;
 use super::calls::unknown_keywords;
+use super::known::Check;
 use super::walk::each_form;
 use crate::code::GlobalKind;
 use crate::compile::ir::{Ir, IrKind};

@@ -2,12 +2,13 @@
 
 use super::walk::each_function_form;
 use crate::compile::Resolved;
-use crate::compile::ir::{Defined, Function, Ir, IrKind, VarId};
+use crate::compile::ir::{Function, Ir, IrKind, VarId};
+use crate::compile::resolved::Defined;
 use crate::stack::deep;
 
 /// Where a variable is bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum BoundBy {
     /// By a form such as `par-map`, a handler or a tag.
     #[default]
     Elsewhere,
@@ -20,7 +21,7 @@ pub(super) enum Place {
 /// What is known of one variable.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Binding<'a> {
-    pub(super) place: Place,
+    pub(super) place: BoundBy,
     pub(super) reads: u32,
     /// Assignments, that of `letrec` not counted.
     pub(super) assignments: i32,
@@ -72,7 +73,7 @@ impl<'a> Bindings<'a> {
     fn note_parameters(&mut self, function: &'a Function) {
         let by_position = function.bindings.len() - function.parameters.keys.len();
         for binding in &function.bindings[..by_position] {
-            self.at(binding.variable).place = Place::Parameter;
+            self.at(binding.variable).place = BoundBy::Parameter;
         }
     }
 
@@ -88,7 +89,7 @@ impl<'a> Bindings<'a> {
     fn note_let(&mut self, bound: &'a [(VarId, Ir)], body: &'a Ir) {
         for (variable, value) in bound {
             let at = self.at(*variable);
-            (at.place, at.value) = (Place::Let, Some(value));
+            (at.place, at.value) = (BoundBy::Let, Some(value));
         }
         // `letrec` binds to nil and assigns in the order of binding; the walk counts these
         // assignments when it comes to them, so they are taken off in advance.

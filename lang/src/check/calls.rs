@@ -1,7 +1,7 @@
 //! Calls that must fail: of what is no function, with arguments it does not take, with a format
 //! that does not fit.
 
-use super::Check;
+use super::known::Check;
 use super::walk::each_form;
 use crate::code::{Atom, Constant, GlobalKind, Parameters};
 use crate::compile::ir::{Callee, Ir, IrKind};

@@ -1,8 +1,9 @@
 //! Conditions that can never change.
 
 use super::bindings::is_plain;
+use super::known::Check;
+use super::places::lies_in;
 use super::walk::each_form;
-use super::{Check, lies_in};
 use crate::code::GlobalKind;
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;

@@ -2,9 +2,10 @@
 //! loops and policies, which must wait.
 
 use super::flow::Flow;
-use super::walk::{Part, each_form, parts};
-use super::{Check, lies_in};
-use crate::code::{CodeKind, GlobalKind, Rule};
+use super::known::{Check, Effects};
+use super::places::lies_in;
+use super::walk::{FormPart, each_form, parts};
+use crate::code::{CodeKind, GlobalKind};
 use crate::compile::ir::{Callee, Function, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -12,25 +13,13 @@ use crate::stack::deep;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// What a form does by itself, and what it calls.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Effects {
-    /// Functions called, or given to what is called.
-    calls: Vec<u32>,
-    /// What a network may not do: the place, and what is done there.
-    acts: Option<(Span, &'static str)>,
-    /// Whether it may wait, or end in a way that is not seen.
-    waits: bool,
-    fails: bool,
-}
-
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     let mut policies = Vec::new();
     for root in check.roots() {
         each_form(root, &mut |ir| match &ir.kind {
             IrKind::Network(network) => network_effects(check, network, found),
-            IrKind::Construct(construct) if construct.rule == Rule::Policy => {
-                if let Some(policy) = construct.children.first()
+            IrKind::Construct(construct) => {
+                if let Some(policy) = construct.policy()
                     && let Some(warning) = policy_never_waits(check, &policy.body)
                 {
                     policies.push(policy.body.span);
@@ -112,7 +101,7 @@ fn effects_of(check: &Check<'_>, global: u32, function: &Function) -> Rc<Effects
 
 struct Collector<'c, 'a> {
     check: &'c Check<'a>,
-    bindings: Option<&'c super::Bindings<'a>>,
+    bindings: Option<&'c super::bindings::Bindings<'a>>,
     effects: &'c mut Effects,
 }
 
@@ -145,8 +134,8 @@ impl Collector<'_, '_> {
             _ => {}
         }
         parts(ir, &mut |part| match part {
-            Part::Form(form) => self.form(form, runs),
-            Part::Function(function) => self.form(&function.body, runs),
+            FormPart::Form(form) => self.form(form, runs),
+            FormPart::Function(function) => self.form(&function.body, runs),
         });
     }
 

@@ -1,8 +1,9 @@
 //! Which forms come to an end by themselves, and what therefore never runs.
 
-use super::walk::{Part, parts};
-use super::{Check, lies_in};
-use crate::code::Rule;
+use super::known::Check;
+use super::places::lies_in;
+use super::walk::{FormPart, parts};
+use crate::code::{Quorum, Successes};
 use crate::compile::ir::{BlockId, Callee, ChildIr, ClauseIr, Ir, IrKind, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -141,13 +142,15 @@ impl<'c, 'a> Flow<'c, 'a> {
             IrKind::Refail(_) => false,
             IrKind::Handler { body, clauses, .. } => self.handler(body, clauses),
             IrKind::Construct(construct) => {
-                let argument = construct.argument.as_ref().is_none_or(|argument| self.completes(argument));
-                argument & self.children(construct.rule, &construct.children)
+                let mut starts = true;
+                construct.evaluated().for_each(|argument| starts &= self.completes(argument));
+                starts & self.children(construct.quorum, &construct.children)
             }
             IrKind::ConstructMap(construct, list) => {
                 // Without elements there is no child.
                 self.completes(list)
-                    & (self.children(construct.rule, &construct.children) | (construct.rule == Rule::Par))
+                    & (self.children(construct.quorum, &construct.children)
+                        | (construct.quorum.successes == Successes::All))
             }
             IrKind::Call(callee, _) => self.all_parts(ir) & self.call_completes(callee),
             IrKind::Lambda(_) | IrKind::Spawn(_) => {
@@ -177,8 +180,8 @@ impl<'c, 'a> Flow<'c, 'a> {
     fn all_parts(&mut self, ir: &'c Ir) -> bool {
         let mut completes = true;
         parts(ir, &mut |part| match part {
-            Part::Form(form) => completes &= self.completes(form),
-            Part::Function(function) => {
+            FormPart::Form(form) => completes &= self.completes(form),
+            FormPart::Function(function) => {
                 self.completes(&function.body);
             }
         });
@@ -234,14 +237,14 @@ impl<'c, 'a> Flow<'c, 'a> {
         }
     }
 
-    fn children(&mut self, rule: Rule, children: &'c [ChildIr]) -> bool {
+    fn children(&mut self, quorum: Quorum, children: &'c [ChildIr]) -> bool {
         // An evaporated child counts as done, and what has a tag can be evaporated.
         let ends: Vec<bool> =
             children.iter().map(|child| self.completes(&child.body.body) | child.tag.is_some()).collect();
-        match rule {
-            Rule::Par | Rule::Plan | Rule::Single | Rule::Timeout => ends.iter().all(|&ends| ends),
-            Rule::Pursue | Rule::TryAll => ends.iter().any(|&ends| ends),
-            Rule::Policy => ends.last().copied().unwrap_or(true),
+        match quorum.successes {
+            Successes::All => ends.iter().all(|&ends| ends),
+            Successes::Count(_) => ends.iter().any(|&ends| ends),
+            Successes::Last => ends.last().copied().unwrap_or(true),
         }
     }
 

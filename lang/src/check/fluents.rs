@@ -1,7 +1,7 @@
 //! Fluents taken for their values, and what is asked of a task's state.
 
-use super::Check;
 use super::kinds::kind_of;
+use super::known::Check;
 use super::walk::each_form;
 use crate::code::GlobalKind;
 use crate::compile::ir::{Binary, Callee, Ir, IrKind, Unary};
@@ -100,7 +100,7 @@ fn reads_status(check: &Check<'_>, ir: &Ir) -> bool {
 
 fn fluent_as_value(check: &Check<'_>, around: &Ir, operand: &Ir, label: &str) -> Diagnostic {
     let shown = check.shown(operand);
-    let place = super::places::narrowed(check, around.span, operand);
+    let place = check.narrowed(around.span, operand);
     let message = format!("`{shown}` is a fluent: here it stands for itself, not for its value");
     check.warning("fluent-as-value", place, message, label).help(format!("write `(value {shown})`"))
 }

@@ -1,10 +1,10 @@
 //! Arguments that are not of the kind their place takes: a string for a number, a function for a task.
 
+use super::known::Check;
 use super::walk::{each_form, each_form_within};
-use super::{Check, places};
-use crate::code::{Atom, Constant, GlobalKind, Rule};
+use crate::code::{Atom, Constant, GlobalKind};
 use crate::compile::NativeSignature;
-use crate::compile::ir::{Binary, Callee, Ir, IrKind, ScopeIr, Unary};
+use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::{Kind, time_in_string};
 use std::collections::BTreeSet;
@@ -103,13 +103,15 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             timeout.iter().for_each(|timeout| look("wait-for", Kind::Seconds, timeout));
         }
         IrKind::Whenever { fluent, .. } => look("whenever", Kind::Fluent, fluent),
-        IrKind::Construct(construct) => {
-            let Some(argument) = &construct.argument else { return };
-            match construct.rule {
-                Rule::Timeout => look("with-timeout", Kind::Seconds, argument),
-                _ => look("with-priority", Kind::Number, argument),
+        IrKind::Construct(construct) => match &construct.argument {
+            Some(ArgumentIr::Deadline { seconds, .. }) => look("with-timeout", Kind::Seconds, seconds),
+            Some(ArgumentIr::Priority(number)) => look("with-priority", Kind::Number, number),
+            Some(ArgumentIr::Quorum { successes, failures }) => {
+                let numbers = [successes, failures].into_iter().filter(|number| check.keyword(number).is_none());
+                numbers.for_each(|number| look("quorum", Kind::Integer, number));
             }
-        }
+            None => {}
+        },
         IrKind::Binary(operation, left, right) => {
             let name = match operation {
                 Binary::Add => "+",
@@ -188,7 +190,7 @@ fn wrong_kind(
     warnings: &mut Vec<Diagnostic>,
 ) {
     let Some(found) = found_in(check, ir).filter(|found| !found.may_be(kind)) else { return };
-    let place = places::narrowed(check, around, ir);
+    let place = check.narrowed(around, ir);
     let shown = match check.quoted(ir) {
         Some(symbol) => format!("'{}", check.name(symbol)),
         None => check.shown(ir),

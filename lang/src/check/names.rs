@@ -1,7 +1,7 @@
 //! Names that are defined twice, or that were the library's.
 
-use super::Check;
-use crate::compile::ir::{Defined, Definition};
+use super::known::Check;
+use crate::compile::resolved::{Defined, Definition};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::find_name;
 use crate::source::{SourceId, Span};

@@ -1,6 +1,5 @@
 //! Places in the text: what is marked, and what a comment there says.
 
-use crate::compile::ir::{Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Token;
 use crate::source::{LINE_ENDS, Sources, Span, line_end, line_start};
@@ -48,23 +47,11 @@ pub(super) fn binding_name(sources: &Sources, span: Span, name: &str) -> Option<
     let inner_start = text.len() - inner.trim_start().len();
     let rest = text.get(inner_start..)?;
     let end = rest.find(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | ';')).unwrap_or(rest.len());
-    if crate::reader::fold_name(&rest[..end]) != name {
+    if crate::symbol::fold_name(&rest[..end]) != name {
         return None;
     }
     let start = span.start + inner_start as u32;
     Some(Span { start, end: start + end as u32, ..span })
-}
-
-/// Where a form stands, or, if it is a name a macro has copied, where the name first stands in the
-/// form around it.
-pub(super) fn narrowed(check: &super::Check<'_>, around: Span, ir: &Ir) -> Span {
-    let name = match ir.kind {
-        IrKind::Global(global) => check.global_name(global),
-        IrKind::Local(variable) => check.variable_name(variable),
-        _ => return ir.span,
-    };
-    let within = if super::lies_in(ir.span, around) { ir.span } else { around };
-    crate::lexer::find_name(&check.subject.program.sources, within, name).unwrap_or(ir.span)
 }
 
 /// Where a keyword stands: at its own place, or, if a macro has copied it, where the call names it.
@@ -78,6 +65,11 @@ pub(super) fn keyword(sources: &Sources, call: Span, own: Span, key: &str) -> Sp
         end: call.start + span.end,
         ..call
     });
-    let is_key = |span: &Span| crate::reader::fold_name(&sources.text_of(*span)[1..]) == key;
+    let is_key = |span: &Span| crate::symbol::fold_name(&sources.text_of(*span)[1..]) == key;
     named.into_iter().find(is_key).unwrap_or(own)
+}
+
+/// Whether a place is in another.
+pub(super) fn lies_in(inner: Span, outer: Span) -> bool {
+    inner.source == outer.source && outer.start <= inner.start && inner.end <= outer.end
 }

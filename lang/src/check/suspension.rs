@@ -1,7 +1,7 @@
 //! Tasks that suspend themselves by a form that only its own end lifts.
 
-use super::Check;
-use super::walk::{Part, parts};
+use super::known::Check;
+use super::walk::{FormPart, parts};
 use crate::compile::ir::{ConstructIr, Function, Ir, IrKind, ScopeIr, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::stack::deep;
@@ -27,8 +27,8 @@ fn look_at(check: &Check<'_>, ir: &Ir, around: &mut Vec<VarId>, found: &mut Vec<
                 look_at_children(check, construct, around, found);
             }
             _ => parts(ir, &mut |part| match part {
-                Part::Form(form) => look_at(check, form, around, found),
-                Part::Function(function) => look_elsewhere(check, function, found),
+                FormPart::Form(form) => look_at(check, form, around, found),
+                FormPart::Function(function) => look_elsewhere(check, function, found),
             }),
         }
     });

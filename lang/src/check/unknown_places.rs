@@ -1,22 +1,13 @@
 //! Places that the world has not, where a text names one: `(go-to 'nowhere)`.
 
 use super::kinds::kind_of;
+use super::known::{Check, KnownPlaces};
 use super::walk::each_form;
-use super::{Check, places};
 use crate::compile::ir::{Callee, Ir, IrKind, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
 use crate::suggest::suggest;
 use std::collections::BTreeSet;
-
-/// The places a plan can go to, as far as they are known.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct KnownPlaces {
-    /// The name of the world.
-    pub world: String,
-    /// All its places.
-    pub names: Vec<String>,
-}
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     let Some(known) = check.subject.places else { return };
@@ -28,7 +19,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
                 if !known.names.iter().any(|place| place == name)
                     && takes_place(check, callee, at, &mut BTreeSet::new())
                 {
-                    let place = places::narrowed(check, ir.span, argument);
+                    let place = check.narrowed(ir.span, argument);
                     found.push(unknown_place(check, known, name, place));
                 }
             }

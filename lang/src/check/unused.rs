@@ -1,8 +1,9 @@
 //! Bindings nobody reads, and values nobody uses.
 
-use super::bindings::Place;
+use super::bindings::BoundBy;
+use super::known::Check;
+use super::places;
 use super::walk::each_form;
-use super::{Check, places};
 use crate::compile::ir::{Ir, IrKind, Unary, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -80,7 +81,7 @@ fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
     let binding = check.bindings().get(variable);
     let span = check.subject.text.variables[variable.0 as usize].span;
     let name = check.variable_name(variable);
-    if binding.reads > 0 || binding.place == Place::Elsewhere || name.starts_with(['_', '%', '#']) {
+    if binding.reads > 0 || binding.place == BoundBy::Elsewhere || name.starts_with(['_', '%', '#']) {
         return None;
     }
     // What a macro binds has no place of its own in the text.
@@ -88,7 +89,7 @@ fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
     let is_function = matches!(binding.value.map(|value| &value.kind), Some(IrKind::Lambda(_)));
     let (message, help) = match (binding.place, binding.assignments > 0) {
         (_, true) => (format!("`{name}` is assigned and never read"), "remove it and its assignments".to_string()),
-        (Place::Parameter, _) => {
+        (BoundBy::Parameter, _) => {
             (format!("the parameter `{name}` is never used"), format!("if it must be there, call it `_{name}`"))
         }
         _ if is_function => (format!("the local function `{name}` is never called"), "remove it".to_string()),

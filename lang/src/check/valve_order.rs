@@ -1,9 +1,10 @@
 //! Valves that concurrent parts take in opposite orders, and behaviours that drive without theirs.
 
-use super::valves::{Conflict, Need, Request, Summaries, Valve, summarize, summarize_forms};
+use super::known::{Check, KnownFunction};
+use super::places;
+use super::valves::{SeenValve, Summaries, ValveConflict, ValveNeed, ValveRequest, summarize, summarize_forms};
 use super::walk::each_form;
-use super::{Check, Known, places};
-use crate::compile::ir::Defined;
+use crate::compile::resolved::Defined;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use std::collections::BTreeSet;
@@ -13,7 +14,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     let mut conflicts = Vec::new();
     for definition in &check.subject.text.definitions {
         if let Defined::Function(_, function) = &definition.defined {
-            summarize(check, &mut summaries, Known { function, bindings: check.bindings() }, &mut conflicts);
+            summarize(check, &mut summaries, KnownFunction { function, bindings: check.bindings() }, &mut conflicts);
         }
     }
     let main = summarize_forms(check, &mut summaries, &check.subject.text.forms, &mut conflicts);
@@ -41,7 +42,7 @@ fn requests_by_hand(check: &Check<'_>) -> bool {
     found
 }
 
-fn opposite_orders(check: &Check<'_>, conflict: &Conflict) -> Diagnostic {
+fn opposite_orders(check: &Check<'_>, conflict: &ValveConflict) -> Diagnostic {
     let (early, late) = match conflict.first.span <= conflict.second.span {
         true => (&conflict.first, &conflict.second),
         false => (&conflict.second, &conflict.first),
@@ -68,18 +69,18 @@ fn opposite_orders(check: &Check<'_>, conflict: &Conflict) -> Diagnostic {
 }
 
 /// The place of the request itself if it is in the text, else of the call that leads there.
-fn own_place(check: &Check<'_>, request: &Request) -> Span {
+fn own_place(check: &Check<'_>, request: &ValveRequest) -> Span {
     request.within.filter(|&within| check.is_own(within)).unwrap_or(request.span)
 }
 
-fn valve_name(check: &Check<'_>, valve: Valve) -> String {
+fn valve_name(check: &Check<'_>, valve: SeenValve) -> String {
     match valve {
-        Valve::Global(global) => check.global_name(global).to_string(),
-        Valve::Parameter(position) => format!("argument {}", position + 1),
+        SeenValve::Global(global) => check.global_name(global).to_string(),
+        SeenValve::Parameter(position) => format!("argument {}", position + 1),
     }
 }
 
-fn needs_valve(check: &Check<'_>, need: &Need) -> Diagnostic {
+fn needs_valve(check: &Check<'_>, need: &ValveNeed) -> Diagnostic {
     let (behaviour, valve) = (check.global_name(need.behaviour), check.global_name(need.valve));
     let message = format!("`{behaviour}` drives with the valve `{valve}`, which nothing holds here");
     let place = need.within.filter(|&within| check.is_own(within)).unwrap_or(need.span);

@@ -4,13 +4,13 @@ use crate::compile::ir::{Callee, Function, Ir, IrKind, ScopeIr};
 use crate::stack::deep;
 
 /// What stands directly inside a form.
-pub(super) enum Part<'a> {
+pub(super) enum FormPart<'a> {
     Form(&'a Ir),
     Function(&'a Function),
 }
 
 /// Shows the parts of a form in the order of evaluation.
-pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(Part<'a>)) {
+pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(FormPart<'a>)) {
     match &ir.kind {
         IrKind::Nil
         | IrKind::True
@@ -25,51 +25,51 @@ pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(Part<'a>)) {
         | IrKind::Unary(_, value)
         | IrKind::Leave(_, value)
         | IrKind::LeaveDynamic(_, value)
-        | IrKind::Loop(value) => see(Part::Form(value)),
-        IrKind::Block { body, .. } => see(Part::Form(body)),
+        | IrKind::Loop(value) => see(FormPart::Form(value)),
+        IrKind::Block { body, .. } => see(FormPart::Form(body)),
         IrKind::If(condition, then, otherwise) => {
-            [condition, then, otherwise].into_iter().for_each(|part| see(Part::Form(part)));
+            [condition, then, otherwise].into_iter().for_each(|part| see(FormPart::Form(part)));
         }
-        IrKind::Binary(_, left, right) => [left, right].into_iter().for_each(|part| see(Part::Form(part))),
+        IrKind::Binary(_, left, right) => [left, right].into_iter().for_each(|part| see(FormPart::Form(part))),
         IrKind::And(items) | IrKind::Or(items) | IrKind::Seq(items) => {
-            items.iter().for_each(|item| see(Part::Form(item)));
+            items.iter().for_each(|item| see(FormPart::Form(item)));
         }
         IrKind::Let(bindings, body) => {
-            bindings.iter().for_each(|(_, value)| see(Part::Form(value)));
-            see(Part::Form(body));
+            bindings.iter().for_each(|(_, value)| see(FormPart::Form(value)));
+            see(FormPart::Form(body));
         }
-        IrKind::Lambda(function) | IrKind::Network(function) => see(Part::Function(function)),
+        IrKind::Lambda(function) | IrKind::Network(function) => see(FormPart::Function(function)),
         IrKind::Call(callee, arguments) => {
             if let Callee::Value(value) = callee {
-                see(Part::Form(value));
+                see(FormPart::Form(value));
             }
-            arguments.iter().for_each(|argument| see(Part::Form(argument)));
+            arguments.iter().for_each(|argument| see(FormPart::Form(argument)));
         }
         IrKind::Construct(construct) | IrKind::Spawn(construct) => {
-            construct.argument.iter().for_each(|argument| see(Part::Form(argument)));
-            construct.children.iter().for_each(|child| see(Part::Function(&child.body)));
+            construct.evaluated().for_each(|argument| see(FormPart::Form(argument)));
+            construct.children.iter().for_each(|child| see(FormPart::Function(&child.body)));
         }
         IrKind::ConstructMap(construct, list) => {
-            see(Part::Form(list));
-            construct.children.iter().for_each(|child| see(Part::Function(&child.body)));
+            see(FormPart::Form(list));
+            construct.children.iter().for_each(|child| see(FormPart::Function(&child.body)));
         }
         IrKind::Handler { body, clauses, .. } => {
-            see(Part::Form(body));
-            clauses.iter().for_each(|clause| see(Part::Form(&clause.body)));
+            see(FormPart::Form(body));
+            clauses.iter().for_each(|clause| see(FormPart::Form(&clause.body)));
         }
-        IrKind::Cleanup { body, cleanup, .. } => [body, cleanup].into_iter().for_each(|part| see(Part::Form(part))),
+        IrKind::Cleanup { body, cleanup, .. } => [body, cleanup].into_iter().for_each(|part| see(FormPart::Form(part))),
         IrKind::Scope(scope, body) => {
             match scope {
-                ScopeIr::Valve(value) | ScopeIr::Suspended(value) => see(Part::Form(value)),
-                ScopeIr::OnInterrupt(hook) | ScopeIr::OnResume(hook) => see(Part::Function(hook)),
+                ScopeIr::Valve(value) | ScopeIr::Suspended(value) => see(FormPart::Form(value)),
+                ScopeIr::OnInterrupt(hook) | ScopeIr::OnResume(hook) => see(FormPart::Function(hook)),
             }
-            see(Part::Form(body));
+            see(FormPart::Form(body));
         }
         IrKind::WaitFor { fluent, timeout, .. } => {
-            see(Part::Form(fluent));
-            timeout.iter().for_each(|timeout| see(Part::Form(timeout)));
+            see(FormPart::Form(fluent));
+            timeout.iter().for_each(|timeout| see(FormPart::Form(timeout)));
         }
-        IrKind::Whenever { fluent, body, .. } => [fluent, body].into_iter().for_each(|part| see(Part::Form(part))),
+        IrKind::Whenever { fluent, body, .. } => [fluent, body].into_iter().for_each(|part| see(FormPart::Form(part))),
     }
 }
 
@@ -91,8 +91,8 @@ pub(super) fn each_form_within<'a>(ir: &'a Ir, see: &mut dyn FnMut(&'a Ir)) {
     deep(|| {
         see(ir);
         parts(ir, &mut |part| match part {
-            Part::Form(inner) => each_form_within(inner, see),
-            Part::Function(function) => each_form(function, see),
+            FormPart::Form(inner) => each_form_within(inner, see),
+            FormPart::Function(function) => each_form(function, see),
         });
     });
 }
@@ -101,8 +101,8 @@ fn descend<'a>(function: &'a Function, ir: &'a Ir, see: &mut dyn FnMut(&'a Funct
     deep(|| {
         see(function, ir);
         parts(ir, &mut |part| match part {
-            Part::Form(inner) => descend(function, inner, see),
-            Part::Function(function) => each_function_form(function, see),
+            FormPart::Form(inner) => descend(function, inner, see),
+            FormPart::Function(function) => each_function_form(function, see),
         });
     });
 }

@@ -1,6 +1,6 @@
 //! Resolved forms: what expansion and resolution leave of the text, before registers.
 
-use crate::code::{CodeKind, Missed, Parameters, Rule};
+use crate::code::{CodeKind, Missed, Parameters, Quorum, Successes};
 use crate::source::Span;
 use crate::stack::deep;
 use crate::symbol::Symbol;
@@ -34,40 +34,6 @@ impl Variable {
 /// Number of a block, unique in one compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct BlockId(pub(crate) u32);
-
-/// What a text was resolved to, before registers: what [`crate::check`] looks at.
-#[derive(Clone, Debug, Default)]
-pub struct Resolved {
-    /// In the order of the text, loaded files in their place.
-    pub(crate) definitions: Vec<Definition>,
-    /// What runs, in order: forms, and the values of definitions.
-    pub(crate) forms: Vec<Function>,
-    /// Bodies of tests.
-    pub(crate) tests: Vec<Function>,
-    /// By number.
-    pub(crate) variables: Vec<Variable>,
-}
-
-/// A definition of the text.
-#[derive(Clone, Debug)]
-pub(crate) struct Definition {
-    pub(crate) name: Symbol,
-    /// The whole form.
-    pub(crate) span: Span,
-    pub(crate) defined: Defined,
-}
-
-/// What a definition defines.
-#[derive(Clone, Debug)]
-pub(crate) enum Defined {
-    /// A function or plan, and its global.
-    Function(u32, Function),
-    Macro(Function),
-    /// A variable, constant, fluent or valve.
-    Value,
-    /// A class of failure, with a namespace of its own.
-    Failure,
-}
 
 /// A resolved form and its place.
 #[derive(Clone, Debug)]
@@ -146,15 +112,46 @@ pub(crate) struct ChildIr {
     pub(crate) name: Option<Symbol>,
 }
 
+/// What a construct is told when it starts.
+#[derive(Clone, Debug)]
+pub(crate) enum ArgumentIr {
+    Priority(Box<Ir>),
+    Deadline { seconds: Box<Ir>, active: bool },
+    Quorum { successes: Box<Ir>, failures: Box<Ir> },
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct ConstructIr {
-    pub(crate) rule: Rule,
+    pub(crate) quorum: Quorum,
     pub(crate) name: Symbol,
     pub(crate) children: Vec<ChildIr>,
     pub(crate) order: Vec<(u16, u16)>,
-    pub(crate) argument: Option<Box<Ir>>,
-    pub(crate) with_priority: bool,
-    pub(crate) active: bool,
+    pub(crate) argument: Option<ArgumentIr>,
+}
+
+impl ConstructIr {
+    /// The forms that are evaluated before it starts.
+    pub(crate) fn evaluated(&self) -> impl Iterator<Item = &Ir> {
+        let (first, second) = match &self.argument {
+            Some(ArgumentIr::Priority(value) | ArgumentIr::Deadline { seconds: value, .. }) => (Some(value), None),
+            Some(ArgumentIr::Quorum { successes, failures }) => (Some(successes), Some(failures)),
+            None => (None, None),
+        };
+        first.into_iter().chain(second).map(|value| &**value)
+    }
+
+    /// Its policy, if it has one.
+    pub(crate) fn policy(&self) -> Option<&ChildIr> {
+        match (self.quorum.successes, self.children.as_slice()) {
+            (Successes::Last, [policy, _]) => Some(policy),
+            _ => None,
+        }
+    }
+
+    /// Whether its one child is all there is to it.
+    pub(crate) fn is_single(&self) -> bool {
+        self.quorum.successes == Successes::Last && self.children.len() == 1
+    }
 }
 
 /// The kinds of scope a body can run in, on its own task.

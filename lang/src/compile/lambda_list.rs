@@ -1,9 +1,9 @@
 //! Parameter lists: required, `&optional`, `&rest`, `&key`.
 
-use super::ir::ParameterBinding;
-use super::{Compiler, VarId};
+use super::compiler::Compiler;
+use super::ir::{ParameterBinding, VarId};
 use crate::code::Parameters;
-use crate::syntax::{Kind, NodeId};
+use crate::syntax::{NodeId, NodeKind};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Section {
@@ -78,7 +78,7 @@ impl Compiler<'_> {
     fn parameter_name(&mut self, node: NodeId) -> Option<VarId> {
         let span = self.tree.span(node);
         match self.tree.get(node).kind {
-            Kind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name, span)),
+            NodeKind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name, span)),
             _ => {
                 self.error("parameter-list", span, "a parameter must be a name", "expected a name");
                 None

@@ -5,13 +5,13 @@ use crate::source::Span;
 
 /// The kinds of piece a text is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Piece {
+pub(super) enum ConcreteKind {
     /// A name, a number, a string, a dot.
     Atom,
     /// Children in parentheses.
     List,
     /// `'` and its kin: comments, then the datum. `#;` is one of them.
-    Marked(Mark),
+    Marked(DatumMark),
     /// `; …`
     LineComment,
     /// `#| … |#`
@@ -20,15 +20,15 @@ pub(super) enum Piece {
 
 /// What stands before a datum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mark {
+pub(super) enum DatumMark {
     Prefix(Prefix),
     DatumComment,
 }
 
 /// A piece of text.
 #[derive(Debug)]
-pub(super) struct Node {
-    pub(super) piece: Piece,
+pub(super) struct ConcreteNode {
+    pub(super) piece: ConcreteKind,
     /// The bytes of its first token; of a list, the `(`.
     pub(super) start: usize,
     pub(super) end: usize,
@@ -43,12 +43,14 @@ pub(super) struct Node {
     pub(super) has_trailing: bool,
 }
 
-impl Node {
+impl ConcreteNode {
     /// Whether it says nothing to the reader of plans.
     pub(super) fn is_comment(&self) -> bool {
         match self.piece {
-            Piece::LineComment | Piece::BlockComment | Piece::Marked(Mark::DatumComment) => true,
-            Piece::Atom | Piece::List | Piece::Marked(Mark::Prefix(_)) => false,
+            ConcreteKind::LineComment | ConcreteKind::BlockComment | ConcreteKind::Marked(DatumMark::DatumComment) => {
+                true
+            }
+            ConcreteKind::Atom | ConcreteKind::List | ConcreteKind::Marked(DatumMark::Prefix(_)) => false,
         }
     }
 }
@@ -56,8 +58,8 @@ impl Node {
 /// All pieces of a text without faults; the last one is the list of those at top level.
 pub(super) struct Concrete<'t> {
     pub(super) text: &'t str,
-    pub(super) nodes: Vec<Node>,
-    open: Vec<Node>,
+    pub(super) nodes: Vec<ConcreteNode>,
+    open: Vec<ConcreteNode>,
 }
 
 impl<'t> Concrete<'t> {
@@ -78,22 +80,22 @@ impl<'t> Concrete<'t> {
     }
 
     /// The list of what stands at top level.
-    pub(super) fn root(&self) -> &Node {
+    pub(super) fn root(&self) -> &ConcreteNode {
         &self.nodes[self.nodes.len() - 1]
     }
 
     /// What a token says.
-    pub(super) fn text(&self, node: &Node) -> &'t str {
+    pub(super) fn text(&self, node: &ConcreteNode) -> &'t str {
         &self.text[node.start..node.end]
     }
 
     /// The data among the children, comments left out.
-    pub(super) fn data<'a>(&'a self, node: &'a Node) -> impl Iterator<Item = &'a Node> {
+    pub(super) fn data<'a>(&'a self, node: &'a ConcreteNode) -> impl Iterator<Item = &'a ConcreteNode> {
         node.children.iter().map(|&child| &self.nodes[child]).filter(|child| !child.is_comment())
     }
 
     fn token(&mut self, token: Token, start: usize, end: usize, lines_before: usize) {
-        let mark = |mark| Node { piece: Piece::Marked(mark), ..list(start, end, lines_before) };
+        let mark = |mark| ConcreteNode { piece: ConcreteKind::Marked(mark), ..list(start, end, lines_before) };
         match token {
             Token::Open => self.open.push(list(start, end, lines_before)),
             Token::Close => {
@@ -101,10 +103,10 @@ impl<'t> Concrete<'t> {
                     self.close(node);
                 }
             }
-            Token::Prefix(prefix) => self.open.push(mark(Mark::Prefix(prefix))),
-            Token::DatumComment => self.open.push(mark(Mark::DatumComment)),
-            Token::LineComment => self.leaf(Piece::LineComment, start, end, lines_before),
-            Token::BlockComment => self.leaf(Piece::BlockComment, start, end, lines_before),
+            Token::Prefix(prefix) => self.open.push(mark(DatumMark::Prefix(prefix))),
+            Token::DatumComment => self.open.push(mark(DatumMark::DatumComment)),
+            Token::LineComment => self.leaf(ConcreteKind::LineComment, start, end, lines_before),
+            Token::BlockComment => self.leaf(ConcreteKind::BlockComment, start, end, lines_before),
             Token::Str
             | Token::Symbol
             | Token::Keyword
@@ -112,43 +114,52 @@ impl<'t> Concrete<'t> {
             | Token::Float(_)
             | Token::Dot
             | Token::Unterminated
-            | Token::Error => self.leaf(Piece::Atom, start, end, lines_before),
+            | Token::Error => self.leaf(ConcreteKind::Atom, start, end, lines_before),
         }
     }
 
-    fn leaf(&mut self, piece: Piece, start: usize, end: usize, lines_before: usize) {
+    fn leaf(&mut self, piece: ConcreteKind, start: usize, end: usize, lines_before: usize) {
         let text = &self.text[start..end];
-        let is_flat = piece != Piece::LineComment && !text.contains('\n');
+        let is_flat = piece != ConcreteKind::LineComment && !text.contains('\n');
         let width = text.chars().count();
-        self.add(Node { piece, start, end, children: Vec::new(), lines_before, is_flat, width, has_trailing: false });
+        self.add(ConcreteNode {
+            piece,
+            start,
+            end,
+            children: Vec::new(),
+            lines_before,
+            is_flat,
+            width,
+            has_trailing: false,
+        });
     }
 
     /// A list whose closer came, or a mark whose datum did.
-    fn close(&mut self, mut node: Node) {
-        let mut children: Vec<&Node> = node.children.iter().map(|&child| &self.nodes[child]).collect();
+    fn close(&mut self, mut node: ConcreteNode) {
+        let mut children: Vec<&ConcreteNode> = node.children.iter().map(|&child| &self.nodes[child]).collect();
         // Closers go in front of a trailing comment, so a list before one can stand on one line.
-        let is_trailing = |last: &&Node| last.piece == Piece::LineComment && last.lines_before == 0;
-        let trailing = children.pop_if(|last| node.piece == Piece::List && is_trailing(last));
+        let is_trailing = |last: &&ConcreteNode| last.piece == ConcreteKind::LineComment && last.lines_before == 0;
+        let trailing = children.pop_if(|last| node.piece == ConcreteKind::List && is_trailing(last));
         let Some((last, before)) = children.split_last() else { return self.add(node) };
         let are_flat = children.iter().all(|child| child.is_flat) && before.iter().all(|child| !child.has_trailing);
         let in_a_row = children.iter().skip(1).all(|child| child.lines_before == 0);
         let widths: usize = children.iter().map(|child| child.width).sum();
         node.has_trailing = trailing.is_some() || last.has_trailing;
         (node.is_flat, node.width) = match node.piece {
-            Piece::Marked(_) => (are_flat && before.is_empty(), node.end - node.start + widths),
+            ConcreteKind::Marked(_) => (are_flat && before.is_empty(), node.end - node.start + widths),
             _ => (are_flat && in_a_row && !(trailing.is_some() && last.has_trailing), 2 + widths + before.len()),
         };
         self.add(node);
     }
 
     /// Adds a node to what is open; a mark is complete with its datum.
-    fn add(&mut self, node: Node) {
+    fn add(&mut self, node: ConcreteNode) {
         let is_datum = !node.is_comment();
         self.nodes.push(node);
         let index = self.nodes.len() - 1;
         if let Some(parent) = self.open.last_mut() {
             parent.children.push(index);
-            let is_mark = matches!(parent.piece, Piece::Marked(_));
+            let is_mark = matches!(parent.piece, ConcreteKind::Marked(_));
             if is_mark
                 && is_datum
                 && let Some(marked) = self.open.pop()
@@ -159,9 +170,9 @@ impl<'t> Concrete<'t> {
     }
 }
 
-fn list(start: usize, end: usize, lines_before: usize) -> Node {
-    Node {
-        piece: Piece::List,
+fn list(start: usize, end: usize, lines_before: usize) -> ConcreteNode {
+    ConcreteNode {
+        piece: ConcreteKind::List,
         start,
         end,
         children: Vec::new(),

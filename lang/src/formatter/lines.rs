@@ -1,6 +1,6 @@
 //! Lines being written, and comments at their ends.
 
-use crate::indentation::WIDTH;
+use crate::layout::WIDTH;
 
 /// The text so far.
 #[derive(Default)]

@@ -5,7 +5,7 @@ use super::behaviours::position_tracking::{X, Y};
 use super::{Controller, OfficeModel, mode_name, no_map, plan_text};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
-use rpl_lang::reader::fold_name;
+use rpl_lang::symbol::fold_name;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Effect, Native, Reply};

@@ -6,7 +6,7 @@ use super::people::PERSON_RADIUS_M;
 use super::state::{Contacts, SimulatorState};
 use crate::geometry::{Point, Pose, Vector, distance_m};
 use crate::world::{Object, Origin, Outline, Rect, UnknownName, is_same_name};
-use rpl_lang::reader::fold_name;
+use rpl_lang::symbol::fold_name;
 
 /// Why the experimenter cannot do that.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -3,7 +3,7 @@
 use super::error::nearest;
 use super::{Door, Place, Room, TravelMode, World};
 use crate::geometry::Point;
-use rpl_lang::reader::fold_name;
+use rpl_lang::symbol::fold_name;
 
 /// A name no place, room or door of the world has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -7,7 +7,7 @@ use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World,
 use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::OccupancyGrid;
-use rpl_lang::reader::fold_name;
+use rpl_lang::symbol::fold_name;
 use toml::de::DeTable;
 
 /// Thickness of a wall that states none.

@@ -6,7 +6,7 @@ use crate::state::heap::Heap;
 use crate::state::value::Value;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbols;
-use rpl_lang::syntax::{Kind, NodeId, Tree};
+use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Which pair was made from which list, so that what a macro passes on keeps its place.
@@ -32,28 +32,28 @@ pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: No
             Visit::Node(node) => node,
         };
         values.push(match &tree.get(node).kind {
-            Kind::List { .. } => {
+            NodeKind::List { .. } => {
                 steps.push(Visit::End(node));
                 steps.extend(tree.items(node).iter().rev().map(|&item| Visit::Node(item)));
                 continue;
             }
-            Kind::Symbol(symbol) => match symbols.name(*symbol) {
+            NodeKind::Symbol(symbol) => match symbols.name(*symbol) {
                 "nil" => Value::Nil,
                 "t" => Value::True,
                 _ => Value::Symbol(*symbol),
             },
-            Kind::Keyword(symbol) => Value::Keyword(*symbol),
-            Kind::Int(value) => Value::Int(*value),
-            Kind::Float(value) => Value::Float(*value),
-            Kind::Str(text) => heap.string(text),
-            Kind::Object(_) | Kind::Hole => Value::Nil,
+            NodeKind::Keyword(symbol) => Value::Keyword(*symbol),
+            NodeKind::Int(value) => Value::Int(*value),
+            NodeKind::Float(value) => Value::Float(*value),
+            NodeKind::Str(text) => heap.string(text),
+            NodeKind::Object(_) | NodeKind::Hole => Value::Nil,
         });
     }
     values.pop().unwrap_or_default()
 }
 
 fn list_of(heap: &mut Heap, tree: &Tree, node: NodeId, mut items: Vec<Value>, origins: &mut Origins) -> Value {
-    let dotted = matches!(tree.get(node).kind, Kind::List { dotted: true, .. });
+    let dotted = matches!(tree.get(node).kind, NodeKind::List { dotted: true, .. });
     let tail = if dotted { items.pop().unwrap_or_default() } else { Value::Nil };
     let list = heap.list_with_tail(&items, tail);
     if let Value::Cons(pair) = list {
@@ -137,13 +137,13 @@ fn leaf(
     objects: &mut Vec<Value>,
 ) -> NodeId {
     let kind = match value {
-        Value::Nil => Kind::Symbol(symbols.intern("nil")),
-        Value::True => Kind::Symbol(symbols.intern("t")),
-        Value::Int(value) => Kind::Int(value),
-        Value::Float(value) => Kind::Float(value),
-        Value::Symbol(symbol) => Kind::Symbol(symbol),
-        Value::Keyword(symbol) => Kind::Keyword(symbol),
-        Value::Str(text) => Kind::Str(heap.strings[text].clone()),
+        Value::Nil => NodeKind::Symbol(symbols.intern("nil")),
+        Value::True => NodeKind::Symbol(symbols.intern("t")),
+        Value::Int(value) => NodeKind::Int(value),
+        Value::Float(value) => NodeKind::Float(value),
+        Value::Symbol(symbol) => NodeKind::Symbol(symbol),
+        Value::Keyword(symbol) => NodeKind::Keyword(symbol),
+        Value::Str(text) => NodeKind::Str(heap.strings[text].clone()),
         Value::Cons(_)
         | Value::Cell(_)
         | Value::Function(_)
@@ -157,7 +157,7 @@ fn leaf(
         | Value::Behaviour(_)
         | Value::Unbound => {
             objects.push(value);
-            Kind::Object(objects.len() as u32 - 1)
+            NodeKind::Object(objects.len() as u32 - 1)
         }
     };
     tree.atom(kind, span)

@@ -308,6 +308,7 @@ impl Machine {
     fn validate_children(&self, bounds: &Bounds<'_>, children: &Children) -> Result<(), String> {
         self.symbol(children.name)?;
         self.validate_value(bounds, children.last_value)?;
+        children.values.iter().try_for_each(|&value| self.validate_value(bounds, value))?;
         children.held.iter().try_for_each(|held| self.validate_reference(held.task))?;
         children.failures.iter().try_for_each(|&failure| self.validate_failure(bounds, failure))?;
         match children.decided {

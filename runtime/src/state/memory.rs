@@ -61,6 +61,7 @@ pub(crate) fn scope(kind: &ScopeKind) -> usize {
         }
         ScopeKind::Children(children) => {
             block(size_of::<Children>())
+                + block(std::mem::size_of_val(children.values.as_slice()))
                 + block(std::mem::size_of_val(children.failures.as_slice()))
                 + block(std::mem::size_of_val(children.order.as_slice()))
                 + block(std::mem::size_of_val(children.held.as_slice()))

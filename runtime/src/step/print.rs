@@ -5,7 +5,7 @@ use crate::state::value::Value;
 use crate::step::print;
 use rpl_lang::code::Program;
 use rpl_lang::number::format_float;
-use rpl_lang::pretty::quote_string;
+use rpl_lang::visible::quote_string;
 use rpl_lang::visible::visible;
 use std::fmt::Write as _;
 

@@ -4,7 +4,7 @@ use crate::evaluate::library;
 use rpl_lang::reader;
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
-use rpl_lang::syntax::{Kind, Tree};
+use rpl_lang::syntax::{NodeKind, Tree};
 use std::collections::BTreeMap;
 
 /// Kind, name and documentation of every definition of the prelude.
@@ -18,7 +18,7 @@ fn prelude_definitions() -> Vec<(String, String, Option<String>)> {
             let items = tree.items(form);
             let name = |at: usize| tree.symbol(items[at]).map(|name| symbols.name(name).to_string());
             let doc = items.get(3).and_then(|&doc| match &tree.get(doc).kind {
-                Kind::Str(text) if items.len() > 4 => Some(text.to_string()),
+                NodeKind::Str(text) if items.len() > 4 => Some(text.to_string()),
                 _ => None,
             });
             (name(0).expect("a definition"), name(1).expect("a name"), doc)

@@ -305,7 +305,12 @@ impl Writer {
             0..=2 => format!("(seq {})", self.forms(place, 3)),
             3..=5 => format!("(par {})", self.children(place)),
             6 | 7 => format!("(pursue {})", self.children(place)),
-            8 | 9 => format!("(try-all {})", self.children(place)),
+            8 => format!("(try-all {})", self.children(place)),
+            9 => {
+                let successes = self.dice.pick(&["1", "2", "3", "n", ":all"]);
+                let failures = self.dice.pick(&["1", "2", ":all", ":all"]);
+                format!("(quorum {successes} {failures} {})", self.children(place))
+            }
             10 => {
                 let ways: Vec<String> = (0..1 + self.below(3)).map(|_| self.form(&place.in_task())).collect();
                 format!("(try-in-order {})", ways.join(" "))

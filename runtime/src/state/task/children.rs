@@ -2,7 +2,7 @@
 
 use crate::state::active_time::ActiveTime;
 use crate::state::value::{TaskRef, Value};
-use rpl_lang::code::{Reg, Rule};
+use rpl_lang::code::{Quorum, Reg, Successes};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,7 @@ pub struct Held {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Children {
     /// How the outcome is decided.
-    pub rule: Rule,
+    pub quorum: Quorum,
     /// The construct's name.
     pub name: Symbol,
     /// How many constructs of this name its surroundings had before, from 1.
@@ -45,6 +45,8 @@ pub struct Children {
     pub decided: Option<Decision>,
     /// Value of the last child by position, once it has succeeded.
     pub last_value: Value,
+    /// For a list: values of the children that have succeeded, in the order in which they did.
+    pub values: Vec<Value>,
     /// Failures of children, in the order in which they failed.
     pub failures: Vec<Value>,
     /// For a partial order: constraints between positions, sorted.
@@ -64,6 +66,12 @@ pub struct Children {
 impl Children {
     /// Whether no child can be done without.
     pub fn needs_all(&self) -> bool {
-        self.decided.is_some() || matches!(self.rule, Rule::Par | Rule::Plan | Rule::Single)
+        let needs_all = match self.quorum.successes {
+            Successes::All => true,
+            // A deadline can come before the end of the one.
+            Successes::Last => self.total == 1 && self.timer == 0 && self.active.is_none(),
+            Successes::Count(_) => false,
+        };
+        self.decided.is_some() || needs_all
     }
 }

@@ -1,5 +1,5 @@
 //! Constructs of concurrent children: one primitive, and a rule that looks at how each child ends.
 
 mod deadline;
-mod outcome;
+pub(crate) mod outcome;
 mod start;

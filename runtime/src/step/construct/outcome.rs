@@ -4,42 +4,51 @@ use crate::state::machine::Machine;
 use crate::state::task::{Children, Decision, Leaving, Scope, ScopeKind, State, Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
-use rpl_lang::code::Rule;
+use rpl_lang::code::{Failures, Quorum, Successes};
+
+/// The outcome of a construct, before it is on the heap.
+enum Verdict {
+    /// It has this value.
+    Value(Value),
+    /// It has the list of these values.
+    Values(Vec<Value>),
+    /// It has the failure of a child.
+    Failure(Value),
+    /// It has a failure of its own, with a message, made of those of children.
+    Failures(String, Vec<Value>),
+}
 
 /// What the end of one child decides.
-fn verdict(children: &mut Children, state: State, result: Value, position: u32) -> Option<Decision> {
+fn verdict(children: &mut Children, state: State, result: Value, position: u32) -> Option<Verdict> {
     let is_last = position + 1 == children.total;
-    match (children.rule, state) {
-        (Rule::Par | Rule::Plan | Rule::Pursue | Rule::Policy | Rule::Single | Rule::Timeout, State::Failed) => {
-            Some(Decision::Fail(result))
-        }
-        (Rule::TryAll, State::Failed) => {
-            children.failures.push(result);
-            None
-        }
-        (Rule::Par | Rule::Plan, State::Succeeded) => {
-            if is_last {
-                children.last_value = result;
-            }
-            None
-        }
-        (Rule::Pursue | Rule::TryAll | Rule::Single | Rule::Timeout, State::Succeeded) => {
-            Some(Decision::Succeed(result))
-        }
-        (Rule::Policy, State::Succeeded) => (position == 1).then_some(Decision::Succeed(result)),
-        (Rule::Policy, State::Evaporated) => (position == 1).then_some(Decision::Succeed(Value::Nil)),
-        (Rule::Single | Rule::Timeout, State::Evaporated) => Some(Decision::Succeed(Value::Nil)),
-        _ => None,
+    let Quorum { successes, failures, lists } = children.quorum;
+    match (state, successes) {
+        (State::Failed, _) if failures == Failures::Count(1) => return Some(Verdict::Failure(result)),
+        (State::Failed, _) => children.failures.push(result),
+        (State::Succeeded, _) if lists => children.values.push(result),
+        (State::Succeeded, Successes::All) if is_last => children.last_value = result,
+        (State::Succeeded, Successes::Last) if is_last => return Some(Verdict::Value(result)),
+        (State::Succeeded, Successes::Count(_)) => return Some(Verdict::Value(result)),
+        (State::Evaporated, Successes::Last) if is_last => return Some(Verdict::Value(Value::Nil)),
+        _ => {}
     }
+    if lists && successes == Successes::Count(children.values.len() as u32) {
+        return Some(Verdict::Values(std::mem::take(&mut children.values)));
+    }
+    // When no child is left, the end of the construct says it.
+    let (alive, failed) = (children.alive as usize, children.failures.len());
+    let message = match failures {
+        _ if alive == 0 => None,
+        Failures::Count(count) if failed >= count as usize => Some(format!("{failed} of {} failed", children.total)),
+        Failures::Count(_) | Failures::All => {
+            shortfall(children.quorum, children.values.len() + alive, children.total as usize)
+        }
+    };
+    message.map(|message| Verdict::Failures(message, std::mem::take(&mut children.failures)))
 }
 
 impl Machine {
-    pub(crate) fn composite(&mut self, task: u32, parts: Vec<Value>) -> Value {
-        let message = match parts.len() {
-            0 => "there was nothing that could succeed".to_string(),
-            1 => "the only way failed".to_string(),
-            count => format!("all {count} ways failed"),
-        };
+    pub(crate) fn composite(&mut self, task: u32, message: String, parts: Vec<Value>) -> Value {
         let class = self.symbols.intern("composite-failure");
         let failure = self.new_failure(task, class, message, Vec::new());
         if let Value::Failure(index) = failure {
@@ -66,8 +75,7 @@ impl Machine {
     }
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        let (state, result, position) =
-            (self.tasks[child].state(), self.tasks[child].value, self.tasks[child].position);
+        let (state, result, position) = (self.tasks[child].state(), self.tasks[child].value, self.tasks[child].position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {
@@ -87,7 +95,8 @@ impl Machine {
                     self.finish_if_done(around, parent, scope);
                     return;
                 }
-                match (decided, verdict(children, state, result, position)) {
+                let verdict = if decided.is_none() { verdict(children, state, result, position) } else { None };
+                match (decided, verdict.map(|verdict| self.decision(parent, verdict))) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
                     (None, None) => self.start_successors(around, parent, scope, position as u16),
                     (Some(decision), _) if state == State::Failed => self.attach_failure(around, decision, result),
@@ -96,6 +105,16 @@ impl Machine {
                 self.finish_if_done(around, parent, scope);
             }
             other => unreachable!("a child belongs to a construct or a plan call, not to {other:?}"),
+        }
+    }
+
+    /// The outcome as the construct has it: what it is made of goes on the heap.
+    fn decision(&mut self, parent: u32, verdict: Verdict) -> Decision {
+        match verdict {
+            Verdict::Value(value) => Decision::Succeed(value),
+            Verdict::Values(values) => Decision::Succeed(self.heap.list(&values)),
+            Verdict::Failure(failure) => Decision::Fail(failure),
+            Verdict::Failures(message, parts) => Decision::Fail(self.composite(parent, message, parts)),
         }
     }
 
@@ -162,10 +181,9 @@ impl Machine {
             self.forget_timer();
         }
         self.tasks[parent].wake_register = children.result;
-        let decision = match (children.decided, children.rule) {
-            (Some(decision), _) => decision,
-            (None, Rule::Pursue | Rule::TryAll) => Decision::Fail(self.composite(parent, children.failures)),
-            (None, _) => Decision::Succeed(children.last_value),
+        let decision = match children.decided {
+            Some(decision) => decision,
+            None => self.decision(parent, verdict_at_end(*children)),
         };
         let rare = self.tasks[parent].rare.as_ref();
         let is_wanted_otherwise = rare.is_some_and(|rare| rare.evaporation_pending || rare.failure_pending);
@@ -209,5 +227,45 @@ impl Machine {
                 self.wake(owner, Wake::Nothing);
             }
         }
+    }
+}
+
+/// The outcome if all children are dead, and none of them has decided it.
+fn verdict_at_end(children: Children) -> Verdict {
+    let Children { quorum, values, failures, last_value, total, .. } = children;
+    let (failed, total) = (failures.len(), total as usize);
+    let has_failed = match quorum.failures {
+        Failures::Count(count) => failed >= count as usize,
+        Failures::All => failed == total,
+    };
+    match quorum.successes {
+        Successes::Count(_) if !quorum.lists => Verdict::Failures(all_failed(failed), failures),
+        _ if has_failed => Verdict::Failures(format!("{failed} of {total} failed"), failures),
+        Successes::Count(_) => {
+            let message = shortfall(quorum, values.len(), total).unwrap_or_else(|| all_failed(failed));
+            Verdict::Failures(message, failures)
+        }
+        Successes::All | Successes::Last if quorum.lists => Verdict::Values(values),
+        Successes::All | Successes::Last => Verdict::Value(last_value),
+    }
+}
+
+/// What to say if so many children that have succeeded or still can, of so many, are too few.
+pub(super) fn shortfall(quorum: Quorum, left: usize, total: usize) -> Option<String> {
+    match quorum.successes {
+        Successes::Count(count) if left < count as usize => Some(match quorum.lists {
+            true => format!("{left} of {total} can succeed, and {count} must"),
+            false => all_failed(0),
+        }),
+        Successes::Count(_) | Successes::All | Successes::Last => None,
+    }
+}
+
+/// What a failure says that is made of those of all ways there were.
+pub(crate) fn all_failed(ways: usize) -> String {
+    match ways {
+        0 => "there was nothing that could succeed".to_string(),
+        1 => "the only way failed".to_string(),
+        count => format!("all {count} ways failed"),
     }
 }

@@ -7,8 +7,9 @@ use crate::state::memory;
 use crate::state::slab::NONE;
 use crate::state::task::{Children, Held, Scope, ScopeKind, State, Task};
 use crate::state::value::Value;
+use crate::step::construct::outcome::shortfall;
 use crate::step::native::Surroundings;
-use rpl_lang::code::{Child, Construct, NO_REG, Reg, Rule};
+use rpl_lang::code::{Argument, Child, Construct, Failures, NO_REG, Quorum, Reg, Successes};
 use rpl_lang::kind::Kind;
 
 fn sorted(order: &[(u16, u16)]) -> Vec<(u16, u16)> {
@@ -98,31 +99,39 @@ impl Machine {
             Some(elements) => self.heap.length(elements).unwrap_or(0),
             None => construct.children.len(),
         };
-        let argument =
-            (construct.argument != NO_REG).then(|| self.scratch.stack[base + usize::from(construct.argument)]);
-        let number = match argument {
-            Some(number) if construct.with_priority => Some(self.priority_argument(number)?),
-            _ => None,
-        };
-        let due_us = match argument {
-            Some(seconds) if construct.rule == Rule::Timeout => {
-                Some(self.instant_after(seconds, || "the time of `with-timeout`".into())?)
+        let value_of = |machine: &Self, register: Reg| machine.scratch.stack[base + usize::from(register)];
+        let mut quorum = construct.quorum;
+        let (mut number, mut seconds, mut active) = (None, None, false);
+        match construct.argument {
+            Some(Argument::Priority(register)) => number = Some(self.priority_argument(value_of(self, register))?),
+            Some(Argument::Deadline { seconds: register, active: is_active }) => {
+                (seconds, active) = (Some(value_of(self, register)), is_active);
             }
-            _ => None,
+            Some(Argument::Quorum { successes, failures }) => {
+                quorum = self.quorum_argument(value_of(self, successes), value_of(self, failures))?;
+            }
+            None => {}
+        }
+        let due_us = match seconds {
+            Some(seconds) => Some(self.instant_after(seconds, || "the time of `with-timeout`".into())?),
+            None => None,
         };
-        let appends = construct.rule == Rule::Policy || construct.with_priority;
+        let appends = construct.has_policy() || number.is_some();
         if appends && self.tasks[parent].priority_depth == u16::MAX {
             let message = format!("policies and priorities are nested more than {} deep", u16::MAX);
             return Err(Raise::new("stack-overflow", message));
         }
         let occurrence = self.count_use(parent, construct.name);
+        if let Some(shortfall) = shortfall(quorum, total, total) {
+            return Err(Raise::Again(self.composite(parent, shortfall, Vec::new())));
+        }
         if total == 0 {
-            return self.empty_construct(construct.rule);
+            return Ok(Some(Value::Nil));
         }
         let scope = self.tasks[parent].scopes.len() as u32;
         let depth = self.scratch.frames.len() as u32;
         let children = Children {
-            rule: construct.rule,
+            quorum,
             name: construct.name,
             occurrence,
             result,
@@ -130,12 +139,13 @@ impl Machine {
             total: total as u32,
             decided: None,
             last_value: Value::Nil,
+            values: Vec::new(),
             failures: Vec::new(),
             order: sorted(&construct.order),
             held: Vec::new(),
-            seconds: argument.and_then(Value::as_f64).unwrap_or(0.0),
+            seconds: seconds.and_then(Value::as_f64).unwrap_or(0.0),
             timer: 0,
-            active: due_us.filter(|_| construct.active).map(ActiveTime::Due),
+            active: due_us.filter(|_| active).map(ActiveTime::Due),
             expired_us: None,
         };
         let kind = ScopeKind::Children(Box::new(children));
@@ -212,7 +222,7 @@ impl Machine {
         let record = &mut self.tasks[task];
         record.position = position as u32;
         record.name = child.name.unwrap_or(construct.name);
-        record.named_by_construct = child.name.is_none() && !matches!(construct.rule, Rule::Single | Rule::Timeout);
+        record.named_by_construct = child.name.is_none() && !construct.is_single();
         record.occurrence = occurrence;
     }
 
@@ -236,18 +246,25 @@ impl Machine {
         number: Option<i64>,
     ) -> (u32, u16) {
         let (priority, depth) = (self.tasks[parent].priority, self.tasks[parent].priority_depth);
-        let appended = match construct.rule {
-            Rule::Policy => i64::from(position == 0),
-            Rule::Single if construct.with_priority => number.unwrap_or(0),
-            _ => return (priority, depth),
+        let appended = match number {
+            Some(number) => number,
+            None if construct.has_policy() => i64::from(position == 0),
+            None => return (priority, depth),
         };
         (self.priorities.appended(priority, usize::from(depth), appended), depth + 1)
     }
 
-    fn empty_construct(&mut self, rule: Rule) -> Result<Option<Value>, Raise> {
-        match rule {
-            Rule::Pursue | Rule::TryAll => Err(Raise::Again(self.composite(self.current, Vec::new()))),
-            _ => Ok(Some(Value::Nil)),
-        }
+    /// What `quorum` was told.
+    fn quorum_argument(&self, successes: Value, failures: Value) -> Result<Quorum, Raise> {
+        let count = |which: &str, value: Value| match value {
+            Value::Int(count @ 1..) => Ok(Some(u32::try_from(count).unwrap_or(u32::MAX))),
+            Value::Keyword(word) if self.symbols.name(word) == "all" => Ok(None),
+            _ => Err(self.wrong_type(which, "an integer from 1 on or :all", value)),
+        };
+        Ok(Quorum {
+            successes: count("the successes of `quorum`", successes)?.map_or(Successes::All, Successes::Count),
+            failures: count("the failures of `quorum`", failures)?.map_or(Failures::All, Failures::Count),
+            ..Quorum::ASKED
+        })
     }
 }

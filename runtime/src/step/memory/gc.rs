@@ -211,6 +211,7 @@ impl Machine {
             }
             ScopeKind::Children(children) => {
                 marker.push(children.last_value);
+                marker.extend(&children.values);
                 marker.extend(&children.failures);
                 if let Some(Decision::Succeed(value) | Decision::Fail(value)) = children.decided {
                     marker.push(value);

@@ -2,6 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::value::Value;
+use crate::step::construct::outcome::all_failed;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -115,7 +116,7 @@ fn fail(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn fail_composite(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let parts = call.list(0)?;
-    Err(Raise::Again(call.machine.composite(call.machine.current, parts)))
+    Err(Raise::Again(call.machine.composite(call.machine.current, all_failed(parts.len()), parts)))
 }
 
 fn slot(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -9,7 +9,7 @@ use crate::state::stall::Stall;
 use crate::state::task::{ScopeKind, State, Task};
 use crate::step::native::Surroundings;
 use crate::step::time::timers::is_current;
-use rpl_lang::code::{Program, Rule};
+use rpl_lang::code::{Program, Successes};
 
 /// How long nothing may happen.
 const PATIENCE_US: u64 = 120_000_000;
@@ -82,8 +82,8 @@ impl Machine {
             let scope =
                 self.tasks.get(record.parent).and_then(|parent| parent.scopes.get(record.parent_scope as usize));
             if let Some(ScopeKind::Children(children)) = scope.map(|scope| &scope.kind)
-                && children.rule == Rule::Policy
-                && record.position == 0
+                && children.quorum.successes == Successes::Last
+                && record.position + 1 < children.total
             {
                 return true;
             }

@@ -1,80 +1,32 @@
-//! Which valves a form asks for while it holds which others, through calls.
+//! What a function asks for, found in its forms and through its calls.
 
-use super::walk::{Part, parts};
-use super::{Bindings, Check, Known};
-use crate::code::{GlobalKind, Rule};
-use crate::compile::ir::{Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, VarId};
+use super::conflict::{conflicts_between, is_ordered};
+use super::request::{SeenValve, ValveConflict, ValveNeed, ValveRequest, ValveSummary};
+use crate::check::bindings::Bindings;
+use crate::check::known::{Check, KnownFunction};
+use crate::check::walk::{FormPart, parts};
+use crate::code::GlobalKind;
+use crate::compile::ir::{ArgumentIr, Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, VarId};
 use crate::source::Span;
 use crate::stack::deep;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A valve, as a function can see it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Valve {
-    Global(u32),
-    /// The argument at this position.
-    Parameter(usize),
-}
-
-/// A valve is asked for.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Request {
-    /// What is held then, in the order of taking, by the task or the ones around it.
-    pub(super) held: Vec<Valve>,
-    pub(super) valve: Valve,
-    /// Where: in the text of the function that is looked at.
-    pub(super) span: Span,
-    /// Where exactly, if that is in a function it calls.
-    pub(super) within: Option<Span>,
-    /// Whether nothing can interrupt it: in a clean-up, or a hook of an interruption.
-    pub(super) protected: bool,
-    /// What is appended to the task's priority; none if that is not visible.
-    pub(super) priority: Option<Vec<i64>>,
-    /// Whether it is asked for by the task itself, not by one below.
-    same_task: bool,
-    /// Whether the state of a task was waited for before.
-    pub(super) after_task: bool,
-}
-
-/// A behaviour is activated without its valve.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Need {
-    pub(super) valve: u32,
-    pub(super) behaviour: u32,
-    pub(super) span: Span,
-    pub(super) within: Option<Span>,
-}
-
-/// Two concurrent parts that can wait for each other.
-#[derive(Clone, Debug)]
-pub(super) struct Conflict {
-    pub(super) first: Request,
-    pub(super) second: Request,
-}
-
-/// What a function asks for.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Summary {
-    pub(super) requests: Vec<Request>,
-    pub(super) needs: Vec<Need>,
-}
 
 /// More requests than this of one function are not followed.
 const MAX_REQUESTS: usize = 256;
 
 /// Summaries of functions, made when they are asked for.
 #[derive(Default)]
-pub(super) struct Summaries {
+pub(in crate::check) struct Summaries {
     /// None while it is being made: a recursion adds nothing.
-    known: BTreeMap<u32, Option<Summary>>,
+    known: BTreeMap<u32, Option<ValveSummary>>,
 }
 
 impl Summaries {
-    fn of(&mut self, check: &Check<'_>, global: u32) -> Summary {
+    fn of(&mut self, check: &Check<'_>, global: u32) -> ValveSummary {
         if let Some(known) = self.known.get(&global) {
             return known.clone().unwrap_or_default();
         }
-        let Some(known) = check.known(global) else { return Summary::default() };
+        let Some(known) = check.known(global) else { return ValveSummary::default() };
         self.known.insert(global, None);
         let summary = summarize(check, self, known, &mut Vec::new());
         self.known.insert(global, Some(summary.clone()));
@@ -83,12 +35,12 @@ impl Summaries {
 }
 
 /// What a function asks for, and the conflicts in it.
-pub(super) fn summarize(
+pub(in crate::check) fn summarize(
     check: &Check<'_>,
     summaries: &mut Summaries,
-    known: Known<'_>,
-    conflicts: &mut Vec<Conflict>,
-) -> Summary {
+    known: KnownFunction<'_>,
+    conflicts: &mut Vec<ValveConflict>,
+) -> ValveSummary {
     let parameters = known.function.bindings.iter().map(|binding| binding.variable).collect();
     let mut search = Search::new(check, summaries, known.bindings, parameters, conflicts);
     search.form(&known.function.body);
@@ -96,12 +48,12 @@ pub(super) fn summarize(
 }
 
 /// What forms that run one after the other ask for, and the conflicts in them.
-pub(super) fn summarize_forms(
+pub(in crate::check) fn summarize_forms(
     check: &Check<'_>,
     summaries: &mut Summaries,
     forms: &[Function],
-    conflicts: &mut Vec<Conflict>,
-) -> Summary {
+    conflicts: &mut Vec<ValveConflict>,
+) -> ValveSummary {
     let mut search = Search::new(check, summaries, check.bindings(), Vec::new(), conflicts);
     forms.iter().for_each(|form| search.form(&form.body));
     search.finish()
@@ -112,9 +64,9 @@ struct Search<'c, 'a> {
     summaries: &'c mut Summaries,
     bindings: &'c Bindings<'a>,
     parameters: Vec<VarId>,
-    conflicts: &'c mut Vec<Conflict>,
-    found: Summary,
-    held: Vec<Valve>,
+    conflicts: &'c mut Vec<ValveConflict>,
+    found: ValveSummary,
+    held: Vec<SeenValve>,
     /// Where in `held` the current task's own begin.
     task_base: usize,
     /// Valves that are held and not known.
@@ -124,7 +76,7 @@ struct Search<'c, 'a> {
     same_task: bool,
     after_task: bool,
     /// Spawned tasks: what they ask for, how many requests were known before, what was held.
-    spawned: Vec<(Vec<Request>, usize, usize)>,
+    spawned: Vec<(Vec<ValveRequest>, usize, usize)>,
     /// Local functions that are being followed.
     followed: BTreeSet<VarId>,
 }
@@ -135,7 +87,7 @@ impl<'c, 'a> Search<'c, 'a> {
         summaries: &'c mut Summaries,
         bindings: &'c Bindings<'a>,
         parameters: Vec<VarId>,
-        conflicts: &'c mut Vec<Conflict>,
+        conflicts: &'c mut Vec<ValveConflict>,
     ) -> Self {
         Self {
             check,
@@ -143,7 +95,7 @@ impl<'c, 'a> Search<'c, 'a> {
             bindings,
             parameters,
             conflicts,
-            found: Summary::default(),
+            found: ValveSummary::default(),
             held: Vec::new(),
             task_base: 0,
             unknown_held: 0,
@@ -156,7 +108,7 @@ impl<'c, 'a> Search<'c, 'a> {
         }
     }
 
-    fn finish(mut self) -> Summary {
+    fn finish(mut self) -> ValveSummary {
         self.compare_spawned();
         self.found
     }
@@ -214,8 +166,8 @@ impl<'c, 'a> Search<'c, 'a> {
                 self.after_task |= mentions_task(self.check, fluent);
             }
             _ => parts(ir, &mut |part| match part {
-                Part::Form(form) => self.form(form),
-                Part::Function(function) => self.form(&function.body),
+                FormPart::Form(form) => self.form(form),
+                FormPart::Function(function) => self.form(&function.body),
             }),
         }
     }
@@ -244,23 +196,23 @@ impl<'c, 'a> Search<'c, 'a> {
         self.held.truncate(held);
     }
 
-    fn valve(&self, ir: &Ir) -> Option<Valve> {
+    fn valve(&self, ir: &Ir) -> Option<SeenValve> {
         match ir.kind {
-            IrKind::Global(global) if *self.check.kind(global) == GlobalKind::Valve => Some(Valve::Global(global)),
+            IrKind::Global(global) if *self.check.kind(global) == GlobalKind::Valve => Some(SeenValve::Global(global)),
             IrKind::Local(variable) => {
                 let position = self.parameters.iter().position(|&parameter| parameter == variable)?;
-                (self.bindings.get(variable).assignments == 0).then_some(Valve::Parameter(position))
+                (self.bindings.get(variable).assignments == 0).then_some(SeenValve::Parameter(position))
             }
             _ => None,
         }
     }
 
-    fn request(&mut self, valve: Valve, span: Span) {
+    fn request(&mut self, valve: SeenValve, span: Span) {
         // The task holds it already.
         if self.held[self.task_base..].contains(&valve) {
             return;
         }
-        let request = Request {
+        let request = ValveRequest {
             held: self.held.clone(),
             valve,
             span,
@@ -273,8 +225,8 @@ impl<'c, 'a> Search<'c, 'a> {
         self.note(request);
     }
 
-    fn note(&mut self, request: Request) {
-        let is_new = |known: &Request| {
+    fn note(&mut self, request: ValveRequest) {
+        let is_new = |known: &ValveRequest| {
             known.held != request.held
                 || known.valve != request.valve
                 || known.protected != request.protected
@@ -324,15 +276,15 @@ impl<'c, 'a> Search<'c, 'a> {
     }
 
     /// What a called function asks for, seen from here.
-    fn called(&mut self, summary: Summary, arguments: &[Ir], span: Span) {
+    fn called(&mut self, summary: ValveSummary, arguments: &[Ir], span: Span) {
         for need in summary.needs {
             let within = Some(need.within.unwrap_or(need.span));
-            self.need(Need { span, within, ..need });
+            self.need(ValveNeed { span, within, ..need });
         }
         for request in summary.requests {
-            let seen = |valve: Valve| match valve {
-                Valve::Global(_) => Some(valve),
-                Valve::Parameter(position) => arguments.get(position).and_then(|argument| self.valve(argument)),
+            let seen = |valve: SeenValve| match valve {
+                SeenValve::Global(_) => Some(valve),
+                SeenValve::Parameter(position) => arguments.get(position).and_then(|argument| self.valve(argument)),
             };
             let Some(valve) = seen(request.valve) else { continue };
             let Some(held) = request.held.iter().map(|&held| seen(held)).collect::<Option<Vec<_>>>() else { continue };
@@ -343,7 +295,7 @@ impl<'c, 'a> Search<'c, 'a> {
                 (Some(outer), Some(inner)) => Some([&outer[..], inner].concat()),
                 _ => None,
             };
-            let request = Request {
+            let request = ValveRequest {
                 held: [&self.held[..], &held].concat(),
                 valve,
                 span,
@@ -385,24 +337,27 @@ impl<'c, 'a> Search<'c, 'a> {
             .and_then(|valve| self.check.subject.symbols.find(valve))
             .and_then(|valve| self.check.subject.program.names.get(&valve));
         if let Some(&valve) = global {
-            self.need(Need { valve, behaviour: *behaviour, span, within: None });
+            self.need(ValveNeed { valve, behaviour: *behaviour, span, within: None });
         }
     }
 
-    fn need(&mut self, need: Need) {
+    fn need(&mut self, need: ValveNeed) {
         let is_held = self.unknown_held > 0
-            || self.held.iter().any(|&held| held == Valve::Global(need.valve) || matches!(held, Valve::Parameter(_)));
+            || self
+                .held
+                .iter()
+                .any(|&held| held == SeenValve::Global(need.valve) || matches!(held, SeenValve::Parameter(_)));
         if !is_held && !self.found.needs.contains(&need) {
             self.found.needs.push(need);
         }
     }
 
     fn construct(&mut self, construct: &ConstructIr) {
-        construct.argument.iter().for_each(|argument| self.form(argument));
+        construct.evaluated().for_each(|argument| self.form(argument));
         let children = self.children(construct);
         for (at, first) in children.iter().enumerate() {
             for (other, second) in children.iter().enumerate().skip(at + 1) {
-                let found: Vec<Conflict> = conflicts_between(first, second, self.held.len()).collect();
+                let found: Vec<ValveConflict> = conflicts_between(first, second, self.held.len()).collect();
                 if !found.is_empty() && !is_ordered(construct, at, other) {
                     self.conflicts.extend(found);
                 }
@@ -413,13 +368,13 @@ impl<'c, 'a> Search<'c, 'a> {
 
     /// The requests of each child; those that only wait for their child are the same task in
     /// matters of valves.
-    fn children(&mut self, construct: &ConstructIr) -> Vec<Vec<Request>> {
-        let is_alone = matches!(construct.rule, Rule::Single | Rule::Timeout);
+    fn children(&mut self, construct: &ConstructIr) -> Vec<Vec<ValveRequest>> {
+        let is_alone = construct.is_single();
         let bodies = construct.children.iter().enumerate();
         bodies.map(|(at, child)| self.child(&child.body, appended(construct, at), is_alone)).collect()
     }
 
-    fn child(&mut self, body: &Function, appended: Option<Vec<i64>>, is_alone: bool) -> Vec<Request> {
+    fn child(&mut self, body: &Function, appended: Option<Vec<i64>>, is_alone: bool) -> Vec<ValveRequest> {
         let outer = (self.task_base, self.same_task, self.after_task);
         let held = self.held.clone();
         let priority = self.priority.clone();
@@ -441,85 +396,27 @@ impl<'c, 'a> Search<'c, 'a> {
         std::mem::replace(&mut self.found.requests, before.0)
     }
 
-    fn merge(&mut self, requests: Vec<Request>) {
+    fn merge(&mut self, requests: Vec<ValveRequest>) {
         requests.into_iter().for_each(|request| self.note(request));
     }
 }
 
 /// What a construct appends to the priority of a child; none if it is not visible.
 fn appended(construct: &ConstructIr, child: usize) -> Option<Vec<i64>> {
-    match construct.argument.as_deref().filter(|_| construct.with_priority) {
-        Some(Ir { kind: IrKind::Int(number), .. }) => Some(vec![*number]),
-        Some(_) => None,
-        None if construct.rule == Rule::Policy => Some(vec![i64::from(child == 0)]),
-        None => Some(Vec::new()),
+    match &construct.argument {
+        Some(ArgumentIr::Priority(number)) => match number.kind {
+            IrKind::Int(number) => Some(vec![number]),
+            _ => None,
+        },
+        None if construct.policy().is_some() => Some(vec![i64::from(child == 0)]),
+        Some(ArgumentIr::Deadline { .. } | ArgumentIr::Quorum { .. }) | None => Some(Vec::new()),
     }
-}
-
-/// Whether one of two steps waits for the other.
-fn is_ordered(construct: &ConstructIr, first: usize, second: usize) -> bool {
-    let leads = |from: usize, to: usize| {
-        let (mut waiting, mut seen) = (vec![from], BTreeSet::new());
-        while let Some(step) = waiting.pop() {
-            if step == to {
-                return true;
-            }
-            if seen.insert(step) {
-                let next = construct.order.iter().filter(|&&(before, _)| usize::from(before) == step);
-                waiting.extend(next.map(|&(_, after)| usize::from(after)));
-            }
-        }
-        false
-    };
-    leads(first, second) || leads(second, first)
-}
-
-/// Pairs of requests of two tasks that can wait for each other. What is held below `base` is held
-/// by the task around both, which lends it.
-fn conflicts_between<'r>(
-    first: &'r [Request],
-    second: &'r [Request],
-    base: usize,
-) -> impl Iterator<Item = Conflict> + 'r {
-    first.iter().flat_map(move |one| {
-        second
-            .iter()
-            .filter(move |other| can_wait_for_each_other(one, other, base))
-            .map(|other| Conflict { first: one.clone(), second: other.clone() })
-    })
-}
-
-fn can_wait_for_each_other(one: &Request, other: &Request, base: usize) -> bool {
-    let (Some(held), Some(other_held)) = (one.held.get(base..), other.held.get(base..)) else { return false };
-    let is_opposite = held.contains(&other.valve) && other_held.contains(&one.valve);
-    let is_guarded = held.iter().any(|valve| other_held.contains(valve));
-    let is_own = held.contains(&one.valve) || other_held.contains(&other.valve);
-    if !is_opposite || is_guarded || is_own || one.after_task || other.after_task {
-        return false;
-    }
-    let (Some(priority), Some(other_priority)) = (&one.priority, &other.priority) else { return false };
-    // The more important takes the valve away, unless nothing may interrupt who holds it.
-    match compare(priority, other_priority) {
-        std::cmp::Ordering::Less => one.protected,
-        std::cmp::Ordering::Equal => true,
-        std::cmp::Ordering::Greater => other.protected,
-    }
-}
-
-/// Priorities are compared from the left, missing numbers counting 0.
-fn compare(one: &[i64], other: &[i64]) -> std::cmp::Ordering {
-    let length = one.len().max(other.len());
-    let at = |list: &[i64], place: usize| list.get(place).copied().unwrap_or(0);
-    (0..length)
-        .map(|place| at(one, place).cmp(&at(other, place)))
-        .find(|order| order.is_ne())
-        .unwrap_or(std::cmp::Ordering::Equal)
 }
 
 /// Whether a condition looks at a task.
 fn mentions_task(check: &Check<'_>, ir: &Ir) -> bool {
     let mut found = false;
-    super::walk::each_form_within(ir, &mut |form| {
+    crate::check::walk::each_form_within(ir, &mut |form| {
         let name = check.native_call(form).map(|(name, _)| name);
         found |= matches!(name, Some("status" | "result" | "begin-task" | "end-task"));
     });

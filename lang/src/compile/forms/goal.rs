@@ -1,26 +1,17 @@
 //! Goals: `(def-goal (achieve (NAME PARAMETER...)) FORM...)` defines the plan `achieve-NAME`. Each
 //! further definition of the same goal is one more method, and the plan tries them in their order.
 
-use super::Compiler;
-use super::special::Special;
-use crate::code::GlobalKind;
+use crate::code::{CodeKind, GlobalKind};
+use crate::compile::compiler::{Compiler, Methods};
 use crate::source::Span;
 use crate::symbol::Symbol;
-use crate::syntax::{Kind, NodeId};
+use crate::syntax::{NodeId, NodeKind};
 use std::sync::Arc;
 
 const FORM: &str = "`(def-goal (achieve (NAME PARAMETER...)) FORM...)`";
 
 /// With the goal's name it makes the name of its plan.
-pub(super) const PREFIX: &str = "achieve-";
-
-/// The methods a goal has so far.
-pub(super) struct Methods {
-    /// Plans, in the order of their definition.
-    plans: Vec<Symbol>,
-    /// The parameters of the first.
-    parameters: NodeId,
-}
+pub(in crate::compile) const PREFIX: &str = "achieve-";
 
 impl Compiler<'_> {
     pub(super) fn define_goal(&mut self, rest: &[NodeId], span: Span) {
@@ -69,9 +60,9 @@ impl Compiler<'_> {
     }
 
     fn define_plan(&mut self, name: Symbol, parameters: NodeId, body: &[NodeId], span: Span) {
-        let name = self.tree.atom(Kind::Symbol(name), span);
+        let name = self.tree.atom(NodeKind::Symbol(name), span);
         let rest = [&[name, parameters], body].concat();
-        self.define_function(Special::DefPlan, &rest, span);
+        self.define_function(CodeKind::Plan, "def-plan", &rest, span);
     }
 
     /// A name no text can have.
@@ -108,7 +99,7 @@ impl Compiler<'_> {
     fn define_trying(&mut self, plan: Symbol, methods: &Methods, parameters: &[NodeId], span: Span) {
         let mut tries = vec![self.symbol_node("try-in-order", span)];
         for &method in &methods.plans {
-            let method = self.tree.atom(Kind::Symbol(method), span);
+            let method = self.tree.atom(NodeKind::Symbol(method), span);
             let call = [&[method], parameters].concat();
             tries.push(self.tree.list(&call, span));
         }
@@ -118,6 +109,6 @@ impl Compiler<'_> {
 
     fn symbol_node(&mut self, name: &str, span: Span) -> NodeId {
         let name = self.symbols.intern(name);
-        self.tree.atom(Kind::Symbol(name), span)
+        self.tree.atom(NodeKind::Symbol(name), span)
     }
 }

@@ -1,56 +1,13 @@
 //! `(deftest NAME ["DOC"] [:OPTION VALUE...] FORM...)`: a test of the definitions in its text.
 
-use super::{Compiler, TopLevel, thunk};
 use crate::code::CodeKind;
+use crate::compile::compiler::{Compiler, thunk};
+use crate::compile::resolved::{TestForm, TestOptions, TopLevel};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::suggest::suggest;
-use crate::syntax::{Kind, NodeId};
+use crate::syntax::{NodeId, NodeKind};
 use std::sync::Arc;
-
-/// A test that can be run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Test {
-    /// Its name, alone among the tests of its text.
-    pub name: Arc<str>,
-    /// What it is about.
-    pub doc: Option<Arc<str>>,
-    /// What it runs with.
-    pub options: TestOptions,
-    /// Code without parameters that runs the definitions of the text and then the test; the other
-    /// forms of the text do not run.
-    pub code: u32,
-    /// Its place.
-    pub span: Span,
-}
-
-/// What a test asks for; whatever it leaves out is up to the command that runs it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TestOptions {
-    /// `:world`: the world the robot is in.
-    pub world: Option<Arc<str>>,
-    /// `:scenario`: a plan with hands in the world.
-    pub scenario: Option<Arc<str>>,
-    /// `:seed` of every random stream.
-    pub seed: Option<u64>,
-    /// `:until`: the time of the plan by which it must have ended.
-    pub until_s: Option<f64>,
-}
-
-/// A test without its code.
-pub(crate) struct TestForm {
-    name: Arc<str>,
-    doc: Option<Arc<str>>,
-    options: TestOptions,
-    span: Span,
-}
-
-impl TestForm {
-    pub(super) fn with_code(self, code: u32) -> Test {
-        let TestForm { name, doc, options, span } = self;
-        Test { name, doc, options, code, span }
-    }
-}
 
 const FORM: &str = "`(deftest NAME [\"DOC\"] [:world \"NAME\"] [:seed N] FORM...)`";
 const OPTIONS: [&str; 4] = ["world", "scenario", "seed", "until"];
@@ -65,14 +22,14 @@ impl Compiler<'_> {
         let name: Arc<str> = self.symbols.name(name).into();
         let mut body = &rest[1..];
         let mut doc = None;
-        if let Some(Kind::Str(text)) = body.first().map(|&first| &self.tree.get(first).kind)
+        if let Some(NodeKind::Str(text)) = body.first().map(|&first| &self.tree.get(first).kind)
             && body.len() > 1
         {
             (doc, body) = (Some(text.clone()), &body[1..]);
         }
         let mut options = TestOptions::default();
         while let [option, value, ..] = body
-            && let Kind::Keyword(keyword) = self.tree.get(*option).kind
+            && let NodeKind::Keyword(keyword) = self.tree.get(*option).kind
         {
             let keyword = self.symbols.name(keyword).to_string();
             self.test_option(&keyword, *option, *value, &mut options);
@@ -93,11 +50,11 @@ impl Compiler<'_> {
 
     fn test_option(&mut self, keyword: &str, option: NodeId, value: NodeId, options: &mut TestOptions) {
         let expected = match (keyword, &self.tree.get(value).kind) {
-            ("world", Kind::Str(world)) => return options.world = Some(world.clone()),
-            ("scenario", Kind::Str(scenario)) => return options.scenario = Some(scenario.clone()),
-            ("seed", &Kind::Int(seed @ 0..)) => return options.seed = Some(seed.unsigned_abs()),
-            ("until", &Kind::Int(until @ 0..)) => return options.until_s = Some(until as f64),
-            ("until", &Kind::Float(until)) if until >= 0.0 => return options.until_s = Some(until),
+            ("world", NodeKind::Str(world)) => return options.world = Some(world.clone()),
+            ("scenario", NodeKind::Str(scenario)) => return options.scenario = Some(scenario.clone()),
+            ("seed", &NodeKind::Int(seed @ 0..)) => return options.seed = Some(seed.unsigned_abs()),
+            ("until", &NodeKind::Int(until @ 0..)) => return options.until_s = Some(until as f64),
+            ("until", &NodeKind::Float(until)) if until >= 0.0 => return options.until_s = Some(until),
             ("world", _) => "a world, such as \"dept\"",
             ("scenario", _) => "a file, such as \"rotated.rpl\"",
             ("seed", _) => "an integer from 0 on",

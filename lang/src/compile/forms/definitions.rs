@@ -1,109 +1,118 @@
-//! Top-level forms: definitions, loaded files, and forms that run.
+//! Definitions, which stand at top level, and loaded files.
 
-use super::ir::{Defined, Function, Ir, IrKind};
-use super::special::Special;
-use super::{Compiler, Purpose, TopLevel, emit, thunk};
+use super::special_form::{Role, SpecialForm, Written};
 use crate::code::{CodeKind, FailureClass, GlobalKind};
+use crate::compile::compilation::Purpose;
+use crate::compile::compiler::{Compiler, thunk};
+use crate::compile::emit;
+use crate::compile::ir::{Ir, IrKind};
+use crate::compile::resolved::{Defined, TopLevel};
+use crate::layout::ItemShape::{Data, Form};
+use crate::layout::Layout;
+use crate::layout::Style::Body;
 use crate::source::Span;
 use crate::symbol::Symbol;
-use crate::syntax::{Kind, NodeId};
+use crate::syntax::{NodeId, NodeKind};
 use std::sync::Arc;
 
+pub(super) const FORMS: &[SpecialForm] = &[
+    SpecialForm {
+        names: &["defvar"],
+        form: "(defvar NAME [VALUE [\"DOC\"]])",
+        doc: "Defines a variable.",
+        example: "",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Naming(|compiler, written, bodies| compiler.define_value(GlobalKind::Variable, written, bodies)),
+    },
+    SpecialForm {
+        names: &["defconstant"],
+        form: "(defconstant NAME VALUE [\"DOC\"])",
+        doc: "Defines a name that is never assigned.",
+        example: "",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Naming(|compiler, written, bodies| compiler.define_value(GlobalKind::Constant, written, bodies)),
+    },
+    SpecialForm {
+        names: &["defun"],
+        form: "(defun NAME (PARAMETER...) [\"DOC\"] FORM...)",
+        doc: "Defines a function.",
+        example: "",
+        layout: Some(Layout::with(Body(2), &[Form, Data])),
+        role: Role::Naming(|compiler, written, _| {
+            compiler.define_function(CodeKind::Function, written.form.name(), written.rest(), written.span)
+        }),
+    },
+    SpecialForm {
+        names: &["defmacro"],
+        form: "(defmacro NAME (PARAMETER...) [\"DOC\"] FORM...)",
+        doc: "Defines a form that is replaced by what its body returns.",
+        example: "",
+        layout: Some(Layout::with(Body(2), &[Form, Data])),
+        role: Role::Definition(|compiler, written, _| compiler.define_macro(written.rest(), written.span)),
+    },
+    SpecialForm {
+        names: &["def-plan", "def-interp-proc"],
+        form: "(def-plan NAME (PARAMETER...) [\"DOC\"] FORM...)",
+        doc: "Defines a plan: called like a function, and each call is a node of the task tree.",
+        example: "(def-plan wash (number)\n  \"Washes cups, one after the other.\"\n  (n-times number (wait-time 20)))",
+        layout: Some(Layout::with(Body(2), &[Form, Data])),
+        role: Role::Naming(|compiler, written, _| {
+            compiler.define_function(CodeKind::Plan, written.form.name(), written.rest(), written.span)
+        }),
+    },
+    SpecialForm {
+        names: &["def-goal"],
+        form: "(def-goal (achieve (NAME PARAMETER...)) FORM...)",
+        doc: "Defines how goals of this name are achieved, by `(achieve (NAME ARGUMENT...))`. Several definitions of one goal are methods, tried in their order.",
+        example: "(def-goal (achieve (clean room))\n  (print room))\n(achieve (clean 'hall))",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Naming(|compiler, written, _| compiler.define_goal(written.rest(), written.span)),
+    },
+    SpecialForm {
+        names: &["def-fluent", "global-fluent"],
+        form: "(def-fluent NAME VALUE [\"DOC\"])",
+        doc: "Defines a fluent: a value that changes over time and wakes tasks.",
+        example: "(def-fluent cups 0 \"How many cups are washed.\")\n(par (wait-for (>= cups 1))\n     (setf (value cups) 1))",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Naming(|compiler, written, bodies| compiler.define_value(GlobalKind::Fluent, written, bodies)),
+    },
+    SpecialForm {
+        names: &["def-valve"],
+        form: "(def-valve NAME [\"DOC\"])",
+        doc: "Defines a valve: a pre-emptible semaphore that guards an effector.",
+        example: "",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Naming(|compiler, written, _| compiler.define_valve(written.rest(), written.span)),
+    },
+    SpecialForm {
+        names: &["def-failure"],
+        form: "(def-failure NAME (PARENT) (SLOT...))",
+        doc: "Defines a class of failure with slots.",
+        example: "(def-failure slipped (plan-failure) (object))\n(ignore-failures (slipped)\n  (fail slipped \"the cup slipped\" :object 'cup))",
+        layout: Some(Layout::with(Body(2), &[Form, Data, Data])),
+        role: Role::Definition(|compiler, written, _| compiler.define_failure(written.rest(), written.span)),
+    },
+    SpecialForm {
+        names: &["load"],
+        form: "(load \"FILE\")",
+        doc: "Reads another file, relative to this one and within the main file's folder tree.",
+        example: "",
+        layout: None,
+        role: Role::Definition(|compiler, written, bodies| compiler.load(written.rest(), written.span, bodies)),
+    },
+    SpecialForm {
+        names: &["deftest"],
+        form: "(deftest NAME [\"DOC\"] [:world \"NAME\"] [:scenario \"FILE\"] [:seed N] [:until TIME] FORM...)",
+        doc: "Defines a test, run by `rpl test` after the definitions of its text in a system of its own. It passes if its forms succeed.",
+        example: "(deftest adding\n  \"Numbers are added.\"\n  (assert (= (+ 1 2) 3)))",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Definition(|compiler, written, bodies| {
+            bodies.extend(compiler.define_test(written.rest(), written.span))
+        }),
+    },
+];
+
 impl Compiler<'_> {
-    /// Notes the names a file defines, so that a name of the library that is defined again means
-    /// the file's own from the first line on.
-    pub(super) fn predeclare(&mut self, forms: &[NodeId]) {
-        if self.purpose == Purpose::Library {
-            return;
-        }
-        for &form in forms {
-            let special = self.tree.head(form).and_then(|head| self.specials.get(&head).copied());
-            let Some(name) = self.tree.items(form).get(1).and_then(|&name| self.tree.symbol(name)) else { continue };
-            let defines_value = special.is_some_and(|special| {
-                special.is_definition()
-                    && !matches!(special, Special::Defmacro | Special::DefFailure | Special::Load | Special::Deftest)
-            });
-            let shadows = self.program.names.get(&name).is_some_and(|&global| self.is_library(global))
-                || self.native_numbers.contains_key(&name);
-            if defines_value && shadows && !self.is_robot_name(name) {
-                let span = self.tree.span(form);
-                self.program.names.remove(&name);
-                self.meaning(name, span);
-            }
-        }
-    }
-
-    /// Whether the name is the robot's and there is a robot; without one it is free.
-    fn is_robot_name(&self, name: Symbol) -> bool {
-        let is_defined = self.program.names.get(&name).is_some_and(|&global| self.is_library(global));
-        is_defined && self.robot_names.iter().any(|known| known == self.symbols.name(name))
-    }
-
-    pub(super) fn top_level(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
-        self.nested(node, |compiler| compiler.top_level_here(node, bodies));
-    }
-
-    fn top_level_here(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
-        let span = self.tree.span(node);
-        let items = self.tree.items(node).to_vec();
-        let Some(head) = self.tree.head(node) else {
-            return bodies.push(TopLevel::Form(self.top_level_form(node)));
-        };
-        if let Some(&code) = self.program.macros.get(&head) {
-            if let Some(expansion) = self.expand(code, node) {
-                self.top_level(expansion, bodies);
-                self.expansions -= 1;
-            }
-            return;
-        }
-        match self.specials.get(&head).copied() {
-            Some(Special::Progn) => {
-                // Definitions may stand in a top-level `progn`, so that a macro can make several.
-                let holds_definition = items[1..].iter().any(|&item| self.is_definition_form(item));
-                if !holds_definition {
-                    return bodies.push(TopLevel::Form(self.top_level_form(node)));
-                }
-                for &item in &items[1..] {
-                    self.top_level(item, bodies);
-                }
-            }
-            Some(special) if special.is_definition() => self.definition(special, &items, span, bodies),
-            _ => bodies.push(TopLevel::Form(self.top_level_form(node))),
-        }
-    }
-
-    fn is_definition_form(&self, node: NodeId) -> bool {
-        self.tree.head(node).is_some_and(|head| self.specials.get(&head).is_some_and(|special| special.is_definition()))
-    }
-
-    /// A form that runs: a plan body of its own.
-    fn top_level_form(&mut self, node: NodeId) -> Function {
-        let span = self.tree.span(node);
-        let name = self.symbols.intern("form");
-        let (body, scope) = self.in_function(CodeKind::Function, true, |compiler| {
-            compiler.find_tags(&[node]);
-            compiler.resolve(node)
-        });
-        thunk(name, CodeKind::Function, body, scope, span)
-    }
-
-    fn definition(&mut self, special: Special, items: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
-        let rest = &items[1..];
-        match special {
-            Special::Defun | Special::DefPlan => self.define_function(special, rest, span),
-            Special::DefGoal => self.define_goal(rest, span),
-            Special::Defmacro => self.define_macro(rest, span),
-            Special::Defvar | Special::Defconstant | Special::DefFluent => {
-                bodies.extend(self.define_value(special, rest, span).map(TopLevel::Definition));
-            }
-            Special::DefValve => self.define_valve(rest, span),
-            Special::DefFailure => self.define_failure(rest, span),
-            Special::Load => self.load(rest, span, bodies),
-            Special::Deftest => bodies.extend(self.define_test(rest, span)),
-            _ => unreachable!("only definitions come here"),
-        }
-    }
-
     /// The name a definition gives, unless it is one that cannot be defined.
     fn defined_name(&mut self, node: Option<&NodeId>, form: &str, span: Span) -> Option<Symbol> {
         let Some(name) = node.and_then(|&node| self.tree.symbol(node)) else {
@@ -135,16 +144,13 @@ impl Compiler<'_> {
     /// Splits the documentation string from a body that has more than it.
     fn documentation(&self, body: &[NodeId]) -> (Option<Arc<str>>, usize) {
         match body.first().map(|&first| &self.tree.get(first).kind) {
-            Some(Kind::Str(text)) if body.len() > 1 => (Some(text.clone()), 1),
+            Some(NodeKind::Str(text)) if body.len() > 1 => (Some(text.clone()), 1),
             _ => (None, 0),
         }
     }
 
-    pub(super) fn define_function(&mut self, special: Special, rest: &[NodeId], span: Span) {
-        let (form, kind) = match special {
-            Special::Defun => ("`(defun NAME (PARAMETER...) FORM...)`", CodeKind::Function),
-            _ => ("`(def-plan NAME (PARAMETER...) FORM...)`", CodeKind::Plan),
-        };
+    pub(super) fn define_function(&mut self, kind: CodeKind, word: &str, rest: &[NodeId], span: Span) {
+        let form = &format!("`({word} NAME (PARAMETER...) FORM...)`");
         let Some(name) = self.defined_name(rest.first(), form, span) else { return };
         let Some(&parameters) = rest.get(1) else {
             self.malformed(span, form);
@@ -179,26 +185,20 @@ impl Compiler<'_> {
         self.note_definition(name, span, Defined::Macro(function));
     }
 
-    fn define_value(&mut self, special: Special, rest: &[NodeId], span: Span) -> Option<Function> {
-        let form = match special {
-            Special::Defvar => "`(defvar NAME VALUE \"documentation\")`",
-            Special::Defconstant => "`(defconstant NAME VALUE \"documentation\")`",
-            _ => "`(def-fluent NAME VALUE \"documentation\")`",
-        };
-        let name = self.defined_name(rest.first(), form, span)?;
+    /// `(defvar NAME VALUE "DOC")` and its like: the name, and its value as something to run.
+    fn define_value(&mut self, kind: GlobalKind, written: &Written<'_>, bodies: &mut Vec<TopLevel>) {
+        let (rest, span) = (written.rest(), written.span);
+        let form = &format!("`({} NAME VALUE \"documentation\")`", written.form.name());
+        let Some(name) = self.defined_name(rest.first(), form, span) else { return };
         if rest.len() > 3 {
             self.malformed(span, form);
-            return None;
+            return;
         }
         let doc = rest.get(2).and_then(|&doc| match &self.tree.get(doc).kind {
-            Kind::Str(text) => Some(text.clone()),
+            NodeKind::Str(text) => Some(text.clone()),
             _ => None,
         });
-        let kind = match special {
-            Special::Defvar => GlobalKind::Variable,
-            Special::Defconstant => GlobalKind::Constant,
-            _ => GlobalKind::Fluent,
-        };
+        let is_fluent = kind == GlobalKind::Fluent;
         let global = self.define_global(name, kind, doc, Some(span));
         self.note_definition(name, span, Defined::Value);
         let value = rest.get(1).copied();
@@ -211,17 +211,18 @@ impl Compiler<'_> {
             None => compiler.nil(span),
         });
         let value = Box::new(value);
-        let kind = match special {
-            Special::DefFluent => IrKind::DefFluent(global, value),
-            _ => IrKind::SetGlobal(global, value),
+        let kind = match is_fluent {
+            true => IrKind::DefFluent(global, value),
+            false => IrKind::SetGlobal(global, value),
         };
-        Some(thunk(body_name, CodeKind::Function, Ir { span, kind }, scope, span))
+        let body = thunk(body_name, CodeKind::Function, Ir { span, kind }, scope, span);
+        bodies.push(TopLevel::Definition(body));
     }
 
     fn define_valve(&mut self, rest: &[NodeId], span: Span) {
         let Some(name) = self.defined_name(rest.first(), "`(def-valve NAME)`", span) else { return };
         let doc = rest.get(1).and_then(|&doc| match &self.tree.get(doc).kind {
-            Kind::Str(text) => Some(text.clone()),
+            NodeKind::Str(text) => Some(text.clone()),
             _ => None,
         });
         self.define_global(name, GlobalKind::Valve, doc, Some(span));
@@ -272,7 +273,7 @@ impl Compiler<'_> {
     fn load(&mut self, rest: &[NodeId], span: Span, bodies: &mut Vec<TopLevel>) {
         let path = match rest {
             [path] => match &self.tree.get(*path).kind {
-                Kind::Str(path) => path.clone(),
+                NodeKind::Str(path) => path.clone(),
                 _ => return drop(self.malformed(span, "`(load \"FILE\")`")),
             },
             _ => return drop(self.malformed(span, "`(load \"FILE\")`")),

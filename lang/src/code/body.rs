@@ -1,0 +1,103 @@
+//! A compiled body.
+
+use super::{Construct, Op, Parameters, Reg};
+use crate::source::Span;
+use crate::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What kind of body a code is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CodeKind {
+    /// A function or closure.
+    Function,
+    /// A plan: its calls are nodes of the task tree.
+    Plan,
+    /// The body of a task.
+    Task,
+    /// The expression of a network.
+    Network,
+}
+
+/// A variable of the text and where it is found while code runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Local {
+    /// Its name in the text.
+    pub name: Symbol,
+    /// Its register, or that of the cell that holds it.
+    pub register: Reg,
+    /// The first instruction at which it has its value.
+    pub from: u32,
+    /// One past the last instruction of its scope.
+    pub to: u32,
+}
+
+/// A compiled body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Code {
+    /// The name it has in the text, or what it is.
+    pub name: Symbol,
+    /// What kind of body it is.
+    pub kind: CodeKind,
+    /// Its parameters.
+    pub parameters: Parameters,
+    /// The frame's size, parameters and captured values included.
+    pub registers: u8,
+    /// A call with so many arguments needs nothing checked or arranged; [`ARRANGES`] if none does.
+    pub exact_count: u16,
+    /// Registers of the frame that makes the closure, in the order of the captured values.
+    pub captures: Vec<Reg>,
+    /// The instructions.
+    pub ops: Vec<Op>,
+    /// The place of each instruction.
+    pub spans: Vec<Span>,
+    /// Constructs that [`Op::Parallel`], [`Op::ParallelMap`] and [`Op::Spawn`] name.
+    pub constructs: Vec<Construct>,
+    /// Classes of failure that [`Op::PushHandler`] names, one list of classes a clause.
+    pub handlers: Vec<Vec<Vec<Symbol>>>,
+    /// Variables, in the order of their binding.
+    pub locals: Vec<Local>,
+    /// Documentation string.
+    pub doc: Option<Arc<str>>,
+    /// The whole definition.
+    pub span: Span,
+}
+
+/// What an allocator adds to the tables of a code.
+const BLOCKS_OF_CODE: usize = 160;
+
+impl Code {
+    /// Bytes it takes.
+    pub fn bytes(&self) -> usize {
+        let children = self.constructs.iter().map(|construct| size_of_val(construct.children.as_slice()));
+        size_of::<Self>()
+            + BLOCKS_OF_CODE
+            + size_of_val(self.captures.as_slice())
+            + size_of_val(self.ops.as_slice())
+            + size_of_val(self.spans.as_slice())
+            + size_of_val(self.locals.as_slice())
+            + self.constructs.len() * size_of::<Construct>()
+            + children.sum::<usize>()
+            + self.handlers.len() * size_of::<Vec<Vec<Symbol>>>()
+    }
+
+    /// What stands in a place that was given back.
+    pub(super) fn none(code: &Code) -> Self {
+        let (name, span) = (code.name, code.span);
+        Self {
+            name,
+            kind: CodeKind::Function,
+            parameters: Parameters::default(),
+            registers: 1,
+            exact_count: 0,
+            captures: Vec::new(),
+            ops: vec![Op::Return(0)],
+            spans: vec![span],
+            constructs: Vec::new(),
+            handlers: Vec::new(),
+            locals: Vec::new(),
+            doc: None,
+            span,
+        }
+    }
+}

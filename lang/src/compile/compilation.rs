@@ -1,0 +1,99 @@
+//! What a compilation works with: the program it adds to, the names, and what stands above this crate.
+
+use crate::code::Program;
+use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
+use crate::symbol::Symbols;
+use crate::syntax::{NodeId, Tree};
+
+/// What the compiler knows of a native function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NativeSignature {
+    /// Its name.
+    pub name: String,
+    /// Fewest arguments.
+    pub min: u8,
+    /// Most arguments; none for any number.
+    pub max: Option<u8>,
+    /// Whether it waits, assigns or acts on tasks, which a network may not.
+    pub effect: bool,
+    /// Whether it may block its task.
+    pub waits: bool,
+    /// The kinds of its parameters, optional ones included, but for the last of any number.
+    pub kinds: Vec<Kind>,
+    /// The kind of the arguments behind these.
+    pub rest: Option<Kind>,
+    /// Whether it goes on in code of the plan, so that its value is found where a call's is.
+    pub calls: bool,
+}
+
+/// "2 arguments", "1 to 2 arguments", as errors say it.
+pub(super) fn describe_arity(min: u8, max: Option<u8>) -> String {
+    let plural = |count: u8| if count == 1 { "1 argument".to_string() } else { format!("{count} arguments") };
+    match max {
+        Some(max) if max == min => plural(min),
+        Some(max) => format!("{min} to {}", plural(max)),
+        None => format!("at least {}", plural(min)),
+    }
+}
+
+/// Runs macros: the evaluator lives above this crate.
+pub trait MacroHost {
+    /// The expansion of `form`, a call of the macro with this code.
+    ///
+    /// # Errors
+    /// What went wrong in the macro's own code, at its place.
+    fn expand(
+        &mut self,
+        program: &Program,
+        symbols: &mut Symbols,
+        tree: &mut Tree,
+        code: u32,
+        form: NodeId,
+    ) -> Result<NodeId, Box<Diagnostic>>;
+}
+
+/// Finds the text of a `(load "file")`.
+pub trait Loader {
+    /// The name to print and the text.
+    ///
+    /// # Errors
+    /// One sentence saying why it cannot be read.
+    fn load(&mut self, from: &str, path: &str) -> Result<(String, String), String>;
+}
+
+/// A [`Loader`] for texts that may not load files.
+pub struct NoFiles;
+
+impl Loader for NoFiles {
+    fn load(&mut self, _from: &str, _path: &str) -> Result<(String, String), String> {
+        Err("this text has no folder to load files from".into())
+    }
+}
+
+/// What a text is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// The library: its names can be defined again by a file.
+    Library,
+    /// A user's file or form.
+    User,
+}
+
+/// The surroundings of a compilation.
+pub struct Compilation<'a> {
+    /// Where code is added.
+    pub program: &'a mut Program,
+    /// The names.
+    pub symbols: &'a mut Symbols,
+    /// The native functions, by number.
+    pub natives: &'a [NativeSignature],
+    /// Runs macros.
+    pub macros: &'a mut dyn MacroHost,
+    /// Finds loaded files.
+    pub loader: &'a mut dyn Loader,
+    /// Names that exist only with a robot, so that an error can say so.
+    pub robot_names: &'a [String],
+    /// Names that only a scenario has, so that an error can say so.
+    pub scenario_names: &'a [String],
+}

@@ -1,0 +1,283 @@
+//! The compiler's state, and what all of its parts do with it.
+
+use super::compilation::{Compilation, Loader, MacroHost, NativeSignature, Purpose};
+use super::ir::{BlockId, Function, Ir, IrKind, VarId, Variable};
+use super::resolved::{Defined, Definition};
+use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::symbol::{Symbol, Symbols};
+use crate::syntax::{NodeId, Tree};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Where a special form has its row: its table, and its place there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FormPlace {
+    pub(super) table: usize,
+    pub(super) row: usize,
+}
+
+/// A compilation under way.
+pub(crate) struct Compiler<'a> {
+    pub(super) program: &'a mut Program,
+    pub(super) symbols: &'a mut Symbols,
+    pub(super) natives: &'a [NativeSignature],
+    pub(super) native_numbers: BTreeMap<Symbol, u16>,
+    /// The names of special forms.
+    pub(super) specials: BTreeMap<Symbol, FormPlace>,
+    pub(super) macros: &'a mut dyn MacroHost,
+    pub(super) loader: &'a mut dyn Loader,
+    pub(super) robot_names: &'a [String],
+    pub(super) scenario_names: &'a [String],
+    pub(super) purpose: Purpose,
+    pub(super) tree: Tree,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(super) variables: Vec<Variable>,
+    pub(super) definitions: Vec<Definition>,
+    pub(super) forms: Vec<Function>,
+    pub(super) test_bodies: Vec<Function>,
+    pub(super) bindings: Vec<(Symbol, VarId)>,
+    pub(super) functions: Vec<FunctionScope>,
+    pub(super) blocks: Vec<BlockScope>,
+    pub(super) handlers: Vec<HandlerScope>,
+    /// Clean-ups around the form that is resolved.
+    pub(super) clean_ups: u32,
+    pub(super) next_block: u32,
+    /// Globals that were used before a definition was seen, with the first place.
+    pub(super) undefined: BTreeMap<u32, Unknown>,
+    /// Classes of failure that are handled or raised, checked when all definitions are known; and
+    /// whether a variable of that name is bound there.
+    pub(super) classes: Vec<(Symbol, Span, bool)>,
+    /// Calls of globals, checked when all definitions are known.
+    pub(super) calls: Vec<(u32, usize, Span)>,
+    /// Codes and constants added so far.
+    pub(super) codes: Vec<u32>,
+    pub(super) constants: Vec<u32>,
+    pub(super) expansions: u32,
+    /// Forms around the one that is resolved.
+    pub(super) depth: u32,
+    pub(super) loading: Vec<String>,
+    /// Names of the tests so far, with their places.
+    pub(super) tests: BTreeMap<Arc<str>, Span>,
+    /// Methods of goals, by the plan that tries them.
+    pub(super) methods: BTreeMap<Symbol, Methods>,
+}
+
+pub(crate) struct FunctionScope {
+    pub(super) kind: CodeKind,
+    pub(super) captures: Vec<VarId>,
+    /// Whether expressions stand in fluent position.
+    pub(super) network: bool,
+    /// Tags of a plan; only a function that is the root of a definition or top-level form has any.
+    pub(super) tags: Option<Vec<(Symbol, VarId)>>,
+    /// `count-pulses` inside a network counts from the network's creation.
+    pub(super) hoisted: Vec<(VarId, Ir)>,
+}
+
+pub(crate) struct BlockScope {
+    pub(super) name: Option<Symbol>,
+    pub(super) id: BlockId,
+    pub(super) function: usize,
+    pub(super) span: Span,
+    pub(super) token: Option<VarId>,
+    pub(super) used: bool,
+    /// Clean-ups around it.
+    pub(super) clean_ups: u32,
+}
+
+pub(crate) struct HandlerScope {
+    pub(super) retry: BlockId,
+    pub(super) failure: VarId,
+}
+
+/// A name that means nothing yet.
+pub(crate) struct Unknown {
+    pub(super) span: Span,
+    /// What is bound around it.
+    pub(super) locals: Vec<Symbol>,
+}
+
+/// The methods a goal has so far.
+pub(super) struct Methods {
+    /// Plans, in the order of their definition.
+    pub(super) plans: Vec<Symbol>,
+    /// The parameters of the first.
+    pub(super) parameters: NodeId,
+}
+
+impl<'a> Compiler<'a> {
+    /// `specials` are the names of the special forms, each with the form's place.
+    pub(super) fn new(
+        surroundings: Compilation<'a>,
+        specials: impl Iterator<Item = (&'static str, FormPlace)>,
+        tree: Tree,
+        purpose: Purpose,
+    ) -> Self {
+        let Compilation { program, symbols, natives, macros, loader, robot_names, scenario_names } = surroundings;
+        let native_numbers =
+            natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
+        let specials = specials.map(|(name, place)| (symbols.intern(name), place)).collect();
+        Self {
+            program,
+            symbols,
+            natives,
+            native_numbers,
+            specials,
+            macros,
+            loader,
+            robot_names,
+            scenario_names,
+            purpose,
+            tree,
+            diagnostics: Vec::new(),
+            variables: Vec::new(),
+            definitions: Vec::new(),
+            forms: Vec::new(),
+            test_bodies: Vec::new(),
+            bindings: Vec::new(),
+            functions: Vec::new(),
+            blocks: Vec::new(),
+            handlers: Vec::new(),
+            clean_ups: 0,
+            next_block: 0,
+            undefined: BTreeMap::new(),
+            classes: Vec::new(),
+            calls: Vec::new(),
+            codes: Vec::new(),
+            constants: Vec::new(),
+            expansions: 0,
+            depth: 0,
+            loading: Vec::new(),
+            tests: BTreeMap::new(),
+            methods: BTreeMap::new(),
+        }
+    }
+
+    pub(super) fn note_definition(&mut self, name: Symbol, span: Span, defined: Defined) {
+        self.definitions.push(Definition { name, span, defined });
+    }
+
+    pub(super) fn add_code(&mut self, code: Code) -> u32 {
+        let code = self.program.add_code(code);
+        self.codes.push(code);
+        code
+    }
+
+    pub(super) fn constant(&mut self, constant: impl Into<Constant>) -> u32 {
+        let constant = self.program.add_constant(constant.into());
+        self.constants.push(constant);
+        constant
+    }
+
+    pub(super) fn error(
+        &mut self,
+        code: &'static str,
+        span: Span,
+        message: impl Into<String>,
+        label: impl Into<String>,
+    ) -> &mut Diagnostic {
+        let at = self.diagnostics.len();
+        self.diagnostics.push(Diagnostic::error(code, span, message, label));
+        &mut self.diagnostics[at]
+    }
+
+    pub(super) fn malformed(&mut self, span: Span, form: &str) -> Ir {
+        self.error("malformed", span, format!("this is not of the form {form}"), format!("expected {form}"));
+        self.nil(span)
+    }
+
+    pub(super) fn new_variable(&mut self, name: Symbol, span: Span) -> VarId {
+        let function = self.functions.len() - 1;
+        self.variables.push(Variable { name, span, function, captured: false, assigned: false });
+        VarId(self.variables.len() as u32 - 1)
+    }
+
+    pub(super) fn bind(&mut self, name: Symbol, span: Span) -> VarId {
+        let variable = self.new_variable(name, span);
+        self.bindings.push((name, variable));
+        variable
+    }
+
+    /// Enters a function, resolves its body with `inside`, and gives what it captures.
+    pub(super) fn in_function<T>(
+        &mut self,
+        kind: CodeKind,
+        tags: bool,
+        inside: impl FnOnce(&mut Self) -> T,
+    ) -> (T, FunctionScope) {
+        let bound = self.bindings.len();
+        self.functions.push(FunctionScope {
+            kind,
+            captures: Vec::new(),
+            network: kind == CodeKind::Network,
+            tags: tags.then(Vec::new),
+            hoisted: Vec::new(),
+        });
+        let result = inside(self);
+        self.bindings.truncate(bound);
+        let scope = self.functions.pop().unwrap_or_else(|| unreachable!("a function scope was pushed above"));
+        (result, scope)
+    }
+
+    pub(super) fn define_global(
+        &mut self,
+        name: Symbol,
+        kind: GlobalKind,
+        doc: Option<Arc<str>>,
+        span: Option<Span>,
+    ) -> u32 {
+        if let Some(&existing) = self.program.names.get(&name)
+            && (self.undefined.remove(&existing).is_some()
+                || self.purpose == Purpose::Library
+                || !self.is_library(existing))
+        {
+            self.program.globals[existing as usize] = Global { name, kind, doc, span };
+            return existing;
+        }
+        self.program.globals.push(Global { name, kind, doc, span });
+        let global = self.program.globals.len() as u32 - 1;
+        self.program.names.insert(name, global);
+        global
+    }
+
+    pub(super) fn is_library(&self, global: u32) -> bool {
+        global < self.program.library_globals
+    }
+
+    /// The items of a proper list; `nil`, which is how macros write an empty one, has none.
+    pub(super) fn list_items(&self, node: NodeId) -> Option<Vec<NodeId>> {
+        match self.tree.symbol(node) {
+            Some(name) if self.symbols.name(name) == "nil" => Some(Vec::new()),
+            _ => self.tree.proper_list(node).map(<[NodeId]>::to_vec),
+        }
+    }
+
+    pub(super) fn nil(&self, span: Span) -> Ir {
+        Ir { span, kind: IrKind::Nil }
+    }
+
+    pub(super) fn is_network(&self) -> bool {
+        self.functions.last().is_some_and(|function| function.network)
+    }
+
+    /// Whether a name can be bound or assigned: constants and keywords cannot.
+    pub(super) fn is_bindable(&self, name: Symbol) -> bool {
+        !matches!(self.symbols.name(name), "nil" | "t") && !self.symbols.name(name).starts_with('&')
+    }
+}
+
+/// A function without parameters around a body.
+pub(crate) fn thunk(name: Symbol, kind: CodeKind, body: Ir, scope: FunctionScope, span: Span) -> Function {
+    Function {
+        name,
+        kind,
+        parameters: Parameters::default(),
+        bindings: Vec::new(),
+        captures: scope.captures,
+        tags: scope.tags.unwrap_or_default(),
+        body: Box::new(body),
+        doc: None,
+        span,
+    }
+}

@@ -1,0 +1,140 @@
+//! Branches, loops, and blocks that are left.
+
+use super::emitter::{BlockState, Emitter};
+use super::value_facts::has_no_code;
+use crate::code::{NO_REG, Op, Reg};
+use crate::compile::ir::{Binary, BlockId, Ir, IrKind, Unary, VarId};
+use crate::stack::deep;
+
+impl Emitter<'_, '_> {
+    /// Emits a jump that is taken when the condition is nil; gives the jumps to land.
+    pub(super) fn jump_unless(&mut self, condition: &Ir) -> Vec<usize> {
+        let outer = std::mem::replace(&mut self.span, condition.span);
+        let jumps = deep(|| self.temporarily(|emitter| emitter.jump_unless_here(condition)));
+        self.span = outer;
+        jumps
+    }
+
+    fn jump_unless_here(&mut self, condition: &Ir) -> Vec<usize> {
+        match &condition.kind {
+            IrKind::And(items) => items.iter().flat_map(|item| self.jump_unless(item)).collect(),
+            IrKind::Unary(Unary::Not, inner) => {
+                let reg = self.operand(inner, &[]);
+                vec![self.push(Op::JumpIfTrue(reg, 0))]
+            }
+            IrKind::Binary(operation @ (Binary::Less | Binary::LessEq | Binary::NumEq), left, right) => {
+                vec![self.compare_and_jump(*operation, left, right)]
+            }
+            _ => {
+                let reg = self.operand(condition, &[]);
+                vec![self.push(Op::JumpIfNil(reg, 0))]
+            }
+        }
+    }
+
+    pub(super) fn conditional(&mut self, condition: &Ir, then: &Ir, otherwise: &Ir, into: Reg, tail: bool) {
+        let skips = self.jump_unless(condition);
+        if tail {
+            self.returned(then, into);
+            for skip in skips {
+                self.land(skip);
+            }
+            self.value(otherwise, into, true);
+            return;
+        }
+        self.value(then, into, false);
+        let exit = self.push(Op::Jump(0));
+        for skip in skips {
+            self.land(skip);
+        }
+        self.value(otherwise, into, false);
+        self.land(exit);
+    }
+
+    /// Emits a form whose value ends the function.
+    pub(super) fn returned(&mut self, ir: &Ir, into: Reg) {
+        let mut from = into;
+        match ir.kind {
+            IrKind::Local(variable) if !self.compiler.variables[variable.0 as usize].in_cell() => {
+                from = self.registers.get(&variable).copied().unwrap_or(NO_REG);
+            }
+            _ => self.value(ir, into, true),
+        }
+        self.push(Op::Return(from));
+    }
+
+    /// Emits an endless loop. What leaves it at a condition stands behind it, out of the way.
+    pub(super) fn loop_form(&mut self, body: &Ir) {
+        let items = match &body.kind {
+            IrKind::Seq(items) => items.as_slice(),
+            _ => std::slice::from_ref(body),
+        };
+        let mut exits = Vec::new();
+        let start = self.ops.len();
+        for item in items {
+            match &item.kind {
+                IrKind::If(condition, then, otherwise)
+                    if has_no_code(then) && matches!(otherwise.kind, IrKind::Leave(..)) =>
+                {
+                    exits.push((self.jump_unless(condition), otherwise));
+                }
+                _ => self.effect(item),
+            }
+        }
+        self.jump_back(start);
+        for (skips, leave) in exits {
+            for skip in skips {
+                self.land(skip);
+            }
+            self.effect(leave);
+        }
+    }
+
+    pub(super) fn and_or(&mut self, items: &[Ir], into: Reg, tail: bool, and: bool) {
+        let mut exits = Vec::new();
+        for (index, item) in items.iter().enumerate() {
+            let last = index + 1 == items.len();
+            self.value(item, into, tail && last);
+            if !last {
+                exits.push(self.push(if and { Op::JumpIfNil(into, 0) } else { Op::JumpIfTrue(into, 0) }));
+            }
+        }
+        for exit in exits {
+            self.land(exit);
+        }
+    }
+
+    pub(super) fn block(&mut self, id: BlockId, token: Option<VarId>, body: &Ir, into: Reg) {
+        // Jumps out of the block carry their value in a register of its own: `into` may be read
+        // by the body.
+        let result = self.fresh();
+        let dynamic = token.map(|token| {
+            let identity = self.fresh();
+            self.registers.insert(token, identity);
+            self.push(Op::PushBlock(identity, result, 0))
+        });
+        self.blocks.push(BlockState { id, result, scopes: self.scopes, exits: Vec::new() });
+        self.scopes += usize::from(dynamic.is_some());
+        self.value(body, result, false);
+        if let Some(push) = dynamic {
+            self.push(Op::PopScopes(1));
+            self.scopes -= 1;
+            self.land(push);
+        }
+        if let Some(block) = self.blocks.pop() {
+            for exit in block.exits {
+                self.land(exit);
+            }
+        }
+        self.take(result, into);
+    }
+
+    pub(super) fn leave(&mut self, id: BlockId, value: &Ir) {
+        let Some(block) = self.blocks.iter().rposition(|block| block.id == id) else { return };
+        let (result, scopes) = (self.blocks[block].result, self.blocks[block].scopes);
+        self.value(value, result, false);
+        let open = self.scopes - scopes;
+        let exit = if open == 0 { self.push(Op::Jump(0)) } else { self.push(Op::LeaveScopes(open.min(255) as u8, 0)) };
+        self.blocks[block].exits.push(exit);
+    }
+}

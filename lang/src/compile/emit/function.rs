@@ -1,0 +1,119 @@
+//! Functions: their parameters, their body, the code they become.
+
+use super::emitter::{Emitter, MAX_REGISTERS};
+use crate::code::{Atom, Code, CodeKind, Local, NO_REG, Op, Reg};
+use crate::compile::compiler::Compiler;
+use crate::compile::ir::{Function, ParameterBinding, VarId};
+use std::collections::BTreeMap;
+
+/// Emits a function and adds it to the program. `outer` gives the registers of the variables of
+/// the function around it, in which captured values are found.
+pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function, outer: &[(VarId, Reg)]) -> u32 {
+    let captures = function
+        .captures
+        .iter()
+        .map(|capture| outer.iter().find(|(variable, _)| variable == capture).map_or(NO_REG, |&(_, reg)| reg))
+        .collect();
+    let mut emitter = Emitter {
+        compiler,
+        ops: Vec::new(),
+        spans: Vec::new(),
+        span: function.span,
+        registers: BTreeMap::new(),
+        next: 0,
+        most: 0,
+        blocks: Vec::new(),
+        scopes: 0,
+        constructs: Vec::new(),
+        handlers: Vec::new(),
+        locals: Vec::new(),
+        is_plan: function.kind == CodeKind::Plan,
+    };
+    emitter.function(function);
+    let Emitter { ops, spans, most, constructs, handlers, locals, compiler, .. } = emitter;
+    if most > MAX_REGISTERS {
+        let name = compiler.symbols.name(function.name).to_string();
+        let message = format!("`{name}` needs {most} registers, and {MAX_REGISTERS} is the most");
+        compiler.error("too-large", function.span, message, "too many variables or arguments at once").help =
+            Some("split it into smaller functions or plans".into());
+    }
+    let end = ops.len() as u32;
+    let code = Code {
+        name: function.name,
+        kind: function.kind,
+        exact_count: function.parameters.exact_count(),
+        parameters: function.parameters.clone(),
+        registers: most.min(255) as u8,
+        captures,
+        ops,
+        spans,
+        constructs,
+        handlers,
+        locals: locals.into_iter().map(|local| Local { to: local.to.min(end), ..local }).collect(),
+        doc: function.doc.clone(),
+        span: function.span,
+    };
+    compiler.add_code(code)
+}
+
+impl Emitter<'_, '_> {
+    fn function(&mut self, function: &Function) {
+        for binding in &function.bindings {
+            let reg = self.fresh();
+            self.place(binding.variable, reg);
+        }
+        for &capture in &function.captures {
+            let reg = self.fresh();
+            self.place(capture, reg);
+        }
+        if self.is_plan {
+            self.push(Op::EnterPlan);
+            self.scopes += 1;
+        }
+        for &(name, tag) in &function.tags {
+            let reg = self.fresh();
+            let constant = self.compiler.constant(Atom::Symbol(name));
+            self.push(Op::TagNew(reg, constant));
+            self.place(tag, reg);
+            self.put_in_cell(tag, reg);
+        }
+        for binding in &function.bindings {
+            let reg = self.registers[&binding.variable];
+            if binding.omissible {
+                self.default_value(binding, reg);
+            }
+            self.put_in_cell(binding.variable, reg);
+        }
+        let result = self.fresh();
+        let tail = self.scopes == 0;
+        self.value(&function.body, result, tail);
+        if self.is_plan {
+            self.push(Op::LeavePlan(result));
+        }
+        self.push(Op::Return(result));
+    }
+
+    fn default_value(&mut self, binding: &ParameterBinding, reg: Reg) {
+        let given = binding.given.map(|given| {
+            let flag = self.fresh();
+            self.place(given, flag);
+            self.push(Op::True(flag));
+            flag
+        });
+        let jump = self.push(Op::JumpIfGiven(reg, 0));
+        match &binding.default {
+            Some(default) => self.value(default, reg, false),
+            None => drop(self.push(Op::Nil(reg))),
+        }
+        if let Some(flag) = given {
+            self.push(Op::Nil(flag));
+        }
+        self.land(jump);
+    }
+
+    /// Emits a function inside this one.
+    pub(super) fn inner(&mut self, function: &Function) -> u32 {
+        let outer: Vec<(VarId, Reg)> = self.registers.iter().map(|(&variable, &reg)| (variable, reg)).collect();
+        emit(self.compiler, function, &outer)
+    }
+}

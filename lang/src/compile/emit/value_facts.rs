@@ -1,0 +1,41 @@
+//! What can be seen of a form without running it.
+
+use crate::compile::ir::{Callee, Ir, IrKind};
+use crate::stack::deep;
+
+/// Whether emitting the form writes its target only with its last instruction.
+pub(super) fn writes_once(ir: &Ir) -> bool {
+    matches!(
+        ir.kind,
+        IrKind::Nil
+            | IrKind::True
+            | IrKind::Int(_)
+            | IrKind::Const(_)
+            | IrKind::Local(_)
+            | IrKind::Global(_)
+            | IrKind::Binary(..)
+            | IrKind::Unary(..)
+            | IrKind::Lambda(_)
+            | IrKind::Call(..)
+    )
+}
+
+/// Whether the form has nothing to run when nobody wants its value.
+pub(super) fn has_no_code(ir: &Ir) -> bool {
+    matches!(ir.kind, IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_))
+}
+
+/// Whether evaluating the form can change no variable.
+pub(super) fn has_no_effect(ir: &Ir) -> bool {
+    deep(|| match &ir.kind {
+        IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) | IrKind::Global(_) => true,
+        IrKind::Binary(_, left, right) => has_no_effect(left) && has_no_effect(right),
+        IrKind::Unary(_, operand) => has_no_effect(operand),
+        // A call cannot assign a variable that lives in a register: captured ones live in cells.
+        IrKind::Call(Callee::Value(function), arguments) => {
+            has_no_effect(function) && arguments.iter().all(has_no_effect)
+        }
+        IrKind::Call(_, arguments) => arguments.iter().all(has_no_effect),
+        _ => false,
+    })
+}

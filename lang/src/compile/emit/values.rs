@@ -1,0 +1,242 @@
+//! Forms and their values: each form leaves its value in a register that is given.
+
+use super::emitter::Emitter;
+use super::value_facts::{has_no_code, has_no_effect, writes_once};
+use crate::code::{Atom, NO_REG, Op, Reg};
+use crate::compile::ir::{Ir, IrKind, Unary, VarId};
+use crate::stack::deep;
+
+impl Emitter<'_, '_> {
+    /// Emits code that leaves the form's value in `into`.
+    pub(super) fn value(&mut self, ir: &Ir, into: Reg, tail: bool) {
+        let outer = std::mem::replace(&mut self.span, ir.span);
+        deep(|| self.temporarily(|emitter| emitter.value_here(ir, into, tail)));
+        self.span = outer;
+    }
+
+    fn value_here(&mut self, ir: &Ir, into: Reg, tail: bool) {
+        match &ir.kind {
+            IrKind::Nil => drop(self.push(Op::Nil(into))),
+            IrKind::True => drop(self.push(Op::True(into))),
+            IrKind::Int(value) => self.integer(*value, into),
+            IrKind::Const(constant) => drop(self.push(Op::Const(into, *constant))),
+            IrKind::Local(variable) => self.local(*variable, into),
+            IrKind::Global(global) => drop(self.push(Op::Global(into, *global))),
+            IrKind::SetLocal(variable, value) => self.set_local(*variable, value, into),
+            IrKind::SetGlobal(global, value) => {
+                self.value(value, into, false);
+                self.push(Op::SetGlobal(into, *global));
+            }
+            IrKind::DefFluent(global, value) => {
+                self.value(value, into, false);
+                self.push(Op::DefFluent(into, *global));
+            }
+            IrKind::If(condition, then, otherwise) => self.conditional(condition, then, otherwise, into, tail),
+            IrKind::And(items) => self.and_or(items, into, tail, true),
+            IrKind::Or(items) => self.and_or(items, into, tail, false),
+            IrKind::Seq(items) => self.sequence(items, into, tail),
+            IrKind::Let(bindings, body) => self.let_form(bindings, body, into, tail),
+            IrKind::Lambda(function) => {
+                let code = self.inner(function);
+                self.push(Op::Closure(into, code));
+            }
+            IrKind::Call(callee, arguments) => self.call(callee, arguments, into, tail),
+            IrKind::Binary(operation, left, right) => self.binary(*operation, left, right, into),
+            IrKind::Unary(operation, operand) => {
+                let operand = self.operand(operand, &[]);
+                self.push(match operation {
+                    Unary::Not => Op::Not(into, operand),
+                    Unary::Car => Op::Car(into, operand),
+                    Unary::Cdr => Op::Cdr(into, operand),
+                    Unary::Deref => Op::Deref(into, operand),
+                });
+            }
+            IrKind::Block { id, token, body } => self.block(*id, *token, body, into),
+            IrKind::Leave(block, value) => self.leave(*block, value),
+            IrKind::LeaveDynamic(token, value) => {
+                let identity = self.fresh();
+                self.local(*token, identity);
+                self.value(value, into, false);
+                self.push(Op::ReturnFrom(identity, into));
+            }
+            IrKind::Loop(body) => self.loop_form(body),
+            IrKind::Construct(construct) => {
+                let index = self.construct(construct);
+                self.push(Op::Parallel(into, index));
+            }
+            IrKind::ConstructMap(construct, list) => {
+                let list_reg = self.fresh();
+                self.value(list, list_reg, false);
+                let index = self.construct(construct);
+                self.push(Op::ParallelMap(into, list_reg, index));
+            }
+            IrKind::Spawn(construct) => {
+                let index = self.construct(construct);
+                self.push(Op::Spawn(into, index));
+            }
+            IrKind::Handler { body, failure, clauses } => self.handler(body, *failure, clauses, into),
+            IrKind::Refail(failure) => {
+                let reg = self.fresh();
+                self.local(*failure, reg);
+                self.push(Op::Refail(reg));
+            }
+            IrKind::Cleanup { always, body, cleanup } => self.cleanup(*always, body, cleanup, into),
+            IrKind::Scope(scope, body) => self.scope(scope, body, into),
+            IrKind::Network(function) => {
+                let code = self.inner(function);
+                self.push(Op::Network(into, code));
+            }
+            IrKind::WaitFor { fluent, timeout, owned } => {
+                let condition = self.fresh();
+                self.value(fluent, condition, false);
+                let seconds = match timeout {
+                    Some(timeout) => {
+                        let seconds = self.fresh();
+                        self.value(timeout, seconds, false);
+                        seconds
+                    }
+                    None => NO_REG,
+                };
+                self.push(Op::WaitFor(into, condition, seconds, *owned));
+            }
+            IrKind::Whenever { fluent, missed, owned, body } => {
+                let condition = self.fresh();
+                self.value(fluent, condition, false);
+                self.push(Op::PushWatch(condition, *missed, *owned));
+                self.scopes += 1;
+                let start = self.ops.len();
+                self.push(Op::WatchWait);
+                self.value(body, into, false);
+                self.push(Op::WatchDone);
+                self.jump_back(start);
+                self.scopes -= 1;
+            }
+        }
+    }
+
+    fn integer(&mut self, value: i64, into: Reg) {
+        match i32::try_from(value) {
+            Ok(value) => drop(self.push(Op::Int(into, value))),
+            Err(_) => {
+                let constant = self.compiler.constant(Atom::Int(value));
+                self.push(Op::Const(into, constant));
+            }
+        }
+    }
+
+    pub(super) fn local(&mut self, variable: VarId, into: Reg) {
+        let reg = self.registers.get(&variable).copied().unwrap_or(NO_REG);
+        if self.compiler.variables[variable.0 as usize].in_cell() {
+            self.push(Op::CellGet(into, reg));
+        } else if reg != into {
+            self.push(Op::Move(into, reg));
+        }
+    }
+
+    pub(super) fn set_local(&mut self, variable: VarId, value: &Ir, into: Reg) {
+        let reg = self.registers.get(&variable).copied().unwrap_or(NO_REG);
+        if self.compiler.variables[variable.0 as usize].in_cell() {
+            self.value(value, into, false);
+            self.push(Op::CellSet(reg, into));
+        } else {
+            self.assign(variable, value);
+            self.take(reg, into);
+        }
+    }
+
+    /// Assigns a variable that lives in a register.
+    pub(super) fn assign(&mut self, variable: VarId, value: &Ir) {
+        let reg = self.registers.get(&variable).copied().unwrap_or(NO_REG);
+        if writes_once(value) {
+            self.value(value, reg, false);
+        } else {
+            // The value may read the variable after a part of it has been written.
+            let fresh = self.fresh();
+            self.value(value, fresh, false);
+            self.push(Op::Move(reg, fresh));
+        }
+    }
+
+    /// A register that holds the form's value; a variable's own register where nothing evaluated
+    /// after it (`later`) can change it.
+    pub(super) fn operand(&mut self, ir: &Ir, later: &[&Ir]) -> Reg {
+        if let IrKind::Local(variable) = ir.kind {
+            let variable_info = &self.compiler.variables[variable.0 as usize];
+            let is_stable = !variable_info.assigned || later.iter().all(|ir| has_no_effect(ir));
+            if !variable_info.in_cell() && is_stable {
+                return self.registers.get(&variable).copied().unwrap_or(NO_REG);
+            }
+        }
+        let reg = self.fresh();
+        self.value(ir, reg, false);
+        reg
+    }
+
+    /// A fresh register that holds the form's value.
+    pub(super) fn kept(&mut self, ir: &Ir) -> Reg {
+        let reg = self.fresh();
+        self.value(ir, reg, false);
+        reg
+    }
+
+    /// Emits a form whose value nobody wants.
+    pub(super) fn effect(&mut self, ir: &Ir) {
+        let outer = std::mem::replace(&mut self.span, ir.span);
+        deep(|| self.temporarily(|emitter| emitter.effect_here(ir)));
+        self.span = outer;
+    }
+
+    fn effect_here(&mut self, ir: &Ir) {
+        match &ir.kind {
+            IrKind::Nil | IrKind::True | IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) => {}
+            IrKind::Seq(items) => items.iter().for_each(|item| self.effect(item)),
+            IrKind::Let(bindings, body) => {
+                self.bind(bindings);
+                self.effect(body);
+            }
+            IrKind::If(condition, then, otherwise) => {
+                let skips = self.jump_unless(condition);
+                self.effect(then);
+                let exit = if has_no_code(otherwise) { None } else { Some(self.push(Op::Jump(0))) };
+                for skip in skips {
+                    self.land(skip);
+                }
+                self.effect(otherwise);
+                exit.into_iter().for_each(|exit| self.land(exit));
+            }
+            IrKind::SetLocal(variable, value) if !self.compiler.variables[variable.0 as usize].in_cell() => {
+                self.assign(*variable, value);
+            }
+            IrKind::Loop(body) => self.loop_form(body),
+            _ => {
+                let unused = self.fresh();
+                self.value(ir, unused, false);
+            }
+        }
+    }
+
+    pub(super) fn sequence(&mut self, items: &[Ir], into: Reg, tail: bool) {
+        let Some((last, before)) = items.split_last() else {
+            self.push(Op::Nil(into));
+            return;
+        };
+        for item in before {
+            self.effect(item);
+        }
+        self.value(last, into, tail);
+    }
+
+    pub(super) fn let_form(&mut self, bindings: &[(VarId, Ir)], body: &Ir, into: Reg, tail: bool) {
+        self.bind(bindings);
+        self.value(body, into, tail);
+    }
+
+    pub(super) fn bind(&mut self, bindings: &[(VarId, Ir)]) {
+        for (variable, value) in bindings {
+            let reg = self.fresh();
+            self.value(value, reg, false);
+            self.place(*variable, reg);
+            self.put_in_cell(*variable, reg);
+        }
+    }
+}

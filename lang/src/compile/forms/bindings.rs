@@ -1,0 +1,165 @@
+//! Names bound around forms: variables, and the parameters of functions.
+
+use super::special_form::{Role, SpecialForm};
+use crate::code::CodeKind;
+use crate::compile::compiler::{Compiler, thunk};
+use crate::compile::ir::{Function, Ir, IrKind};
+use crate::layout::ItemShape::{Bindings, Data};
+use crate::layout::Layout;
+use crate::layout::Style::Body;
+use crate::source::Span;
+use crate::symbol::Symbol;
+use crate::syntax::NodeId;
+
+pub(super) const FORMS: &[SpecialForm] = &[
+    SpecialForm {
+        names: &["let"],
+        form: "(let ((NAME VALUE)...) FORM...)",
+        doc: "Runs the forms with the names bound; the values do not see the names.",
+        example: "(let ((a 1) (b 2))\n  (print (+ a b)))",
+        layout: Some(Layout::with(Body(1), &[Bindings])),
+        role: Role::Plain(|compiler, written| compiler.let_form(written.rest(), written.span, false)),
+    },
+    SpecialForm {
+        names: &["let*"],
+        form: "(let* ((NAME VALUE)...) FORM...)",
+        doc: "Runs the forms with the names bound one after the other.",
+        example: "",
+        layout: Some(Layout::with(Body(1), &[Bindings])),
+        role: Role::Plain(|compiler, written| compiler.let_form(written.rest(), written.span, true)),
+    },
+    SpecialForm {
+        names: &["letrec"],
+        form: "(letrec ((NAME FUNCTION)...) FORM...)",
+        doc: "Runs the forms with functions bound that may call each other.",
+        example: "",
+        layout: Some(Layout::with(Body(1), &[Bindings])),
+        role: Role::Plain(|compiler, written| compiler.letrec(written.rest(), written.span)),
+    },
+    SpecialForm {
+        names: &["lambda", "fn"],
+        form: "(lambda (PARAMETER...) FORM...)",
+        doc: "A function that remembers the variables around it.",
+        example: "(map (lambda (n) (* n n)) '(1 2 3))",
+        layout: Some(Layout::with(Body(1), &[Data])),
+        role: Role::Plain(|compiler, written| compiler.lambda(written.rest(), written.span)),
+    },
+];
+
+impl Compiler<'_> {
+    fn let_form(&mut self, rest: &[NodeId], span: Span, sequential: bool) -> Ir {
+        let bindings = rest.first().and_then(|&list| self.list_items(list));
+        let Some(bindings) = bindings else {
+            return self.malformed(span, "`(let ((NAME VALUE)...) FORM...)`");
+        };
+        let before = self.bindings.len();
+        let mut bound = Vec::new();
+        let mut waiting = Vec::new();
+        for binding in bindings {
+            let place = self.tree.span(binding);
+            let items = match self.tree.proper_list(binding) {
+                Some(items) => items.to_vec(),
+                None => vec![binding],
+            };
+            let name = items.first().and_then(|&name| self.tree.symbol(name));
+            let Some(name) = name.filter(|&name| self.is_bindable(name) && items.len() <= 2) else {
+                self.malformed(place, "`(NAME VALUE)`");
+                continue;
+            };
+            let value = match items.get(1) {
+                Some(&value) => self.resolve(value),
+                None => self.nil(place),
+            };
+            let variable = self.new_variable(name, place);
+            bound.push((variable, value));
+            if sequential {
+                self.bindings.push((name, variable));
+            } else {
+                waiting.push((name, variable));
+            }
+        }
+        self.bindings.extend(waiting);
+        let body = self.body(&rest[1..], span);
+        self.bindings.truncate(before);
+        Ir { span, kind: IrKind::Let(bound, Box::new(body)) }
+    }
+
+    /// All names are bound before any value is computed.
+    fn letrec(&mut self, rest: &[NodeId], span: Span) -> Ir {
+        let bindings = rest.first().and_then(|&list| self.list_items(list));
+        let Some(bindings) = bindings else {
+            return self.malformed(span, "`(letrec ((NAME VALUE)...) FORM...)`");
+        };
+        let before = self.bindings.len();
+        let mut bound = Vec::new();
+        let mut values = Vec::new();
+        for binding in bindings {
+            let place = self.tree.span(binding);
+            let items = self.tree.proper_list(binding).map(<[NodeId]>::to_vec).unwrap_or_default();
+            let name = items.first().and_then(|&name| self.tree.symbol(name));
+            let (Some(name), 2) = (name.filter(|&name| self.is_bindable(name)), items.len()) else {
+                self.malformed(place, "`(NAME VALUE)`");
+                continue;
+            };
+            let variable = self.bind(name, place);
+            bound.push((variable, self.nil(place)));
+            values.push((variable, items[1]));
+        }
+        let mut forms = Vec::new();
+        for (variable, value) in values {
+            let value = self.resolve(value);
+            self.variables[variable.0 as usize].assigned = true;
+            forms.push(Ir { span: value.span, kind: IrKind::SetLocal(variable, Box::new(value)) });
+        }
+        forms.push(self.body(&rest[1..], span));
+        self.bindings.truncate(before);
+        Ir { span, kind: IrKind::Let(bound, Box::new(Ir { span, kind: IrKind::Seq(forms) })) }
+    }
+
+    fn lambda(&mut self, rest: &[NodeId], span: Span) -> Ir {
+        let Some((&parameters, body)) = rest.split_first() else {
+            return self.malformed(span, "`(lambda (PARAMETER...) FORM...)`");
+        };
+        let name = self.symbols.intern("lambda");
+        let function = self.function(name, CodeKind::Function, parameters, body, span);
+        Ir { span, kind: IrKind::Lambda(Box::new(function)) }
+    }
+
+    /// A function with parameters and a body. The root of a definition has tags of its own.
+    pub(super) fn function(
+        &mut self,
+        name: Symbol,
+        kind: CodeKind,
+        parameters: NodeId,
+        body: &[NodeId],
+        span: Span,
+    ) -> Function {
+        let root = self.functions.is_empty();
+        let ((parameters, bindings, body), scope) = self.in_function(kind, root, |compiler| {
+            if root {
+                compiler.find_tags(body);
+            }
+            let (parameters, bindings) = compiler.lambda_list(parameters);
+            let body = compiler.body(body, span);
+            (parameters, bindings, body)
+        });
+        Function {
+            name,
+            kind,
+            parameters,
+            bindings,
+            captures: scope.captures,
+            tags: scope.tags.unwrap_or_default(),
+            body: Box::new(body),
+            doc: None,
+            span,
+        }
+    }
+
+    /// A function without parameters around forms, in the current surroundings.
+    pub(super) fn thunk(&mut self, name: &str, kind: CodeKind, forms: &[NodeId], span: Span) -> Function {
+        let name = self.symbols.intern(name);
+        let (body, scope) = self.in_function(kind, false, |compiler| compiler.body(forms, span));
+        thunk(name, kind, body, scope, span)
+    }
+}

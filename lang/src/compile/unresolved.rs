@@ -1,0 +1,173 @@
+//! What is known only when the whole text is: which names it defines, which classes of failure, and
+//! what the functions it calls take.
+
+use super::compiler::{Compiler, Unknown};
+use super::foreign;
+use super::forms::{GOAL_PREFIX, special_names};
+use crate::code::GlobalKind;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::symbol::Symbol;
+use crate::syntax::{self, NodeId};
+
+impl Compiler<'_> {
+    pub(super) fn check_undefined(&mut self) {
+        for (global, Unknown { span, locals }) in std::mem::take(&mut self.undefined) {
+            let name = self.program.globals[global as usize].name;
+            self.program.names.remove(&name);
+            let text = self.symbols.name(name).to_string();
+            let span = crate::lexer::find_name(&self.program.sources, span, &text).unwrap_or(span);
+            if self.program.macros.contains_key(&name) {
+                self.error(
+                    "macro-before-definition",
+                    span,
+                    format!("the macro `{text}` is used above its definition"),
+                    "not known yet here",
+                )
+                .help = Some("move the defmacro above its first use".into());
+            } else if let Some(accessor) = text.strip_prefix("%set-") {
+                self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
+            } else if self.robot_names.contains(&text) {
+                self.error(
+                    "needs-a-world",
+                    span,
+                    format!("`{text}` belongs to the robot, and there is none"),
+                    "needs a world",
+                )
+                .help = Some("add `--world dept` to the command".into());
+            } else if self.scenario_names.contains(&text) {
+                self.error(
+                    "needs-a-scenario",
+                    span,
+                    format!("`{text}` belongs to scenarios, and this text is read as a plan"),
+                    "only a scenario has it",
+                )
+                .help = Some(
+                    "`rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
+                        .into(),
+                );
+            } else {
+                let goal = text
+                    .strip_prefix(GOAL_PREFIX)
+                    .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
+                let foreign = foreign::advice(&text).map(str::to_string);
+                let unit = self.unit_apart(span, &text);
+                let is_argument = self.is_argument(span);
+                let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
+                let suggestion = self.suggestion(&text, &locals, is_argument);
+                let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
+                let help = foreign.or(unit).or(suggestion).or(goal).or(quoted);
+                self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
+                    help;
+            }
+        }
+    }
+
+    /// Notes that a class of failure is handled or raised.
+    pub(super) fn note_class(&mut self, name: Symbol, span: Span) {
+        if !self.program.failure_classes.contains_key(&name) {
+            let is_variable = self.bindings.iter().any(|&(bound, _)| bound == name);
+            self.classes.push((name, span, is_variable));
+        }
+    }
+
+    pub(super) fn check_classes(&mut self) {
+        for (name, span, is_variable) in std::mem::take(&mut self.classes) {
+            if !self.program.failure_classes.contains_key(&name) {
+                self.unknown_class(name, span, is_variable);
+            }
+        }
+    }
+
+    pub(super) fn unknown_class(&mut self, name: Symbol, span: Span, is_variable: bool) {
+        let text = self.symbols.name(name).to_string();
+        let span = crate::lexer::find_name(&self.program.sources, span, &text).unwrap_or(span);
+        let known = self.program.failure_classes.keys().map(|&class| self.symbols.name(class));
+        let near = crate::suggest::suggest(&text, known).map(str::to_string);
+        let help = match near {
+            _ if is_variable => format!(
+                "`{text}` is a variable here, and `fail` takes the bare name of a class; to pass a failure on, write `(refail)`"
+            ),
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("define it: `(def-failure {text} (failure) ())`"),
+        };
+        self.error("unknown-failure-class", span, format!("there is no failure class `{text}`"), "unknown class")
+            .help = Some(help);
+    }
+
+    /// Advice on a unit that stands apart from its number.
+    fn unit_apart(&self, span: Span, text: &str) -> Option<String> {
+        if !crate::number::unit_names().any(|unit| unit == text) {
+            return None;
+        }
+        let before = self.program.sources.get(span.source).text.get(..span.start as usize)?.trim_end();
+        let number = before.rsplit(|c: char| c.is_whitespace() || c == '(').next()?;
+        let is_number = crate::number::begins_like_number(number) && number.ends_with(|c: char| c.is_ascii_digit());
+        is_number.then(|| one_word(number, text))
+    }
+
+    /// Whether a name stands where its value is asked for, not at the head of a form.
+    fn is_argument(&self, span: Span) -> bool {
+        let before = self.program.sources.get(span.source).text.get(..span.start as usize);
+        before.is_some_and(|before| !before.ends_with(['(', '\'']))
+    }
+
+    /// Tells, and gives true, if a time has one of these units, and it stands apart from its number.
+    pub(super) fn refuse_unit_apart(&mut self, forms: &[NodeId], units: &[&str]) -> bool {
+        let [number, unit, ..] = *forms else { return false };
+        let is_number = matches!(self.tree.get(number).kind, syntax::NodeKind::Int(_) | syntax::NodeKind::Float(_));
+        let Some(name) = self.tree.symbol(unit).filter(|_| is_number) else { return false };
+        let text = self.symbols.name(name).to_string();
+        if !units.contains(&text.as_str()) || self.lexical(name).is_some() {
+            return false;
+        }
+        let span = self.tree.span(number).to(self.tree.span(unit));
+        let written = self.program.sources.text_of(self.tree.span(number)).to_string();
+        self.error("unit-apart", span, "a number, and a unit apart from it", "two words").help =
+            Some(one_word(&written, &text));
+        true
+    }
+
+    /// The nearest name a user could have meant; with a value, if one is needed.
+    fn suggestion(&self, text: &str, locals: &[Symbol], has_value: bool) -> Option<String> {
+        // Of equally near names the text's own come first.
+        let (library, own): (Vec<_>, Vec<_>) =
+            self.program.names.iter().partition(|&(_, &global)| self.is_library(global));
+        let globals = own.into_iter().chain(library).map(|(&name, _)| self.symbols.name(name));
+        let natives = self.natives.iter().map(|native| native.name.as_str());
+        let specials = special_names().map(|(name, _)| name);
+        let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
+        let locals = locals.iter().map(|&name| self.symbols.name(name));
+        let forms = specials.chain(macros).filter(|_| !has_value);
+        let known = locals.chain(globals).chain(natives).chain(forms);
+        crate::suggest::suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text))
+            .map(str::to_string)
+    }
+
+    pub(super) fn check_calls(&mut self) {
+        for (global, count, span) in std::mem::take(&mut self.calls) {
+            let GlobalKind::Function(code) = self.program.globals[global as usize].kind else { continue };
+            let Some(code) = self.program.codes.get(code as usize) else { continue };
+            if !code.parameters.accepts(count) {
+                let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
+                let expected = code.parameters.describe();
+                let definition = code.span;
+                // What is written is the place, and the value to assign is no argument of it.
+                let error = match name.strip_prefix("%set-") {
+                    Some(accessor) => self.arity_error(accessor, count - 1, "1 argument", span),
+                    None => self.arity_error(&name, count, &expected, span),
+                };
+                error.related.push((definition, "defined here".into()));
+            }
+        }
+    }
+
+    pub(super) fn arity_error(&mut self, name: &str, count: usize, expected: &str, span: Span) -> &mut Diagnostic {
+        let given = if count == 1 { "1 is given".to_string() } else { format!("{count} are given") };
+        self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"))
+    }
+}
+
+fn one_word(number: &str, unit: &str) -> String {
+    format!("a number and its unit are one word: write `{number}{unit}`")
+}
