@@ -6,8 +6,9 @@
 use rpl_benches::{Question, Report, least_ms};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
-use rpl_robot::localization::{Belief, Instructions, LocalizationModel, LocalizationParameters, SONARS, Spread, State};
+use rpl_robot::localization::{Belief, Instructions, LocalizationModel, LocalizationParameters, Spread, State};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
+use rpl_robot::sensors::SONARS;
 use std::hint::black_box;
 
 const RUNS: usize = 25;

@@ -6,16 +6,13 @@
 use rpl_benches::{Question, Report, least_ms};
 use rpl_lang::compile::NoFiles;
 use rpl_random::Stream;
-use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::localization::DistanceField;
-use rpl_robot::navigation::clearance::open_distance_m;
-use rpl_robot::navigation::dynamic_window::{CANDIDATES, WindowInput, best_speeds};
-use rpl_robot::navigation::{
-    DriveLimits, Navigation, NavigationEvent, NavigationInput, NavigationModel, ObstacleMemory, PlannerModel,
-    PlannerParameters, Speeds, TopologicalModel,
-};
-use rpl_robot::occupancy::{Cell, OccupancyGrid};
+use rpl_robot::avoidance::{CANDIDATES, DriveLimits, WindowInput, best_velocity, open_distance_m};
+use rpl_robot::geometry::{Point, Pose, Velocity, distance_m};
+use rpl_robot::navigation::{MappedNavigation, NavigationEvent, NavigationInput, NavigationModel};
+use rpl_robot::obstacles::ObstacleMemory;
+use rpl_robot::occupancy::{Cell, DistanceField, OccupancyGrid};
 use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
+use rpl_robot::planning::{Inflation, PlannerModel, TopologicalModel};
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState, drive_arc};
 use rpl_robot::world::{TravelMode, World};
 use rpl_runtime::run::library::Library;
@@ -90,14 +87,14 @@ fn fields(report: &Report) {
         let row = |index: usize, what, peers| question(names[index], what, "ms", targets[index], peers);
         report.row(row(0, "value of every cell, with clearance", NAV2), || {
             floor.check(target, &floor.values(target));
-            floor.least_ms(|| drop(black_box(floor.planner.value_field(target))))
+            floor.least_ms(|| drop(black_box(floor.planner.cost_to_go(target))))
         });
         report.row(row(3, "the same after a box has appeared in the map", "D* Lite repairs only what changed"), || {
             let side = |cell: i32| f64::from(cell % 7 - 3) * 0.1;
             let points: Vec<Point> = (0..49).map(|cell| Point::new(15.0 + side(cell), 15.0 + side(cell / 7))).collect();
-            let around = floor.planner.value_field_around(target, &points);
+            let around = floor.planner.cost_to_go_around(target, &points);
             assert!(around.cost_m(points[24]).is_none() && around.cost_m(Point::new(2.5, 14.8)).is_some());
-            floor.least_ms(|| drop(black_box(floor.planner.value_field_around(target, &points))))
+            floor.least_ms(|| drop(black_box(floor.planner.cost_to_go_around(target, &points))))
         });
         report.row(row(1, "Dijkstra with a binary heap", "as in textbooks"), || {
             floor.check(target, &floor.dijkstra(target));
@@ -122,7 +119,7 @@ struct Floor {
 impl Floor {
     fn new(resolution_m: f64) -> Self {
         let map = department(resolution_m);
-        let planner = PlannerModel::new(&map, PlannerParameters::default());
+        let planner = PlannerModel::new(&map, Inflation::default());
         let stride = map.columns + 2;
         let mut prices = vec![0.0; stride * (map.rows + 2)];
         for row in 0..map.rows {
@@ -144,12 +141,12 @@ impl Floor {
 
     /// What the planner says of each cell.
     fn values(&self, target: Point) -> Vec<f32> {
-        let field = self.planner.value_field(target);
+        let costs = self.planner.cost_to_go(target);
         let mut values = vec![f32::INFINITY; self.prices.len()];
         for row in 0..self.map.rows {
             for column in 0..self.map.columns {
                 let point = self.map.centre(column, row);
-                values[self.framed(point)] = field.cost_m(point).map_or(f32::INFINITY, |cost_m| cost_m as f32);
+                values[self.framed(point)] = costs.cost_m(point).map_or(f32::INFINITY, |cost_m| cost_m as f32);
             }
         }
         values
@@ -291,23 +288,23 @@ fn decisions(report: &Report) {
     let scenes: Vec<_> = (0..SCENES as u64)
         .map(|seed| {
             let target = Point::new(stream.uniform_in(0.5, 2.0), stream.uniform_in(-1.0, 1.0));
-            let speeds =
-                Speeds { translation_mps: stream.uniform_in(0.0, 0.3), rotation_radps: stream.uniform_in(-0.5, 0.5) };
-            (clutter(&limits, seed), target, speeds)
+            let velocity =
+                Velocity { translation_mps: stream.uniform_in(0.0, 0.3), rotation_radps: stream.uniform_in(-0.5, 0.5) };
+            (clutter(&limits, seed), target, velocity)
         })
         .collect();
-    let input = |(obstacles, target_in_base, speeds): &(Vec<Point>, Point, Speeds)| {
+    let input = |(obstacles, target_in_base, velocity): &(Vec<Point>, Point, Velocity)| {
         let input = WindowInput {
             odometry_in_odom: Pose::default(),
-            speeds: *speeds,
+            velocity: *velocity,
             obstacles_in_base: obstacles,
             target_in_base: *target_in_base,
             speed_limit_mps: 0.65,
             remaining_m: 5.0,
         };
-        best_speeds(&limits, &input)
+        best_velocity(&limits, &input)
     };
-    let what = "a decision of the dynamic window, 253 speeds among 400 obstacle points, mean of 64 scenes";
+    let what = "a decision of the dynamic window, 253 velocity among 400 obstacle points, mean of 64 scenes";
     report.row(question("decision", what, "µs", 200.0, "Nav2 MPPI 20,000"), || {
         let mut drives = 0;
         for scene in &scenes {
@@ -409,8 +406,8 @@ impl Errand {
             let Ok(plan) = self.topology.plan(&self.navigation.planner, state.robot_in_map, place, &[]) else {
                 panic!("there is a way to {}", place.name)
             };
-            let mut navigation = Navigation::default();
-            navigation.start(plan.targets, Navigation::PATIENCE_S);
+            let mut navigation = MappedNavigation::default();
+            navigation.start(plan.targets, MappedNavigation::PATIENCE_S);
             self.drive(&mut state, navigation);
             let away_m = distance_m(state.robot_in_map.point(), place.pose_in_map.point());
             assert!(away_m < 0.5 && state.contacts.caused == 0, "{away_m} {:?}", state.contacts);
@@ -418,13 +415,13 @@ impl Errand {
         state.time_us as f64 * 1e-6
     }
 
-    fn drive(&self, state: &mut SimulatorState, mut navigation: Navigation) {
+    fn drive(&self, state: &mut SimulatorState, mut navigation: MappedNavigation) {
         let mut commands = Commands { sonars_on: true, ..Commands::default() };
         loop {
             let percept = self.simulator.step(state, &commands);
             let input = NavigationInput {
                 odometry_in_odom: percept.odometry_in_odom,
-                speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+                velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
                 sonar_m: percept.sonar_m.as_ref(),
                 laser_m: percept.laser_m.as_deref(),
                 bumped: percept.bumped,
@@ -432,8 +429,8 @@ impl Errand {
             let here = state.robot_in_map;
             let mode = self.world.mode_at(here.point()).unwrap_or(TravelMode::Office);
             let output = navigation.step(&self.navigation, here, &input, mode);
-            commands.translation_mps = output.speeds.translation_mps;
-            commands.rotation_radps = output.speeds.rotation_radps;
+            commands.translation_mps = output.velocity.translation_mps;
+            commands.rotation_radps = output.velocity.rotation_radps;
             commands.sonars_on = mode != TravelMode::Doorway || output.needs_sonars;
             match output.event {
                 Some(NavigationEvent::Arrived) => return,

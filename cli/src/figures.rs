@@ -176,7 +176,7 @@ fn rounded(length_m: f64) -> f64 {
 pub fn draw(figure: &Figure<'_>) -> String {
     let map = figure.map;
     let (width_m, height_m) = (map.columns as f64 * map.resolution_m, map.rows as f64 * map.resolution_m);
-    let sheet = Sheet { left_m: map.origin_in_map.x, top_m: map.origin_in_map.y + height_m };
+    let sheet = Sheet { left_m: map.origin_in_frame.x, top_m: map.origin_in_frame.y + height_m };
     let mut document = Document::new()
         .set("viewBox", (0, 0, rounded(width_m), rounded(height_m + 2.0 * MARGIN_M)))
         .set("width", format!("{:.0}", width_m * PIXELS_PER_M))
@@ -234,7 +234,7 @@ fn cells(map: &OccupancyGrid, sheet: Sheet, kind: Cell, colour: &str) -> Group {
     for row in 0..map.rows {
         for (column, length, is_kind) in runs((0..map.columns).map(|column| map.get(column, row) == kind)) {
             if is_kind {
-                group = group.add(strip(map.origin_in_map, map.resolution_m, sheet, column, row, length));
+                group = group.add(strip(map.origin_in_frame, map.resolution_m, sheet, column, row, length));
             }
         }
     }

@@ -101,7 +101,7 @@ fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Argument
     }
     let first = off.first().copied().unwrap_or(0);
     let far = |cells: usize| cells as f64 * map.resolution_m;
-    let origin = map.origin_in_map;
+    let origin = map.origin_in_frame;
     bail!(
         "the log `{}` does not belong to the map `{}`: {} of its {total} corrected poses (the first in line {first}) \
          are not on the map's free space, which lies within ({:.1}, {:.1}) and ({:.1}, {:.1})",

@@ -1,4 +1,4 @@
-//! Points, poses and angles in the plane.
+//! Points, poses, velocities and angles in the plane.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -40,8 +40,7 @@ impl Pose {
 
     /// A point of this pose's frame, in the outer frame.
     pub fn transform(self, inner: Point) -> Point {
-        let (sin, cos) = libm::sincos(self.heading_rad);
-        Point::new(self.x_m + cos * inner.x - sin * inner.y, self.y_m + sin * inner.x + cos * inner.y)
+        Transform::new(self).apply(inner)
     }
 
     /// The inverse transform: `self.compose(self.inverse())` is the identity.
@@ -58,6 +57,40 @@ impl Pose {
     /// Distance between the positions.
     pub fn distance_m(self, other: Pose) -> f64 {
         distance_m(self.point(), other.point())
+    }
+}
+
+/// How a robot moves that only drives ahead and turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Velocity {
+    /// Ahead, negative backwards.
+    pub translation_mps: f64,
+    /// Counter-clockwise.
+    pub rotation_radps: f64,
+}
+
+/// A pose with its sine and cosine taken once, for many points.
+#[derive(Clone, Copy, Debug)]
+pub struct Transform {
+    x_m: f64,
+    y_m: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl Transform {
+    /// From the frame of a pose into the one it is given in.
+    pub fn new(pose: Pose) -> Self {
+        let (sin, cos) = libm::sincos(pose.heading_rad);
+        Self { x_m: pose.x_m, y_m: pose.y_m, sin, cos }
+    }
+
+    /// [`Pose::transform`].
+    pub fn apply(&self, inner: Point) -> Point {
+        Point::new(
+            self.x_m + self.cos * inner.x - self.sin * inner.y,
+            self.y_m + self.sin * inner.x + self.cos * inner.y,
+        )
     }
 }
 

@@ -1,5 +1,8 @@
-//! The robot: geometry, maps and worlds, simulator, localization, active localization, navigation,
-//! and recorded drives.
+//! The robot, from the ground up: `geometry` and `sensors`; `occupancy` (maps as grids, distances and
+//! rays); `world` (what stands where); `localization` (where the robot is) and `recording` (the same on
+//! recorded drives); `active` (how it finds out); `planning` (ways and plans); `avoidance` (keeping off);
+//! `obstacles` (what its sensors have found); `navigation` (driving by all of these); `simulator` (the
+//! robot and its world, step by step). `office` binds them to the runtime.
 //!
 //! Every algorithm here is a pure function of its inputs and of seeded random streams: no clock,
 //! no thread order, no file. Each module separates an immutable *model* (built once from a world,
@@ -9,11 +12,15 @@
 //! frames `map` (the world), `odom` (dead reckoning), `base` (the robot).
 
 pub mod active;
+pub mod avoidance;
 pub mod geometry;
 pub mod localization;
 pub mod navigation;
+pub mod obstacles;
 pub mod occupancy;
 pub mod office;
+pub mod planning;
 pub mod recording;
+pub mod sensors;
 pub mod simulator;
 pub mod world;

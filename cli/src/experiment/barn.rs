@@ -12,10 +12,11 @@ use crate::status::Status;
 use crate::table::Table;
 use anyhow::{Result, bail};
 use course::{COURSES, Course};
-use rpl_robot::geometry::Point;
-use rpl_robot::navigation::{
-    Drive, DriveLimits, DriveStatus, Grain, MaplessNavigation, NavigationEvent, NavigationInput, Speeds, Target,
-};
+use rpl_robot::avoidance::DriveLimits;
+use rpl_robot::geometry::{Point, Velocity};
+use rpl_robot::navigation::{DriveStatus, LocalDrive, MaplessNavigation, NavigationEvent, NavigationInput};
+use rpl_robot::planning::Target;
+use rpl_robot::sensors::RangeSensor;
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use serde::Serialize;
 use serde_json::json;
@@ -199,14 +200,14 @@ fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
         }
         let input = NavigationInput {
             odometry_in_odom: percept.odometry_in_odom,
-            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+            velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
             sonar_m: None,
             laser_m: percept.laser_m.as_deref(),
             bumped: percept.bumped,
         };
-        let Some(speeds) = pilot.step(&limits, &input) else { break Ending::GaveUp };
-        commands.translation_mps = speeds.translation_mps;
-        commands.rotation_radps = speeds.rotation_radps;
+        let Some(velocity) = pilot.step(&limits, &input) else { break Ending::GaveUp };
+        commands.translation_mps = velocity.translation_mps;
+        commands.rotation_radps = velocity.rotation_radps;
     };
     Drove { course: number, ending, time_s: state.time_us as f64 * 1e-6, optimum_s: course.optimum_m / SPEED_MPS }
 }
@@ -214,32 +215,32 @@ fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
 /// Who decides.
 enum Pilot {
     Mapless(Box<MaplessNavigation>),
-    Window(Box<Drive>),
+    Window(Box<LocalDrive>),
 }
 
 impl Pilot {
     fn new(method: Method, goal_in_odom: Point) -> Self {
         match method {
             Method::Mapless => {
-                let mut navigation = MaplessNavigation::new(Grain::Laser);
+                let mut navigation = MaplessNavigation::new(RangeSensor::Laser);
                 navigation.start(vec![Target::through(goal_in_odom)], MaplessNavigation::PATIENCE_S);
                 Pilot::Mapless(Box::new(navigation))
             }
-            Method::Window => Pilot::Window(Box::new(Drive::follow(vec![goal_in_odom]))),
+            Method::Window => Pilot::Window(Box::new(LocalDrive::follow(vec![goal_in_odom]))),
         }
     }
 
     /// None if it gives up.
-    fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>) -> Option<Speeds> {
+    fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>) -> Option<Velocity> {
         match self {
             Pilot::Mapless(navigation) => {
                 let output = navigation.step(limits, input, SPEED_MPS);
                 let has_failed = matches!(output.event, Some(NavigationEvent::Unreachable | NavigationEvent::Blocked));
-                (!has_failed).then_some(output.speeds)
+                (!has_failed).then_some(output.velocity)
             }
             Pilot::Window(drive) => {
                 let output = drive.step(limits, input, SPEED_MPS);
-                (output.status != DriveStatus::Arrived).then_some(output.speeds)
+                (output.status != DriveStatus::Arrived).then_some(output.velocity)
             }
         }
     }

@@ -8,8 +8,8 @@ use crate::files::{Folder, PlanText};
 use anyhow::{Result, bail};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::navigation::path_length_m;
 use rpl_robot::office::OfficeRobot;
+use rpl_robot::planning::path_length_m;
 use rpl_robot::world::{Place, World};
 
 /// The worlds with doors between their places.
@@ -64,7 +64,7 @@ fn draw(ground: &Ground, seed: u64) -> Result<Errand<'_>> {
     for _ in 0..DRAWS {
         let (from, to) = (draw_place(&ground.world, &mut stream), draw_place(&ground.world, &mut stream));
         let Some(start) = draw_start(ground, from, &mut stream) else { continue };
-        let Some(on) = ground.floor.value_field(to.pose_in_map.point()).path(from.pose_in_map.point()) else {
+        let Some(on) = ground.floor.cost_to_go(to.pose_in_map.point()).path(from.pose_in_map.point()) else {
             continue;
         };
         let doors = doors_on(&ground.world, &[&start.path[..], &on].concat());

@@ -15,8 +15,8 @@ use anyhow::{Context, Result, bail};
 use rpl_lang::compile::NoFiles;
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
 use rpl_robot::office::{OfficeRobot, OfficeSettings};
+use rpl_robot::planning::{Inflation, PlannerModel, path_length_m};
 use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
 use rpl_runtime::run::system::System;
 use serde_json::json;
@@ -47,14 +47,11 @@ pub(super) struct Ground {
 impl Ground {
     fn new(name: &str) -> Result<Self> {
         let world = mission::world(name)?;
-        let parameters = PlannerParameters {
-            comfortable_distance_m: ROBOT_RADIUS_M,
-            closeness_weight: 0.0,
-            ..PlannerParameters::default()
-        };
+        let inflation =
+            Inflation { comfortable_distance_m: ROBOT_RADIUS_M, closeness_weight: 0.0, ..Inflation::default() };
         Ok(Self {
             site: Site::new(Some(world.clone()), None, OfficeSettings::default())?,
-            floor: PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters),
+            floor: PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), inflation),
             world,
         })
     }
@@ -163,7 +160,7 @@ pub(super) fn draw_start(ground: &Ground, destination: &Place, stream: &mut Stre
     if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < START_CLEARANCE_M {
         return None;
     }
-    let path = floor.value_field(goal).path(start)?;
+    let path = floor.cost_to_go(goal).path(start)?;
     Some(Start { at_in_map: Pose::new(start.x, start.y, heading_rad), path })
 }
 

@@ -30,8 +30,8 @@ pub fn map(map: &OccupancyGrid, robot: &Robot, width: usize, height: usize, colo
     let rows = (((size.1 / cell_m) / 2.0).ceil() as usize * 2).clamp(2, 2 * height);
     let mut canvas = Canvas { columns, rows, cells: vec![Ink::Free; columns * rows] };
     draw_map(&mut canvas, map, cell_m);
-    draw_belief(&mut canvas, map.origin_in_map, &belief, cell_m);
-    let place = |pose: Pose| cell_of(&canvas, map.origin_in_map, cell_m, Point::new(pose.x_m, pose.y_m));
+    draw_belief(&mut canvas, map.origin_in_frame, &belief, cell_m);
+    let place = |pose: Pose| cell_of(&canvas, map.origin_in_frame, cell_m, Point::new(pose.x_m, pose.y_m));
     let marks = [
         place(sight.estimate_in_map).map(|cell| (cell, '?')),
         place(sight.robot_in_map).map(|cell| (cell, arrow(sight.robot_in_map.heading_rad))),

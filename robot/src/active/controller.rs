@@ -32,7 +32,7 @@ pub enum Intent {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Phase {
+enum SearchPhase {
     /// Moving about until the belief has few maxima.
     Wander {
         /// Way still to go at most.
@@ -54,7 +54,7 @@ enum Phase {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActiveLocalization {
     parameters: ActiveParameters,
-    phase: Phase,
+    phase: SearchPhase,
     started_at_us: u64,
     odometry_in_odom: Pose,
     /// Updates of the filter seen so far, and at the last look at the maxima.
@@ -80,7 +80,7 @@ impl ActiveLocalization {
             localization.reset_for_relocalization(model);
         }
         Self {
-            phase: Phase::Wander { left_m: parameters.max_wander_m },
+            phase: SearchPhase::Wander { left_m: parameters.max_wander_m },
             parameters,
             started_at_us: time_us,
             odometry_in_odom,
@@ -112,20 +112,20 @@ impl ActiveLocalization {
         self.confirm(model, localization);
         let elapsed_us = time_us.saturating_sub(self.started_at_us);
         if self.confirmed >= self.parameters.confirmations {
-            self.phase = Phase::Done;
+            self.phase = SearchPhase::Done;
         } else if elapsed_us as f64 >= self.parameters.timeout_s * 1e6 {
-            self.phase = Phase::Failed;
+            self.phase = SearchPhase::Failed;
         }
         if blocked {
             self.remember_obstacle();
         }
         let choose_now = match &mut self.phase {
-            Phase::Wander { left_m } => {
+            SearchPhase::Wander { left_m } => {
                 *left_m -= moved_m;
                 let tired = *left_m <= 0.0;
                 tired || (self.is_time_to_look(localization) && self.is_concentrated(model, localization))
             }
-            Phase::Follow { path_in_odom, .. } => {
+            SearchPhase::Follow { path_in_odom, .. } => {
                 let arrival_m = self.parameters.arrival_m;
                 let here = odometry_in_odom.point();
                 while path_in_odom.len() > 1 && distance_m(path_in_odom[0], here) < arrival_m {
@@ -134,7 +134,7 @@ impl ActiveLocalization {
                 let arrived = path_in_odom.iter().all(|&point| distance_m(point, here) < arrival_m);
                 arrived || blocked || (self.is_time_to_look(localization) && self.has_changed(model, localization))
             }
-            Phase::Done | Phase::Failed => false,
+            SearchPhase::Done | SearchPhase::Failed => false,
         };
         if choose_now && self.parameters.exploration == Exploration::Active {
             self.choose(model, localization);
@@ -144,13 +144,13 @@ impl ActiveLocalization {
 
     fn intent(&self) -> Intent {
         match &self.phase {
-            Phase::Wander { .. } if self.parameters.exploration == Exploration::Active => {
+            SearchPhase::Wander { .. } if self.parameters.exploration == Exploration::Active => {
                 Intent::Explore(Exploration::Wander)
             }
-            Phase::Wander { .. } => Intent::Explore(self.parameters.exploration),
-            Phase::Follow { path_in_odom, .. } => Intent::FollowPath { path_in_odom: path_in_odom.clone() },
-            Phase::Done => Intent::Done,
-            Phase::Failed => Intent::Failed,
+            SearchPhase::Wander { .. } => Intent::Explore(self.parameters.exploration),
+            SearchPhase::Follow { path_in_odom, .. } => Intent::FollowPath { path_in_odom: path_in_odom.clone() },
+            SearchPhase::Done => Intent::Done,
+            SearchPhase::Failed => Intent::Failed,
         }
     }
 
@@ -183,7 +183,7 @@ impl ActiveLocalization {
 
     /// Whether much of the belief is at maxima the choice did not know.
     fn has_changed(&self, model: &LocalizationModel, localization: &Localization) -> bool {
-        let Phase::Follow { maxima, chosen_at_in_odom, .. } = &self.phase else { return false };
+        let SearchPhase::Follow { maxima, chosen_at_in_odom, .. } = &self.phase else { return false };
         let since = self.odometry_in_odom.relative_to(*chosen_at_in_odom);
         let share = |maxima: &[Maximum]| -> f64 { maxima.iter().map(|maximum| maximum.mass).sum::<f64>().max(1e-9) };
         let now = self.maxima(model, localization);
@@ -203,7 +203,7 @@ impl ActiveLocalization {
     }
 
     fn remember_obstacle(&mut self) {
-        if let Phase::Follow { path_in_odom, .. } = &self.phase
+        if let SearchPhase::Follow { path_in_odom, .. } = &self.phase
             && let Some(&next) = path_in_odom.first()
         {
             let here = self.odometry_in_odom.point();
@@ -226,10 +226,10 @@ impl ActiveLocalization {
         match choose(model, &maxima, &obstacles, &self.parameters) {
             Some((choice, _)) => {
                 let path_in_odom = choice.path_in_base.iter().map(|&point| robot.transform(point)).collect();
-                self.phase = Phase::Follow { path_in_odom, maxima, chosen_at_in_odom: robot };
+                self.phase = SearchPhase::Follow { path_in_odom, maxima, chosen_at_in_odom: robot };
                 self.choice = Some(choice);
             }
-            None => self.phase = Phase::Wander { left_m: WANDER_AGAIN_M },
+            None => self.phase = SearchPhase::Wander { left_m: WANDER_AGAIN_M },
         }
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct CostField {
     previous: Vec<u32>,
 }
 
-/// Cost of entering a cell over a distance: its length, and more where it may be occupied.
+/// WayCost of entering a cell over a distance: its length, and more where it may be occupied.
 ///
 /// # Deviation
 /// Eq. (8) as printed adds P_occ alone, so that any way through free space costs nothing and the
@@ -35,17 +35,17 @@ fn entering(grid: ActionGrid, occupancy: &[f32], cell: usize, cells: f64, parame
 
 /// A cost that can be ordered; costs are never NaN.
 #[derive(PartialEq)]
-struct Cost(f64);
+struct WayCost(f64);
 
-impl Eq for Cost {}
+impl Eq for WayCost {}
 
-impl PartialOrd for Cost {
+impl PartialOrd for WayCost {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Cost {
+impl Ord for WayCost {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.0.total_cmp(&other.0)
     }
@@ -58,8 +58,8 @@ impl CostField {
         let mut previous = vec![NO_CELL; grid.cells()];
         let mut open = BinaryHeap::new();
         cost_m[grid.robot()] = 0.0;
-        open.push((Reverse(Cost(0.0)), grid.robot()));
-        while let Some((Reverse(Cost(cost)), cell)) = open.pop() {
+        open.push((Reverse(WayCost(0.0)), grid.robot()));
+        while let Some((Reverse(WayCost(cost)), cell)) = open.pop() {
             if cost > cost_m[cell] {
                 continue;
             }
@@ -68,7 +68,7 @@ impl CostField {
                 if reached < cost_m[next] {
                     cost_m[next] = reached;
                     previous[next] = cell as u32;
-                    open.push((Reverse(Cost(reached)), next));
+                    open.push((Reverse(WayCost(reached)), next));
                 }
             }
         }

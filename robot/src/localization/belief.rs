@@ -32,9 +32,6 @@ pub struct Belief {
     heading_variance: f64,
 }
 
-/// The bins of one scan, beam by beam; none for a reading that is missing or left out.
-pub(super) type Scan = Vec<Option<u8>>;
-
 impl Belief {
     /// Every admissible state alike.
     pub fn uniform(model: &LocalizationModel) -> Self {

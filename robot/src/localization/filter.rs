@@ -1,8 +1,9 @@
 //! The state of localization: belief, odometry, and what was last concluded from them.
 
-use super::belief::{Belief, Scan};
+use super::belief::Belief;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
+use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -191,7 +192,7 @@ impl Localization {
         // Beams far apart in turn: their evidence overlaps less, and they cost less.
         let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
         let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
-        let scan: Scan = scan.iter().enumerate().map(beam).collect();
+        let scan: BinnedScan = scan.iter().enumerate().map(beam).collect();
         watch.advance(coarse, motion);
         watch.sense(coarse, &scan);
         self.agreed = watch.mass_within(coarse, self.mode.pose_in_map, parameters.near_m, parameters.near_rad);
@@ -203,8 +204,8 @@ impl Localization {
     }
 
     /// The bins of a scan, without the readings that gating leaves out.
-    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, ranges_m: Option<&[f32]>) -> Scan {
-        let Some(ranges_m) = ranges_m else { return Scan::new() };
+    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, ranges_m: Option<&[f32]>) -> BinnedScan {
+        let Some(ranges_m) = ranges_m else { return BinnedScan::new() };
         let mut scan = model.sensor.scan(ranges_m);
         let Some(gating) = &model.parameters.gating else { return scan };
         let Some(state) = model.state_at(predicted_in_map) else { return scan };

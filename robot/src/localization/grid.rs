@@ -64,8 +64,8 @@ impl BeliefGrid {
         let cells = Self {
             cell_m,
             origin_in_map: Point::new(
-                first(map.origin_in_map.x, middle(map.origin_in_map.x, map.columns), columns),
-                first(map.origin_in_map.y, middle(map.origin_in_map.y, map.rows), rows),
+                first(map.origin_in_frame.x, middle(map.origin_in_frame.x, map.columns), columns),
+                first(map.origin_in_frame.y, middle(map.origin_in_frame.y, map.rows), rows),
             ),
             columns,
             rows,

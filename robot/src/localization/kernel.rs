@@ -15,6 +15,9 @@ pub(super) const TILE: usize = TILE_BLOCKS * BLOCK;
 /// Beams whose costs are looked up together.
 pub(super) const TOGETHER: usize = 4;
 
+/// Beams of a scan, at most: every sum of byte costs over one scan fits into 16 bits.
+pub const MAX_BEAMS: usize = u16::MAX as usize / u8::MAX as usize;
+
 /// Costs of the beams of a scan for some blocks of a tile.
 pub(super) type CostSums = [[u16; BLOCK]; TILE_BLOCKS];
 
@@ -28,7 +31,7 @@ pub(super) struct Beam<'a> {
 }
 
 /// The part of a plane in one tile, and a scan to weigh it by.
-pub(super) struct Part<'a> {
+pub(super) struct TilePart<'a> {
     /// Whole blocks.
     pub cells: &'a mut [f32],
     /// 1 where the robot can stand, else 0.
@@ -199,7 +202,10 @@ pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &
 /// A weight is at least 2⁻¹⁰⁰ and an admissible cell is read as at least [`FLOOR`], so that no
 /// number becomes denormal.
 #[inline(always)]
-pub(super) fn weigh<L: Lanes>(part: Part, cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize])) -> Extent {
+pub(super) fn weigh<L: Lanes>(
+    part: TilePart,
+    cost_sums: impl Fn(&mut CostSums, &[[Beam; TOGETHER]], &[usize]),
+) -> Extent {
     let [factor, floor] = part.terms;
     let lifted = [L::all(factor * LIFT), L::all(floor * LIFT)];
     let average = L::all(part.average);

@@ -6,12 +6,13 @@
 //! is the state: the belief, and the odometry at its last update. It never reads a clock and never
 //! moves the robot.
 //!
-//! Read in this order: `parameters`, `grid`, `ray`, `sensor`, `model` (what never changes), then
+//! Read in this order: `parameters`, `grid`, `sensor`, `model` (what never changes), then
 //! `plane`, `belief`, `weigh`, `summary` (the belief), `calibration`, `filter` (the state others use),
 //! and `reading` (one belief read by several sensors, beam by beam).
 
 mod belief;
 mod calibration;
+mod error;
 mod filter;
 mod grid;
 mod kernel;
@@ -19,7 +20,6 @@ mod lanes;
 mod model;
 mod parameters;
 mod plane;
-mod ray;
 mod reading;
 mod sensor;
 mod simd;
@@ -30,16 +30,15 @@ mod weigh;
 
 pub use belief::Belief;
 pub use calibration::Calibration;
+pub use error::ModelError;
 pub use filter::{Estimate, Localization};
 pub use grid::{BeliefGrid, State};
-pub use model::{LocalizationModel, ModelError};
-pub use parameters::{
-    Gating, LocalizationParameters, OdometryError, SONARS, SensorParameters, Spread, Watch, sonar_ring_deg,
-};
+pub use kernel::MAX_BEAMS;
+pub use model::LocalizationModel;
+pub use parameters::{Gating, LocalizationParameters, OdometryError, SensorParameters, Spread, Watch};
 pub use plane::{Activity, Plane};
-pub use ray::DistanceField;
 pub use reading::{Offness, ReadingModel, StateShare};
 pub(crate) use sensor::{BINS, components};
-pub use sensor::{MAX_BEAMS, NO_ECHO, SensorModel};
+pub use sensor::{NO_ECHO, SensorModel};
 pub use simd::Instructions;
 pub use summary::Maximum;

@@ -1,47 +1,18 @@
 //! Everything about localization that never changes during a mission.
 
+use super::error::ModelError;
 use super::grid::{BeliefGrid, State};
-use super::kernel::TILE;
+use super::kernel::{MAX_BEAMS, TILE};
 use super::parameters::{LocalizationParameters, SensorParameters};
-use super::ray::DistanceField;
-use super::sensor::{self, BINS, MAX_BEAMS, SensorModel};
+use super::sensor::{self, BINS, SensorModel};
 use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
-use crate::occupancy::{Cell, OccupancyGrid};
+use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// States the average of a scan is taken over.
 const SAMPLES: usize = 2048;
-
-/// Why no model can be built.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ModelError {
-    /// The angle step does not divide the circle, or is 0.
-    #[error("an angle step of {0}° does not divide 360°")]
-    AngleStep(u32),
-    /// The cells are not a positive length, or smaller than those of the map.
-    #[error("belief cells must be at least as large as the map's, {0} m")]
-    CellSize(String),
-    /// A scan without beams, or with more than a sum of byte costs holds.
-    #[error("a scan has 1 to {MAX_BEAMS} beams, found {0}")]
-    Beams(usize),
-    /// The robot fits nowhere.
-    #[error("the map has no free cell the robot could stand in")]
-    NoFreeCell,
-    /// A parameter that describes nothing there is.
-    #[error("the parameter `{name}` must be from {least} to {most}, found {found}")]
-    Parameter {
-        /// Its name, as in a file of parameters.
-        name: &'static str,
-        /// The least it may be.
-        least: String,
-        /// The most it may be.
-        most: String,
-        /// What it is.
-        found: String,
-    },
-}
 
 /// The map as localization needs it: cells that can be stood in, expected distances, and the
 /// sensor model. Shared by `Arc`; never part of a saved state.

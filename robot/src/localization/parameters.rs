@@ -1,11 +1,9 @@
 //! What can be set about the filter.
 
 use super::calibration::Calibration;
-use super::model::ModelError;
+use super::error::ModelError;
+use crate::sensors::sonar_ring_deg;
 use serde::{Deserialize, Serialize};
-
-/// Sonars around the robot; sonar `i` points `i · 15°` to the left of straight ahead.
-pub const SONARS: usize = 24;
 
 /// Everything that can be set about the filter.
 ///
@@ -222,11 +220,6 @@ impl LocalizationParameters {
     pub fn coarse() -> Self {
         Self { cell_m: 0.3, angle_step_deg: 6, ..Self::default() }
     }
-}
-
-/// Bearings of the sonars.
-pub fn sonar_ring_deg() -> Vec<i32> {
-    (0..SONARS).map(|sonar| (sonar * 360 / SONARS) as i32).collect()
 }
 
 /// P(s | o) of one beam, a sonar's cone or a laser's ray: a mixture of a Gaussian around the expected distance, a uniform and a

@@ -1,6 +1,5 @@
 //! P(s | o): how likely a reading is where a distance is expected, as byte tables.
 
-use super::belief::Scan;
 use super::kernel;
 use super::parameters::SensorParameters;
 
@@ -14,8 +13,8 @@ pub(crate) const BINS: usize = 256;
 /// beam, and the clip at 255 is 8 nats, beyond what the uniform part of the mixture allows.
 const UNITS_PER_NAT: f64 = 32.0;
 
-/// Beams of a scan, at most: every sum of the table's bytes over one scan fits into 16 bits.
-pub const MAX_BEAMS: usize = u16::MAX as usize / u8::MAX as usize;
+/// The bins of one scan, beam by beam; none for a reading that is missing or left out.
+pub(super) type BinnedScan = Vec<Option<u8>>;
 
 /// The sensor model, quantised.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +49,7 @@ impl SensorModel {
     }
 
     /// The bins of a scan in metres; readings that are not finite are missing.
-    pub(super) fn scan(&self, ranges_m: &[f32]) -> Scan {
+    pub(super) fn scan(&self, ranges_m: &[f32]) -> BinnedScan {
         let bin = |range_m: &f32| range_m.is_finite().then(|| self.bin(f64::from(*range_m)));
         ranges_m.iter().map(bin).collect()
     }

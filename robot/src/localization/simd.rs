@@ -3,7 +3,7 @@
 
 #![allow(unsafe_code, reason = "code for instructions that are found at run time can only be called so")]
 
-use super::kernel::{self, Extent, Part};
+use super::kernel::{self, Extent, TilePart};
 use super::lanes::LANES;
 
 #[cfg(target_arch = "x86_64")]
@@ -58,7 +58,7 @@ impl Instructions {
     }
 
     /// [`kernel::weigh`].
-    pub(super) fn weigh(self, part: Part) -> Extent {
+    pub(super) fn weigh(self, part: TilePart) -> Extent {
         match self.0 {
             Set::Portable => kernel::weigh::<[f32; LANES]>(part, kernel::cost_sums),
             // SAFETY: the value exists, so the machine has the instructions.
@@ -102,7 +102,7 @@ mod tests {
         let costs: [u8; 256] = std::array::from_fn(|bin| (bin % 7) as u8);
         let beams = [[Beam { expected: &expected, costs: &costs }; TOGETHER]; 2];
         let mut cells = cells.to_vec();
-        instructions.weigh(Part {
+        instructions.weigh(TilePart {
             admissible: &vec![1.0; cells.len()],
             cells: &mut cells,
             terms: TERMS,

@@ -1,7 +1,6 @@
 //! What others want to know of a belief: its mode, its maxima, its entropy, its picture.
 
 use super::belief::Belief;
-use super::grid::State;
 use super::kernel;
 use super::model::LocalizationModel;
 use super::plane::Plane;
@@ -243,12 +242,6 @@ impl Belief {
             }
         }
         mass
-    }
-
-    /// The most probable state, without refinement.
-    pub fn most_probable_state(&self, model: &LocalizationModel) -> State {
-        let pose = self.mode(model).pose_in_map;
-        model.state_at(pose).unwrap_or(State { heading: 0, row: 0, column: 0 })
     }
 }
 

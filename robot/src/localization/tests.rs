@@ -4,6 +4,7 @@ use super::sensor::mixture;
 use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::occupancy::{Cell, OccupancyGrid};
+use crate::sensors::SONARS;
 use crate::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use rpl_random::Stream;

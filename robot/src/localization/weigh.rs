@@ -1,6 +1,6 @@
 //! Eq. (2) for all active planes: the loop that takes nearly all the time.
 
-use super::kernel::{Beam, Extent, Part, TILE, TOGETHER};
+use super::kernel::{Beam, Extent, TILE, TOGETHER, TilePart};
 use super::model::LocalizationModel;
 use super::plane::Plane;
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ impl Evidence<'_> {
             for (beam, (&direction, costs)) in beams.as_flattened_mut().iter_mut().zip(readings) {
                 *beam = Beam { expected: &expected[direction], costs };
             }
-            model.instructions.weigh(Part {
+            model.instructions.weigh(TilePart {
                 admissible: &admissible[..part.cells.len()],
                 cells: part.cells,
                 terms: part.terms,

@@ -1,9 +1,9 @@
 //! The behaviour `look-around`: turns to the left, to the right, and back, on the spot. It goes by the
 //! odometry, whatever becomes of the estimate meanwhile.
 
-use super::dynamic_window::{DriveLimits, Speeds};
-use super::navigation::turn_to;
-use crate::geometry::{Pose, wrap_angle_rad};
+use super::turning::turn_to;
+use crate::avoidance::DriveLimits;
+use crate::geometry::{Pose, Velocity, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
 
 /// So far to either side: two scans of the ring of sonars apart, so that each wall is met anew.
@@ -24,13 +24,13 @@ impl LookAround {
     }
 
     /// The speeds of this step; `None` once the robot has looked to all sides.
-    pub fn step(&mut self, limits: &DriveLimits, odometry_in_odom: Pose, speeds: Speeds) -> Option<Speeds> {
+    pub fn step(&mut self, limits: &DriveLimits, odometry_in_odom: Pose, velocity: Velocity) -> Option<Velocity> {
         let next_rad = *self.headings_in_odom_rad.first()?;
-        let turn = turn_to(limits, Some(next_rad), odometry_in_odom, speeds);
+        let turn = turn_to(limits, Some(next_rad), odometry_in_odom, velocity);
         if turn.is_none() {
             self.headings_in_odom_rad.remove(0);
         }
-        turn.or_else(|| (!self.headings_in_odom_rad.is_empty()).then(Speeds::default))
+        turn.or_else(|| (!self.headings_in_odom_rad.is_empty()).then(Velocity::default))
     }
 }
 
@@ -45,8 +45,8 @@ mod tests {
         let (mut left_rad, mut right_rad, mut time_s) = (0.0_f64, 0.0_f64, 0.0);
         let mut look = LookAround::from(Pose::new(1.0, 2.0, heading_rad));
         loop {
-            let speeds = Speeds { translation_mps: 0.0, rotation_radps };
-            let Some(wanted) = look.step(&limits, Pose::new(1.0, 2.0, heading_rad), speeds) else { break };
+            let velocity = Velocity { translation_mps: 0.0, rotation_radps };
+            let Some(wanted) = look.step(&limits, Pose::new(1.0, 2.0, heading_rad), velocity) else { break };
             assert!(wanted.translation_mps == 0.0);
             rotation_radps = wanted.rotation_radps;
             heading_rad = wrap_angle_rad(heading_rad + rotation_radps * limits.step_s);

@@ -4,7 +4,7 @@
 
 use super::OfficeModel;
 use super::behaviours::position_tracking::Position;
-use crate::navigation::Speeds;
+use crate::geometry::Velocity;
 use crate::simulator::Percept;
 use crate::world::TravelMode;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub struct Board {
     pub mode: TravelMode,
     /// What is asked of the wheels: by the last module at work that wants anything of them, and nothing
     /// once one that drives was stopped. The controller writes it.
-    pub drive_request: Speeds,
+    pub drive_request: Velocity,
     /// What people have sent and no plan has read, the oldest first. The controller adds, `read-message`
     /// takes.
     pub inbox: Vec<Vec<String>>,
@@ -33,7 +33,7 @@ impl Board {
             position: Position::new(model),
             percept: None,
             mode: TravelMode::Hallway,
-            drive_request: Speeds::default(),
+            drive_request: Velocity::default(),
             inbox: Vec::new(),
         }
     }

@@ -4,8 +4,8 @@
 use super::behaviours::body::WHEELS;
 use super::behaviours::{Modules, Moment, Start};
 use super::{Board, OfficeModel, tables};
+use crate::geometry::Velocity;
 use crate::localization::Estimate;
-use crate::navigation::Speeds;
 use crate::simulator::{Commands, Percept};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::{Outbox, Stop};
@@ -44,7 +44,7 @@ impl Controller {
 
     /// What the robot is to do in the next step.
     pub(super) fn take_commands(&mut self, phases: Phases<'_>) -> Commands {
-        let Speeds { translation_mps, rotation_radps } = self.board.drive_request;
+        let Velocity { translation_mps, rotation_radps } = self.board.drive_request;
         let mut commands = Commands { translation_mps, rotation_radps, ..Commands::default() };
         for (number, module) in self.modules.numbered() {
             module.command(self.board.mode, phase_of(phases, number), &mut commands);
@@ -55,14 +55,14 @@ impl Controller {
     /// One step of all modules; afterwards they tell how things stand.
     pub(super) fn step(&mut self, phases: Phases<'_>, percept: Percept, outbox: &mut Outbox) {
         let Self { model, board, modules } = self;
-        board.drive_request = Speeds::default();
+        board.drive_request = Velocity::default();
         board.inbox.extend(percept.messages.iter().cloned());
         let mut now =
             Moment { model, percept: &percept, mode: board.mode, unread: board.inbox.len(), phase: Phase::Inactive };
         for (number, module) in modules.numbered() {
             now.phase = phase_of(phases, number);
             let work = module.step(&now, &mut board.position, &mut outbox.events);
-            board.drive_request = work.speeds.unwrap_or(board.drive_request);
+            board.drive_request = work.velocity.unwrap_or(board.drive_request);
             outbox.endings.extend(number.zip(work.ending));
         }
         for (number, module) in modules.numbered() {
@@ -94,7 +94,7 @@ impl Controller {
     /// Stops a behaviour. If it drives, the robot stands.
     pub(super) fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
         if tables().behaviours[usize::from(behaviour)].valve == Some(WHEELS) {
-            self.board.drive_request = Speeds::default();
+            self.board.drive_request = Velocity::default();
         }
         if let Some(module) = self.modules.of(behaviour) {
             module.stop(how, outbox);

@@ -1,8 +1,10 @@
 //! What is built from a world once and shared by all runs in it.
 
 use crate::active::ActiveParameters;
+use crate::avoidance::DriveLimits;
 use crate::localization::{LocalizationModel, LocalizationParameters, ModelError};
-use crate::navigation::{Concern, DriveLimits, NavigationModel, TopologicalModel};
+use crate::navigation::NavigationModel;
+use crate::planning::{Concern, TopologicalModel};
 use crate::simulator::{SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::{MapModel, mode_name};
 use crate::geometry::Pose;
-use crate::navigation::{Target, Unreachable};
+use crate::planning::{Target, Unreachable};
 use crate::world::{Place, TravelMode};
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
@@ -59,7 +59,7 @@ fn mode_policy(machine: &mut Machine, mode: TravelMode) -> Value {
 /// printed plan hard to read.
 fn target_datum(machine: &mut Machine, target: &Target) -> Value {
     let rounded = |value: f64, parts: f64| Value::Float(libm::round(value * parts) / parts);
-    let mut numbers = vec![rounded(target.point_in_map.x, 100.0), rounded(target.point_in_map.y, 100.0)];
+    let mut numbers = vec![rounded(target.point_in_frame.x, 100.0), rounded(target.point_in_frame.y, 100.0)];
     numbers.extend(target.heading_rad.map(|heading_rad| rounded(heading_rad, 1000.0)));
     machine.heap.list(&numbers)
 }

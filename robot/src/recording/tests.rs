@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
-use crate::localization::{DistanceField, LocalizationModel, LocalizationParameters};
-use crate::occupancy::{Cell, OccupancyGrid};
+use crate::localization::{LocalizationModel, LocalizationParameters};
+use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use rpl_random::Stream;
 use std::f64::consts::{PI, TAU};
 

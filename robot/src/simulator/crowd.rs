@@ -1,10 +1,11 @@
 //! Where the people of a crowd can walk to, and how they get there.
 
-use super::people::PERSON_RADIUS_M;
+use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, distance_m};
-use crate::navigation::{PlannerModel, PlannerParameters, ValueField};
+use crate::planning::{CostGrid, CostToGo, Inflation};
 use crate::world::{Rect, TravelMode, World, is_same_name};
 use rpl_random::Stream;
+use std::sync::Arc;
 
 /// Edge of a cell of the floor.
 const CELL_M: f64 = 0.1;
@@ -31,7 +32,7 @@ pub(super) struct Crowd {
     rooms: Vec<Rect>,
     bounds: Rect,
     /// The floor that can be reached from the robot's start when the world begins.
-    open_floor: ValueField,
+    open_floor: CostToGo,
 }
 
 #[derive(Debug)]
@@ -41,7 +42,7 @@ struct Destination {
     /// The doors of that room.
     doors: Vec<usize>,
     /// The ways to it with all doors open.
-    ways: ValueField,
+    ways: CostToGo,
 }
 
 impl Crowd {
@@ -51,14 +52,12 @@ impl Crowd {
         if world.crowd == 0 {
             return None;
         }
-        let parameters = PlannerParameters {
-            robot_radius_m: PERSON_RADIUS_M,
-            comfortable_distance_m: COMFORTABLE_M,
-            ..PlannerParameters::default()
-        };
-        let floor = PlannerModel::new(&world.floor(CELL_M, |_| true), parameters);
+        let inflation =
+            Inflation { body_radius_m: PERSON_RADIUS_M, comfortable_distance_m: COMFORTABLE_M, ..Inflation::default() };
+        let floor = Arc::new(CostGrid::new(&world.floor(CELL_M, |_| true), inflation));
+        let ways_to = |spot: Point| CostToGo::new(floor.clone(), spot);
         let start = world.start_in_map.point();
-        let reachable = floor.value_field(start);
+        let reachable = ways_to(start);
         let mut spots = named_spots(world);
         spots.retain(|spot| reachable.cost_m(*spot).is_some());
         if spots.len() < 4 {
@@ -69,12 +68,12 @@ impl Crowd {
         let stride = spots.len().div_ceil(MOST_DESTINATIONS);
         let destination = |spot: &Point| {
             let room = world.rooms.iter().position(|room| room.rect.contains(*spot));
-            Destination { room, doors: doors_of(world, room), ways: floor.value_field(*spot) }
+            Destination { room, doors: doors_of(world, room), ways: ways_to(*spot) }
         };
         let destinations = spots.iter().step_by(stride).map(destination).collect();
-        let open = PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), parameters);
+        let open = CostGrid::new(&world.floor(CELL_M, |door| world.doors[door].open), inflation);
         let rooms = world.rooms.iter().map(|room| room.rect).collect();
-        Some(Self { destinations, rooms, bounds: world.bounds(), open_floor: open.value_field(start) })
+        Some(Self { destinations, rooms, bounds: world.bounds(), open_floor: CostToGo::new(Arc::new(open), start) })
     }
 
     /// Memory that the ways to the destinations of a world take at most.

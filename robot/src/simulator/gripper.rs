@@ -38,9 +38,9 @@ pub struct GripperStatus {
     pub holding: Option<String>,
 }
 
-/// A thing that can be carried.
+/// A thing that can be carried, and what has become of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Item {
+pub struct ItemState {
     /// Its name.
     pub name: String,
     /// Where it is.
@@ -59,7 +59,7 @@ pub enum ItemPlace {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Phase {
+enum GripperPhase {
     Open,
     Grasping { name: String, until_us: u64 },
     Closed,
@@ -69,21 +69,22 @@ enum Phase {
 /// The gripper with all things of the world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gripper {
-    phase: Phase,
+    phase: GripperPhase,
     /// All things; at most one is held.
-    pub items: Vec<Item>,
+    pub items: Vec<ItemState>,
 }
 
 impl Default for Gripper {
     fn default() -> Self {
-        Self { phase: Phase::Open, items: Vec::new() }
+        Self { phase: GripperPhase::Open, items: Vec::new() }
     }
 }
 
 impl Gripper {
     pub(super) fn open_among(items: &[world::Item]) -> Self {
-        let lying = |item: &world::Item| Item { name: item.name.clone(), at: ItemPlace::Point(item.at), put_down: 0 };
-        Self { phase: Phase::Open, items: items.iter().map(lying).collect() }
+        let lying =
+            |item: &world::Item| ItemState { name: item.name.clone(), at: ItemPlace::Point(item.at), put_down: 0 };
+        Self { phase: GripperPhase::Open, items: items.iter().map(lying).collect() }
     }
 
     /// The thing in the gripper.
@@ -93,9 +94,9 @@ impl Gripper {
 
     pub(super) fn status(&self) -> GripperStatus {
         let motion = match self.phase {
-            Phase::Open => GripperMotion::Open,
-            Phase::Grasping { .. } | Phase::Releasing { .. } => GripperMotion::Moving,
-            Phase::Closed => GripperMotion::Closed,
+            GripperPhase::Open => GripperMotion::Open,
+            GripperPhase::Grasping { .. } | GripperPhase::Releasing { .. } => GripperMotion::Moving,
+            GripperPhase::Closed => GripperMotion::Closed,
         };
         GripperStatus { motion, holding: self.holding().map(str::to_owned) }
     }
@@ -110,30 +111,33 @@ impl Gripper {
     ) {
         self.begin(settings, command, now_us);
         match &self.phase {
-            Phase::Grasping { name, until_us } if *until_us <= now_us => {
+            GripperPhase::Grasping { name, until_us } if *until_us <= now_us => {
                 let name = name.clone();
-                self.phase = Phase::Closed;
+                self.phase = GripperPhase::Closed;
                 self.close_on(settings, stream, &name, robot_in_map.point());
             }
-            Phase::Releasing { until_us } if *until_us <= now_us => {
+            GripperPhase::Releasing { until_us } if *until_us <= now_us => {
                 let fails = stream.chance(settings.release_failure_probability);
-                self.phase = if fails { Phase::Closed } else { Phase::Open };
+                self.phase = if fails { GripperPhase::Closed } else { GripperPhase::Open };
                 if !fails {
                     self.put_down(settings, robot_in_map);
                 }
             }
-            Phase::Open | Phase::Closed | Phase::Grasping { .. } | Phase::Releasing { .. } => {}
+            GripperPhase::Open
+            | GripperPhase::Closed
+            | GripperPhase::Grasping { .. }
+            | GripperPhase::Releasing { .. } => {}
         }
     }
 
     fn begin(&mut self, settings: &SimulatorSettings, command: &GripperCommand, now_us: u64) {
-        let at_rest = matches!(self.phase, Phase::Open | Phase::Closed);
+        let at_rest = matches!(self.phase, GripperPhase::Open | GripperPhase::Closed);
         match command {
             GripperCommand::Grasp(name) if at_rest && self.holding().is_none() => {
-                self.phase = Phase::Grasping { name: name.clone(), until_us: now_us + settings.grasp_us };
+                self.phase = GripperPhase::Grasping { name: name.clone(), until_us: now_us + settings.grasp_us };
             }
-            GripperCommand::Release if self.phase == Phase::Closed => {
-                self.phase = Phase::Releasing { until_us: now_us + settings.release_us };
+            GripperCommand::Release if self.phase == GripperPhase::Closed => {
+                self.phase = GripperPhase::Releasing { until_us: now_us + settings.release_us };
             }
             GripperCommand::None | GripperCommand::Grasp(_) | GripperCommand::Release => {}
         }
@@ -141,7 +145,7 @@ impl Gripper {
 
     fn close_on(&mut self, settings: &SimulatorSettings, stream: &mut Stream, name: &str, robot: Point) {
         let fails = stream.chance(settings.grasp_failure_probability);
-        let within_reach = |item: &&mut Item| match item.at {
+        let within_reach = |item: &&mut ItemState| match item.at {
             ItemPlace::Point(point) => item.name == name && distance_m(point, robot) <= settings.gripper_reach_m,
             ItemPlace::Held => false,
         };

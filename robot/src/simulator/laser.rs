@@ -1,11 +1,11 @@
 //! The laser range finder.
 
 use super::model::SimulatorModel;
-use super::percept::LASER_READINGS;
 use super::state::SimulatorState;
 use super::surface::Form;
 use super::sweep::{cross, disc_along};
 use crate::geometry::{Pose, Vector};
+use crate::sensors::LASER_READINGS;
 
 impl SimulatorModel {
     /// One scan; none if the robot has no laser.

@@ -23,6 +23,7 @@
 //! assert!(state.distance_driven_m() > 0.1);
 //! ```
 
+mod arc;
 mod battery;
 mod candidates;
 mod crowd;
@@ -37,19 +38,21 @@ mod people;
 mod percept;
 mod settings;
 mod sonar;
+mod start;
 mod state;
 mod step;
 mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod walker;
 
-pub use gripper::{Gripper, GripperCommand, GripperMotion, GripperStatus, Item, ItemPlace};
+pub use arc::drive_arc;
+pub use gripper::{Gripper, GripperCommand, GripperMotion, GripperStatus, ItemPlace, ItemState};
 pub use model::SimulatorModel;
-pub use motion::drive_arc;
 pub use oracle::OracleError;
-pub use people::{PERSON_RADIUS_M, Walker};
-pub use percept::{Commands, LASER_READINGS, Percept, SONARS, laser_direction_rad, sonar_direction_rad};
+pub use percept::{Commands, Percept};
 pub use settings::SimulatorSettings;
 pub use state::{Contacts, SimulatorState, Streams};
 pub use sweep::Echo;
+pub use walker::{PERSON_RADIUS_M, Walker};

@@ -2,11 +2,11 @@
 
 use super::candidates::Candidates;
 use super::crowd::Crowd;
-use super::people::FARTHEST_WALL_M;
-use super::percept::{LASER_READINGS, SONARS, laser_direction_rad};
 use super::settings::SimulatorSettings;
 use super::surface::{Form, Surface, surfaces_of};
+use super::walker::FARTHEST_WALL_M;
 use crate::geometry::{Point, Vector};
+use crate::sensors::{LASER_READINGS, SONARS, laser_direction_rad};
 use crate::world::{Origin, Rect, SeenBy, Solid, World};
 use std::sync::Arc;
 
@@ -43,7 +43,9 @@ impl SimulatorModel {
             cone_edges: std::array::from_fn(|cone| {
                 direction((cone as f64 + 0.5) * std::f64::consts::TAU / SONARS as f64)
             }),
-            laser_directions: (0..LASER_READINGS).map(|reading| direction(laser_direction_rad(reading))).collect(),
+            laser_directions: (0..LASER_READINGS)
+                .map(|reading| direction(laser_direction_rad(LASER_READINGS, reading)))
+                .collect(),
             crowd: Crowd::new(&world),
             world,
             settings,

@@ -1,9 +1,10 @@
 //! Driving, and what stops it.
 
+use super::arc::drive_arc;
 use super::model::SimulatorModel;
-use super::people::PERSON_RADIUS_M;
 use super::percept::Commands;
 use super::state::SimulatorState;
+use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose};
 use crate::world::{Origin, SeenBy};
 
@@ -12,19 +13,6 @@ pub(super) const PENETRATION_M: f64 = 1e-9;
 
 /// A touch is over when this much air is between.
 const PARTED_M: f64 = 0.01;
-
-/// The pose after driving `way_m` along a circular arc while turning by `turn_rad`, exact for
-/// any turn: the chord has the length way · sin(turn/2) / (turn/2).
-pub fn drive_arc(pose: Pose, way_m: f64, turn_rad: f64) -> Pose {
-    let half_rad = turn_rad / 2.0;
-    let chord_m = if half_rad.abs() < 1e-4 {
-        way_m * (1.0 - half_rad * half_rad / 6.0)
-    } else {
-        way_m * libm::sin(half_rad) / half_rad
-    };
-    let (sin, cos) = libm::sincos(pose.heading_rad + half_rad);
-    Pose::new(pose.x_m + chord_m * cos, pose.y_m + chord_m * sin, pose.heading_rad + turn_rad)
-}
 
 /// What is nearest to the body.
 #[derive(Clone, Copy)]

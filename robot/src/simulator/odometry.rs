@@ -1,6 +1,6 @@
 //! Dead reckoning that drifts.
 
-use super::motion::drive_arc;
+use super::arc::drive_arc;
 use super::settings::SimulatorSettings;
 use crate::geometry::Pose;
 use rpl_random::Stream;

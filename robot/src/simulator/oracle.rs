@@ -1,9 +1,9 @@
 //! The experimenter's hands and eyes: what no plan of the robot may use.
 
-use super::gripper::{Item, ItemPlace};
+use super::gripper::{ItemPlace, ItemState};
 use super::model::SimulatorModel;
-use super::people::PERSON_RADIUS_M;
 use super::state::{Contacts, SimulatorState};
+use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector, distance_m};
 use crate::world::{Object, Origin, Outline, Rect, UnknownName, is_same_name};
 use rpl_lang::symbol::fold_name;
@@ -82,7 +82,7 @@ impl SimulatorState {
     pub fn place_item(&mut self, name: &str, point_in_map: Point) {
         let name = fold_name(name);
         self.gripper.items.retain(|item| item.name != name);
-        self.gripper.items.push(Item { name: name.into_owned(), at: ItemPlace::Point(point_in_map), put_down: 0 });
+        self.gripper.items.push(ItemState { name: name.into_owned(), at: ItemPlace::Point(point_in_map), put_down: 0 });
     }
 }
 

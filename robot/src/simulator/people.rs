@@ -4,13 +4,10 @@ use super::model::SimulatorModel;
 use super::orca::{self, Disc, HalfPlane};
 use super::state::SimulatorState;
 use super::surface::forms_of;
+use super::walker::{FASTEST_MPS, PERSON_RADIUS_M, WALL_HORIZON_S, Walker};
 use crate::geometry::{Point, Vector, distance_m};
 use crate::world::{Origin, Person, Solid};
 use rpl_random::Stream;
-use serde::{Deserialize, Serialize};
-
-/// A person is a disc of this radius.
-pub const PERSON_RADIUS_M: f64 = 0.25;
 
 /// Each person looks up and chooses a velocity in one step of so many, in turn.
 const LOOK_STEPS: u64 = 5;
@@ -18,18 +15,8 @@ const LOOK_STEPS: u64 = 5;
 /// How far ahead people avoid one another and the robot.
 const HORIZON_S: f64 = 2.0;
 
-/// How far ahead they avoid walls; longer than the time between two looks, so that nobody ever
-/// walks into one.
-const WALL_HORIZON_S: f64 = 0.4;
-
 /// They do not look at people farther off.
 const SIGHT_M: f64 = 3.0;
-
-/// The fastest of them.
-const FASTEST_MPS: f64 = 2.5;
-
-/// Walls farther off need not be minded.
-pub(super) const FARTHEST_WALL_M: f64 = PERSON_RADIUS_M + FASTEST_MPS * WALL_HORIZON_S;
 
 /// They hurry to get out of the way, up to so much of their speed.
 const HURRY: f64 = 1.3;
@@ -54,9 +41,6 @@ const LOOKAHEAD_M: f64 = 0.8;
 /// ... and is looked up anew from here.
 const NEXT_SPOT_M: f64 = 0.3;
 
-/// Getting nearer means by so much.
-const PROGRESS_M: f64 = 0.1;
-
 /// People of the crowd stay at a goal up to so long.
 const LONGEST_REST_S: f64 = 5.0;
 
@@ -68,81 +52,6 @@ const STEP_SHORT_M: f64 = 0.05;
 
 /// A touch is over when this much air is between.
 const PARTED_M: f64 = 0.01;
-
-/// Where a person is, and where to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Walker {
-    /// The middle of the disc.
-    pub at_in_map: Point,
-    /// Chosen at the last look.
-    pub velocity_mps: Vector,
-    /// Wanted on a free way.
-    speed_mps: f64,
-    /// The path's point, or the destination, that is walked to.
-    goal: usize,
-    /// Whether a path is walked from first to last, or back.
-    forth: bool,
-    /// The spot on the way to the goal that is walked to in a straight line.
-    spot_in_map: Point,
-    /// The least way that was left to the goal.
-    least_left_m: f64,
-    /// When that was.
-    nearer_at_us: u64,
-    rests_until_us: u64,
-    /// Whether the person stands against the robot, having run into it.
-    pub touching: bool,
-}
-
-impl Walker {
-    fn at(at_in_map: Point, speed_mps: f64, goal: usize) -> Self {
-        Self {
-            at_in_map,
-            velocity_mps: Vector::zeros(),
-            speed_mps,
-            goal,
-            forth: true,
-            spot_in_map: at_in_map,
-            least_left_m: f64::INFINITY,
-            nearer_at_us: 0,
-            rests_until_us: 0,
-            touching: false,
-        }
-    }
-
-    fn disc(&self) -> Disc {
-        Disc { at_in_map: self.at_in_map, velocity_mps: self.velocity_mps, radius_m: PERSON_RADIUS_M }
-    }
-
-    fn walk_to(&mut self, goal: usize, now_us: u64) {
-        self.goal = goal;
-        self.spot_in_map = self.at_in_map;
-        self.least_left_m = f64::INFINITY;
-        self.nearer_at_us = now_us;
-    }
-
-    /// Goes on to the point after the one reached.
-    fn pass(&mut self, points: usize, now_us: u64) {
-        if self.forth && self.goal + 1 == points || !self.forth && self.goal == 0 {
-            self.forth = !self.forth;
-        }
-        self.walk_to(if self.forth { self.goal + 1 } else { self.goal - 1 }, now_us);
-    }
-
-    /// Goes back to the point come from.
-    fn turn_back(&mut self, now_us: u64) {
-        self.forth = !self.forth;
-        self.walk_to(if self.forth { self.goal + 1 } else { self.goal - 1 }, now_us);
-    }
-
-    /// Whether the way left has not become less for long.
-    fn is_stuck(&mut self, left_m: f64, now_us: u64, patience_us: u64) -> bool {
-        if left_m < self.least_left_m - PROGRESS_M {
-            self.least_left_m = left_m;
-            self.nearer_at_us = now_us;
-        }
-        now_us - self.nearer_at_us >= patience_us
-    }
-}
 
 impl SimulatorModel {
     /// The people of the world file on their paths, then the crowd, scattered over the floor.

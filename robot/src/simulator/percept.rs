@@ -2,22 +2,8 @@
 
 use super::gripper::{GripperCommand, GripperStatus};
 use crate::geometry::Pose;
-pub use crate::localization::SONARS;
+use crate::sensors::SONARS;
 use serde::{Deserialize, Serialize};
-
-/// Readings of a laser scan: the front half turn, one per degree.
-pub const LASER_READINGS: usize = 181;
-
-/// Direction of a sonar's axis in `base`: sonar 0 looks ahead, the others follow counter-clockwise
-/// every 15°; in (−π, π].
-pub fn sonar_direction_rad(sonar: usize) -> f64 {
-    crate::geometry::wrap_angle_rad((sonar as f64 * 15.0).to_radians())
-}
-
-/// Direction of a laser reading in `base`: reading 0 looks to the right (−90°), the last to the left.
-pub fn laser_direction_rad(reading: usize) -> f64 {
-    (reading as f64 - 90.0).to_radians()
-}
 
 /// What the robot is asked to do during one step; the default is to stop.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,7 +33,7 @@ pub struct Percept {
     /// radius of the ring is already added); the maximum range where there was no echo. None if the
     /// sonars are off or failed.
     pub sonar_m: Option<[f32; SONARS]>,
-    /// Distance from the middle of the robot, `LASER_READINGS` of them; the maximum range where
+    /// Distance from the middle of the robot, [`LASER_READINGS`](crate::sensors::LASER_READINGS) of them; the maximum range where
     /// nothing came back. None if there is no laser.
     pub laser_m: Option<Vec<f32>>,
     /// Whether something presses against the body.

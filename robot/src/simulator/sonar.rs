@@ -1,9 +1,10 @@
 //! From the nearest surfaces to what the sonars report.
 
 use super::model::SimulatorModel;
-use super::percept::{Commands, SONARS};
+use super::percept::Commands;
 use super::state::SimulatorState;
 use super::sweep::Echo;
+use crate::sensors::SONARS;
 
 impl SimulatorModel {
     /// One firing of the ring; none if it is off or has failed.

@@ -5,11 +5,11 @@
 //! and the nearest point of each piece has a closed form.
 
 use super::model::SimulatorModel;
-use super::people::PERSON_RADIUS_M;
-use super::percept::SONARS;
 use super::state::SimulatorState;
 use super::surface::{Form, forms_of};
+use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector};
+use crate::sensors::SONARS;
 use crate::world::SeenBy;
 
 /// The nearest point of a cone.

@@ -2,16 +2,12 @@
 
 use super::error::nearest;
 use super::lookup::is_same_name;
-use super::parse::Placed;
-use super::read::{Reader, Table};
+use super::read::{Placed, Reader, Table};
 use super::solid::Origin;
-use super::{Door, Item, Object, Person, Place, Rect, Region, Room, Wall, World};
+use super::{Door, Item, Object, Person, Place, ROBOT_RADIUS_M, Rect, Region, Room, Wall, World};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::Cell;
 use std::ops::Range;
-
-/// Radius of the robot; nothing may stand that near to its start.
-pub const ROBOT_RADIUS_M: f64 = 0.265;
 
 /// No two rooms or places share a name, and the rooms of places exist.
 pub(super) fn names(reader: &mut Reader, rooms: &[Placed<'_, '_, Room>], places: &[Placed<'_, '_, Place>]) {

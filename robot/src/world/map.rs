@@ -1,8 +1,7 @@
 //! The robot's map of a world.
 
-use super::check::ROBOT_RADIUS_M;
 use super::solid::{Origin, Outline, Solid};
-use super::{Rect, SeenBy, World};
+use super::{ROBOT_RADIUS_M, Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 
@@ -115,8 +114,8 @@ fn cells_under_robot(grid: &OccupancyGrid, point: Point) -> Vec<(usize, usize)> 
 }
 
 fn cells_within(grid: &OccupancyGrid, rect: Rect) -> Vec<(usize, usize)> {
-    let columns = span(grid.origin_in_map.x, grid.resolution_m, grid.columns, rect.min.x, rect.max.x);
-    let rows = span(grid.origin_in_map.y, grid.resolution_m, grid.rows, rect.min.y, rect.max.y);
+    let columns = span(grid.origin_in_frame.x, grid.resolution_m, grid.columns, rect.min.x, rect.max.x);
+    let rows = span(grid.origin_in_frame.y, grid.resolution_m, grid.rows, rect.min.y, rect.max.y);
     rows.flat_map(|row| columns.clone().map(move |column| (column, row))).collect()
 }
 

@@ -1,5 +1,6 @@
 //! A world: what stands where, what the robot's map says of it, and the names people use.
 
+mod blocks;
 mod builtin;
 mod check;
 mod error;
@@ -18,7 +19,6 @@ mod solid;
 mod tests;
 mod yaml;
 
-pub use check::ROBOT_RADIUS_M;
 pub use error::{Finding, WorldError};
 pub use greys::Greys;
 pub use image::{GreyImage, ImageError};
@@ -30,6 +30,9 @@ pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m, near
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::OccupancyGrid;
 use serde::{Deserialize, Serialize};
+
+/// Radius of the robot; nothing may stand that near to its start.
+pub const ROBOT_RADIUS_M: f64 = 0.265;
 
 /// A world may not be larger, along x or y: maps and beliefs are grids over all of it.
 pub(crate) const LARGEST_M: f64 = 1000.0;

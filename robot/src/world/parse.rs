@@ -2,7 +2,7 @@
 
 use super::check;
 use super::error::Findings;
-use super::read::{Reader, Table};
+use super::read::{Placed, Reader, Table};
 use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
 use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
 use crate::geometry::{Point, Vector};
@@ -19,12 +19,6 @@ const WORLD_KEYS: [&str; 13] =
 
 /// More people would be a crush in any building.
 const MOST_PEOPLE: usize = 200;
-
-/// Something read, and the table it stands in.
-pub(super) struct Placed<'t, 'i, T> {
-    pub value: T,
-    pub table: Table<'t, 'i>,
-}
 
 impl World {
     /// Reads the text of a world file that names no recorded map; `file_name` is for the messages only.
@@ -145,7 +139,7 @@ fn read_ground<'i>(
     let name = reader.text(top, "map", "\"map.yaml\"")?;
     match load_map(&name) {
         Ok(map) => {
-            let bounds = Rect { min: map.origin_in_map, max: map.origin_in_map + recorded::size_m(&map) };
+            let bounds = Rect { min: map.origin_in_frame, max: map.origin_in_frame + recorded::size_m(&map) };
             Some(Ground { bounds, recorded: Some(map) })
         }
         Err(reason) => {

@@ -16,7 +16,7 @@ const LONGEST_NAME: usize = 255;
 /// No coordinate, length or speed in a world is larger: 100 km.
 const LARGEST_NUMBER: f64 = 1e5;
 
-type Value<'i> = Spanned<DeValue<'i>>;
+type TomlValue<'i> = Spanned<DeValue<'i>>;
 
 /// The text being read, and what was found wrong with it so far.
 pub(super) struct Reader<'i> {
@@ -35,6 +35,12 @@ pub(super) struct Table<'t, 'i> {
     pub header: String,
 }
 
+/// Something read, and the table it stands in.
+pub(super) struct Placed<'t, 'i, T> {
+    pub value: T,
+    pub table: Table<'t, 'i>,
+}
+
 impl<'t, 'i> Table<'t, 'i> {
     pub fn span_of(&self, key: &str) -> Range<usize> {
         self.values.get(key).map_or(self.span.clone(), Spanned::span)
@@ -47,7 +53,7 @@ impl<'i> Reader<'i> {
         self.findings.add(|| Finding::new(file, text, span, key, message, help));
     }
 
-    fn expected(&mut self, value: &Value, key: &str, what: &str, example: &str) {
+    fn expected(&mut self, value: &TomlValue, key: &str, what: &str, example: &str) {
         let found = describe(value.get_ref());
         self.note(value.span(), key, format!("`{key}` must be {what}, found {found}"), example_help(key, example));
     }
@@ -94,7 +100,7 @@ impl<'i> Reader<'i> {
     }
 
     /// The value of a key that must be there.
-    pub fn required<'t>(&mut self, table: &Table<'t, 'i>, key: &str, example: &str) -> Option<&'t Value<'i>> {
+    pub fn required<'t>(&mut self, table: &Table<'t, 'i>, key: &str, example: &str) -> Option<&'t TomlValue<'i>> {
         let value = table.values.get(key);
         if value.is_none() {
             let owner = if table.header.is_empty() { "the world" } else { &table.header };
@@ -149,7 +155,7 @@ impl<'i> Reader<'i> {
         self.size_value(value, key, zero_is_fine, example)
     }
 
-    pub fn size_value(&mut self, value: &Value, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
+    pub fn size_value(&mut self, value: &TomlValue, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
         let size = self.number_value(value, key, example)?;
         if size > 0.0 || zero_is_fine && size == 0.0 {
             return Some(size);
@@ -159,7 +165,7 @@ impl<'i> Reader<'i> {
         None
     }
 
-    pub fn number_value(&mut self, value: &Value, key: &str, example: &str) -> Option<f64> {
+    pub fn number_value(&mut self, value: &TomlValue, key: &str, example: &str) -> Option<f64> {
         let number = match value.get_ref() {
             DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|n| n as f64),
             DeValue::Float(digits) => digits.as_str().parse::<f64>().ok(),
@@ -178,7 +184,7 @@ impl<'i> Reader<'i> {
     }
 
     /// An angle: "90deg", or a number of radians.
-    fn angle_value(&mut self, value: &Value, key: &str) -> Option<f64> {
+    fn angle_value(&mut self, value: &TomlValue, key: &str) -> Option<f64> {
         let Some(text) = value.get_ref().as_str() else {
             return self.number_value(value, key, "\"90deg\"");
         };
@@ -196,7 +202,7 @@ impl<'i> Reader<'i> {
     /// An array of exactly `count` values.
     fn elements<'t>(
         &mut self,
-        value: &'t Value<'i>,
+        value: &'t TomlValue<'i>,
         key: &str,
         count: usize,
         example: &str,
@@ -216,7 +222,7 @@ impl<'i> Reader<'i> {
         }
     }
 
-    fn numbers<const COUNT: usize>(&mut self, value: &Value<'i>, key: &str, example: &str) -> Option<[f64; COUNT]> {
+    fn numbers<const COUNT: usize>(&mut self, value: &TomlValue<'i>, key: &str, example: &str) -> Option<[f64; COUNT]> {
         let elements = self.elements(value, key, COUNT, example)?;
         let mut numbers = [0.0; COUNT];
         for (number, element) in numbers.iter_mut().zip(elements) {
@@ -279,7 +285,7 @@ impl<'i> Reader<'i> {
         self.choice_value(value, key, choices)
     }
 
-    fn choice_value<T: Copy>(&mut self, value: &Value, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    fn choice_value<T: Copy>(&mut self, value: &TomlValue, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let word = value.get_ref().as_str();
         let chosen = choices.iter().find(|(name, _)| word == Some(*name)).map(|(_, choice)| *choice);
         if chosen.is_none() {

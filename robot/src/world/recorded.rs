@@ -1,10 +1,8 @@
 //! Worlds from recorded maps: what is occupied in the map is a wall.
 
-use super::check::ROBOT_RADIUS_M;
-use super::{Rect, World};
+use super::{ROBOT_RADIUS_M, World};
 use crate::geometry::{Point, Pose, Vector};
-use crate::localization::DistanceField;
-use crate::occupancy::{Cell, OccupancyGrid};
+use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 
 /// No cell of the map has room for the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -20,7 +18,7 @@ impl World {
         let start = roomiest(&map).ok_or(NoRoom)?;
         Ok(Self {
             name: name.to_owned(),
-            origin_in_map: map.origin_in_map,
+            origin_in_map: map.origin_in_frame,
             size_m: size_m(&map),
             start_in_map: Pose::new(start.x, start.y, 0.0),
             recorded: Some(map),
@@ -123,33 +121,4 @@ impl<'m> Floor<'m> {
         }
         piece
     }
-}
-
-/// The occupied cells as rectangles: runs along x, of which equal ones above each other are one.
-pub(super) fn blocks(map: &OccupancyGrid) -> Vec<Rect> {
-    let corner =
-        |column: usize, row: usize| map.origin_in_map + Vector::new(column as f64, row as f64) * map.resolution_m;
-    let mut blocks: Vec<Rect> = Vec::new();
-    // Columns of the runs that the row below ends with, and their rectangles.
-    let mut below: Vec<(usize, usize, usize)> = Vec::new();
-    for row in 0..map.rows {
-        let cells = &map.cells[row * map.columns..][..map.columns];
-        let mut open = Vec::new();
-        let mut first = 0;
-        for run in cells.chunk_by(|a, b| a == b) {
-            let end = first + run.len();
-            if run[0] == Cell::Occupied {
-                let above = below.binary_search_by_key(&(first, end), |(from, to, _)| (*from, *to));
-                let block = above.map_or(blocks.len(), |run| below[run].2);
-                match above {
-                    Ok(_) => blocks[block].max = corner(end, row + 1),
-                    Err(_) => blocks.push(Rect { min: corner(first, row), max: corner(end, row + 1) }),
-                }
-                open.push((first, end, block));
-            }
-            first = end;
-        }
-        below = open;
-    }
-    blocks
 }

@@ -2,7 +2,7 @@
 
 use super::error::{Finding, Findings, WorldError, nearest};
 use super::image::{GreyImage, ImageError};
-use super::yaml::{self, Part, Value};
+use super::yaml::{self, Part, YamlValue};
 use super::{LARGEST_M, SMALLEST_M};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::{Cell, OccupancyGrid};
@@ -90,13 +90,13 @@ impl RosMap {
     pub fn grid(&self, image: &GreyImage) -> OccupancyGrid {
         let pixels = OccupancyGrid {
             resolution_m: self.resolution_m,
-            origin_in_map: Point::origin(),
+            origin_in_frame: Point::origin(),
             columns: image.columns,
             rows: image.rows,
             cells: self.cells_upwards(image),
         };
         if self.origin_in_map.heading_rad == 0.0 {
-            return OccupancyGrid { origin_in_map: self.origin_in_map.point(), ..pixels };
+            return OccupancyGrid { origin_in_frame: self.origin_in_map.point(), ..pixels };
         }
         turned(&pixels, self.origin_in_map)
     }
@@ -162,7 +162,7 @@ fn turned(pixels: &OccupancyGrid, origin_in_map: Pose) -> OccupancyGrid {
 struct MapReader<'t> {
     file: &'t str,
     text: &'t str,
-    entries: &'t [(Part, Value)],
+    entries: &'t [(Part, YamlValue)],
     findings: Findings,
 }
 
@@ -213,19 +213,21 @@ impl MapReader<'_> {
         })
     }
 
-    fn value(&self, key: &str) -> Option<&Value> {
+    fn value(&self, key: &str) -> Option<&YamlValue> {
         self.entries.iter().find(|(known, _)| known.text == key).map(|(_, value)| value)
     }
 
     fn span(&self, key: &str) -> Range<usize> {
-        self.value(key).map_or(0..0, Value::span)
+        self.value(key).map_or(0..0, YamlValue::span)
     }
 
     fn one(&mut self, key: &str, example: &str) -> Option<Part> {
         let help = format!("write it like `{key}: {example}`");
         match self.value(key) {
-            Some(Value::One(part)) => return Some(part.clone()),
-            Some(Value::List(..)) => self.note(self.span(key), key, format!("`{key}` must be a single value"), &help),
+            Some(YamlValue::One(part)) => return Some(part.clone()),
+            Some(YamlValue::List(..)) => {
+                self.note(self.span(key), key, format!("`{key}` must be a single value"), &help)
+            }
             None => self.note(0..0, key, format!("`{key}` is missing"), &help),
         }
         None
@@ -245,7 +247,7 @@ impl MapReader<'_> {
 
     fn origin(&mut self) -> Option<Pose> {
         let help = "write it like `origin: [-10.0, -10.0, 0.0]`: x, y and the turn of the lower left corner";
-        let Some(Value::List(parts, _)) = self.value("origin") else {
+        let Some(YamlValue::List(parts, _)) = self.value("origin") else {
             let found = if self.value("origin").is_some() { "must be a list of three numbers" } else { "is missing" };
             self.note(self.span("origin"), "origin", format!("`origin` {found}"), help);
             return None;

@@ -1,6 +1,6 @@
 //! The solid bodies of a world: walls cut by doors, door leaves, objects.
 
-use super::recorded::blocks;
+use super::blocks::blocks;
 use super::{Axis, Door, Object, Rect, SeenBy, Shape, Wall, World};
 use crate::geometry::{Point, Vector, distance_m};
 

@@ -14,12 +14,12 @@ pub(super) struct Part {
 
 /// What stands behind a key.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Value {
+pub(super) enum YamlValue {
     One(Part),
     List(Vec<Part>, Range<usize>),
 }
 
-impl Value {
+impl YamlValue {
     pub fn span(&self) -> Range<usize> {
         match self {
             Self::One(part) => part.span.clone(),
@@ -29,12 +29,12 @@ impl Value {
 }
 
 /// Keys with their values, in the order of the file.
-pub(super) fn read(file: &str, text: &str) -> Result<Vec<(Part, Value)>, WorldError> {
+pub(super) fn read(file: &str, text: &str) -> Result<Vec<(Part, YamlValue)>, WorldError> {
     let fault = |span: Range<usize>, message: &str| {
         let help = "map files are flat: write each key as `key: value`, and lists as `[1.0, 2.0, 0.0]`";
         WorldError { findings: vec![Finding::new(file, text, span, "", message, help)], more: 0 }
     };
-    let mut entries: Vec<(Part, Value)> = Vec::new();
+    let mut entries: Vec<(Part, YamlValue)> = Vec::new();
     let mut lines = text.split_inclusive('\n').scan(0, |at, line| {
         let start = *at;
         *at += line.len();
@@ -47,7 +47,7 @@ pub(super) fn read(file: &str, text: &str) -> Result<Vec<(Part, Value)>, WorldEr
         if let Some(item) = line.trim_start().strip_prefix("- ") {
             let part = part_at(start + line.len() - item.len(), item);
             match entries.last_mut() {
-                Some((_, Value::List(parts, span))) => {
+                Some((_, YamlValue::List(parts, span))) => {
                     span.end = part.span.end;
                     parts.push(part);
                 }
@@ -75,10 +75,10 @@ pub(super) fn read(file: &str, text: &str) -> Result<Vec<(Part, Value)>, WorldEr
         }
         let value = part_at(value_at, &rest);
         let value = match value.text.strip_prefix('[').map(|inner| inner.split_once(']')) {
-            Some(Some((inner, ""))) => Value::List(list_parts(value.span.start + 1, inner), value.span),
+            Some(Some((inner, ""))) => YamlValue::List(list_parts(value.span.start + 1, inner), value.span),
             Some(_) => return Err(fault(value.span, "something behind the `]` of a list")),
-            None if value.text.is_empty() => Value::List(Vec::new(), key.span.clone()),
-            None => Value::One(value),
+            None if value.text.is_empty() => YamlValue::List(Vec::new(), key.span.clone()),
+            None => YamlValue::One(value),
         };
         entries.push((key, value));
     }

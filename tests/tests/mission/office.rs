@@ -1,7 +1,7 @@
 //! The day at the office, cut short: what comes in between must not lose or double an order.
 
 use rpl_robot::geometry::distance_m;
-use rpl_robot::simulator::{Item, ItemPlace};
+use rpl_robot::simulator::{ItemPlace, ItemState};
 use rpl_tests::mission::{Mission, Run, dept};
 
 const OFFICE: &str = include_str!("../../../examples/office.rpl");
@@ -23,7 +23,7 @@ const DAY: &str = "
 (wait-time 120)
 (open-door! 'b)";
 
-fn item<'r>(run: &'r Run, name: &str) -> &'r Item {
+fn item<'r>(run: &'r Run, name: &str) -> &'r ItemState {
     let items = &run.system.outside.host.state.gripper.items;
     items.iter().find(|item| item.name == name).expect("the thing exists")
 }

@@ -2,7 +2,7 @@
 
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
-use rpl_robot::navigation::{PlannerModel, PlannerParameters, path_length_m};
+use rpl_robot::planning::{Inflation, PlannerModel, path_length_m};
 use rpl_robot::world::{Object, ROBOT_RADIUS_M, SeenBy, Shape, World};
 
 /// As many as in the paper's data set: 25 of each of twelve kinds.
@@ -115,13 +115,10 @@ fn laid_out(field: &Field) -> Option<Course> {
         }
     }
     let goal_in_map = Point::new(length_m - END_M, width_m / 2.0);
-    let parameters = PlannerParameters {
-        robot_radius_m: ROBOT_RADIUS_M,
-        comfortable_distance_m: ROBOT_RADIUS_M,
-        closeness_weight: 0.0,
-    };
-    let floor = PlannerModel::new(&world.map(FLOOR_CELL_M), parameters);
-    let path = floor.value_field(goal_in_map).path(start.point())?;
+    let inflation =
+        Inflation { body_radius_m: ROBOT_RADIUS_M, comfortable_distance_m: ROBOT_RADIUS_M, closeness_weight: 0.0 };
+    let floor = PlannerModel::new(&world.map(FLOOR_CELL_M), inflation);
+    let path = floor.cost_to_go(goal_in_map).path(start.point())?;
     Some(Course { world, goal_in_map, optimum_m: path_length_m(&path) })
 }
 

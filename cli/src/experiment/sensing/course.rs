@@ -7,9 +7,8 @@ use rpl_random::Stream;
 use rpl_robot::active::{Direction, SensingModel};
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::localization::{Belief, LocalizationModel, LocalizationParameters, OdometryError, SensorParameters};
-use rpl_robot::simulator::{
-    Commands, LASER_READINGS, Percept, SimulatorModel, SimulatorSettings, laser_direction_rad, sonar_direction_rad,
-};
+use rpl_robot::sensors::{LASER_READINGS, laser_direction_rad, sonar_direction_rad};
+use rpl_robot::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings};
 use rpl_robot::world::{SeenBy, World};
 use std::sync::Arc;
 
@@ -138,7 +137,8 @@ impl Hall {
             .context("the robot cannot be localized in this world")?;
         let sonar =
             standing.with_sensor(&map(|seen| seen.sonar), sonar_sensor, standing.parameters.beams_deg.clone())?;
-        let bearings = (0..LASER_READINGS).map(|beam| laser_direction_rad(beam).to_degrees().round() as i32);
+        let bearings =
+            (0..LASER_READINGS).map(|beam| laser_direction_rad(LASER_READINGS, beam).to_degrees().round() as i32);
         let laser = standing.with_sensor(
             &map(|seen| seen.laser),
             laser_sensor(settings.laser_max_range_m),
@@ -167,7 +167,7 @@ impl Hall {
         let (range_m, bearing_rad) = if is_sonar {
             (percept.sonar_m?[beam], sonar_direction_rad(beam))
         } else {
-            (*percept.laser_m.as_ref()?.get(beam)?, laser_direction_rad(beam))
+            (*percept.laser_m.as_ref()?.get(beam)?, laser_direction_rad(LASER_READINGS, beam))
         };
         let range_m = f64::from(range_m);
         let end = Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin());

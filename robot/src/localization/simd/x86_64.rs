@@ -1,7 +1,7 @@
 //! The loops with the registers of AVX2 and of AVX-512 VBMI.
 
 use super::super::grid::BLOCK;
-use super::super::kernel::{self, Beam, CostSums, Extent, Part, TOGETHER};
+use super::super::kernel::{self, Beam, CostSums, Extent, TOGETHER, TilePart};
 use super::super::lanes::{Float, LANES, Lanes};
 use std::arch::is_x86_feature_detected;
 use std::arch::x86_64::*;
@@ -13,12 +13,12 @@ pub(super) fn has_avx512() -> bool {
 }
 
 #[target_feature(enable = "avx2")]
-pub(super) fn weigh_avx2(part: Part) -> Extent {
+pub(super) fn weigh_avx2(part: TilePart) -> Extent {
     kernel::weigh::<[__m256; 2]>(part, |sums, beams, loud| cost_sums_avx2(sums, beams, loud))
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
-pub(super) fn weigh_avx512(part: Part) -> Extent {
+pub(super) fn weigh_avx512(part: TilePart) -> Extent {
     kernel::weigh::<__m512>(part, |sums, beams, loud| cost_sums_avx512(sums, beams, loud))
 }
 

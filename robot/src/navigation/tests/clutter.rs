@@ -38,7 +38,7 @@ fn drive_about(world: World, sensors: Sensors, seed: u64) -> (crate::simulator::
     let simulator = SimulatorModel::new(Arc::new(world), settings);
     let mut state = simulator.start(seed);
     let mut stream = Stream::new(seed, "targets");
-    let mut drive = Drive::follow(Vec::new());
+    let mut drive = LocalDrive::follow(Vec::new());
     let limits = DriveLimits::default();
     let sonars_on = !matches!(sensors, Sensors::Laser);
     let mut commands = Commands { sonars_on, ..Commands::default() };
@@ -49,8 +49,8 @@ fn drive_about(world: World, sensors: Sensors, seed: u64) -> (crate::simulator::
             drive.task = DriveTask::Follow { path_in_odom: vec![target] };
         }
         let output = drive.step(&limits, &input(&percept), 0.65);
-        commands.translation_mps = output.speeds.translation_mps;
-        commands.rotation_radps = output.speeds.rotation_radps;
+        commands.translation_mps = output.velocity.translation_mps;
+        commands.rotation_radps = output.velocity.rotation_radps;
     }
     (state.contacts(), state.distance_driven_m())
 }
@@ -111,14 +111,14 @@ fn what_held_the_robot_up_on_one_path_says_nothing_against_the_next() {
     let world = hall(&pen, SeenBy { sonar: true, laser: false });
     let simulator = SimulatorModel::new(Arc::new(world), SimulatorSettings::default());
     let mut state = simulator.start(1);
-    let mut drive = Drive::follow(vec![Point::new(3.0, 0.0)]);
+    let mut drive = LocalDrive::follow(vec![Point::new(3.0, 0.0)]);
     let mut commands = Commands { sonars_on: true, ..Commands::default() };
     let mut status = DriveStatus::Driving;
     for _ in 0..1200 {
         let percept = simulator.step(&mut state, &commands);
         let output = drive.step(&DriveLimits::default(), &input(&percept), 0.3);
         (commands.translation_mps, commands.rotation_radps) =
-            (output.speeds.translation_mps, output.speeds.rotation_radps);
+            (output.velocity.translation_mps, output.velocity.rotation_radps);
         status = output.status;
     }
     assert_eq!(status, DriveStatus::Stuck);

@@ -16,7 +16,7 @@ fn plan_to(scene: &Scene, place: &str, from: Pose, closed_doors: &[usize]) -> Na
 }
 
 fn goes_through(plan: &NavigationPlan, door_y: f64) -> bool {
-    plan.targets.iter().any(|target| (target.point_in_map.y - door_y).abs() < 0.01)
+    plan.targets.iter().any(|target| (target.point_in_frame.y - door_y).abs() < 0.01)
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Whole drives in the simulator.
 
 use super::*;
+use crate::obstacles::{ObstacleMemory, aligned};
 
 #[test]
 fn a_goal_behind_walls_is_unreachable() {
@@ -22,6 +23,23 @@ fn a_door_found_closed_is_reported_as_blocked() {
     assert_eq!(outcome.contacts, 0, "{outcome:?}");
 }
 
+/// Two halves with a passage of 1.2 m without a door, or without any wall between them.
+#[test]
+fn a_room_without_a_door_is_entered_where_no_wall_is() {
+    const HALVES: &str = "name = \"w\"\nsize = [10.0, 6.0]\nstart = [2.0, 3.0, 0]\n\
+        [[wall]]\nline = [[0.1, 0.1], [9.9, 0.1], [9.9, 5.9], [0.1, 5.9], [0.1, 0.1]]\nthickness = 0.2\n\
+        [[room]]\nname = \"east\"\nrect = [5.1, 0.2, 9.8, 5.8]\n\
+        [[place]]\nname = \"Bed\"\npose = [8.0, 3.0, 0]\nroom = \"east\"\n";
+    const GAP: &str = "[[wall]]\nline = [[5.0, 0.1], [5.0, 2.4]]\n[[wall]]\nline = [[5.0, 3.6], [5.0, 5.9]]\n";
+    for between in [GAP, ""] {
+        let scene = Scene::new(World::parse(&format!("{HALVES}{between}"), "w.toml").expect("a world"));
+        let (start, bed) = (scene.world.start_in_map, scene.world.place("bed").expect("a place"));
+        let plan = scene.topology.plan(&scene.model.planner, start, bed, &[]).expect("a way");
+        let outcome = drive(&scene, start, plan.targets, 1, 0.0);
+        assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "{outcome:?}");
+    }
+}
+
 /// Between `armchair` and `shelf` 68 cm are left, and the cones of the sonars are wider than that.
 #[test]
 fn a_gap_the_robot_just_fits_through_is_driven_through() {
@@ -39,46 +57,46 @@ fn a_gap_the_robot_just_fits_through_is_driven_through() {
 }
 
 /// Replaces the state by its saved and reloaded copy at every step when `reloading`.
-fn speeds_of_a_drive(scene: &Scene, reloading: bool) -> Vec<Speeds> {
+fn speeds_of_a_drive(scene: &Scene, reloading: bool) -> Vec<Velocity> {
     let mut state = scene.simulator.start(5);
     let goal = Target::at(Pose::new(17.0, 9.5, 2.0));
-    let mut navigation = Navigation::default();
+    let mut navigation = MappedNavigation::default();
     navigation.start(vec![goal], PATIENCE_S);
     let mut commands = Commands { sonars_on: true, ..Commands::default() };
-    let mut speeds = Vec::new();
+    let mut velocity = Vec::new();
     for _ in 0..300 {
         if reloading {
             let bytes = postcard::to_allocvec(&navigation).expect("bytes");
-            let reloaded: Navigation = postcard::from_bytes(&bytes).expect("the state");
+            let reloaded: MappedNavigation = postcard::from_bytes(&bytes).expect("the state");
             assert_eq!(reloaded, navigation);
             navigation = reloaded;
         }
         let percept = scene.simulator.step(&mut state, &commands);
         let output = navigation.step(&scene.model, state.true_pose(), &input(&percept), TravelMode::Hallway);
-        commands.translation_mps = output.speeds.translation_mps;
-        commands.rotation_radps = output.speeds.rotation_radps;
-        speeds.push(output.speeds);
+        commands.translation_mps = output.velocity.translation_mps;
+        commands.rotation_radps = output.velocity.rotation_radps;
+        velocity.push(output.velocity);
     }
-    speeds
+    velocity
 }
 
 #[test]
 fn a_state_saved_and_reloaded_at_every_step_drives_the_same_way() {
     let scene = Scene::dept();
-    let speeds = speeds_of_a_drive(&scene, false);
-    assert!(speeds.iter().any(|speeds| speeds.translation_mps > 0.5));
-    assert_eq!(speeds, speeds_of_a_drive(&scene, true));
+    let velocity = speeds_of_a_drive(&scene, false);
+    assert!(velocity.iter().any(|velocity| velocity.translation_mps > 0.5));
+    assert_eq!(velocity, speeds_of_a_drive(&scene, true));
 }
 
 #[test]
 fn deleting_all_targets_stops_the_robot() {
     let scene = Scene::dept();
-    let mut navigation = Navigation::default();
+    let mut navigation = MappedNavigation::default();
     navigation.start(vec![Target::through(Point::new(10.0, 10.0))], PATIENCE_S);
     navigation.remove_all_targets();
     let input = NavigationInput {
         odometry_in_odom: Pose::default(),
-        speeds: Speeds { translation_mps: 0.5, rotation_radps: 0.1 },
+        velocity: Velocity { translation_mps: 0.5, rotation_radps: 0.1 },
         sonar_m: None,
         laser_m: None,
         bumped: false,
@@ -86,18 +104,18 @@ fn deleting_all_targets_stops_the_robot() {
     let output = navigation.step(&scene.model, scene.world.start_in_map, &input, TravelMode::Hallway);
     assert_eq!(
         output,
-        NavigationOutput { speeds: Speeds::default(), remaining_targets: 0, needs_sonars: false, event: None }
+        NavigationOutput { velocity: Velocity::default(), remaining_targets: 0, needs_sonars: false, event: None }
     );
 }
 
-fn drive_without_map(scene: &Scene, state: &mut SimulatorState, drive: &mut Drive, steps: u32) -> DriveStatus {
+fn drive_without_map(scene: &Scene, state: &mut SimulatorState, drive: &mut LocalDrive, steps: u32) -> DriveStatus {
     let mut commands = Commands { sonars_on: true, ..Commands::default() };
     let mut status = DriveStatus::Driving;
     for _ in 0..steps {
         let percept = scene.simulator.step(state, &commands);
         let output = drive.step(&scene.model.limits, &input(&percept), 0.4);
-        commands.translation_mps = output.speeds.translation_mps;
-        commands.rotation_radps = output.speeds.rotation_radps;
+        commands.translation_mps = output.velocity.translation_mps;
+        commands.rotation_radps = output.velocity.rotation_radps;
         status = output.status;
         if status == DriveStatus::Arrived {
             break;
@@ -111,7 +129,7 @@ fn a_path_in_odom_is_followed_to_its_end() {
     let scene = Scene::dept();
     let mut state = scene.simulator.start(2);
     let begin = state.true_pose();
-    let mut drive = Drive::follow(vec![Point::new(2.0, 0.0), Point::new(2.0, 1.0)]);
+    let mut drive = LocalDrive::follow(vec![Point::new(2.0, 0.0), Point::new(2.0, 1.0)]);
     assert_eq!(drive_without_map(&scene, &mut state, &mut drive, 1000), DriveStatus::Arrived);
     let end = state.true_pose().relative_to(begin);
     assert!(distance_m(end.point(), Point::new(2.0, 1.0)) < 0.3, "{end:?}");
@@ -122,7 +140,7 @@ fn wandering_covers_ground_without_contact() {
     let scene = Scene::dept();
     for seed in 0..5 {
         let mut state = scene.simulator.start(seed);
-        let mut drive = Drive::wander(Stream::new(seed, "wander"));
+        let mut drive = LocalDrive::wander(Stream::new(seed, "wander"));
         drive_without_map(&scene, &mut state, &mut drive, 2400);
         assert_eq!(state.contacts().caused, 0, "seed {seed}");
         assert!(state.distance_driven_m() > 15.0, "seed {seed}: {}", state.distance_driven_m());
@@ -188,8 +206,8 @@ fn a_shifted_estimate_before_a_door_is_brought_back() {
         let off_map_m = |point_in_odom| scene.model.planner.off_obstacle_m(odom_in_map.transform(point_in_odom));
         memory.update(odometry_in_odom, percept.sonar_m.as_ref(), None, 5.0, 0.05, off_map_m);
     }
-    let found = alignment::aligned(&scene.model.planner, &memory, odometry_in_odom, wrong);
+    let found = aligned(&scene.model.planner, &memory, odometry_in_odom, wrong);
     assert!(found.distance_m(truth) < 0.75 * wrong.distance_m(truth), "{found:?} {truth:?}");
     let blind = ObstacleMemory::default();
-    assert_eq!(alignment::aligned(&scene.model.planner, &blind, odometry_in_odom, truth), truth);
+    assert_eq!(aligned(&scene.model.planner, &blind, odometry_in_odom, truth), truth);
 }

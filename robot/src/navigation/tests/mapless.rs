@@ -14,10 +14,10 @@ const LATEST_US: u64 = 1_200_000_000;
 
 impl<'s> Stranger<'s> {
     fn new(scene: &'s Scene, start: Pose, goal: Point, seed: u64) -> Self {
-        Self::with(Grain::Sonar, scene, start, goal, seed)
+        Self::with(RangeSensor::Sonar, scene, start, goal, seed)
     }
 
-    fn with(grain: Grain, scene: &'s Scene, start: Pose, goal: Point, seed: u64) -> Self {
+    fn with(grain: RangeSensor, scene: &'s Scene, start: Pose, goal: Point, seed: u64) -> Self {
         let mut state = scene.simulator.start(seed);
         scene.simulator.teleport(&mut state, start).expect("a free start");
         let mut navigation = MaplessNavigation::new(grain);
@@ -28,8 +28,8 @@ impl<'s> Stranger<'s> {
     fn step(&mut self) -> Option<NavigationEvent> {
         let percept = self.scene.simulator.step(&mut self.state, &self.commands);
         let output = self.navigation.step(&self.scene.model.limits, &input(&percept), 0.65);
-        self.commands.translation_mps = output.speeds.translation_mps;
-        self.commands.rotation_radps = output.speeds.rotation_radps;
+        self.commands.translation_mps = output.velocity.translation_mps;
+        self.commands.rotation_radps = output.velocity.rotation_radps;
         output.event
     }
 
@@ -63,7 +63,7 @@ fn random_points_of_unknown_buildings_are_reached() {
         for pair in 0..10 {
             let mut stream = Stream::new(pair, "pair");
             let (start, goal) = (scene.unobstructed_pose(&mut stream), scene.unobstructed_pose(&mut stream));
-            let path = scene.shortest.value_field(goal.point()).path(start.point()).expect("a way");
+            let path = scene.shortest.cost_to_go(goal.point()).path(start.point()).expect("a way");
             let outcome = Stranger::new(&scene, start, goal.point(), pair).until_event();
             runs.push(Run { start, goal, optimum_m: path_length_m(&path), outcome });
         }
@@ -138,7 +138,7 @@ fn a_laser_alone_finds_the_way_as_well() {
     let mut scene = hall_with(DEAD_END);
     let settings = SimulatorSettings { laser: true, ..without_drift() };
     scene.simulator = SimulatorModel::new(scene.world.clone(), settings);
-    let mut robot = Stranger::with(Grain::Laser, &scene, scene.world.start_in_map, Point::new(11.5, 5.0), 1);
+    let mut robot = Stranger::with(RangeSensor::Laser, &scene, scene.world.start_in_map, Point::new(11.5, 5.0), 1);
     robot.commands.sonars_on = false;
     let outcome = robot.until_event();
     assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "{outcome:?}");
@@ -154,7 +154,8 @@ fn a_laser_finds_through_a_gap_of_sixty_centimetres() {
     let settings = SimulatorSettings { laser: true, laser_noise_m: 0.01, ..without_drift() };
     scene.simulator = SimulatorModel::new(scene.world.clone(), settings);
     for seed in 0..4 {
-        let mut robot = Stranger::with(Grain::Laser, &scene, scene.world.start_in_map, Point::new(9.0, 5.0), seed);
+        let mut robot =
+            Stranger::with(RangeSensor::Laser, &scene, scene.world.start_in_map, Point::new(9.0, 5.0), seed);
         robot.commands.sonars_on = false;
         let outcome = robot.until_event();
         assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "seed {seed}: {outcome:?}");

@@ -4,12 +4,12 @@ mod clutter;
 mod doors;
 mod drives;
 mod mapless;
-mod octile;
-mod plans;
-mod ways;
 
 use super::*;
-use crate::geometry::{Point, Pose, distance_m};
+use crate::avoidance::DriveLimits;
+use crate::geometry::{Point, Pose, Velocity, distance_m};
+use crate::planning::{CostToGo, Inflation, NavigationPlan, PlannerModel, Target, TopologicalModel, path_length_m};
+use crate::sensors::RangeSensor;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings, SimulatorState};
 use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
 use rpl_random::Stream;
@@ -26,7 +26,7 @@ struct Scene {
     /// What really stands there, at the price of length alone: for the shortest ways there are.
     shortest: PlannerModel,
     /// From where the start of the world can be reached.
-    reachable: ValueField,
+    reachable: CostToGo,
 }
 
 impl Scene {
@@ -35,12 +35,11 @@ impl Scene {
         let mut all_mapped = (*world).clone();
         all_mapped.objects.iter_mut().for_each(|object| object.mapped = true);
         let real_map = all_mapped.map(0.05);
-        let length_only =
-            PlannerParameters { robot_radius_m: 0.3, closeness_weight: 0.0, ..PlannerParameters::default() };
+        let length_only = Inflation { body_radius_m: 0.3, closeness_weight: 0.0, ..Inflation::default() };
         let shortest = PlannerModel::new(&real_map, length_only);
         let model = NavigationModel::new(&world, DriveLimits::default());
         Self {
-            reachable: shortest.value_field(world.start_in_map.point()),
+            reachable: shortest.cost_to_go(world.start_in_map.point()),
             shortest,
             simulator: SimulatorModel::new(world.clone(), SimulatorSettings::default()),
             topology: TopologicalModel::new(&world, &model.planner),
@@ -128,14 +127,14 @@ fn drive(scene: &Scene, start: Pose, targets: Vec<Target>, seed: u64, noise_scal
 struct Journey<'s> {
     scene: &'s Scene,
     state: SimulatorState,
-    navigation: Navigation,
+    navigation: MappedNavigation,
     noise: PoseNoise,
     commands: Commands,
 }
 
 impl<'s> Journey<'s> {
     fn new(scene: &'s Scene, state: SimulatorState, targets: Vec<Target>) -> Self {
-        let mut navigation = Navigation::default();
+        let mut navigation = MappedNavigation::default();
         navigation.start(targets, PATIENCE_S);
         let noise = PoseNoise { scale: 0.0, error: [0.0; 3], stream: Stream::new(0, "pose noise") };
         let commands = Commands { sonars_on: true, ..Commands::default() };
@@ -148,8 +147,8 @@ impl<'s> Journey<'s> {
         let mode = self.scene.mode_at(estimated_in_map.point());
         let output = self.navigation.step(&self.scene.model, estimated_in_map, &input(&percept), mode);
         self.commands = Commands {
-            translation_mps: output.speeds.translation_mps,
-            rotation_radps: output.speeds.rotation_radps,
+            translation_mps: output.velocity.translation_mps,
+            rotation_radps: output.velocity.rotation_radps,
             sonars_on: mode != TravelMode::Doorway || output.needs_sonars,
             ..Commands::default()
         };
@@ -175,7 +174,7 @@ impl<'s> Journey<'s> {
 fn input(percept: &Percept) -> NavigationInput<'_> {
     NavigationInput {
         odometry_in_odom: percept.odometry_in_odom,
-        speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+        velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
         sonar_m: percept.sonar_m.as_ref(),
         laser_m: percept.laser_m.as_deref(),
         bumped: percept.bumped,
@@ -201,7 +200,7 @@ fn drive_pair(scene: &Scene, pair: u64, noise_scale: f64) -> Option<Run> {
     let to_place = stream.chance(0.5);
     let goal =
         if to_place { places[stream.index(places.len())].pose_in_map } else { scene.unobstructed_pose(&mut stream) };
-    let path = scene.shortest.value_field(goal.point()).path(start.point())?;
+    let path = scene.shortest.cost_to_go(goal.point()).path(start.point())?;
     let place = Place { name: "goal".to_owned(), pose_in_map: goal, room: None, charges: false };
     let plan = scene.topology.plan(&scene.model.planner, start, &place, &[]).expect("a plan");
     let outcome = drive(scene, start, plan.targets, pair, noise_scale);

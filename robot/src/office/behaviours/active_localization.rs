@@ -4,7 +4,7 @@ use super::body::WHEELS;
 use super::position_tracking::{POS_CERTAINTY, Position};
 use super::{Module, ModuleSpec, Moment, Start, Work};
 use crate::active::{ActiveLocalization, Exploration, Intent};
-use crate::navigation::{Drive, DriveStatus, DriveTask};
+use crate::navigation::{DriveStatus, DriveTask, LocalDrive};
 use crate::office::{OfficeModel, Report, no_map};
 use crate::simulator::Commands;
 use crate::world::TravelMode;
@@ -27,7 +27,7 @@ const LOST_SPEED_MPS: f64 = 0.45;
 pub struct Localizing {
     /// The search, while it is activated.
     search: Option<ActiveLocalization>,
-    drive: Drive,
+    drive: LocalDrive,
     drive_status: DriveStatus,
     /// Where it wanders to, carried on from one search to the next.
     wander: Stream,
@@ -49,7 +49,7 @@ impl Localizing {
 
     pub(super) fn new(_: &OfficeModel, seed: u64) -> Self {
         let wander = Stream::new(seed, "wander");
-        Self { search: None, drive: Drive::wander(wander.clone()), drive_status: DriveStatus::Driving, wander }
+        Self { search: None, drive: LocalDrive::wander(wander.clone()), drive_status: DriveStatus::Driving, wander }
     }
 
     /// Goes on moving about, or begins to.
@@ -79,7 +79,7 @@ impl Module for Localizing {
             ActiveLocalization::start(&map.localization, localization, odometry_in_odom, start.time_us, parameters);
         self.search = Some(search);
         self.drive_status = DriveStatus::Driving;
-        self.drive = Drive::wander(self.wander.clone());
+        self.drive = LocalDrive::wander(self.wander.clone());
         outbox.fluents.push((POS_CERTAINTY, Reading::Float(position.estimate(Some(map)).certainty)));
         Ok(())
     }
@@ -119,14 +119,14 @@ impl Module for Localizing {
                 }
                 self.drive.task = DriveTask::Follow { path_in_odom };
             }
-            Intent::Done => return Work { speeds: None, ending: Some(Ending::Success) },
+            Intent::Done => return Work { velocity: None, ending: Some(Ending::Success) },
             Intent::Failed => {
                 let ending = Ending::failure("localization-failure", "the position is still not known");
-                return Work { speeds: None, ending: Some(ending) };
+                return Work { velocity: None, ending: Some(ending) };
             }
         }
         let output = self.drive.step(&now.model.limits, &now.input(), LOST_SPEED_MPS);
         self.drive_status = output.status;
-        Work { speeds: Some(output.speeds), ending: None }
+        Work { velocity: Some(output.velocity), ending: None }
     }
 }

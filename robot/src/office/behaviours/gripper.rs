@@ -86,6 +86,6 @@ impl Module for Gripping {
             (GripperTask::Release, ..) => Ending::failure("grasp-failure", "the gripper did not open"),
         };
         self.task = None;
-        Work { speeds: None, ending: Some(ending) }
+        Work { velocity: None, ending: Some(ending) }
     }
 }

@@ -47,11 +47,11 @@ impl Module for LookingAround {
 
     fn step(&mut self, now: &Moment<'_>, _: &mut Position, _: &mut Vec<RobotEvent>) -> Work {
         let Some(look) = &mut self.look else { return Work::default() };
-        let speeds = look.step(&now.model.limits, now.percept.odometry_in_odom, now.input().speeds);
-        let ending = speeds.is_none().then(|| {
+        let velocity = look.step(&now.model.limits, now.percept.odometry_in_odom, now.input().velocity);
+        let ending = velocity.is_none().then(|| {
             self.look = None;
             Ending::Success
         });
-        Work { speeds, ending }
+        Work { velocity, ending }
     }
 }

@@ -15,7 +15,8 @@ use self::look_around::LookingAround;
 use self::navigation::Navigating;
 use self::position_tracking::{Position, PositionTracking};
 use super::OfficeModel;
-use crate::navigation::{NavigationInput, Speeds};
+use crate::geometry::Velocity;
+use crate::navigation::NavigationInput;
 use crate::simulator::{Commands, Percept};
 use crate::world::TravelMode;
 use rpl_lang::symbol::Symbol;
@@ -96,7 +97,7 @@ impl<'a> Moment<'a> {
         let percept = self.percept;
         NavigationInput {
             odometry_in_odom: percept.odometry_in_odom,
-            speeds: Speeds { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
+            velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
             sonar_m: percept.sonar_m.as_ref(),
             laser_m: percept.laser_m.as_deref(),
             bumped: percept.bumped,
@@ -108,7 +109,7 @@ impl<'a> Moment<'a> {
 #[derive(Default)]
 pub(super) struct Work {
     /// What it wants of the wheels.
-    pub speeds: Option<Speeds>,
+    pub velocity: Option<Velocity>,
     /// How its behaviour ended, if it did.
     pub ending: Option<Ending>,
 }

@@ -3,11 +3,11 @@
 use super::body::WHEELS;
 use super::position_tracking::Position;
 use super::{Module, ModuleSpec, Moment, Start, Work, behaviour_number, fluent, fluent_number};
-use crate::geometry::{Point, Pose};
-use crate::navigation::{
-    Grain, MaplessNavigation, Navigation, NavigationEvent, NavigationOutput, Obstruction, Speeds, Target,
-};
+use crate::geometry::{Point, Pose, Velocity};
+use crate::navigation::{MaplessNavigation, MappedNavigation, NavigationEvent, NavigationOutput, Obstruction};
 use crate::office::OfficeModel;
+use crate::planning::Target;
+use crate::sensors::RangeSensor;
 use crate::simulator::Commands;
 use crate::world::{Door, TravelMode, World};
 use rpl_lang::symbol::Symbol;
@@ -30,7 +30,7 @@ const NR_OF_NAV_GOALS: usize = fluent_number("nr-of-nav-goals*");
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Navigating {
     /// On a map; idle without one.
-    mapped: Navigation,
+    mapped: MappedNavigation,
     /// Without a map; idle with one.
     mapless: MaplessNavigation,
     needs_sonars: bool,
@@ -54,8 +54,8 @@ impl Navigating {
     };
 
     pub(super) fn new(model: &OfficeModel, _: u64) -> Self {
-        let grain = if model.settings.simulator.laser { Grain::Laser } else { Grain::Sonar };
-        Self { mapped: Navigation::default(), mapless: MaplessNavigation::new(grain), needs_sonars: true }
+        let sensor = if model.settings.simulator.laser { RangeSensor::Laser } else { RangeSensor::Sonar };
+        Self { mapped: MappedNavigation::default(), mapless: MaplessNavigation::new(sensor), needs_sonars: true }
     }
 
     /// Doors found closed not long ago.
@@ -100,7 +100,7 @@ impl Navigating {
         let message = match (&model.map, self.mapped.remaining_targets().first()) {
             (Some(map), Some(target)) => {
                 let here = position.estimate(Some(map)).pose_in_map.point();
-                let between = map.topology.what_is_between(&map.navigation.planner, here, target.point_in_map);
+                let between = map.topology.what_is_between(&map.navigation.planner, here, target.point_in_frame);
                 format!("the map shows no way to the target: {between}")
             }
             (Some(_), None) => "the map shows no way to the target".to_string(),
@@ -123,7 +123,7 @@ impl Module for Navigating {
     fn start(&mut self, start: &Start<'_>, _: &mut Position, outbox: &mut Outbox) -> Result<(), Raise> {
         let (targets, patience_s) = arguments(start.machine, start.arguments)?;
         match start.model.map {
-            Some(_) => self.mapped.start(targets, patience_s.unwrap_or(Navigation::PATIENCE_S)),
+            Some(_) => self.mapped.start(targets, patience_s.unwrap_or(MappedNavigation::PATIENCE_S)),
             None => self.mapless.start(targets, patience_s.unwrap_or(MaplessNavigation::PATIENCE_S)),
         }
         self.publish_goals(Phase::Active, outbox);
@@ -156,11 +156,11 @@ impl Module for Navigating {
             Some(NavigationEvent::Unreachable) => self.unreachable(now.model, position),
             Some(NavigationEvent::Blocked) => self.blocked(now, position),
             Some(NavigationEvent::TargetReached) | None => {
-                return Work { speeds: Some(output.speeds), ending: None };
+                return Work { velocity: Some(output.velocity), ending: None };
             }
         };
         self.remove_all_targets();
-        Work { speeds: Some(Speeds::default()), ending: Some(ending) }
+        Work { velocity: Some(Velocity::default()), ending: Some(ending) }
     }
 
     fn publish(&mut self, now: &Moment<'_>, _: &Position, outbox: &mut Outbox) {

@@ -6,6 +6,7 @@ mod whole;
 
 use super::*;
 use crate::geometry::{Point, Pose};
+use crate::sensors::{LASER_READINGS, SONARS, laser_direction_rad};
 use crate::world::{Object, Rect, SeenBy, Shape, World};
 use rpl_random::Stream;
 use std::sync::Arc;

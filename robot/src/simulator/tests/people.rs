@@ -1,6 +1,5 @@
 use super::*;
 use crate::geometry::distance_m;
-use crate::simulator::people::PERSON_RADIUS_M;
 
 /// A person who walks past the robot's east and west.
 const WALKER: &str = "[[person]]\npath = [[1.0, 3.0], [9.0, 3.0]]\nspeed = 0.8\n";

@@ -148,7 +148,7 @@ fn each_laser_reading_is_the_first_surface_along_its_ray() {
         let pose = free_pose(&model, &state, &mut stream);
         let forms = present_forms(&model, &state);
         for (reading, range_m) in model.laser_ranges(&state, pose).into_iter().enumerate() {
-            let (sin, cos) = libm::sincos(pose.heading_rad + laser_direction_rad(reading));
+            let (sin, cos) = libm::sincos(pose.heading_rad + laser_direction_rad(LASER_READINGS, reading));
             let direction = crate::geometry::Vector::new(cos, sin);
             let brute_m = forms.iter().map(|form| along_ray_m(form, pose.point(), direction)).fold(8.0, f64::min);
             assert!((range_m - brute_m).abs() < 1e-6, "reading {reading} at {pose:?}: {range_m}, but {brute_m}");

@@ -75,7 +75,8 @@ impl Machine {
     }
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        let (state, result, position) = (self.tasks[child].state(), self.tasks[child].value, self.tasks[child].position);
+        let (state, result, position) =
+            (self.tasks[child].state(), self.tasks[child].value, self.tasks[child].position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {

@@ -1,0 +1,182 @@
+//! How the map, and what is seen besides it, leads the driver.
+
+use super::model::NavigationModel;
+use super::ways::MapWays;
+use crate::avoidance::CollisionAvoidance;
+use crate::geometry::{Point, Pose, Transform, distance_m};
+use crate::navigation::driver::{Driver, Guidance, Guide};
+use crate::navigation::input::NavigationInput;
+use crate::obstacles::aligned;
+use crate::planning::{Target, is_passed};
+use crate::world::TravelMode;
+
+/// How far along the way the point lies that the collision avoidance heads for.
+const LOOKAHEAD_M: f64 = 2.0;
+/// And no nearer than this: towards a corner at its side the robot would turn to and fro.
+const AT_HAND_M: f64 = 0.3;
+/// So long without a way in the map is unreachable; the estimate may be wrong for a moment.
+const UNREACHABLE_S: f64 = 1.0;
+/// The way ahead is checked for unmapped obstacles this often.
+const LOOK_S: f64 = 0.5;
+/// And this far.
+const LOOK_M: f64 = 2.0;
+/// What comes this much nearer to the way than the robot's disc stands in it.
+const BESIDE_WAY_M: f64 = 0.03;
+/// Obstacles of the map are looked up this far around the robot while the sonars are off.
+const MAP_SUPPORT_M: f64 = 1.2;
+
+/// The guide of one step.
+pub(super) struct MapGuide<'s> {
+    pub ways: &'s mut MapWays,
+    pub model: &'s NavigationModel,
+    pub estimated_in_map: Pose,
+    pub input: &'s NavigationInput<'s>,
+    pub mode: TravelMode,
+}
+
+impl Guide for MapGuide<'_> {
+    const LEFT_AGAIN_M: f64 = 0.4;
+
+    fn pose(&self) -> Pose {
+        self.estimated_in_map
+    }
+
+    fn driving_pose(&self) -> Pose {
+        if self.input.sonar_m.is_some() {
+            self.estimated_in_map
+        } else {
+            aligned(&self.model.planner, &self.ways.memory, self.input.odometry_in_odom, self.estimated_in_map)
+        }
+    }
+
+    fn is_passed(&self, here: Point, target: Point, next: Point) -> bool {
+        is_passed(&self.model.planner, here, target, next)
+    }
+
+    fn take_next_target(&mut self, _: f64) {
+        self.ways.progress.measure_other_way();
+    }
+
+    fn direct(&mut self, driver: &mut Driver, first: Target, robot: Pose) -> Guidance {
+        self.look_for_blockages(driver, robot, first);
+        match self.towards(driver, robot.point(), first) {
+            Some(point) => {
+                self.ways.without_way_s = 0.0;
+                Guidance::Towards(point)
+            }
+            None => {
+                self.ways.without_way_s += self.model.limits.step_s;
+                if self.ways.without_way_s > UNREACHABLE_S { Guidance::NoWay } else { Guidance::Wait }
+            }
+        }
+    }
+
+    /// Whether the robot has not come nearer for long. If so for a while, it begins anew.
+    fn has_stalled(&mut self, driver: &mut Driver, first: Target, here: Point) -> bool {
+        let now_s = driver.now_s;
+        let costs = self.ways.costs(self.model, first, now_s);
+        if let Some(cost_m) = costs.mapped.cost_m(here) {
+            let avoided_doors = self.ways.avoided_doors(now_s);
+            self.ways.progress.measure(now_s, cost_m, avoided_doors, costs.around.cost_m(here));
+            if self.ways.progress.is_time_to_begin_anew(now_s) {
+                self.begin_anew(driver);
+            }
+        }
+        self.ways.progress.has_stalled(now_s)
+    }
+
+    fn stalled_s(&self, now_s: f64) -> f64 {
+        self.ways.progress.since_s(now_s)
+    }
+
+    fn obstacles_in_base(&self, robot: Pose) -> Vec<Point> {
+        let mut obstacles_in_base = Vec::new();
+        self.ways.memory.append_in_base(self.input.odometry_in_odom, &mut obstacles_in_base);
+        if self.input.sonar_m.is_none() {
+            let map_in_base = Transform::new(robot.inverse());
+            let mapped = self.model.planner.obstacle_edges_near(robot.point(), MAP_SUPPORT_M);
+            obstacles_in_base.extend(mapped.into_iter().map(|point| map_in_base.apply(point)));
+        }
+        obstacles_in_base
+    }
+
+    fn speed_limit_mps(&self, _: &[Point]) -> f64 {
+        self.model.limits.speed_limit_mps(self.mode)
+    }
+}
+
+impl MapGuide<'_> {
+    /// The point to head for. If something stands at an intermediate target, the next target is
+    /// headed for instead. Without any way the blockages are forgotten, for some may have gone. If
+    /// there still is none, doors found closed are tried: somebody may open them.
+    fn towards(&mut self, driver: &mut Driver, here: Point, first: Target) -> Option<Point> {
+        let now_s = driver.now_s;
+        let towards = self.ahead(now_s, here, first);
+        if towards.is_some() || (self.ways.blockages.is_empty() && self.ways.avoided_doors(now_s).is_empty()) {
+            return towards;
+        }
+        if let [_, next, ..] = driver.targets[..]
+            && let Some(towards) = self.ahead(now_s, here, next)
+        {
+            driver.targets.remove(0);
+            self.ways.progress.measure_other_way();
+            return Some(towards);
+        }
+        self.ways.trust_map(now_s);
+        if let Some(towards) = self.ahead(now_s, here, first) {
+            return Some(towards);
+        }
+        self.ways.try_doors(now_s);
+        self.ahead(now_s, here, first)
+    }
+
+    fn ahead(&mut self, now_s: f64, here: Point, target: Target) -> Option<Point> {
+        self.ways.costs(self.model, target, now_s).around.lookahead(here, AT_HAND_M, LOOKAHEAD_M)
+    }
+
+    /// What holds the robot up may be an echo long gone: it looks again, and tries the map's way.
+    fn begin_anew(&mut self, driver: &mut Driver) {
+        self.ways.progress.begin_anew(driver.now_s);
+        self.ways.memory.forget();
+        driver.avoidance = CollisionAvoidance::default();
+        self.ways.trust_map(driver.now_s);
+        self.ways.want_sonars(driver.now_s);
+    }
+
+    /// Turns unmapped obstacle points into blockages if any of them stands on the way ahead. People
+    /// who walk are left to the collision avoidance: until a way around them is planned they are
+    /// elsewhere, and with twenty of them about the ways would never be the same for a second.
+    fn look_for_blockages(&mut self, driver: &mut Driver, robot: Pose, first: Target) {
+        let (now_s, odometry_in_odom) = (driver.now_s, self.input.odometry_in_odom);
+        if now_s < self.ways.next_look_s {
+            return;
+        }
+        self.ways.next_look_s = now_s + LOOK_S;
+        let seen = self.ways.sharp_points(robot, odometry_in_odom, |_| true);
+        self.ways.blockages.forget(robot.point(), &seen, now_s);
+        self.look_at_doors(driver, robot, &seen);
+        if self.ways.doubts_map(now_s) {
+            let unmapped = self.ways.unmapped_points(self.model, robot, odometry_in_odom);
+            let costs = self.ways.costs(self.model, first, now_s);
+            let way = costs.around.way_ahead(robot.point(), LOOK_M).unwrap_or_default();
+            let reach_m = self.model.limits.robot_radius_m + BESIDE_WAY_M;
+            let stands_in_way = |point: &Point| way.iter().any(|&on_way| distance_m(on_way, *point) < reach_m);
+            if unmapped.iter().any(stands_in_way) {
+                self.ways.blockages.add(&unmapped, now_s);
+            }
+        }
+    }
+
+    /// A door found closed, or open again, is a new task: there is time for the way that is now the
+    /// best, and nothing to escape from.
+    fn look_at_doors(&mut self, driver: &mut Driver, robot: Pose, seen_in_map: &[Point]) {
+        let now_s = driver.now_s;
+        let before = self.ways.closed_doors(now_s);
+        let robot_width_m = 2.0 * self.model.limits.robot_radius_m;
+        self.ways.doors.look(&self.model.doorways, robot.point(), seen_in_map, robot_width_m, now_s, LOOK_S);
+        if self.ways.closed_doors(now_s) != before {
+            self.ways.progress.start_again(now_s);
+            driver.avoidance = CollisionAvoidance::default();
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Navigation of a robot with a map: to targets in `map`, whatever stands in the way.
+//!
+//! `model` is what it knows for good; `ways` what it has found out about ways besides the map, in `costs`,
+//! `blockages` and `progress`; `guide` how that leads the driver; `obstruction` what it says was in the
+//! way.
+
+mod blockages;
+mod costs;
+mod guide;
+mod model;
+mod obstruction;
+mod progress;
+mod ways;
+
+pub use model::NavigationModel;
+pub use obstruction::Obstruction;
+
+use super::driver::{Driver, NavigationOutput};
+use super::input::NavigationInput;
+use crate::avoidance::CollisionAvoidance;
+use crate::geometry::{Pose, Transform, wrap_angle_rad};
+use crate::planning::Target;
+use crate::world::TravelMode;
+use guide::MapGuide;
+use serde::{Deserialize, Serialize};
+use ways::MapWays;
+
+/// State of the navigation on a map.
+///
+/// What it costs to go to the current target is kept beside the state, but is no part of it: it follows
+/// from target and blockages, is not saved, and does not count in comparisons.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MappedNavigation {
+    driver: Driver,
+    ways: MapWays,
+    /// Estimate and odometry of the step before.
+    last: Option<(Pose, Pose)>,
+}
+
+/// A robot that wanted its sonars in a doorway wants them at least for so long.
+const SEEING_IN_DOOR_S: f64 = 1.0;
+/// An estimate that moves so much more than the odometry has jumped.
+const JUMP_M: f64 = 0.4;
+const JUMP_RAD: f64 = 0.5;
+
+impl MappedNavigation {
+    /// How long a robot that is told nothing else waits where it gets no nearer: doors are closed for a
+    /// minute now and then, and people stand and talk.
+    pub const PATIENCE_S: f64 = 120.0;
+
+    /// Bytes of planned ways that an earlier state does not share.
+    pub fn bytes_apart(&self, earlier: &Self) -> usize {
+        self.ways.bytes_apart(&earlier.ways)
+    }
+
+    /// Begins to drive to these targets, in order, instead of any others. What the sensors saw and
+    /// which doors were found closed is kept. The way is blocked when for `patience_s` the robot has
+    /// come no nearer.
+    pub fn start(&mut self, targets: Vec<Target>, patience_s: f64) {
+        self.driver.start(targets);
+        self.ways.start(self.driver.now_s, patience_s);
+        self.last = None;
+    }
+
+    /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
+    pub fn remove_all_targets(&mut self) {
+        self.start(Vec::new(), Self::PATIENCE_S);
+    }
+
+    /// Targets not yet reached.
+    pub fn remaining_targets(&self) -> &[Target] {
+        &self.driver.targets
+    }
+
+    /// The doors found closed, as indices into the world's doors.
+    pub fn closed_doors(&self) -> Vec<usize> {
+        self.ways.closed_doors(self.driver.now_s)
+    }
+
+    /// One step of `model.limits.step_s`. Also takes in the sonars when there is nothing to do, so
+    /// that the memory of obstacles is fresh when there is.
+    pub fn step(
+        &mut self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        input: &NavigationInput<'_>,
+        mode: TravelMode,
+    ) -> NavigationOutput {
+        let limits = &model.limits;
+        self.driver.now_s += limits.step_s;
+        self.sense(model, estimated_in_map, input);
+        self.want_sonars(input.bumped, mode);
+        self.notice_jump(estimated_in_map, input.odometry_in_odom);
+        let mut guide = MapGuide { ways: &mut self.ways, model, estimated_in_map, input, mode };
+        let decision = self.driver.step(&mut guide, limits, input);
+        let needs_sonars = self.driver.is_active() && self.driver.now_s < self.ways.sonars_until_s;
+        self.driver.output(decision, needs_sonars)
+    }
+
+    fn sense(&mut self, model: &NavigationModel, estimated_in_map: Pose, input: &NavigationInput<'_>) {
+        let NavigationInput { odometry_in_odom, sonar_m, laser_m, bumped, .. } = *input;
+        let (limits, memory) = (&model.limits, &mut self.ways.memory);
+        let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
+        let off_map_m = |point_in_odom| model.planner.off_obstacle_m(odom_in_map.apply(point_in_odom));
+        memory.update(odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, off_map_m);
+        memory.feel(odometry_in_odom, limits.robot_radius_m, bumped);
+    }
+
+    fn want_sonars(&mut self, bumped: bool, mode: TravelMode) {
+        let now_s = self.driver.now_s;
+        if bumped || self.driver.avoidance.is_held_up() {
+            self.ways.want_sonars(now_s);
+        } else if mode == TravelMode::Doorway && now_s < self.ways.sonars_until_s {
+            // Not off again half way through the door: memory and estimate were not good enough.
+            self.ways.sonars_until_s = self.ways.sonars_until_s.max(now_s + SEEING_IN_DOOR_S);
+        }
+    }
+
+    /// An estimate that jumped makes old progress, blockages and doors meaningless.
+    fn notice_jump(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
+        if let Some((estimated_before, odometry_before)) = self.last {
+            let expected = estimated_before.compose(odometry_in_odom.relative_to(odometry_before));
+            let off_rad = wrap_angle_rad(estimated_in_map.heading_rad - expected.heading_rad).abs();
+            if estimated_in_map.distance_m(expected) > JUMP_M || off_rad > JUMP_RAD {
+                self.ways.forget_where_things_are(self.driver.now_s);
+                self.driver.avoidance = CollisionAvoidance::default();
+            }
+        }
+        self.last = Some((estimated_in_map, odometry_in_odom));
+    }
+}

@@ -1,0 +1,174 @@
+//! Whether the robot gets on: by the way that the map shows, and by the way around what it has found.
+
+use serde::{Deserialize, Serialize};
+
+/// Every so long without getting nearer the robot forgets what it saw and begins anew.
+const ANEW_S: f64 = 10.0;
+/// To look for a way around blockages there is so many times the patience, and for the detour at this
+/// speed besides.
+const SEARCH: f64 = 2.0;
+const DETOUR_MPS: f64 = 0.15;
+/// Getting nearer means by so much.
+const PROGRESS_M: f64 = 0.1;
+/// No step changes the cost of the way left by so much.
+const LEAP_M: f64 = 0.2;
+
+/// The nearest the robot has come, by the cost of the way left.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct MapProgress {
+    /// So long without getting nearer is blocked.
+    patience_s: f64,
+    /// By the way the map shows.
+    least_cost_m: Option<f64>,
+    /// The doors that way leads around: costs of other ways do not compare.
+    avoided_doors: Vec<usize>,
+    /// When that way was shortened last.
+    at_s: f64,
+    /// By the way around the blockages, since.
+    around: AroundProgress,
+    /// When either was shortened last.
+    moved_at_s: f64,
+    /// When that was, or when the robot began anew since.
+    begun_at_s: f64,
+}
+
+/// Progress on the way around the blockages, which changes with each that is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct AroundProgress {
+    least_cost_m: Option<f64>,
+    /// A step ago.
+    cost_m: Option<f64>,
+    /// The most it has been longer than the way by the map.
+    detour_m: f64,
+}
+
+impl MapProgress {
+    /// Nothing is measured yet.
+    pub fn from(at_s: f64, patience_s: f64) -> Self {
+        Self { patience_s, at_s, moved_at_s: at_s, begun_at_s: at_s, ..Self::default() }
+    }
+
+    /// Nothing is measured yet of what is now another task; the patience is the same.
+    pub fn start_again(&mut self, at_s: f64) {
+        *self = Self::from(at_s, self.patience_s);
+    }
+
+    /// What is measured next is another way's cost.
+    pub fn measure_other_way(&mut self) {
+        self.least_cost_m = None;
+    }
+
+    /// Takes in the costs of the ways left: by the map but for closed doors, and around the blockages
+    /// besides. Around other doors than before, what is nearest is counted from here; the time goes on.
+    pub fn measure(&mut self, now_s: f64, cost_m: f64, avoided_doors: Vec<usize>, around_m: Option<f64>) {
+        if self.avoided_doors != avoided_doors {
+            self.avoided_doors = avoided_doors;
+            self.least_cost_m = self.least_cost_m.map(|_| cost_m);
+        }
+        if self.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
+            self.least_cost_m = Some(cost_m);
+            self.around = AroundProgress::default();
+            (self.at_s, self.moved_at_s, self.begun_at_s) = (now_s, now_s, now_s);
+        }
+        if let Some(around_m) = around_m {
+            self.around.detour_m = self.around.detour_m.max(around_m - cost_m);
+            if self.around.shorten(around_m) {
+                (self.moved_at_s, self.begun_at_s) = (now_s, now_s);
+            }
+        }
+    }
+
+    /// Whether the robot should begin anew.
+    pub fn is_time_to_begin_anew(&self, now_s: f64) -> bool {
+        now_s - self.begun_at_s > ANEW_S
+    }
+
+    /// It does.
+    pub fn begin_anew(&mut self, now_s: f64) {
+        self.begun_at_s = now_s;
+    }
+
+    /// For how long the way by the map has not become shorter.
+    pub fn since_s(&self, now_s: f64) -> f64 {
+        now_s - self.at_s
+    }
+
+    /// Whether the robot has not come nearer for long. Coming nearer on a way around blockages counts
+    /// too, but not for ever: the robot may be going to and fro between two of them.
+    pub fn has_stalled(&self, now_s: f64) -> bool {
+        let search_s = SEARCH * self.patience_s + self.around.detour_m / DETOUR_MPS;
+        now_s - self.moved_at_s > self.patience_s || self.since_s(now_s) > search_s
+    }
+}
+
+impl AroundProgress {
+    /// Whether the way left is shorter than ever. A cost that leaps is another way's: what was gained
+    /// on the way before is carried over to it.
+    fn shorten(&mut self, cost_m: f64) -> bool {
+        let before_m = self.cost_m.replace(cost_m).unwrap_or(cost_m);
+        if (cost_m - before_m).abs() > LEAP_M {
+            self.least_cost_m = self.least_cost_m.map(|least_m| least_m + cost_m - before_m);
+        }
+        let is_shorter = self.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M);
+        if is_shorter {
+            self.least_cost_m = Some(cost_m);
+        }
+        is_shorter
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP_S: f64 = 0.05;
+
+    /// When a robot has stalled, if ever, by the costs of the ways left at each time.
+    fn stalls_at_s(until_s: f64, costs_m: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+        let mut progress = MapProgress::from(0.0, 30.0);
+        let times_s = (0..(until_s / STEP_S) as u32).map(|step| f64::from(step) * STEP_S);
+        times_s.into_iter().find(|&now_s| {
+            let (mapped_m, around_m) = costs_m(now_s);
+            progress.measure(now_s, mapped_m, Vec::new(), Some(around_m));
+            progress.has_stalled(now_s)
+        })
+    }
+
+    #[test]
+    fn who_stands_has_stalled_after_half_a_minute() {
+        let stalled_s = stalls_at_s(100.0, |_| (5.0, 5.0));
+        assert!(stalled_s.is_some_and(|at_s| (30.0..31.0).contains(&at_s)), "{stalled_s:?}");
+    }
+
+    #[test]
+    fn who_is_patient_stalls_later() {
+        let mut progress = MapProgress::from(0.0, 120.0);
+        progress.measure(0.0, 5.0, Vec::new(), Some(5.0));
+        assert!(!progress.has_stalled(119.0) && progress.has_stalled(121.0));
+        progress.start_again(100.0);
+        progress.measure(100.0, 5.0, Vec::new(), Some(5.0));
+        assert!(!progress.has_stalled(219.0) && progress.has_stalled(221.0), "another task has the same patience");
+    }
+
+    #[test]
+    fn a_long_detour_has_its_time() {
+        // For a minute it leads away from the goal by the map.
+        let costs_m = |now_s: f64| (5.0 + 0.3 * now_s.min(120.0 - now_s), 36.0 - 0.3 * now_s);
+        assert_eq!(stalls_at_s(119.0, costs_m), None);
+    }
+
+    #[test]
+    fn going_to_and_fro_between_two_gaps_ends() {
+        // Each time the robot comes to one of them, that is found closed too.
+        let stalled_s = stalls_at_s(600.0, |now_s| (5.0, 8.0 - 0.3 * (now_s % 10.0)));
+        assert!(stalled_s.is_some_and(|at_s| (60.0..120.0).contains(&at_s)), "{stalled_s:?}");
+    }
+
+    #[test]
+    fn a_way_found_closed_does_not_undo_what_was_gained() {
+        let mut around = AroundProgress::default();
+        assert!(around.shorten(5.0) && around.shorten(4.85));
+        assert!(!around.shorten(9.0) && !around.shorten(9.05));
+        assert!(around.shorten(8.88));
+    }
+}

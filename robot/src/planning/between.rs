@@ -1,0 +1,198 @@
+//! What keeps two points of a map apart: doors that are closed or too narrow, things that stand in
+//! the way, rooms without a way out.
+
+use super::areas::Area;
+use super::cost_to_go::TARGET_REACH_M;
+use super::passage::DOOR_APPROACH_M;
+use super::planner::PlannerModel;
+use super::topological::TopologicalModel;
+use super::way::ESCAPE_REACH_M;
+use crate::geometry::Point;
+use crate::world::{Door, Origin, Outline, ROBOT_RADIUS_M, Solid, is_same_name};
+
+/// More causes than this are not told.
+const MOST_CAUSES: usize = 3;
+
+/// A thing is in the way if there is floor of both sides so near to it.
+const BESIDE_M: f64 = ROBOT_RADIUS_M + 0.25;
+
+/// Areas, by whether they belong to a part of the floor that hangs together.
+pub(super) struct FloorPart(Vec<bool>);
+
+/// What keeps the robot from going through a door.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shut {
+    /// The map shows it closed.
+    Closed,
+    /// A thing in the map stands before it.
+    Blocked(Origin),
+    /// There is no floor on one of its sides.
+    Nowhere,
+    /// The robot does not fit.
+    Narrow,
+}
+
+impl TopologicalModel {
+    /// Why the map leaves no way between two points, in words. Cost: areas, and cells around doors
+    /// and things.
+    pub fn what_is_between(&self, planner: &PlannerModel, start: Point, goal: Point) -> String {
+        let Some(to) = self.areas.near(planner, goal, TARGET_REACH_M) else {
+            return format!("at {} {}", shown(goal), self.why_no_room(goal));
+        };
+        let Some(from) = self.areas.near(planner, start, ESCAPE_REACH_M) else {
+            return format!("the map shows no free floor around {}, where the robot takes itself to be", shown(start));
+        };
+        let (here, there) = (self.part(from), self.part(to));
+        if self.is_in(&here, to) {
+            return format!("something that has been seen, and is not in the map, lies before {}", shown(goal));
+        }
+        let cause = self.what_parts(planner, &here, &there);
+        let shut = || self.shut_room(to, &there).or_else(|| self.shut_room(from, &here));
+        cause.or_else(shut).unwrap_or_else(|| {
+            format!("walls, or floor the map does not know, lie between {} and {}", shown(start), shown(goal))
+        })
+    }
+
+    /// The doors, else the things, between two parts of the floor.
+    pub(super) fn what_parts(&self, planner: &PlannerModel, here: &FloorPart, there: &FloorPart) -> Option<String> {
+        let mut causes = self.shut_doors(planner, here, there);
+        if causes.is_empty() {
+            causes = self.things_between(planner, here, there);
+        }
+        causes.truncate(MOST_CAUSES);
+        (!causes.is_empty()).then(|| causes.join(", and "))
+    }
+
+    /// Why the robot does not fit at a point: "the robot does not fit: ...".
+    pub(super) fn why_no_room(&self, at: Point) -> String {
+        let solids = self.world.solids();
+        let mapped = solids.iter().filter(|solid| self.world.is_mapped(solid.origin));
+        let away = |solid: &&Solid| solid.outline.distance_m(at);
+        match mapped.min_by(|a, b| away(a).total_cmp(&away(b))) {
+            Some(solid) if away(&solid) == 0.0 => {
+                format!("the robot does not fit: that is inside {}", self.world.called(solid.origin))
+            }
+            Some(solid) if away(&solid) < ROBOT_RADIUS_M + TARGET_REACH_M => format!(
+                "the robot does not fit: {} is {:.2} m away, and the robot's radius is {ROBOT_RADIUS_M} m",
+                self.world.called(solid.origin),
+                away(&solid)
+            ),
+            Some(_) | None => "the map knows no floor".to_owned(),
+        }
+    }
+
+    /// All that can be got to from an area.
+    pub(super) fn part(&self, from: Area) -> FloorPart {
+        let mut part = FloorPart(vec![false; self.areas.count()]);
+        let mut beside: Vec<Vec<Area>> = vec![Vec::new(); self.areas.count()];
+        for passage in &self.passages {
+            let [one, other] = passage.areas;
+            beside[self.areas.index(one)].push(other);
+            beside[self.areas.index(other)].push(one);
+        }
+        let mut open = vec![from];
+        while let Some(area) = open.pop() {
+            if !std::mem::replace(&mut part.0[self.areas.index(area)], true) {
+                open.extend(&beside[self.areas.index(area)]);
+            }
+        }
+        part
+    }
+
+    pub(super) fn is_in(&self, part: &FloorPart, area: Area) -> bool {
+        part.0[self.areas.index(area)]
+    }
+
+    fn joins(&self, one: &[Area], other: &[Area], here: &FloorPart, there: &FloorPart) -> bool {
+        let has = |areas: &[Area], part: &FloorPart| areas.iter().any(|&area| self.is_in(part, area));
+        has(one, here) && has(other, there) || has(one, there) && has(other, here)
+    }
+
+    /// The areas on the two sides of a door.
+    pub(super) fn sides(&self, planner: &PlannerModel, door: &Door) -> [Vec<Area>; 2] {
+        [-1.0, 1.0].map(|side| {
+            let beside = door.at + door.through() * (side * DOOR_APPROACH_M);
+            self.areas.around(planner, &Outline::Disc { centre: beside, radius_m: 0.0 }, DOOR_APPROACH_M - 0.2)
+        })
+    }
+
+    /// Whether the map leaves a way through a door.
+    pub(super) fn is_passable(&self, door: usize) -> bool {
+        self.passages.iter().any(|passage| passage.door == Some(door))
+    }
+
+    /// The doors between two parts that the map leaves no way through.
+    fn shut_doors(&self, planner: &PlannerModel, here: &FloorPart, there: &FloorPart) -> Vec<String> {
+        let doors = self.world.doors.iter().enumerate().filter(|(index, _)| !self.is_passable(*index));
+        let between = doors.filter(|(_, door)| {
+            let [one, other] = self.sides(planner, door);
+            self.joins(&one, &other, here, there)
+        });
+        between.map(|(_, door)| self.why_shut(planner, door)).collect()
+    }
+
+    /// What keeps the robot from going through a door that is not passable.
+    pub(super) fn shut(&self, planner: &PlannerModel, door: &Door) -> Shut {
+        if !door.mapped_open {
+            return Shut::Closed;
+        }
+        let things = self.world.solids().into_iter().filter(|solid| matches!(solid.origin, Origin::Object(_)));
+        let mut before = things.filter(|thing| thing.outline.distance_m(door.at) < DOOR_APPROACH_M);
+        match before.find(|thing| self.world.is_mapped(thing.origin)) {
+            Some(thing) => Shut::Blocked(thing.origin),
+            None if self.sides(planner, door).iter().any(Vec::is_empty) => Shut::Nowhere,
+            None => Shut::Narrow,
+        }
+    }
+
+    /// The same in words.
+    pub(super) fn why_shut(&self, planner: &PlannerModel, door: &Door) -> String {
+        let named = format!("the door of room `{}` at {}", door.room, shown(door.at));
+        match self.shut(planner, door) {
+            Shut::Closed => format!("{named} is closed in the map"),
+            Shut::Blocked(thing) => format!("{} stands before {named}", self.world.called(thing)),
+            Shut::Nowhere => {
+                format!("{named} leads nowhere: on one of its sides there is no floor the robot fits on")
+            }
+            Shut::Narrow => format!(
+                "{named} is {:.2} m wide, too narrow for the robot, which is {:.2} m wide, on a map of cells of {:.2} m",
+                door.width_m,
+                2.0 * planner.robot_radius_m(),
+                planner.grid.resolution_m
+            ),
+        }
+    }
+
+    /// The things in the map with floor of both parts beside them.
+    fn things_between(&self, planner: &PlannerModel, here: &FloorPart, there: &FloorPart) -> Vec<String> {
+        let solids = self.world.solids();
+        let things = solids
+            .iter()
+            .filter(|solid| matches!(solid.origin, Origin::Object(_)) && self.world.is_mapped(solid.origin));
+        let between = things.filter(|thing| {
+            let beside = self.areas.around(planner, &thing.outline, BESIDE_M);
+            self.joins(&beside, &beside, here, there)
+        });
+        between.map(|thing| format!("{} stands in the way", self.world.called(thing.origin))).collect()
+    }
+
+    /// A room that nothing leads out of, seen from one of its areas.
+    fn shut_room(&self, area: Area, part: &FloorPart) -> Option<String> {
+        let room = self.areas.room(area)?;
+        let leads_out = self.areas.all().any(|other| self.is_in(part, other) && self.areas.room(other) != Some(room));
+        if leads_out {
+            return None;
+        }
+        let name = &self.world.rooms[room].name;
+        let has_door = self.world.doors.iter().any(|door| is_same_name(&door.room, name));
+        Some(match has_door {
+            true => format!("no way leads out of room `{name}`"),
+            false => format!("room `{name}` has no door, and its walls leave no opening for the robot"),
+        })
+    }
+}
+
+/// A point as it is told.
+pub(super) fn shown(point: Point) -> String {
+    format!("({:.2}, {:.2})", point.x, point.y)
+}

@@ -1,0 +1,95 @@
+//! The map as the robot's path planner sees it.
+
+use super::cost_grid::{CostGrid, Inflation, MOVES, OPEN_FLOOR};
+use super::cost_to_go::CostToGo;
+use crate::geometry::Point;
+use crate::occupancy::OccupancyGrid;
+use std::sync::Arc;
+
+/// A map with its obstacles inflated, and how far they are. Immutable; share it. Points are of the
+/// frame of the map.
+#[derive(Clone, Debug)]
+pub struct PlannerModel {
+    pub(super) grid: Arc<CostGrid>,
+    /// Of the cells of the grid.
+    obstacle_distances_m: Vec<f32>,
+}
+
+impl PlannerModel {
+    /// Inflates the obstacles of a map. Unknown cells and everything outside the map count as
+    /// obstacles. O(cells).
+    pub fn new(map: &OccupancyGrid, inflation: Inflation) -> Self {
+        let (grid, obstacle_distances_m) = CostGrid::with_distances(map, inflation);
+        Self { grid: Arc::new(grid), obstacle_distances_m }
+    }
+
+    /// How far the robot reaches around its middle.
+    pub fn robot_radius_m(&self) -> f64 {
+        self.grid.inflation.body_radius_m
+    }
+
+    /// Distance from the middle of the cell around a point to the edge of the nearest obstacle cell
+    /// (half a cell less than to its centre); 0 outside the map.
+    pub fn obstacle_distance_m(&self, point_in_frame: Point) -> f64 {
+        self.grid.cell_at(point_in_frame).map_or(0.0, |cell| f64::from(self.obstacle_distances_m[cell]))
+    }
+
+    /// How far a point is from the nearest obstacle cell, if it is at most a cell.
+    pub fn off_obstacle_m(&self, point_in_frame: Point) -> Option<f64> {
+        let grid = &self.grid;
+        let middle = grid.cell_at(point_in_frame)?;
+        let half_m = grid.resolution_m / 2.0;
+        let off_m = |cell: usize| {
+            let off = (point_in_frame - grid.centre(cell)).abs().map(|off_m| (off_m - half_m).max(0.0));
+            off.norm()
+        };
+        std::iter::once(middle)
+            .chain(MOVES.map(|step| grid.neighbour(middle, step)))
+            .filter(|&cell| grid.is_obstacle[cell])
+            .map(off_m)
+            .min_by(f64::total_cmp)
+    }
+
+    /// What a metre costs at a point, in metres of open floor; `None` where the robot does not fit.
+    pub fn price(&self, point_in_frame: Point) -> Option<f64> {
+        let price = self.grid.prices[self.grid.cell_at(point_in_frame)?];
+        (price > 0).then(|| f64::from(price) / f64::from(OPEN_FLOOR))
+    }
+
+    /// Whether the robot fits at a point.
+    pub fn is_traversable(&self, point_in_frame: Point) -> bool {
+        self.grid.cell_at(point_in_frame).is_some_and(|cell| self.grid.prices[cell] > 0)
+    }
+
+    /// Whether the straight way between two points is traversable.
+    pub fn is_straight_way_free(&self, from_in_frame: Point, to_in_frame: Point) -> bool {
+        self.grid.straight_cost_m(from_in_frame, to_in_frame).is_some()
+    }
+
+    /// Centres of the obstacle cells within `reach_m` of a point that have a free cell beside them,
+    /// in row order.
+    pub fn obstacle_edges_near(&self, point_in_frame: Point, reach_m: f64) -> Vec<Point> {
+        let is_edge =
+            |cell: usize| MOVES[..4].iter().any(|&step| !self.grid.is_obstacle[self.grid.neighbour(cell, step)]);
+        self.grid
+            .disc(point_in_frame, reach_m)
+            .into_iter()
+            .filter(|&(cell, _)| self.grid.is_obstacle[cell] && is_edge(cell))
+            .map(|(cell, _)| self.grid.centre(cell))
+            .collect()
+    }
+
+    /// What it costs to go from every cell to a target.
+    pub fn cost_to_go(&self, target_in_frame: Point) -> CostToGo {
+        CostToGo::new(self.grid.clone(), target_in_frame)
+    }
+
+    /// What it costs to go from every cell to a target when there are obstacles at these points besides
+    /// those in the map.
+    pub fn cost_to_go_around(&self, target_in_frame: Point, blocked_in_frame: &[Point]) -> CostToGo {
+        if blocked_in_frame.is_empty() {
+            return self.cost_to_go(target_in_frame);
+        }
+        CostToGo::new(Arc::new(self.grid.with_obstacles_at(blocked_in_frame)), target_in_frame)
+    }
+}
