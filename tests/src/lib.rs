@@ -3,23 +3,28 @@
 pub mod forger;
 pub mod generated;
 pub mod mission;
+pub mod repository;
 pub mod valves;
 
+use rpl_lang::compile::NoFiles;
 use rpl_runtime::robot::{NoRobot, RobotTables};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::output::Channel;
+use rpl_runtime::step::native::Native;
 use std::sync::{Arc, OnceLock};
+
+/// The native functions that need no robot.
+pub fn natives() -> Vec<Native> {
+    [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
+}
 
 /// The library without a robot, compiled once.
 pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
-        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], RobotTables::EMPTY, &[]) {
-            Ok(library) => Arc::new(library),
-            Err(rejected) => panic!("the prelude does not compile:\n{}", rejected.render(false)),
-        }
+    LIBRARY.get_or_init(|| match Library::new(natives(), &[("prelude", rpl_stdlib::PRELUDE)], RobotTables::EMPTY, &[]) {
+        Ok(library) => Arc::new(library),
+        Err(rejected) => panic!("the prelude does not compile:\n{}", rejected.render(false)),
     })
 }
 
@@ -32,6 +37,19 @@ pub fn system(text: &str) -> System<NoRobot> {
         Ok(system) => system,
         Err(rejected) => panic!("{}", rejected.render(false)),
     }
+}
+
+/// The same with its trace switched on, from the first event.
+pub fn traced(text: &str) -> System<NoRobot> {
+    match library().load("test.rpl", text, &mut NoFiles) {
+        Ok(loaded) => System::traced(library().clone(), loaded, NoRobot, SEED),
+        Err(rejected) => panic!("{}", rejected.render(false)),
+    }
+}
+
+/// A session without a robot, at its start.
+pub fn session() -> System<NoRobot> {
+    System::session(library(), NoRobot, SEED).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
 }
 
 /// What a text does, in lines: its output, then its value or failure.
@@ -49,6 +67,15 @@ pub fn run(text: &str) -> String {
             return transcript(&mut system);
         }
     }
+}
+
+/// Runs a text and compares what it does, in lines, with what it should do.
+///
+/// # Panics
+/// If they differ, with the text.
+#[track_caller]
+pub fn check(text: &str, expected: &str) {
+    assert_eq!(run(text), expected, "{text}");
 }
 
 /// The output of an ended run, then its value or failure.

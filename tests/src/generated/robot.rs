@@ -196,7 +196,7 @@ const NATIVES: &[Native] = &[
 pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
-        let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), NATIVES.to_vec()].concat();
+        let natives = [crate::natives(), NATIVES.to_vec()].concat();
         match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &TABLES, &[]) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),

@@ -1,0 +1,85 @@
+//! `rpl experiment`: tables, figures, charts, rows.
+
+use crate::folder::{folder, put, text_in};
+use crate::rpl::run;
+use serde_json::Value;
+
+#[test]
+fn an_experiment_makes_a_table_however_many_jobs() {
+    let tables = ["1", "4"].map(|jobs| {
+        let found = run(&["experiment", "first-steps", "--runs", "6", "--jobs", jobs]);
+        assert_eq!(found.status, 0, "{}", found.errors);
+        found.out.to_string()
+    });
+    assert_eq!(tables[0], tables[1]);
+    assert!(tables[0].contains("succeeded 6 of 6: 100.0 %"), "{}", tables[0]);
+    assert!(tables[0].contains("time [s]     6  90.00    0.00"), "{}", tables[0]);
+}
+
+#[test]
+fn an_experiment_writes_its_figures_as_json() {
+    let folder = folder("experiment-json");
+    let text = "(wait-time (random 10.0)) (when (< (now) 5) (fail \"too \\\"soon\\\"\"))";
+    let plan = put(&folder, "coin & \"toss\".rpl", text);
+    let found = run(&["experiment", &plan, "--runs", "20", "--seed", "3", "--json"]);
+    let figures: Value = serde_json::from_str(&found.out).expect("one JSON object");
+    assert_eq!(
+        (&figures["experiment"], &figures["runs"], &figures["seed"]),
+        (&plan.as_str().into(), &20.into(), &3.into())
+    );
+    let row = &figures["rows"][0];
+    let failures = row["failures"].as_array().expect("a list");
+    assert_eq!(row["succeeded"]["count"].as_u64().map(|count| count as usize), Some(20 - failures.len()));
+    assert!(!failures.is_empty() && failures.len() < 20, "{row}");
+    assert_eq!(
+        (&row["seeds"], &failures[0]["fault"]),
+        (&serde_json::json!([3, 22]), &"plan-failure: too \"soon\"".into())
+    );
+    let interval = row["succeeded"]["interval_95"].as_array().expect("two numbers");
+    let rate = row["succeeded"]["rate"].as_f64().expect("a number");
+    assert!(interval[0].as_f64() < Some(rate) && interval[1].as_f64() > Some(rate), "{row}");
+    // The same figures as in the table.
+    let time = &row["measures"][0];
+    let table = run(&["experiment", &plan, "--runs", "20", "--seed", "3"]);
+    let number = |key: &str| format!("{:.2}", time[key].as_f64().expect("a number"));
+    for key in ["mean", "half_95", "deviation", "min", "median", "max"] {
+        assert!(table.out.contains(&number(key)), "{key}\n{}", table.out);
+    }
+}
+
+#[test]
+fn an_experiment_on_a_plan_of_ones_own_draws_charts() {
+    let folder = folder("experiment-charts");
+    let plan = put(&folder, "a & b.rpl", "(wait-time (random 10.0))");
+    let results = folder.join("results");
+    let found = run(&["experiment", &plan, "--runs", "3", "--results", &results.display().to_string()]);
+    assert_eq!(found.status, 0, "{}", found.errors);
+    let chart = text_in(&results, "success.svg");
+    assert!(chart.contains("<polyline") && chart.contains("a &amp; b"), "{chart}");
+    assert_eq!(text_in(&results, "runs.csv").lines().count(), 4);
+    // Without a robot there is no estimate that could be off.
+    assert!(!results.join("error.svg").exists());
+}
+
+#[test]
+fn a_row_that_is_not_there_is_told_with_those_that_are() {
+    for (experiment, row, meant) in
+        [("rotated", "undisturbd", "undisturbed"), ("barn", "seen so fer", "seen so far"), ("worlds", "rign", "ring")]
+    {
+        let found = run(&["experiment", experiment, "--row", row, "--runs", "1"]);
+        assert!(found.errors.contains(&format!("did you mean `{meant}`?")), "{}", found.errors);
+        assert_eq!(found.status, 2);
+    }
+    let found = run(&["experiment", "first-steps", "--row", "rotated"]);
+    assert!(found.errors.contains("a plan of your own has one row"), "{}", found.errors);
+    assert_eq!(found.status, 2);
+}
+
+#[test]
+fn a_door_closed_on_the_way_holds_a_delivery_up_and_no_more() {
+    let found = run(&["experiment", "doors", "--row", "flat", "--runs", "1", "--seed", "9001"]);
+    assert_eq!(found.status, 0, "{}{}", found.out, found.errors);
+    assert!(found.out.lines().any(|line| line.starts_with("flat ") && line.contains(" 1/1 ")), "{}", found.out);
+    let unknown = run(&["experiment", "doors", "--row", "flt"]);
+    assert!(unknown.errors.contains("the experiment `doors` has no row `flt`; did you mean `flat`?"));
+}

@@ -1,0 +1,30 @@
+//! The command as a user types it: output, exit status, files, terminal. One program for all of it,
+//! since linking takes longer than compiling; `cargo test -p rpl prompt` runs what has the word in its
+//! path.
+
+mod cases;
+mod check;
+mod completion;
+mod deftest;
+mod editors;
+mod eval;
+mod experiment;
+mod fmt;
+mod folder;
+mod help;
+mod json;
+mod keys;
+mod layout;
+mod localize;
+mod outputs;
+mod pages;
+mod pipes;
+mod plan_files;
+mod prompt;
+mod rpl;
+mod run;
+mod scenarios;
+mod signals;
+mod terminal;
+mod trace;
+mod worlds;

@@ -1,0 +1,84 @@
+//! Worlds and maps as a user hands them in, and forged inputs, a few of each kind; `cargo run -p
+//! rpl-tests --example forged` tries many.
+
+use crate::folder::{folder, put};
+use crate::rpl::{Ended, run_in};
+use rpl_tests::forger::{Case, judge::judge};
+use std::path::Path;
+
+/// Runs a command line of words.
+fn rpl(folder: &Path, line: &str) -> Ended {
+    run_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+}
+
+const LAB: &str = "name = \"lab\"\nsize = [6.0, 4.0]\nstart = [1.0, 2.0, 0]\n\
+    [[wall]]\nline = [[0, 0], [6, 0], [6, 4], [0, 4], [0, 0]]\n\
+    [[object]]\nname = \"stove\"\nrect = [3, 1, 4, 3]\n\
+    [[place]]\nname = \"Stove\"\npose = [3.5, 2.0, 0]\n";
+
+#[test]
+fn what_is_wrong_with_a_place_is_told_in_its_line_and_when_it_is_gone_to() {
+    let folder = folder("places");
+    put(&folder, "lab.toml", LAB);
+    let Ended { out: shown, errors: told, status } = rpl(&folder, "worlds lab.toml");
+    assert_eq!((status, shown.starts_with("lab: 6.0 m by 4.0 m")), (0, true), "{told}");
+    let why = "at (3.50, 2.00) the robot does not fit: that is inside the object `stove`";
+    let place = "warning: lab.toml:11:8: the robot cannot get from the start to the place `Stove`: ";
+    assert!(told.starts_with(&format!("{place}{why}\n  11 | pose = [3.5, 2.0, 0]\n")), "{told}");
+    put(&folder, "go.rpl", "(go-to 'Stove)");
+    let Ended { errors: told, status, .. } = rpl(&folder, "run go.rpl --world lab.toml --grid coarse");
+    assert!(status == 1 && told.contains(&format!("unreachable: no way to `Stove`: {why}")), "{told}");
+    let Ended { errors: told, status, .. } = rpl(&folder, "worlds flat");
+    assert_eq!((status, told.as_str()), (0, ""));
+}
+
+#[test]
+fn a_world_that_is_too_large_says_so_with_what_it_takes() {
+    let folder = folder("large");
+    let sized = |size: &str| format!("name = \"field\"\nsize = [{size}, {size}]\nstart = [1.0, 1.0, 0]\n");
+    put(&folder, "large.toml", sized("600"));
+    put(&folder, "plan.rpl", "(print 1)");
+    let Ended { out: shown, errors: told, status } = rpl(&folder, "run plan.rpl --world large.toml");
+    assert_eq!((status, shown.as_str()), (2, ""));
+    for part in ["of 600 m by 600 m is too large", " GiB of memory and 3 min", "crop it", "--grid coarse", "--map none"]
+    {
+        assert!(told.contains(part), "{told}\nshould say: {part}");
+    }
+    assert_eq!(rpl(&folder, "run plan.rpl --world large.toml --map none").out, "1\n");
+    let Ended { out: shown, errors: told, status } = rpl(&folder, "worlds large.toml");
+    assert!(status == 0 && shown.starts_with("field: 600.0 m") && told.contains("too large"), "{told}");
+    let Ended { errors: told, status, .. } = rpl(&folder, "worlds large.toml --png large.png");
+    assert!(status == 2 && told.contains("144 million pixels"), "{told}");
+}
+
+#[test]
+fn a_map_says_how_its_greys_are_read() {
+    let folder = folder("greys");
+    let pixel =
+        |index: usize| if index % 100 < 2 || index < 200 || index % 100 > 97 || index > 7_799 { 100 } else { 254 };
+    let image: Vec<u8> = b"P5 100 80 255\n".iter().copied().chain((0..8_000).map(pixel)).collect();
+    put(&folder, "map.pgm", image);
+    let yaml =
+        "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    put(&folder, "map.yaml", yaml);
+    let Ended { out: shown, errors: told, status } = rpl(&folder, "worlds map.yaml");
+    assert!(shown.contains("map     100 by 80 cells of 0.05 m: 91.2 % free, 0.0 % occupied, 8.8 % unknown"), "{shown}");
+    assert!(status == 0 && told.contains("warning: map.yaml: nothing in the map is occupied"), "{told}");
+    assert!(told.contains("write `occupied_thresh: 0.4` (91.2 % free"), "{told}");
+    put(&folder, "map.yaml", yaml.replace("0.65", "0.4"));
+    assert_eq!(rpl(&folder, "worlds map.yaml").errors, "");
+}
+
+#[test]
+fn forged_inputs_are_refused_in_words_or_used() {
+    let folder = folder("forged");
+    let mut refused = 0;
+    for seed in 0..50 {
+        let case = Case::new(seed);
+        match judge(&case, Path::new(env!("CARGO_BIN_EXE_rpl")), &folder) {
+            Ok(output) => refused += usize::from(output.status.code() == Some(2)),
+            Err(finding) => panic!("seed {seed}, {}: rpl {:?}\n{finding}", case.kind, case.arguments),
+        }
+    }
+    assert!(refused > 20, "{refused} of 50 were refused");
+}

@@ -1,0 +1,5 @@
+//! The documents: what they show is true, and every clause has its test.
+
+mod clauses;
+mod documentation;
+mod formatting;

@@ -1,0 +1,4 @@
+//! Programs disturbed at every step, written by hand and generated.
+
+mod evaporation;
+mod generated;

@@ -1,0 +1,9 @@
+//! A run as a value: traced, stepped, sliced, saved, forked, taken back, extended form by form.
+
+mod robot_tables;
+mod save;
+mod session;
+mod slices;
+mod stepping;
+mod timeline;
+mod trace;

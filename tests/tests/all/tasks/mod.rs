@@ -1,0 +1,6 @@
+//! Tasks: constructs that make them, acting on them, their failures, policies and priorities.
+
+mod constructs;
+mod failures;
+mod life;
+mod policies;
