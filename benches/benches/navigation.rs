@@ -5,18 +5,19 @@
 
 use rpl_benches::{Question, Report, least_ms};
 use rpl_lang::compile::NoFiles;
+use rpl_mission::error::SiteError;
+use rpl_mission::robot::Robot;
+use rpl_mission::site::{Setup, Site};
 use rpl_random::Stream;
 use rpl_robot::avoidance::{CANDIDATES, DriveLimits, WindowInput, best_velocity, open_distance_m};
 use rpl_robot::geometry::{Point, Pose, Velocity, distance_m};
 use rpl_robot::navigation::{MappedNavigation, NavigationEvent, NavigationInput, NavigationModel};
 use rpl_robot::obstacles::ObstacleMemory;
 use rpl_robot::occupancy::{Cell, DistanceField, OccupancyGrid};
-use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
 use rpl_robot::planning::{Inflation, PlannerModel, TopologicalModel};
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState, drive_arc};
 use rpl_robot::world::{TravelMode, World};
-use rpl_runtime::run::library::Library;
-use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::run::system::Outcome;
 use std::cell::RefCell;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -464,39 +465,18 @@ fn rotated(report: &Report) {
 }
 
 fn run_rotated(seed: u64) {
-    let base = || [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
-    let prelude = ("prelude", rpl_stdlib::PRELUDE);
     let Some(world) = World::builtin("dept") else { panic!("`dept` is built in") };
     let goal = world.place("wolframs-shelf").map_or(Pose::default(), |place| place.pose_in_map);
-    let model = match OfficeModel::new(world, OfficeSettings::default()) {
-        Ok(model) => Arc::new(model),
-        Err(error) => panic!("{error}"),
-    };
-    let oracle = Oracle::new(model.simulator.clone(), seed);
-    let scenario_library =
-        match Library::new([base(), office::oracle_natives()].concat(), &[prelude], office::oracle_tables(), &[]) {
-            Ok(library) => Arc::new(library),
-            Err(rejected) => panic!("{}", rejected.render(false)),
-        };
     let turn = include_str!("../../examples/experiments/rotated.rpl");
-    let scenario = match scenario_library.load("rotated.rpl", turn, &mut NoFiles) {
-        Ok(loaded) => System::new(scenario_library, loaded, oracle, seed),
-        Err(rejected) => panic!("{}", rejected.render(false)),
-    };
-    let host = SimulatedHost::new(model.simulator.clone(), seed, Some(scenario));
-    let robot = OfficeRobot::new(model, host, seed);
-    let plans = [prelude, ("robot", office::PLANS)];
-    let library = match Library::new([base(), office::natives()].concat(), &plans, office::tables(), &[]) {
-        Ok(library) => Arc::new(library),
-        Err(rejected) => panic!("{}", rejected.render(false)),
-    };
     let delivery = include_str!("../../examples/delivery.rpl");
-    let mut system = match library.load("delivery.rpl", delivery, &mut NoFiles) {
-        Ok(loaded) => System::new(library, loaded, robot, seed),
-        Err(rejected) => panic!("{}", rejected.render(false)),
+    let started = || {
+        let site = Site::new(Setup { world: Some(world), ..Setup::default() })?;
+        let site = site.with_scenario("rotated.rpl", turn, &mut NoFiles)?;
+        Ok(site.start(site.compile("delivery.rpl", delivery, &mut NoFiles)?, seed))
     };
+    let mut system = started().unwrap_or_else(|error: SiteError| panic!("{error}"));
     system.run_until(1_800_000_000);
-    let robot = &system.outside;
+    let Robot::Office(robot) = &system.outside else { panic!("a world has a robot") };
     let away_m = robot.true_pose_in_map().distance_m(goal);
     assert!(matches!(system.outcome(), Some(Outcome::Succeeded(_))), "the mail is delivered");
     assert!(away_m < 0.5 && robot.contacts().caused == 0, "{away_m} {:?}", robot.contacts());

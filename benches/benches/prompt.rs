@@ -5,15 +5,14 @@
 
 use rpl_benches::{Question, Report, processor_ns, processor_ns_lately, resident_bytes};
 use rpl_lang::compile::NoFiles;
+use rpl_mission::site::{Setup, Site};
 use rpl_random::Stream;
 use rpl_robot::geometry::Pose;
-use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
+use rpl_robot::office::{OfficeRobot, OfficeSettings};
 use rpl_robot::world::World;
-use rpl_runtime::run::library::Library;
 use rpl_runtime::run::stepping::Stop;
 use rpl_runtime::run::system::System;
 use rpl_runtime::run::timeline::Timeline;
-use std::sync::Arc;
 use std::time::Duration;
 
 const MISSION: &str = "
@@ -51,15 +50,10 @@ fn glance(system: &System<OfficeRobot>) -> Glance {
 
 fn mission(start_known: bool) -> System<OfficeRobot> {
     let settings = OfficeSettings { start_known, ..OfficeSettings::default() };
-    let Some(world) = World::builtin("dept") else { panic!("the world is built in") };
-    let model = OfficeModel::new(world, settings).unwrap_or_else(|error| panic!("{error}"));
-    let model = Arc::new(model);
-    let robot = OfficeRobot::new(model.clone(), SimulatedHost::new(model.simulator.clone(), 1, None), 1);
-    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), office::natives()].concat();
-    let texts = [("prelude", rpl_stdlib::PRELUDE), ("robot", office::PLANS)];
-    let library = Library::new(natives, &texts, office::tables(), &[])
-        .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
-    System::session(&Arc::new(library), robot, 1).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
+    let setup = Setup { world: World::builtin("dept"), settings, ..Setup::default() };
+    let site = Site::new(setup).unwrap_or_else(|error| panic!("{error}"));
+    let Some(robot) = site.office_robot(1) else { panic!("the world is built in") };
+    System::session(&site.library, robot, 1).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
 }
 
 /// Runs the mission, tells each instant, and gives the seconds it took.

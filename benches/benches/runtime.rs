@@ -4,7 +4,8 @@ use rpl_benches::{Question, Report, in_fresh_process, median_ms, resident_bytes}
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
-use rpl_runtime::robot::{NoRobot, RobotTables};
+use rpl_mission::libraries::library_without_robot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::value::Value;
@@ -101,11 +102,7 @@ const CHECKED: &str = "(def-fluent level-NUMBER 0 \"How full it is.\")
 ";
 
 fn library() -> Arc<Library> {
-    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
-    match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], RobotTables::EMPTY, &[]) {
-        Ok(library) => Arc::new(library),
-        Err(rejected) => panic!("{}", rejected.render(false)),
-    }
+    library_without_robot(Vec::new()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A run of a text up to the first moment at which every task is blocked.

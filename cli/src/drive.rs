@@ -1,16 +1,16 @@
 //! Drives a system to its end: output, trace, pace, the status line, and signals from outside.
 
-use crate::console::Console;
-use crate::events::{self, Told};
 use crate::interrupt;
-use crate::mission::{PositionBelief, Robot, Sight};
-use crate::trace::{Seen, TraceFile};
-use rpl_robot::localization::Localization;
-use rpl_robot::office::{self, ReportKind};
-use rpl_runtime::run::system::{Outcome, System, Turn};
+use crate::run_record::{BeliefScene, Incident, Records, RunEnd};
+use crate::show::events::{self, ToldLine};
+use crate::show::whereabouts::whereabouts;
+use crate::terminal::console::Console;
+use crate::trace::TracedPose;
+use rpl_mission::robot::Robot;
+use rpl_robot::office::ReportKind;
+use rpl_runtime::run::system::{System, Turn};
 use rpl_runtime::state::output::Channel;
-use rpl_runtime::state::trace::{Event, EventKind};
-use rpl_runtime::state::value::Value;
+use rpl_runtime::state::trace::Event;
 use std::io;
 use std::time::{Duration, Instant};
 
@@ -33,79 +33,18 @@ pub struct Pace {
     pub factor: Option<f64>,
 }
 
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ending {
-    /// By itself.
-    Outcome(Outcome),
-    /// The time given was up.
-    TimeUp,
-    /// It was told to stop, and its clean-ups have run.
-    Interrupted,
-    /// It was told to stop, and its clean-ups computed on and on.
-    GivenUp,
-}
-
 /// What becomes of a run that was told to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Course {
+enum RunState {
     /// It was not.
     Runs,
     /// Its clean-ups run; those of this instant until then.
     CleansUp(Instant),
 }
 
-/// What is kept of a run while it goes on.
-#[derive(Default)]
-pub struct Records {
-    /// Where the trace goes.
-    pub trace: Option<TraceFile>,
-    /// How often the trace tells where the robot is, if it does.
-    pub pose_every_us: Option<u64>,
-    /// What was seen of the robot, ten times a second.
-    pub track: Vec<Sight>,
-    /// What the plan logged.
-    pub logs: Vec<String>,
-    /// How often active localization was started.
-    pub relocalizations: u64,
-    /// What the robot and the scenario reported.
-    pub marks: Vec<Mark>,
-    /// The belief at each choice of active localization, if somebody is to look into it.
-    pub choices: Option<Vec<Localization>>,
-    /// The belief at the turning points of localization, if somebody is to draw it.
-    pub scenes: Option<Vec<Scene>>,
-}
-
-/// The belief at a moment.
-pub struct Scene {
-    /// What happened.
-    pub what: ReportKind,
-    /// When, in seconds of virtual time.
-    pub time_s: f64,
-    /// The belief.
-    pub belief: PositionBelief,
-    /// The robot.
-    pub sight: Sight,
-    /// How much of the track lies before it.
-    pub track_length: usize,
-}
-
 /// Reports at which the belief is worth a drawing.
 const TURNING_POINTS: [ReportKind; 3] =
     [ReportKind::PositionLost, ReportKind::LocalizationAction, ReportKind::PositionFound];
-
-/// Something the robot or the scenario reported, and how things stood then.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
-    /// What was reported.
-    pub what: ReportKind,
-    /// The robot at the end of that instant.
-    pub sight: Sight,
-    /// How far it had driven.
-    pub distance_m: f64,
-    /// How much of the track lies before it.
-    pub track_length: usize,
-}
 
 /// Runs a system to its end.
 ///
@@ -119,8 +58,7 @@ pub fn drive(
     pace: Pace,
     console: &mut Console,
     records: &mut Records,
-) -> io::Result<Ending> {
-    silence_continuous_fluents(system);
+) -> io::Result<RunEnd> {
     console.begin_status();
     let mut driver = Driver {
         system,
@@ -130,7 +68,7 @@ pub fn drive(
         began: Instant::now(),
         track_due_us: 0,
         pose_due_us: 0,
-        course: Course::Runs,
+        course: RunState::Runs,
     };
     let ending = driver.run();
     driver.console.end_status();
@@ -145,11 +83,11 @@ struct Driver<'a> {
     began: Instant,
     track_due_us: u64,
     pose_due_us: u64,
-    course: Course,
+    course: RunState,
 }
 
 impl Driver<'_> {
-    fn run(&mut self) -> io::Result<Ending> {
+    fn run(&mut self) -> io::Result<RunEnd> {
         self.record_pose()?;
         let ending = self.go()?;
         // Where it came to, whenever the next look was due.
@@ -158,27 +96,27 @@ impl Driver<'_> {
         Ok(ending)
     }
 
-    fn go(&mut self) -> io::Result<Ending> {
+    fn go(&mut self) -> io::Result<RunEnd> {
         loop {
             self.settle().inspect_err(|_| self.stop_quietly())?;
             if let Some(outcome) = self.system.outcome() {
                 return Ok(match self.course {
-                    Course::Runs => Ending::Outcome(outcome),
-                    Course::CleansUp(_) => Ending::Interrupted,
+                    RunState::Runs => RunEnd::Outcome(outcome),
+                    RunState::CleansUp(_) => RunEnd::Interrupted,
                 });
             }
             match self.course {
-                Course::Runs if interrupt::is_asked() => {
+                RunState::Runs if interrupt::is_asked() => {
                     self.stop();
                     continue;
                 }
-                Course::CleansUp(until) if Instant::now() >= until => return Ok(Ending::GivenUp),
-                Course::Runs | Course::CleansUp(_) => {}
+                RunState::CleansUp(until) if Instant::now() >= until => return Ok(RunEnd::GivenUp),
+                RunState::Runs | RunState::CleansUp(_) => {}
             }
             if let Some(next_us) = self.system.next_instant_us() {
                 let is_late = self.pace.until_us.is_some_and(|until_us| next_us > until_us);
-                if is_late && self.course == Course::Runs {
-                    return Ok(Ending::TimeUp);
+                if is_late && self.course == RunState::Runs {
+                    return Ok(RunEnd::TimeUp);
                 }
                 if !self.wait_for_clock(next_us) {
                     continue;
@@ -198,20 +136,20 @@ impl Driver<'_> {
             && let Some(sight) = self.system.outside.sight()
         {
             self.pose_due_us = time_us + every_us;
-            trace.write_pose(&Seen { time_us, sight })?;
+            trace.write_pose(&TracedPose { time_us, sight })?;
         }
         Ok(())
     }
 
     fn stop(&mut self) {
-        self.course = Course::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
+        self.course = RunState::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
         self.system.stop();
     }
 
     fn next_instant(&mut self) {
         let before_us = self.system.machine.now_us;
         self.system.next_instant();
-        if let Course::CleansUp(until) = &mut self.course
+        if let RunState::CleansUp(until) = &mut self.course
             && self.system.machine.now_us > before_us
         {
             *until = Instant::now() + CLEAN_UP_PATIENCE;
@@ -222,8 +160,8 @@ impl Driver<'_> {
     /// Whether the instant is to be left before its end.
     fn is_cut_short(&self) -> bool {
         match self.course {
-            Course::Runs => interrupt::is_asked(),
-            Course::CleansUp(until) => Instant::now() >= until,
+            RunState::Runs => interrupt::is_asked(),
+            RunState::CleansUp(until) => Instant::now() >= until,
         }
     }
 
@@ -259,10 +197,10 @@ impl Driver<'_> {
         self.records.logs.extend(logged.map(|output| output.text.clone()));
         for told in events::in_order(&events, output, is_lost) {
             match told {
-                Told::Event(line) if !self.console.quiet => self.console.note(&line),
-                Told::Event(_) => {}
-                Told::Print(text) => self.console.print(&text)?,
-                Told::Log(line) => self.console.note(&line),
+                ToldLine::Event(line) if !self.console.quiet => self.console.note(&line),
+                ToldLine::Event(_) => {}
+                ToldLine::Print(text) => self.console.print(&text)?,
+                ToldLine::Log(line) => self.console.note(&line),
             }
         }
         events.iter().try_for_each(|event| self.record(event, is_lost))
@@ -281,7 +219,7 @@ impl Driver<'_> {
             {
                 let time_s = event.time_us as f64 / 1e6;
                 let track_length = self.records.track.len();
-                scenes.push(Scene { what, time_s, belief, sight, track_length });
+                scenes.push(BeliefScene { what, time_s, belief, sight, track_length });
             }
             if let Some(choices) = &mut self.records.choices
                 && what == ReportKind::LocalizationAction
@@ -290,7 +228,7 @@ impl Driver<'_> {
                 choices.extend(robot.localization().cloned());
             }
             let track_length = self.records.track.len();
-            self.records.marks.push(Mark { what, sight, distance_m: account.distance_m, track_length });
+            self.records.incidents.push(Incident { what, sight, distance_m: account.distance_m, track_length });
         }
         match &mut self.records.trace {
             Some(trace) => trace.write(event),
@@ -304,9 +242,9 @@ impl Driver<'_> {
         let due = Duration::from_secs_f64(next_us as f64 / 1e6 / factor);
         while let Some(left) = due.checked_sub(self.began.elapsed()).filter(|left| !left.is_zero()) {
             match self.course {
-                Course::Runs if interrupt::is_asked() => return false,
-                Course::Runs => {}
-                Course::CleansUp(_) => interrupt::beat(),
+                RunState::Runs if interrupt::is_asked() => return false,
+                RunState::Runs => {}
+                RunState::CleansUp(_) => interrupt::beat(),
             }
             std::thread::sleep(left.min(NAP));
         }
@@ -327,7 +265,7 @@ impl Driver<'_> {
             self.track_due_us = now_us + TRACK_EVERY_US;
         }
         if let Some(room) = status_room {
-            let text = events::status_line(&self.system.machine, &self.system.outside, sight, room);
+            let text = whereabouts(&self.system.machine, &self.system.outside, sight, room);
             self.console.status(&text);
         }
     }
@@ -351,25 +289,5 @@ impl Driver<'_> {
             }
             self.next_instant();
         }
-    }
-}
-
-fn silence_continuous_fluents(system: &mut System<Robot>) {
-    let names: Vec<&str> = office::tables().continuous_fluents().collect();
-    let fluents: Vec<u32> = names.iter().filter_map(|name| robot_fluent(system, name)).collect();
-    system.machine.trace.quiet.extend(fluents);
-    // The first step of the robot was traced before anybody could say which fluents are quiet.
-    system.machine.trace.events.retain(|event| {
-        event.kind != EventKind::Fluent
-            || !event.details.iter().any(|(name, value)| name == "fluent" && names.contains(&value.as_str()))
-    });
-}
-
-fn robot_fluent(system: &System<Robot>, name: &str) -> Option<u32> {
-    let symbol = system.machine.symbols.find(name)?;
-    let global = *system.program.names.get(&symbol)?;
-    match system.machine.globals.get(global as usize)? {
-        Value::Fluent(fluent) => Some(*fluent),
-        _ => None,
     }
 }

@@ -7,8 +7,8 @@
 //! - While another program runs in the foreground, such as a pager, it is for that program.
 //! - At the prompt it gives the prompt back, and only the third without an answer ends the process.
 
-use crate::console;
 use crate::status::Status;
+use crate::terminal::console;
 use rustix::termios::{OptionalActions, Termios};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -92,16 +92,16 @@ fn exit() -> ! {
 
 /// While it lives, a signal means this.
 #[derive(Debug)]
-pub struct Meaning(&'static AtomicU32);
+pub struct SignalMeaning(&'static AtomicU32);
 
-impl Meaning {
+impl SignalMeaning {
     fn new(count: &'static AtomicU32) -> Self {
         count.fetch_add(1, Ordering::SeqCst);
         Self(count)
     }
 }
 
-impl Drop for Meaning {
+impl Drop for SignalMeaning {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::SeqCst);
     }
@@ -110,22 +110,22 @@ impl Drop for Meaning {
 /// While what is returned lives, there are runs that look at [`is_asked`] and stop, with a [`beat`]
 /// at each instant.
 #[must_use]
-pub fn stops_runs() -> Meaning {
-    Meaning::new(&RUNS)
+pub fn stops_runs() -> SignalMeaning {
+    SignalMeaning::new(&RUNS)
 }
 
 /// While what is returned lives, something is done at a prompt that is given back when [`is_asked`].
 /// What was asked before is forgotten.
 #[must_use]
-pub fn gives_prompt_back() -> Meaning {
+pub fn gives_prompt_back() -> SignalMeaning {
     forget();
-    Meaning::new(&PROMPTS)
+    SignalMeaning::new(&PROMPTS)
 }
 
 /// While what is returned lives, signals are for a program that this one has started.
 #[must_use]
-pub fn is_for_another() -> Meaning {
-    Meaning::new(&OTHERS)
+pub fn is_for_another() -> SignalMeaning {
+    SignalMeaning::new(&OTHERS)
 }
 
 /// A run that was told to stop has come a step further.

@@ -5,10 +5,7 @@
 mod grammar;
 mod topics;
 
-use crate::CommandLine;
-use crate::mission::{self, Site};
 use anyhow::{Result, bail};
-use clap::CommandFactory;
 use rpl_lang::code::{Code, CodeKind, GlobalKind, Program};
 use rpl_lang::compile::{NoFiles, special_forms};
 use rpl_lang::pretty::print;
@@ -17,6 +14,7 @@ use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::Tree;
+use rpl_mission::site::Site;
 use rpl_robot::office;
 use rpl_runtime::state::failure::CLASSES;
 use std::collections::BTreeMap;
@@ -28,7 +26,7 @@ pub struct Entry {
     /// The name; that of a command begins with `rpl`.
     pub name: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: NameKind,
     /// How it is written.
     pub signature: String,
     /// What it means; the first sentence says it in short.
@@ -39,7 +37,7 @@ pub struct Entry {
 
 /// What has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum NameKind {
     /// A form the compiler itself understands.
     SpecialForm,
     /// A form that is written out as another.
@@ -62,20 +60,20 @@ pub enum Kind {
     Command,
 }
 
-impl Kind {
+impl NameKind {
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::SpecialForm => "special form",
-            Kind::Macro => "macro",
-            Kind::Function => "function",
-            Kind::Plan => "plan",
-            Kind::Fluent => "fluent",
-            Kind::Behaviour => "behaviour",
-            Kind::Valve => "valve",
-            Kind::FailureClass => "class of failures",
-            Kind::Variable => "variable",
-            Kind::Command => "command",
+            NameKind::SpecialForm => "special form",
+            NameKind::Macro => "macro",
+            NameKind::Function => "function",
+            NameKind::Plan => "plan",
+            NameKind::Fluent => "fluent",
+            NameKind::Behaviour => "behaviour",
+            NameKind::Valve => "valve",
+            NameKind::FailureClass => "class of failures",
+            NameKind::Variable => "variable",
+            NameKind::Command => "command",
         }
     }
 }
@@ -103,41 +101,47 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Puts the table together.
+    /// Puts the table together, without commands.
     ///
     /// # Errors
     /// The library does not compile.
     pub fn new() -> Result<Self> {
         let mut reference = Self { entries: BTreeMap::new() };
         reference.add_library()?;
-        for native in mission::natives() {
+        for native in rpl_mission::libraries::natives() {
             let signature = call(native.name, native.parameters);
-            reference.add(native.name, Kind::Function, signature, native.doc.to_string(), "");
+            reference.add(native.name, NameKind::Function, signature, native.doc.to_string(), "");
         }
         for form in special_forms() {
             for name in form.names {
-                reference.add(name, Kind::SpecialForm, form.form.to_string(), form.doc.to_string(), form.example);
+                reference.add(name, NameKind::SpecialForm, form.form.to_string(), form.doc.to_string(), form.example);
             }
         }
         for behaviour in &office::tables().behaviours {
             let valve =
                 behaviour.valve.as_deref().map_or(String::new(), |valve| format!(" Drives with the valve `{valve}`."));
             let signature = call("activate", format!("{} {}", behaviour.name, behaviour.parameters).trim_end());
-            reference.add(&behaviour.name, Kind::Behaviour, signature, format!("{}{valve}", behaviour.doc), "");
+            reference.add(&behaviour.name, NameKind::Behaviour, signature, format!("{}{valve}", behaviour.doc), "");
         }
         for (name, parent, slots, doc) in CLASSES {
             let below = if parent.is_empty() { String::new() } else { format!(" below {parent}") };
             let slots = if slots.is_empty() { String::new() } else { format!(", with {}", slots.join(", ")) };
-            reference.add(name, Kind::FailureClass, format!("{name}{below}{slots}"), doc.to_string(), "");
+            reference.add(name, NameKind::FailureClass, format!("{name}{below}{slots}"), doc.to_string(), "");
         }
-        for command in CommandLine::command().get_subcommands() {
+        Ok(reference)
+    }
+
+    /// With the subcommands of this command line.
+    #[must_use]
+    pub fn with_commands(mut self, command_line: &clap::Command) -> Self {
+        for command in command_line.get_subcommands() {
             let name = format!("rpl {}", command.get_name());
             let usage = command.clone().bin_name(&name).render_usage().to_string();
             let about = command.get_about().map(ToString::to_string).unwrap_or_default();
             let signature = usage.trim_start_matches("Usage: ").to_string();
-            reference.add(&name, Kind::Command, signature, format!("{about}. `{name} --help` tells more."), "");
+            self.add(&name, NameKind::Command, signature, format!("{about}. `{name} --help` tells more."), "");
         }
-        Ok(reference)
+        self
     }
 
     /// The entry of a name, or of a command's name without `rpl`.
@@ -153,14 +157,14 @@ impl Reference {
 
     /// All names that can stand in a plan.
     pub fn names(&self) -> impl Iterator<Item = &Entry> {
-        self.entries.values().filter(|entry| entry.kind != Kind::Command)
+        self.entries.values().filter(|entry| entry.kind != NameKind::Command)
     }
 
     /// The entries of a topic, in the order of reading.
     pub fn of_topic(&self, topic: &Topic) -> Vec<&Entry> {
         let kind = match topic.word {
-            topics::COMMANDS => Some(Kind::Command),
-            topics::FAILURE_CLASSES => Some(Kind::FailureClass),
+            topics::COMMANDS => Some(NameKind::Command),
+            topics::FAILURE_CLASSES => Some(NameKind::FailureClass),
             _ => None,
         };
         match kind {
@@ -184,7 +188,7 @@ impl Reference {
     }
 
     /// Adds a name unless it is internal to the library.
-    fn add(&mut self, name: &str, kind: Kind, signature: String, doc: String, example: &'static str) {
+    fn add(&mut self, name: &str, kind: NameKind, signature: String, doc: String, example: &'static str) {
         if name.starts_with('%') {
             return;
         }
@@ -207,7 +211,7 @@ impl Reference {
                 Some((signature, doc)) => (signature.to_string(), capitalized(doc)),
                 None => (signature(name, code, program), doc.to_string()),
             };
-            self.add(name, Kind::Macro, signature, doc, "");
+            self.add(name, NameKind::Macro, signature, doc, "");
         }
         for (&name, &global) in &program.names {
             let known = &program.globals[global as usize];
@@ -215,12 +219,12 @@ impl Reference {
             let (kind, signature) = match known.kind {
                 GlobalKind::Function(code) => {
                     let Some(code) = program.codes.get(code as usize) else { continue };
-                    let kind = if code.kind == CodeKind::Plan { Kind::Plan } else { Kind::Function };
+                    let kind = if code.kind == CodeKind::Plan { NameKind::Plan } else { NameKind::Function };
                     (kind, signature(name, code, program))
                 }
-                GlobalKind::Variable | GlobalKind::Constant => (Kind::Variable, name.to_string()),
-                GlobalKind::Fluent => (Kind::Fluent, name.to_string()),
-                GlobalKind::Valve => (Kind::Valve, call("with-valve", &format!("{name} FORM..."))),
+                GlobalKind::Variable | GlobalKind::Constant => (NameKind::Variable, name.to_string()),
+                GlobalKind::Fluent => (NameKind::Fluent, name.to_string()),
+                GlobalKind::Valve => (NameKind::Valve, call("with-valve", &format!("{name} FORM..."))),
                 GlobalKind::Behaviour(_) => continue,
             };
             self.add(name, kind, signature, known.doc.as_deref().unwrap_or_default().to_string(), "");
@@ -261,9 +265,11 @@ fn parameters(code: &Code, program: &Program) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::commands::CommandLine;
+    use clap::CommandFactory;
 
     fn reference() -> Reference {
-        Reference::new().expect("the library compiles")
+        Reference::new().expect("the library compiles").with_commands(&CommandLine::command())
     }
 
     #[test]
@@ -271,7 +277,7 @@ mod tests {
         let reference = reference();
         assert!(reference.entries.len() > 300);
         for entry in reference.entries.values() {
-            assert!(entry.signature.contains(entry.name.as_str()) || entry.kind == Kind::SpecialForm, "{entry:?}");
+            assert!(entry.signature.contains(entry.name.as_str()) || entry.kind == NameKind::SpecialForm, "{entry:?}");
             assert!(!entry.signature.is_empty() && entry.doc.len() > 10, "{entry:?}");
             let ends = entry.doc.ends_with(['.', '`']);
             assert!(ends && entry.doc.starts_with(|c: char| !c.is_lowercase()), "{entry:?}");

@@ -3,15 +3,20 @@
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::PAIR;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, Reply};
+use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, NativeFunction, Reply};
 use std::sync::Arc;
 
 /// What every native of the library answers.
 pub(crate) type NativeResult = Result<Reply, Raise>;
 
 /// A native without effect.
-pub(crate) const fn pure(name: &'static str, parameters: &'static str, doc: &'static str, code: NativeCode) -> Native {
-    Native { name, parameters, doc, effect: Effect::None, code }
+pub(crate) const fn pure(
+    name: &'static str,
+    parameters: &'static str,
+    doc: &'static str,
+    code: NativeFunction,
+) -> Native {
+    Native { name, parameters, doc, effect: Effect::None, code: NativeCode::Plain(code) }
 }
 
 /// A native that changes an object a plan can see: no network may call it.
@@ -19,9 +24,9 @@ pub(crate) const fn changing(
     name: &'static str,
     parameters: &'static str,
     doc: &'static str,
-    code: NativeCode,
+    code: NativeFunction,
 ) -> Native {
-    Native { name, parameters, doc, effect: Effect::Acts, code }
+    Native { name, parameters, doc, effect: Effect::Acts, code: NativeCode::Plain(code) }
 }
 
 /// Answers with a value.

@@ -7,7 +7,8 @@ pub mod repository;
 pub mod valves;
 
 use rpl_lang::compile::NoFiles;
-use rpl_runtime::robot::{NoRobot, RobotTables};
+use rpl_mission::libraries::library_without_robot;
+use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::output::Channel;
@@ -22,10 +23,7 @@ pub fn natives() -> Vec<Native> {
 /// The library without a robot, compiled once.
 pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    LIBRARY.get_or_init(|| match Library::new(natives(), &[("prelude", rpl_stdlib::PRELUDE)], RobotTables::EMPTY, &[]) {
-        Ok(library) => Arc::new(library),
-        Err(rejected) => panic!("the prelude does not compile:\n{}", rejected.render(false)),
-    })
+    LIBRARY.get_or_init(|| library_without_robot(Vec::new()).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// The seed of every run without a robot.

@@ -1,16 +1,17 @@
 //! A plan on the office robot: library, world, scenario and seed put together.
 
 use rpl_lang::compile::NoFiles;
+use rpl_mission::libraries;
+use rpl_mission::run::{Reached, fluent_value, run_to, silence_continuous_fluents};
+use rpl_mission::site::Site;
 use rpl_robot::localization::LocalizationParameters;
-use rpl_robot::office::{self, OfficeModel, OfficeRobot, OfficeSettings, Oracle, SimulatedHost};
+use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings};
 use rpl_robot::world::World;
-use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::{Library, Loaded};
-use rpl_runtime::run::system::{Outcome, Progress, System};
+use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::output::{Channel, Output};
 use rpl_runtime::state::trace::{Event, EventKind};
-use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::Native;
+use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
 
 /// How fine the grid of the belief is.
@@ -58,66 +59,41 @@ pub fn test_room() -> Arc<OfficeModel> {
     MODEL.get_or_init(|| builtin("test-room", Grid::Coarse)).clone()
 }
 
-fn library(natives: Vec<Native>, plans: &[(&str, &str)], tables: &RobotTables) -> Arc<Library> {
-    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives(), natives].concat();
-    let texts = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
-    match Library::new(natives, &texts, tables, &[]) {
-        Ok(library) => Arc::new(library),
-        Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),
-    }
-}
-
 /// What plans can call on a robot, compiled once.
 pub fn robot_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    let compile = || library(office::natives(), &[("robot plans", office::PLANS)], office::tables());
+    let compile = || libraries::robot_library(Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     LIBRARY.get_or_init(compile).clone()
-}
-
-fn scenario_library() -> Arc<Library> {
-    static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    let compile = || library(office::oracle_natives(), &[], office::oracle_tables());
-    LIBRARY.get_or_init(compile).clone()
-}
-
-fn compiled(library: &Library, name: &str, text: &str) -> Loaded {
-    match library.load(name, text, &mut NoFiles) {
-        Ok(loaded) => loaded,
-        Err(rejected) => panic!("{}", rejected.render(false)),
-    }
 }
 
 /// A plan, the world it runs in, and the experimenter's plan beside it.
 #[derive(Clone)]
 pub struct Mission {
-    /// The world and what was built from it.
-    pub model: Arc<OfficeModel>,
     /// The plan, compiled.
     pub plan: Loaded,
-    scenario: Option<Loaded>,
+    site: Site,
 }
 
 impl Mission {
     /// A plan in a world.
     pub fn new(model: Arc<OfficeModel>, plan: &str) -> Self {
-        Self { model, plan: compiled(&robot_library(), "plan.rpl", plan), scenario: None }
+        let site = Site::of(robot_library(), model);
+        let plan = site.compile("plan.rpl", plan, &mut NoFiles);
+        Self { plan: plan.unwrap_or_else(|error| panic!("{error}")), site }
     }
 
     /// With a scenario beside it.
     #[must_use]
     pub fn with_scenario(mut self, text: &str) -> Self {
-        self.scenario = Some(compiled(&scenario_library(), "scenario.rpl", text));
+        let site = self.site.with_scenario("scenario.rpl", text, &mut NoFiles);
+        self.site = site.unwrap_or_else(|error| panic!("{error}"));
         self
     }
 
     /// The robot at the start.
     pub fn robot(&self, seed: u64) -> OfficeRobot {
-        let scenario = self.scenario.clone().map(|loaded| {
-            let oracle = Oracle::new(self.model.simulator.clone(), seed);
-            System::new(scenario_library(), loaded, oracle, seed)
-        });
-        let host = SimulatedHost::new(self.model.simulator.clone(), seed, scenario);
-        OfficeRobot::new(self.model.clone(), host, seed)
+        let Some(robot) = self.site.office_robot(seed) else { panic!("a world has a robot") };
+        robot
     }
 
     /// The run at its start, with its trace switched on.
@@ -129,13 +105,7 @@ impl Mission {
     pub fn start_with(&self, robot: OfficeRobot, seed: u64) -> System<OfficeRobot> {
         let mut system = System::new(robot_library(), self.plan.clone(), robot, seed);
         system.machine.trace.enabled = true;
-        system.machine.trace.quiet = office::tables()
-            .continuous_fluents()
-            .map(|name| match fluent(&system, name) {
-                Value::Fluent(fluent) => fluent,
-                _ => panic!("the robot has no fluent `{name}`"),
-            })
-            .collect();
+        silence_continuous_fluents(&mut system);
         system
     }
 
@@ -155,16 +125,11 @@ impl Mission {
     }
 }
 
-fn fluent(system: &System<OfficeRobot>, name: &str) -> Value {
-    let global = system.machine.symbols.find(name).and_then(|name| system.program.names.get(&name));
-    global.map_or(Value::Unbound, |&global| system.machine.globals[global as usize])
-}
-
 /// The value of a robot's fluent, as it could be read.
 pub fn fluent_text(system: &System<OfficeRobot>, name: &str) -> String {
-    match fluent(system, name) {
-        Value::Fluent(fluent) => system.machine.write(&system.program, system.machine.fluents[fluent].value),
-        _ => panic!("there is no fluent `{name}`"),
+    match fluent_value(system, name) {
+        Some(value) => system.machine.write(&system.program, value),
+        None => panic!("there is no fluent `{name}`"),
     }
 }
 
@@ -174,15 +139,16 @@ pub fn run_until(
     until_s: f64,
     mut stop: impl FnMut(&mut System<OfficeRobot>) -> bool,
 ) -> bool {
-    while system.machine.now_s() < until_s {
-        if stop(system) {
-            return true;
-        }
-        if system.advance() == Progress::Ended {
-            return stop(system);
-        }
+    let mut is_met = false;
+    let reached = run_to(system, (until_s * 1e6) as u64, |system| {
+        is_met = stop(system);
+        if is_met { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    match reached {
+        Reached::Stop => true,
+        Reached::End(_) => is_met,
+        Reached::Time => false,
     }
-    false
 }
 
 /// What came of a run.

@@ -3,13 +3,15 @@
 
 mod course;
 
-use super::statistics::{Share, Spread};
+use super::findings::ExperimentResult;
+use super::request::ExperimentRequest;
+use super::statistics::{Dispersion, Proportion};
 use super::trials::run_all;
-use super::{Arguments, Findings, NOTHING, jobs, no_row, progress, write_files};
-use crate::console::Console;
-use crate::page::Block;
 use crate::status::Status;
-use crate::table::Table;
+use crate::terminal::console::Console;
+use crate::terminal::page::Block;
+use crate::terminal::progress;
+use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, bail};
 use course::{COURSES, Course};
 use rpl_robot::avoidance::DriveLimits;
@@ -73,9 +75,9 @@ impl Drove {
 
 /// What came of the drives of a row.
 #[derive(Clone, Debug, Serialize)]
-struct Row {
+struct BarnRow {
     name: &'static str,
-    arrived: Share,
+    arrived: Proportion,
     score: f64,
     touched: usize,
     gave_up: usize,
@@ -84,19 +86,19 @@ struct Row {
     time_by_optimum: Option<f64>,
 }
 
-impl Row {
+impl BarnRow {
     fn of(name: &'static str, drives: &[Drove]) -> Self {
         let count = |ending: Ending| drives.iter().filter(|drove| drove.ending == ending).count();
         let arrived = drives.iter().filter(|drove| drove.ending == Ending::Arrived);
         let ratios: Vec<f64> = arrived.map(|drove| drove.time_s / drove.optimum_s).collect();
         Self {
             name,
-            arrived: Share::new(count(Ending::Arrived), drives.len()),
+            arrived: Proportion::new(count(Ending::Arrived), drives.len()),
             score: drives.iter().map(Drove::score).sum::<f64>() / drives.len() as f64,
             touched: count(Ending::Touched),
             gave_up: count(Ending::GaveUp),
             time_up: count(Ending::TimeUp),
-            time_by_optimum: Spread::of(&ratios).map(|spread| spread.median),
+            time_by_optimum: Dispersion::of(&ratios).map(|spread| spread.median),
         }
     }
 }
@@ -105,31 +107,29 @@ impl Row {
 ///
 /// # Errors
 /// No row has the name, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
-    let wanted = arguments.row.as_deref();
+pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
+    let wanted = request.row.as_deref();
     let methods: Vec<_> = ROWS.iter().filter(|(name, _)| wanted.is_none_or(|wanted| wanted == *name)).collect();
     if methods.is_empty() {
-        bail!(no_row("barn", wanted.unwrap_or_default(), &row_names()));
+        bail!(request.no_row(wanted.unwrap_or_default(), &row_names()));
     }
-    let courses: Vec<u64> = (0..u64::from(arguments.runs.get()))
-        .map(|run| run * COURSES / u64::from(arguments.runs.get()).max(1))
-        .collect();
+    let courses: Vec<u64> =
+        (0..u64::from(request.runs)).map(|run| run * COURSES / u64::from(request.runs).max(1)).collect();
     let mut rows = Vec::new();
     let mut raw = "row,course,ending,time_s,optimum_s,score\n".to_string();
     for (name, method) in methods {
-        let bar = progress(courses.len() as u64, console);
-        bar.set_message((*name).to_string());
-        let one = |course: u64| drive(&Course::new(course, arguments.seed), *method, course, arguments.seed);
-        let drives = run_all(&courses, jobs(arguments), one, || bar.inc(1));
+        let bar = progress::runs(courses.len() as u64, name, console);
+        let one = |course: u64| drive(&Course::new(course, request.first_seed), *method, course, request.first_seed);
+        let drives = run_all(&courses, request.jobs, one, || bar.inc(1));
         bar.finish_and_clear();
-        rows.push(Row::of(name, &drives));
+        rows.push(BarnRow::of(name, &drives));
         for drove in &drives {
             let Drove { course, ending, time_s, optimum_s } = drove;
             raw.push_str(&format!("{name},{course},{ending:?},{time_s:.2},{optimum_s:.3},{:.4}\n", drove.score()));
         }
     }
-    write_files(arguments, &[("runs.csv".to_string(), raw)])?;
-    Ok(Findings { status: Status::Succeeded, blocks: blocks(&rows), figures: json!({ "rows": rows }) })
+    request.write(&[("runs.csv".to_string(), raw)])?;
+    Ok(ExperimentResult { status: Status::Succeeded, blocks: blocks(&rows), figures: json!({ "rows": rows }) })
 }
 
 /// What can be asked for with `--row`.
@@ -137,7 +137,7 @@ pub fn row_names() -> Vec<&'static str> {
     ROWS.iter().map(|(name, _)| *name).collect()
 }
 
-fn blocks(rows: &[Row]) -> Vec<Block> {
+fn blocks(rows: &[BarnRow]) -> Vec<Block> {
     let mut table = Table::new(&["barn", "arrived", "95 %", "score", "touched", "gave up", "time up", "time/opt."]);
     for row in rows {
         table.row([

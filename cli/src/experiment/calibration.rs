@@ -1,10 +1,10 @@
 //! What the certainty is worth: of all moments at which the robot says 0.8, it should be right in
 //! 80 %.
 
-use super::statistics::Share;
-use super::trial::{Sample, Trial};
-use crate::page::Block;
-use crate::table::Table;
+use super::statistics::Proportion;
+use super::trial::{MissionTrial, Sample};
+use crate::terminal::page::Block;
+use crate::terminal::table::Table;
 use rpl_robot::localization::Calibration;
 use serde::Serialize;
 
@@ -41,14 +41,14 @@ impl Bin {
 type Tagged = (usize, Sample);
 
 /// The bins, from the least certain on.
-pub fn bins(trials: &[&Trial]) -> Vec<Bin> {
+pub fn bins(trials: &[&MissionTrial]) -> Vec<Bin> {
     let mut unsure: Vec<Tagged> = tagged(trials).filter(|(_, sample)| sample.certainty < SURE).collect();
     unsure.sort_by(|(_, a), (_, b)| a.certainty.total_cmp(&b.certainty));
     let size = unsure.len().div_ceil(BINS).max(1);
     unsure.chunks(size).map(bin).collect()
 }
 
-fn tagged<'t>(trials: &'t [&Trial]) -> impl Iterator<Item = Tagged> + 't {
+fn tagged<'t>(trials: &'t [&MissionTrial]) -> impl Iterator<Item = Tagged> + 't {
     trials.iter().enumerate().flat_map(|(run, trial)| trial.samples.iter().map(move |&sample| (run, sample)))
 }
 
@@ -114,7 +114,7 @@ impl Pool {
 
 /// The knots of the monotone calibration that fits these samples best, which were taken with `used`:
 /// pools of adjacent samples that would violate the order are merged (pool adjacent violators).
-pub fn fitted(trials: &[&Trial], used: &Calibration) -> Vec<[f64; 2]> {
+pub fn fitted(trials: &[&MissionTrial], used: &Calibration) -> Vec<[f64; 2]> {
     let mut samples: Vec<(f64, bool)> =
         tagged(trials).map(|(_, sample)| (used.share(sample.certainty), sample.is_right)).collect();
     samples.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -155,7 +155,7 @@ pub struct Reliability {
     /// Sure moments, and how many of them were right.
     sure: Sure,
     /// Disturbed runs in which a position counted as found where it was not.
-    wrong_recoveries: Share,
+    wrong_recoveries: Proportion,
     /// How far a right estimate is off, on average.
     right_off_m: f64,
     /// Share of the belief and how often it is right, fitted to these samples.
@@ -171,7 +171,7 @@ struct Sure {
 
 impl Reliability {
     /// Of some runs, whose samples were taken with `used`.
-    pub fn of(trials: &[&Trial], used: &Calibration) -> Self {
+    pub fn of(trials: &[&MissionTrial], used: &Calibration) -> Self {
         let all: Vec<Sample> = tagged(trials).map(|(_, sample)| sample).collect();
         let sure: Vec<&Sample> = all.iter().filter(|sample| sample.certainty >= SURE).collect();
         let right_m: Vec<f64> =
@@ -185,7 +185,7 @@ impl Reliability {
             largest_error: bins.iter().map(|bin| bin.error().abs()).fold(0.0, f64::max),
             bins,
             sure: Sure { samples: sure.len(), right: sure.iter().filter(|sample| sample.is_right).count() },
-            wrong_recoveries: Share::new(wrong, recovered.len()),
+            wrong_recoveries: Proportion::new(wrong, recovered.len()),
             right_off_m: right_m.iter().sum::<f64>() / right_m.len().max(1) as f64,
             fitted: fitted(trials, used),
         }
@@ -205,7 +205,7 @@ impl Reliability {
             ]);
         }
         let Sure { samples, right } = self.sure;
-        let Share { count, of, interval_95: (low, high), .. } = self.wrong_recoveries;
+        let Proportion { count, of, interval_95: (low, high), .. } = self.wrong_recoveries;
         let mut lines = vec![
             format!("largest error of a bin {:.3}", self.largest_error),
             format!(
@@ -236,9 +236,9 @@ impl Reliability {
 mod tests {
     use super::*;
 
-    fn trial(samples: impl Iterator<Item = (f64, bool)>) -> Trial {
+    fn trial(samples: impl Iterator<Item = (f64, bool)>) -> MissionTrial {
         let samples = samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, is_right }).collect();
-        Trial { seed: 1, fault: None, unmeasured: None, measures: vec![], samples }
+        MissionTrial { seed: 1, fault: None, unmeasured: None, measures: vec![], samples }
     }
 
     #[test]

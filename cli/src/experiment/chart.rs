@@ -1,8 +1,8 @@
 //! Charts as SVG, readable in black and white.
 
 use super::calibration::Bin;
-use super::statistics::{Share, Summary};
-use super::trial::Trial;
+use super::statistics::{Proportion, Summary};
+use super::trial::MissionTrial;
 use svg::Document;
 use svg::node::element::{Circle, Line as Stroke, Polyline, Rectangle, Text};
 
@@ -98,16 +98,16 @@ const SAMPLES_PER_S: usize = 10;
 const POINTS: usize = 30;
 
 /// Something over time.
-pub struct Line<'a> {
+pub struct Curve<'a> {
     /// What it is called.
     pub name: &'a str,
     /// In the order of time.
-    pub points: Vec<Point>,
+    pub points: Vec<CurvePoint>,
 }
 
 /// Something at a time, with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct CurvePoint {
     /// When.
     pub time_s: f64,
     /// What it is.
@@ -120,41 +120,41 @@ pub struct Point {
 
 /// The mean distance from the estimate to the truth over time, with 95 % bars; runs that have ended
 /// keep their last error.
-pub fn error_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
+pub fn error_over_time(rows: &[(&str, Vec<MissionTrial>)]) -> String {
     let longest = rows.iter().flat_map(|(_, trials)| trials).map(|trial| trial.samples.len()).max().unwrap_or(0);
     let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, POINTS);
-    let over = |trials: &[Trial]| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect();
-    let lines: Vec<Line<'_>> = rows.iter().map(|(name, trials)| Line { name, points: over(trials) }).collect();
+    let over = |trials: &[MissionTrial]| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect();
+    let lines: Vec<Curve<'_>> = rows.iter().map(|(name, trials)| Curve { name, points: over(trials) }).collect();
     over_time("error of the estimate, mean and 95 % interval", "error [m]", 1.0, &lines)
 }
 
 /// The share of the runs that have succeeded by a time, with 95 % bars.
-pub fn success_over_time(rows: &[(&str, Vec<Trial>)]) -> String {
-    let time_s = |trial: &Trial| trial.measure("time [s]").unwrap_or(0.0);
+pub fn success_over_time(rows: &[(&str, Vec<MissionTrial>)]) -> String {
+    let time_s = |trial: &MissionTrial| trial.measure("time [s]").unwrap_or(0.0);
     let latest_s = rows.iter().flat_map(|(_, trials)| trials).map(time_s).fold(1.0, f64::max);
-    let line = |trials: &[Trial]| -> Vec<Point> {
+    let line = |trials: &[MissionTrial]| -> Vec<CurvePoint> {
         let done_s: Vec<f64> = trials.iter().filter(|trial| trial.succeeded()).map(time_s).collect();
         let at = |point: usize| latest_s * point as f64 / POINTS as f64;
-        let share = |at_s: f64| Share::new(done_s.iter().filter(|&&done_s| done_s <= at_s).count(), trials.len());
+        let share = |at_s: f64| Proportion::new(done_s.iter().filter(|&&done_s| done_s <= at_s).count(), trials.len());
         let point = |at_s: f64| {
-            let Share { rate, interval_95: (low, high), .. } = share(at_s);
-            Point { time_s: at_s, value: rate.unwrap_or(0.0), low, high }
+            let Proportion { rate, interval_95: (low, high), .. } = share(at_s);
+            CurvePoint { time_s: at_s, value: rate.unwrap_or(0.0), low, high }
         };
         (0..=POINTS).map(at).map(point).collect()
     };
-    let lines: Vec<Line<'_>> = rows.iter().map(|(name, trials)| Line { name, points: line(trials) }).collect();
+    let lines: Vec<Curve<'_>> = rows.iter().map(|(name, trials)| Curve { name, points: line(trials) }).collect();
     over_time("runs that have succeeded, with 95 % interval", "share of the runs", 1.0, &lines)
 }
 
 /// Lines over time with their bars, and their names; up to a whole number, at least `least`.
-pub fn over_time(title: &str, up: &str, least: f64, lines: &[Line<'_>]) -> String {
+pub fn over_time(title: &str, up: &str, least: f64, lines: &[Curve<'_>]) -> String {
     let points = || lines.iter().flat_map(|line| &line.points);
     let highest = points().map(|point| point.high).fold(least, f64::max);
     let latest = points().map(|point| point.time_s).fold(1.0, f64::max);
     let y_max = if least < highest { highest.ceil() } else { least };
     let axes = Axes { x_max: (latest / 50.0).ceil() * 50.0, y_max };
     let mut document = axes.sheet(title, "time [s]", up);
-    for (number, Line { name, points }) in lines.iter().enumerate() {
+    for (number, Curve { name, points }) in lines.iter().enumerate() {
         let dash = DASHES[number % DASHES.len()];
         let path: Vec<String> =
             points.iter().map(|point| format!("{},{}", axes.x(point.time_s), axes.y(point.value))).collect();
@@ -166,7 +166,7 @@ pub fn over_time(title: &str, up: &str, least: f64, lines: &[Line<'_>]) -> Strin
                 .set("stroke-width", 1.6)
                 .set("stroke-dasharray", dash),
         );
-        for &Point { time_s, value, low, high } in points {
+        for &CurvePoint { time_s, value, low, high } in points {
             let bar = axes.line((time_s, low), (time_s, high)).set("stroke-width", 0.8);
             document = document.add(bar).add(mark(number, axes.x(time_s), axes.y(value)));
         }
@@ -188,7 +188,7 @@ fn mark(number: usize, x: f64, y: f64) -> Circle {
 }
 
 /// The mean error at a time.
-fn error_at(trials: &[Trial], time_s: usize) -> Point {
+fn error_at(trials: &[MissionTrial], time_s: usize) -> CurvePoint {
     let errors: Vec<f64> = trials
         .iter()
         .filter_map(|trial| trial.samples.get(time_s * SAMPLES_PER_S).or(trial.samples.last()))
@@ -198,9 +198,9 @@ fn error_at(trials: &[Trial], time_s: usize) -> Point {
 }
 
 /// The mean of some numbers at a time.
-pub fn point(time_s: f64, numbers: &[f64]) -> Point {
+pub fn point(time_s: f64, numbers: &[f64]) -> CurvePoint {
     let (mean, half) = Summary::of(numbers).map_or((0.0, 0.0), |summary| (summary.spread.mean, summary.half_95));
-    Point { time_s, value: mean, low: mean - half, high: mean + half }
+    CurvePoint { time_s, value: mean, low: mean - half, high: mean + half }
 }
 
 #[cfg(test)]
@@ -220,7 +220,7 @@ mod tests {
         let samples = |errors: &[f32]| {
             errors.iter().map(|&off_m| Sample { certainty: 1.0, off_m, is_right: true }).collect::<Vec<_>>()
         };
-        let trial = |errors: &[f32]| Trial {
+        let trial = |errors: &[f32]| MissionTrial {
             seed: 1,
             fault: None,
             unmeasured: None,
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn success_comes_when_the_plans_end_and_never_by_those_that_fail() {
-        let trial = |fault: Option<&str>, time_s: f64| Trial {
+        let trial = |fault: Option<&str>, time_s: f64| MissionTrial {
             seed: 1,
             fault: fault.map(str::to_string),
             measures: vec![("time [s]", Some(time_s))],

@@ -2,19 +2,22 @@
 //! the sum over the states of the belief.
 
 use super::catalogue::Row;
-use super::statistics::{Share, Summary};
-use super::{Arguments, Findings, NOTHING, results_folder, seeds, site_of};
-use crate::choice_figures;
-use crate::console::Console;
-use crate::drive::{Pace, Records, drive};
-use crate::files;
-use crate::page::Block;
+use super::findings::ExperimentResult;
+use super::missions::site_of;
+use super::request::ExperimentRequest;
+use super::statistics::{Proportion, Summary};
+use crate::drive::{Pace, drive};
+use crate::files::plans;
+use crate::run_record::Records;
+use crate::show::choice_figures;
 use crate::status::Status;
+use crate::terminal::console::Console;
+use crate::terminal::page::Block;
+use crate::terminal::table::NOTHING;
 use anyhow::{Context, Result, bail};
 use rpl_robot::active::{ActiveParameters, choose, choose_exactly};
 use rpl_robot::geometry::distance_m;
 use rpl_robot::localization::{Localization, LocalizationModel};
-use rpl_runtime::run::system::System;
 use serde::Serialize;
 use serde_json::json;
 use std::time::Instant;
@@ -39,21 +42,21 @@ struct Pair {
 ///
 /// # Errors
 /// The plan's text is wrong, a run cannot be driven, or the figures cannot be written.
-pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) -> Result<Findings> {
+pub fn run(request: &ExperimentRequest, rows: &[&'static Row], console: &mut Console) -> Result<ExperimentResult> {
     let mut pairs = Vec::new();
-    let mut folder = results_folder(arguments)?;
+    let mut folder = request.results_folder()?;
     for row in rows {
-        let (site, _) = site_of(arguments, row)?;
+        let (site, _) = site_of(request, row)?;
         let Some(office) = site.office().cloned() else { bail!("there is no robot; add `--world dept`") };
-        let plan = files::plan(row.plan)?;
+        let plan = plans::plan(row.plan)?;
         let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
             Ok(loaded) => loaded,
             Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
         };
-        for seed in seeds(arguments) {
-            let mut system = System::traced(site.library.clone(), loaded.clone(), site.robot(seed), seed);
+        for seed in request.seeds() {
+            let mut system = site.start_traced(loaded.clone(), seed);
             let mut records = Records { choices: Some(Vec::new()), ..Records::default() };
-            let pace = Pace { until_us: Some(arguments.until), factor: None };
+            let pace = Pace { until_us: Some(request.until_us), factor: None };
             drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;
             for (number, localization) in records.choices.iter().flatten().take(PER_RUN).enumerate() {
                 let parameters = &office.settings.active;
@@ -69,7 +72,7 @@ pub fn run(arguments: &Arguments, rows: &[&'static Row], console: &mut Console) 
     }
     let comparison = Comparison::of(&pairs);
     let blocks = vec![Block::Lines(comparison.text())];
-    Ok(Findings { status: Status::Succeeded, blocks, figures: json!({ "choices": comparison }) })
+    Ok(ExperimentResult { status: Status::Succeeded, blocks, figures: json!({ "choices": comparison }) })
 }
 
 fn pair(model: &LocalizationModel, localization: &Localization, parameters: &ActiveParameters) -> Option<Pair> {
@@ -89,7 +92,7 @@ fn pair(model: &LocalizationModel, localization: &Localization, parameters: &Act
 #[derive(Clone, Debug, Serialize)]
 struct Comparison {
     /// Choices whose targets lie apart.
-    differ: Share,
+    differ: Proportion,
     apart_m: Option<Summary>,
     lost_nats: Option<Summary>,
     /// Targets the sum sees no way to.
@@ -101,7 +104,7 @@ impl Comparison {
     fn of(pairs: &[Pair]) -> Self {
         let of = |numbers: Vec<f64>| Summary::of(&numbers);
         Self {
-            differ: Share::new(pairs.iter().filter(|pair| pair.apart_m > SAME_M).count(), pairs.len()),
+            differ: Proportion::new(pairs.iter().filter(|pair| pair.apart_m > SAME_M).count(), pairs.len()),
             apart_m: of(pairs.iter().map(|pair| pair.apart_m).collect()),
             lost_nats: of(pairs.iter().filter_map(|pair| pair.regret).collect()),
             no_way: pairs.iter().filter(|pair| pair.regret.is_none()).count(),

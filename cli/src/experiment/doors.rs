@@ -1,10 +1,12 @@
 //! Deliveries on whose way a door is closed for a while, world by world.
 
-use super::trial::{Goal, Trial};
-use super::worlds::{self, DRAWS, Ground, draw_place, draw_start, no_errand, robot_at, run_errand};
-use super::{Arguments, Findings};
-use crate::console::Console;
-use crate::files::{Folder, PlanText};
+use super::findings::ExperimentResult;
+use super::request::ExperimentRequest;
+use super::trial::{Goal, MissionTrial};
+use super::worlds::{self, DRAWS, TestGround, draw_place, draw_start, no_errand, robot_at, run_errand};
+use crate::files::plans::{Folder, PlanText};
+use crate::sites;
+use crate::terminal::console::Console;
 use anyhow::{Result, bail};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
@@ -47,19 +49,19 @@ struct Errand<'w> {
 ///
 /// # Errors
 /// No row has the name, a run cannot be driven, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
-    worlds::run_in(arguments, console, &WORLDS, deliver)
+pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
+    worlds::run_in(request, console, &WORLDS, deliver)
 }
 
-fn deliver(ground: &Ground, arguments: &Arguments, seed: u64) -> Result<Trial> {
+fn deliver(ground: &TestGround, request: &ExperimentRequest, seed: u64) -> Result<MissionTrial> {
     let errand = draw(ground, seed)?;
     let goal = Goal { pose_in_map: errand.to.pose_in_map, item: Some("parcel") };
     let text = format!("(deliver 'parcel '{} '{})", errand.from.name, errand.to.name);
-    run_errand(ground, errand.robot, &text, arguments, seed, goal, errand.optimum_m)
+    run_errand(ground, errand.robot, &text, request, seed, goal, errand.optimum_m)
 }
 
 /// A start, two places, and a door on the way, drawn from the seed.
-fn draw(ground: &Ground, seed: u64) -> Result<Errand<'_>> {
+fn draw(ground: &TestGround, seed: u64) -> Result<Errand<'_>> {
     let mut stream = Stream::new(seed, "errand");
     for _ in 0..DRAWS {
         let (from, to) = (draw_place(&ground.world, &mut stream), draw_place(&ground.world, &mut stream));
@@ -75,7 +77,7 @@ fn draw(ground: &Ground, seed: u64) -> Result<Errand<'_>> {
         let optimum_m = path_length_m(&start.path) + path_length_m(&on);
         let (after_s, for_s) =
             (stream.uniform_in(0.0, optimum_m / SLOW_MPS), stream.uniform_in(CLOSED_S.0, CLOSED_S.1));
-        let site = ground.site.with_scenario(scenario(from, room, after_s, for_s))?;
+        let site = sites::with_scenario(&ground.site, scenario(from, room, after_s, for_s))?;
         if let Some(robot) = robot_at(&site, seed, &start) {
             return Ok(Errand { robot, from, to, optimum_m });
         }

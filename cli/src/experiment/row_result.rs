@@ -1,9 +1,9 @@
 //! What came of the runs of a row: every figure the tables show, and the tables.
 
-use super::statistics::{PerKm, Share, Spread, Summary};
-use super::trial::Trial;
-use crate::page::Block;
-use crate::table::Table;
+use super::statistics::{Dispersion, PerKm, Proportion, Summary};
+use super::trial::MissionTrial;
+use crate::terminal::page::Block;
+use crate::terminal::table::{NOTHING, Table};
 use serde::Serialize;
 
 /// Seeds of runs that failed, named in the tables.
@@ -19,7 +19,7 @@ pub struct RowResult {
     /// The first and the last seed.
     pub seeds: Option<(u64, u64)>,
     /// Runs that succeeded.
-    pub succeeded: Share,
+    pub succeeded: Proportion,
     /// Runs that did not, with the reason.
     pub failures: Vec<FailedRun>,
     /// Runs that count for nothing, with the failure of their scenario.
@@ -27,9 +27,9 @@ pub struct RowResult {
     /// What was measured.
     pub measures: Vec<Measure>,
     /// Disturbed runs in which a position counted as found where it was not.
-    pub wrong_recoveries: Option<Share>,
+    pub wrong_recoveries: Option<Proportion>,
     /// Disturbances that were noticed within two metres.
-    pub noticed_within_2_m: Option<Share>,
+    pub noticed_within_2_m: Option<Proportion>,
     /// How often the position counted as lost while the estimate was right.
     pub false_alarms_per_km: Option<PerKm>,
 }
@@ -67,13 +67,13 @@ impl Measure {
 
 impl RowResult {
     /// The figures of some runs.
-    pub fn of(name: &str, trials: &[Trial]) -> Self {
+    pub fn of(name: &str, trials: &[MissionTrial]) -> Self {
         let numbers =
             |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
         let names = trials.first().map_or(&[][..], |trial| &trial.measures[..]);
         let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
-        let runs = |why: fn(&Trial) -> &Option<String>| {
-            let run = |trial: &Trial| Some(FailedRun { seed: trial.seed, fault: why(trial).clone()? });
+        let runs = |why: fn(&MissionTrial) -> &Option<String>| {
+            let run = |trial: &MissionTrial| Some(FailedRun { seed: trial.seed, fault: why(trial).clone()? });
             trials.iter().filter_map(run).collect::<Vec<_>>()
         };
         let measured = trials.iter().filter(|trial| trial.is_measured()).count();
@@ -81,12 +81,12 @@ impl RowResult {
             name: name.to_string(),
             runs: trials.len(),
             seeds: trials.first().zip(trials.last()).map(|(first, last)| (first.seed, last.seed)),
-            succeeded: Share::new(trials.iter().filter(|trial| trial.succeeded()).count(), measured),
+            succeeded: Proportion::new(trials.iter().filter(|trial| trial.succeeded()).count(), measured),
             failures: runs(|trial| &trial.fault),
             not_measured: runs(|trial| &trial.unmeasured),
             measures: names.iter().filter_map(|&(name, _)| Measure::of(name, numbers(name))).collect(),
-            wrong_recoveries: Share::among(&numbers("wrong recoveries"), |count| count > 0.0),
-            noticed_within_2_m: Share::among(&numbers("noticed within 2 m"), |within| within > 0.0),
+            wrong_recoveries: Proportion::among(&numbers("wrong recoveries"), |count| count > 0.0),
+            noticed_within_2_m: Proportion::among(&numbers("noticed within 2 m"), |within| within > 0.0),
             false_alarms_per_km: PerKm::new(total("false alarms") as u32, total("distance [m]") / 1000.0),
         }
     }
@@ -141,7 +141,7 @@ impl RowResult {
         };
         let mut table = Table::new(&["", "runs", "mean", "± 95 %", "deviation", "min", "median", "max"]);
         for Measure { name, summary: Summary { count, spread, half_95 }, .. } in &self.measures {
-            let Spread { mean, deviation, min, median, max } = spread;
+            let Dispersion { mean, deviation, min, median, max } = spread;
             let numbers = [mean, half_95, deviation, min, median, max].map(|number| format!("{number:.2}"));
             table.row([(*name).to_string(), count.to_string()].into_iter().chain(numbers));
         }
@@ -160,9 +160,6 @@ impl RowResult {
         blocks
     }
 }
-
-/// A cell for what there is nothing of.
-pub const NOTHING: &str = "–";
 
 /// One line for each row of an experiment, so that they can be compared.
 pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
@@ -190,8 +187,8 @@ pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
 }
 
 fn compared(row: &RowResult) -> [String; 9] {
-    let wrong = |share: &Share| format!("{} (≤{:.1} %)", share.count, 100.0 * share.interval_95.1);
-    let percent = |share: &Share| share.rate.map_or(NOTHING.to_string(), |rate| format!("{:.1} %", 100.0 * rate));
+    let wrong = |share: &Proportion| format!("{} (≤{:.1} %)", share.count, 100.0 * share.interval_95.1);
+    let percent = |share: &Proportion| share.rate.map_or(NOTHING.to_string(), |rate| format!("{:.1} %", 100.0 * rate));
     let alarms = |alarms: &PerKm| {
         let (low, high) = alarms.interval_95;
         format!("{:.2} ({low:.2}–{high:.2})", alarms.rate)
@@ -213,9 +210,9 @@ fn compared(row: &RowResult) -> [String; 9] {
 mod tests {
     use super::*;
 
-    fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> Trial {
+    fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> MissionTrial {
         let fault = fault.map(str::to_string);
-        Trial { seed, fault, unmeasured: None, measures: vec![("time [s]", time_s)], samples: vec![] }
+        MissionTrial { seed, fault, unmeasured: None, measures: vec![("time [s]", time_s)], samples: vec![] }
     }
 
     fn text(blocks: &[Block]) -> String {
@@ -238,7 +235,7 @@ mod tests {
 
     #[test]
     fn seeds_that_are_not_named_are_counted() {
-        let trials: Vec<Trial> = (1..=25).map(|seed| trial(seed, Some("timeout"), None)).collect();
+        let trials: Vec<MissionTrial> = (1..=25).map(|seed| trial(seed, Some("timeout"), None)).collect();
         let seeds = RowResult::of("rotated", &trials).failed_seeds().expect("all failed");
         assert!(seeds.starts_with("1 (timeout), ") && seeds.ends_with("20 (timeout), and 5 more"), "{seeds}");
     }

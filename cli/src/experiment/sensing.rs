@@ -7,13 +7,15 @@ mod picture;
 mod shuttle;
 mod table;
 
+use super::findings::ExperimentResult;
+use super::request::ExperimentRequest;
 use super::trials::run_all;
-use super::{Arguments, Findings, jobs, no_row, progress, seeds, write_files};
-use crate::console::Console;
-use crate::mission;
+use crate::files::world_files;
 use crate::status::Status;
+use crate::terminal::console::Console;
+use crate::terminal::progress;
 use anyhow::{Result, bail};
-use course::{Course, Hall, NEVER_LONGER_US};
+use course::{Hall, NEVER_LONGER_US, SensingRun};
 use serde_json::json;
 
 /// Which sensors can be read.
@@ -38,53 +40,52 @@ pub enum Policy {
 
 /// A row of the table.
 #[derive(Debug)]
-pub struct Setting {
+pub struct SensingSetting {
     pub name: &'static str,
     pub sensors: Sensors,
     pub policy: Policy,
 }
 
-const SETTINGS: [Setting; 6] = [
-    Setting { name: "both, active", sensors: Sensors::Both, policy: Policy::Active },
-    Setting { name: "both, random", sensors: Sensors::Both, policy: Policy::Random },
-    Setting { name: "sonars, active", sensors: Sensors::Sonars, policy: Policy::Active },
-    Setting { name: "sonars, random", sensors: Sensors::Sonars, policy: Policy::Random },
-    Setting { name: "laser, active", sensors: Sensors::Laser, policy: Policy::Active },
-    Setting { name: "laser, random", sensors: Sensors::Laser, policy: Policy::Random },
+const SETTINGS: [SensingSetting; 6] = [
+    SensingSetting { name: "both, active", sensors: Sensors::Both, policy: Policy::Active },
+    SensingSetting { name: "both, random", sensors: Sensors::Both, policy: Policy::Random },
+    SensingSetting { name: "sonars, active", sensors: Sensors::Sonars, policy: Policy::Active },
+    SensingSetting { name: "sonars, random", sensors: Sensors::Sonars, policy: Policy::Random },
+    SensingSetting { name: "laser, active", sensors: Sensors::Laser, policy: Policy::Active },
+    SensingSetting { name: "laser, random", sensors: Sensors::Laser, policy: Policy::Random },
 ];
 
 /// The runs of one row, in the order of the seeds.
-pub type Rows = Vec<(&'static Setting, Vec<Course>)>;
+pub type SensingRuns = Vec<(&'static SensingSetting, Vec<SensingRun>)>;
 
 /// Runs the experiment; the status is about its first row.
 ///
 /// # Errors
 /// There is no such row or world, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
-    let chosen: Vec<&Setting> =
-        SETTINGS.iter().filter(|setting| arguments.row.as_deref().is_none_or(|row| row == setting.name)).collect();
+pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
+    let chosen: Vec<&SensingSetting> =
+        SETTINGS.iter().filter(|setting| request.row.as_deref().is_none_or(|row| row == setting.name)).collect();
     if chosen.is_empty() {
-        bail!(no_row("sensing", arguments.row.as_deref().unwrap_or_default(), &row_names()));
+        bail!(request.no_row(request.row.as_deref().unwrap_or_default(), &row_names()));
     }
-    let hall = Hall::new(mission::world(arguments.world.as_deref().unwrap_or("sensing"))?)?;
-    let until_us = arguments.until.min(NEVER_LONGER_US);
-    let seeds = seeds(arguments);
-    let mut rows = Rows::new();
+    let hall = Hall::new(world_files::named(request.world.as_deref().unwrap_or("sensing"))?)?;
+    let until_us = request.until_us.min(NEVER_LONGER_US);
+    let seeds = request.seeds();
+    let mut rows = SensingRuns::new();
     for setting in chosen {
-        let bar = progress(seeds.len() as u64, console);
-        bar.set_message(setting.name);
-        rows.push((setting, run_all(&seeds, jobs(arguments), |seed| hall.run(setting, seed, until_us), || bar.inc(1))));
+        let bar = progress::runs(seeds.len() as u64, setting.name, console);
+        rows.push((setting, run_all(&seeds, request.jobs, |seed| hall.run(setting, seed, until_us), || bar.inc(1))));
         bar.finish_and_clear();
     }
-    if arguments.results.is_some() {
+    if request.results.is_some() {
         let mut files = picture::pictures(&hall, &rows);
         files.push(("runs.csv".to_string(), table::raw_rows(&rows)));
-        write_files(arguments, &files)?;
+        request.write(&files)?;
     }
-    let succeeded = rows.first().is_some_and(|(_, courses)| courses.iter().all(Course::succeeded));
+    let succeeded = rows.first().is_some_and(|(_, courses)| courses.iter().all(SensingRun::succeeded));
     let results = table::results(&rows);
     let status = if succeeded { Status::Succeeded } else { Status::Failed };
-    Ok(Findings { status, blocks: table::blocks(&results), figures: json!({ "rows": results }) })
+    Ok(ExperimentResult { status, blocks: table::blocks(&results), figures: json!({ "rows": results }) })
 }
 
 /// What can be asked for with `--row`.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Mean, standard deviation, range and median of some numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
+pub struct Dispersion {
     /// Arithmetic mean.
     pub mean: f64,
     /// Standard deviation of the sample (n − 1); 0 for a single number.
@@ -17,7 +17,7 @@ pub struct Spread {
     pub max: f64,
 }
 
-impl Spread {
+impl Dispersion {
     /// Of some numbers; none if there are none.
     pub fn of(numbers: &[f64]) -> Option<Self> {
         if numbers.is_empty() {
@@ -37,7 +37,7 @@ impl Spread {
 
 /// How many of some runs, and what that says of the true rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Share {
+pub struct Proportion {
     /// How many.
     pub count: usize,
     /// Of how many.
@@ -48,7 +48,7 @@ pub struct Share {
     pub interval_95: (f64, f64),
 }
 
-impl Share {
+impl Proportion {
     /// So many of so many.
     pub fn new(count: usize, of: usize) -> Self {
         let rate = (of > 0).then(|| count as f64 / of as f64);
@@ -108,7 +108,7 @@ pub struct Summary {
     pub count: usize,
     /// What they are like.
     #[serde(flatten)]
-    pub spread: Spread,
+    pub spread: Dispersion,
     /// Half the 95 % interval of the mean.
     pub half_95: f64,
 }
@@ -116,7 +116,7 @@ pub struct Summary {
 impl Summary {
     /// Of some numbers; none if there are none.
     pub fn of(numbers: &[f64]) -> Option<Self> {
-        let spread = Spread::of(numbers)?;
+        let spread = Dispersion::of(numbers)?;
         Some(Self { count: numbers.len(), spread, half_95: mean_95(spread.deviation, numbers.len()) })
     }
 }
@@ -203,8 +203,8 @@ mod tests {
 
     #[test]
     fn a_share_of_nothing_has_no_rate() {
-        assert_eq!(Share::new(0, 0).rate, None);
-        assert_eq!(Share::new(19, 20).sentence(), "19 of 20: 95.0 %, 95 % interval 76.4 to 99.1 % (Wilson)");
+        assert_eq!(Proportion::new(0, 0).rate, None);
+        assert_eq!(Proportion::new(19, 20).sentence(), "19 of 20: 95.0 %, 95 % interval 76.4 to 99.1 % (Wilson)");
         assert_eq!(PerKm::new(3, 0.0), None);
         assert_eq!(PerKm::new(3, 2.0).map(|alarms| alarms.rate), Some(1.5));
     }
@@ -220,11 +220,11 @@ mod tests {
 
     #[test]
     fn the_spread_of_equal_numbers_is_nothing() {
-        let spread = Spread::of(&[2.5; 4]).expect("there are numbers");
-        assert_eq!(spread, Spread { mean: 2.5, deviation: 0.0, min: 2.5, median: 2.5, max: 2.5 });
-        let spread = Spread::of(&[1.0, 3.0]).expect("there are numbers");
+        let spread = Dispersion::of(&[2.5; 4]).expect("there are numbers");
+        assert_eq!(spread, Dispersion { mean: 2.5, deviation: 0.0, min: 2.5, median: 2.5, max: 2.5 });
+        let spread = Dispersion::of(&[1.0, 3.0]).expect("there are numbers");
         assert_eq!((spread.mean, spread.deviation), (2.0, 2.0_f64.sqrt()));
-        assert_eq!(Spread::of(&[7.0, 1.0, 2.0]).map(|spread| spread.median), Some(2.0));
-        assert_eq!(Spread::of(&[]), None);
+        assert_eq!(Dispersion::of(&[7.0, 1.0, 2.0]).map(|spread| spread.median), Some(2.0));
+        assert_eq!(Dispersion::of(&[]), None);
     }
 }

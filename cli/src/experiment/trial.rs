@@ -1,12 +1,14 @@
 //! One run of an experiment: driven to its end, and measured.
 
 use super::day::{AT_PLACE_M, Day};
-use crate::console::Console;
-use crate::drive::{Ending, Mark, Pace, Records, drive};
-use crate::failure_report::Reporter;
-use crate::mission::{Robot, Sight};
+use crate::drive::{Pace, drive};
+use crate::run_record::{Incident, Records, RunEnd};
+use crate::show::failure_report::Reporter;
+use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use rpl_lang::code::Program;
+use rpl_mission::robot::Robot;
+use rpl_mission::sight::Sight;
 use rpl_robot::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use rpl_robot::office::{OfficeRobot, ReportKind};
 use rpl_robot::simulator::ItemPlace;
@@ -31,7 +33,7 @@ const NOTICED_WITHIN_M: f64 = 2.0;
 
 /// One run of an experiment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
+pub struct MissionTrial {
     /// Its seed.
     pub seed: u64,
     /// What went wrong, if anything: the plan failed, ended at the wrong place, or did less than its
@@ -57,7 +59,7 @@ pub struct Sample {
     pub is_right: bool,
 }
 
-impl Trial {
+impl MissionTrial {
     /// Whether the plan succeeded, at the right place, in a run that counts.
     pub fn succeeded(&self) -> bool {
         self.fault.is_none() && self.is_measured()
@@ -101,7 +103,7 @@ fn item_off_m(robot: &OfficeRobot, name: &str, point: Point) -> Option<f64> {
 ///
 /// # Errors
 /// The run cannot be driven.
-pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Option<Goal<'_>>) -> Result<Trial> {
+pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Option<Goal<'_>>) -> Result<MissionTrial> {
     let mut records = Records::default();
     let mut silent = Console::silent();
     let pace = Pace { until_us: Some(until_us), factor: None };
@@ -113,7 +115,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
         measures.push(("contacts caused", Some(f64::from(account.contacts))));
         measures.push(("mean speed [m/s]", Some(account.distance_m / system.machine.now_s().max(1e-9))));
         measures.push(("relocalizations", Some(records.relocalizations as f64)));
-        measures.extend(disturbance(&records.marks, &records.track, account.distance_m));
+        measures.extend(disturbance(&records.incidents, &records.track, account.distance_m));
         if let Robot::Office(robot) = &system.outside
             && let Some(day) = Day::of(robot, &records.logs)
         {
@@ -141,24 +143,24 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     if let Some((scenario, failure)) = system.outside.failed_scenario() {
         let unmeasured = Some(described(&scenario.machine, &scenario.program, failure));
         measures.iter_mut().for_each(|(_, value)| *value = None);
-        return Ok(Trial { seed, fault: None, unmeasured, measures, samples: Vec::new() });
+        return Ok(MissionTrial { seed, fault: None, unmeasured, measures, samples: Vec::new() });
     }
     let sample = |sight: &Sight| Sample {
         certainty: sight.certainty,
         off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
         is_right: is_right(sight),
     };
-    Ok(Trial { seed, fault, unmeasured: None, measures, samples: records.track.iter().map(sample).collect() })
+    Ok(MissionTrial { seed, fault, unmeasured: None, measures, samples: records.track.iter().map(sample).collect() })
 }
 
 /// Why a plan did not succeed, the class of the failure first.
-fn fault_of(system: &System<Robot>, ending: Ending) -> Option<String> {
+fn fault_of(system: &System<Robot>, ending: RunEnd) -> Option<String> {
     match ending {
-        Ending::Outcome(Outcome::Succeeded(_)) => None,
-        Ending::Outcome(Outcome::Failed(failure)) => Some(described(&system.machine, &system.program, failure)),
-        Ending::Outcome(Outcome::Evaporated) => Some("ended itself".to_string()),
-        Ending::TimeUp => Some("time is up".to_string()),
-        Ending::Interrupted | Ending::GivenUp => Some("interrupted by hand".to_string()),
+        RunEnd::Outcome(Outcome::Succeeded(_)) => None,
+        RunEnd::Outcome(Outcome::Failed(failure)) => Some(described(&system.machine, &system.program, failure)),
+        RunEnd::Outcome(Outcome::Evaporated) => Some("ended itself".to_string()),
+        RunEnd::TimeUp => Some("time is up".to_string()),
+        RunEnd::Interrupted | RunEnd::GivenUp => Some("interrupted by hand".to_string()),
     }
 }
 
@@ -182,15 +184,15 @@ fn righted_m(track: &[Sight]) -> Option<f64> {
 /// or its estimate was right again. How often
 /// it then believed to have found its position where it was not, and how often it thought itself
 /// lost without reason.
-fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
-    let deed = marks.iter().position(|mark| mark.what.is_by_hand());
-    let (before, after) = marks.split_at(deed.unwrap_or(marks.len()));
-    let lost = |mark: &&Mark| mark.what == ReportKind::PositionLost;
+fn disturbance(incidents: &[Incident], track: &[Sight], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
+    let deed = incidents.iter().position(|incident| incident.what.is_by_hand());
+    let (before, after) = incidents.split_at(deed.unwrap_or(incidents.len()));
+    let lost = |incident: &&Incident| incident.what == ReportKind::PositionLost;
     let noticed = after.iter().find(lost);
-    let deed_m = deed.map(|deed| marks[deed].distance_m);
+    let deed_m = deed.map(|deed| incidents[deed].distance_m);
     let lost_m = deed_m.zip(noticed).map(|(deed_m, noticed)| noticed.distance_m - deed_m);
     // One look later the deed is seen in the track.
-    let seen = deed.and_then(|deed| track.get(marks[deed].track_length + 1..));
+    let seen = deed.and_then(|deed| track.get(incidents[deed].track_length + 1..));
     let noticed_m = match (lost_m, seen.and_then(righted_m)) {
         (Some(lost_m), Some(righted_m)) => Some(lost_m.min(righted_m)),
         (lost_m, righted_m) => lost_m.or(righted_m),
@@ -201,15 +203,15 @@ fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str
         // A run that ends so soon had no way to notice.
         (Some(deed_m), None) => (driven_m - deed_m > NOTICED_WITHIN_M).then_some(false),
     };
-    let is_wrong = |mark: &&Mark| {
-        let off_m = mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map);
-        mark.what == ReportKind::PositionFound && off_m > WRONG_ESTIMATE_M
+    let is_wrong = |incident: &&Incident| {
+        let off_m = incident.sight.estimate_in_map.distance_m(incident.sight.robot_in_map);
+        incident.what == ReportKind::PositionFound && off_m > WRONG_ESTIMATE_M
     };
     let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
     let alarms = before
         .iter()
         .filter(lost)
-        .filter(|mark| mark.sight.estimate_in_map.distance_m(mark.sight.robot_in_map) <= WRONG_ESTIMATE_M);
+        .filter(|incident| incident.sight.estimate_in_map.distance_m(incident.sight.robot_in_map) <= WRONG_ESTIMATE_M);
     [
         ("noticed after [m]", noticed_m),
         ("noticed within 2 m", within.map(f64::from)),
@@ -221,13 +223,13 @@ fn disturbance(marks: &[Mark], track: &[Sight], driven_m: f64) -> [(&'static str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mission::{self, Site};
-    use rpl_robot::office::OfficeSettings;
+    use crate::files::world_files;
+    use rpl_mission::site::{Setup, Site};
 
     #[test]
     fn a_thing_is_as_far_off_as_it_lies_and_not_as_far_as_the_robot() {
-        let world = mission::world("test-room").expect("built in");
-        let site = Site::new(Some(world), None, OfficeSettings::default()).expect("a site");
+        let world = world_files::named("test-room").expect("built in");
+        let site = Site::new(Setup { world: Some(world), ..Setup::default() }).expect("a site");
         let Robot::Office(robot) = site.robot(1) else { panic!("a world has a robot") };
         let off_m = item_off_m(&robot, "cup", Point::new(3.0, 4.1)).expect("it lies on the table");
         assert!((off_m - 0.55).abs() < 1e-9, "{off_m}");

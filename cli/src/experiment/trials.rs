@@ -1,6 +1,6 @@
 //! Runs over seeds on several threads, and each of them as a line.
 
-use super::trial::{Sample, Trial};
+use super::trial::{MissionTrial, Sample};
 use crossbeam::channel;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -35,7 +35,7 @@ pub fn run_all<T: Send>(seeds: &[u64], jobs: usize, run: impl Fn(u64) -> T + Syn
 }
 
 /// Every sample of every run, ten a second, as lines of comma-separated values.
-pub fn sample_rows(rows: &[(&str, Vec<Trial>)]) -> String {
+pub fn sample_rows(rows: &[(&str, Vec<MissionTrial>)]) -> String {
     let mut text = String::from("row,seed,sample,certainty,off_m,right\n");
     for (row, trials) in rows {
         for trial in trials {
@@ -48,7 +48,7 @@ pub fn sample_rows(rows: &[(&str, Vec<Trial>)]) -> String {
 }
 
 /// Every run as a line of comma-separated values, with the names above.
-pub fn raw_rows(rows: &[(&str, Vec<Trial>)]) -> String {
+pub fn raw_rows(rows: &[(&str, Vec<MissionTrial>)]) -> String {
     let names: Vec<&str> = rows
         .iter()
         .flat_map(|(_, trials)| trials)

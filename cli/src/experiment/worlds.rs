@@ -2,23 +2,28 @@
 //! beside the shortest.
 
 use super::catalogue::WORLDS;
+use super::findings::ExperimentResult;
+use super::missions::{results, write_results};
+use super::request::ExperimentRequest;
 use super::row_result::RowResult;
-use super::trial::{Goal, Trial, one_trial};
+use super::trial::{Goal, MissionTrial, one_trial};
 use super::trials::run_all;
-use super::{Arguments, Findings, jobs, no_row, progress, results, seeds, write_results};
-use crate::console::Console;
-use crate::mission::{self, Robot, Site};
-use crate::page::Block;
+use crate::files::world_files;
+use crate::sites;
 use crate::status::Status;
-use crate::table::Table;
+use crate::terminal::console::Console;
+use crate::terminal::page::Block;
+use crate::terminal::progress;
+use crate::terminal::table::Table;
 use anyhow::{Context, Result, bail};
 use rpl_lang::compile::NoFiles;
+use rpl_mission::robot::Robot;
+use rpl_mission::site::{Setup, Site};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::office::{OfficeRobot, OfficeSettings};
+use rpl_robot::office::OfficeRobot;
 use rpl_robot::planning::{Inflation, PlannerModel, path_length_m};
 use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
-use rpl_runtime::run::system::System;
 use serde_json::json;
 
 /// Edge of a cell of the floor that the shortest ways are found on.
@@ -37,20 +42,20 @@ const APART_M: f64 = 3.0;
 const WAY_BY_OPTIMUM: &str = "way / optimum";
 
 /// A world to drive in, and its floor.
-pub(super) struct Ground {
+pub(super) struct TestGround {
     pub(super) world: World,
     pub(super) site: Site,
     /// What really stands there, at the price of length alone: for the shortest ways there are.
     pub(super) floor: PlannerModel,
 }
 
-impl Ground {
+impl TestGround {
     fn new(name: &str) -> Result<Self> {
-        let world = mission::world(name)?;
+        let world = world_files::named(name)?;
         let inflation =
             Inflation { comfortable_distance_m: ROBOT_RADIUS_M, closeness_weight: 0.0, ..Inflation::default() };
         Ok(Self {
-            site: Site::new(Some(world.clone()), None, OfficeSettings::default())?,
+            site: sites::build(Setup { world: Some(world.clone()), ..Setup::default() }, None)?,
             floor: PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), inflation),
             world,
         })
@@ -58,7 +63,7 @@ impl Ground {
 }
 
 /// Where a robot is put down, and told so.
-pub(super) struct Start {
+pub(super) struct StartPoint {
     pub(super) at_in_map: Pose,
     /// From there to where it is to go first.
     pub(super) path: Vec<Point>,
@@ -68,8 +73,8 @@ pub(super) struct Start {
 ///
 /// # Errors
 /// No row has the name, a run cannot be driven, or the results cannot be written.
-pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
-    run_in(arguments, console, &WORLDS, drive)
+pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
+    run_in(request, console, &WORLDS, drive)
 }
 
 /// The same for any list of worlds, and any run of a seed in one of them.
@@ -77,37 +82,36 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Findings> {
 /// # Errors
 /// As for [`run`].
 pub(super) fn run_in(
-    arguments: &Arguments,
+    request: &ExperimentRequest,
     console: &mut Console,
     all_worlds: &[&'static str],
-    run: fn(&Ground, &Arguments, u64) -> Result<Trial>,
-) -> Result<Findings> {
-    let worlds: Vec<&str> = match arguments.row.as_deref().or(arguments.world.as_deref()) {
+    run: fn(&TestGround, &ExperimentRequest, u64) -> Result<MissionTrial>,
+) -> Result<ExperimentResult> {
+    let worlds: Vec<&str> = match request.row.as_deref().or(request.world.as_deref()) {
         None => all_worlds.to_vec(),
         Some(name) => match all_worlds.iter().find(|world| **world == name) {
             Some(world) => vec![world],
-            None => bail!(no_row(&arguments.name, name, all_worlds)),
+            None => bail!(request.no_row(name, all_worlds)),
         },
     };
     let mut rows = Vec::new();
     for name in worlds {
-        let ground = Ground::new(name)?;
-        let seeds = seeds(arguments);
-        let bar = progress(seeds.len() as u64, console);
-        bar.set_message(name.to_string());
-        let trials = run_all(&seeds, jobs(arguments), |seed| run(&ground, arguments, seed), || bar.inc(1));
+        let ground = TestGround::new(name)?;
+        let seeds = request.seeds();
+        let bar = progress::runs(seeds.len() as u64, name, console);
+        let trials = run_all(&seeds, request.jobs, |seed| run(&ground, request, seed), || bar.inc(1));
         bar.finish_and_clear();
-        rows.push((name, trials.into_iter().collect::<Result<Vec<Trial>>>()?));
+        rows.push((name, trials.into_iter().collect::<Result<Vec<MissionTrial>>>()?));
     }
-    write_results(arguments, &rows, &[])?;
+    write_results(request, &rows, &[])?;
     let results = results(&rows);
     let all_arrived = results.iter().all(|row| row.failures.is_empty());
     let status = if all_arrived { Status::Succeeded } else { Status::Failed };
-    Ok(Findings { status, blocks: blocks(&results), figures: json!({ "rows": results }) })
+    Ok(ExperimentResult { status, blocks: blocks(&results), figures: json!({ "rows": results }) })
 }
 
 /// From anywhere to a place that is not near.
-fn drive(ground: &Ground, arguments: &Arguments, seed: u64) -> Result<Trial> {
+fn drive(ground: &TestGround, request: &ExperimentRequest, seed: u64) -> Result<MissionTrial> {
     let mut stream = Stream::new(seed, "errand");
     let drawn = (0..DRAWS).find_map(|_| {
         let destination = draw_place(&ground.world, &mut stream);
@@ -117,30 +121,29 @@ fn drive(ground: &Ground, arguments: &Arguments, seed: u64) -> Result<Trial> {
     let (robot, start, destination) = drawn.with_context(|| no_errand(ground, seed))?;
     let goal = Goal { pose_in_map: destination.pose_in_map, item: None };
     let text = format!("(go-to '{})", destination.name);
-    run_errand(ground, robot, &text, arguments, seed, goal, path_length_m(&start.path))
+    run_errand(ground, robot, &text, request, seed, goal, path_length_m(&start.path))
 }
 
-pub(super) fn no_errand(ground: &Ground, seed: u64) -> String {
+pub(super) fn no_errand(ground: &TestGround, seed: u64) -> String {
     format!("no start and goal in `{}` for seed {seed}", ground.world.name)
 }
 
 /// Runs a plan to its end and measures it; `optimum_m` is the shortest way.
 pub(super) fn run_errand(
-    ground: &Ground,
+    ground: &TestGround,
     robot: OfficeRobot,
     text: &str,
-    arguments: &Arguments,
+    request: &ExperimentRequest,
     seed: u64,
     goal: Goal<'_>,
     optimum_m: f64,
-) -> Result<Trial> {
-    let library = &ground.site.library;
-    let loaded = match library.load("errand.rpl", text, &mut NoFiles) {
+) -> Result<MissionTrial> {
+    let loaded = match ground.site.library.load("errand.rpl", text, &mut NoFiles) {
         Ok(loaded) => loaded,
         Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
     };
-    let system = System::traced(library.clone(), loaded, Robot::Office(Box::new(robot)), seed);
-    let mut trial = one_trial(system, seed, arguments.until, Some(goal))?;
+    let system = ground.site.start_traced_with(Robot::Office(Box::new(robot)), loaded, seed);
+    let mut trial = one_trial(system, seed, request.until_us, Some(goal))?;
     let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
     trial.measures.push((WAY_BY_OPTIMUM, way_m.map(|way_m| way_m / optimum_m)));
     Ok(trial)
@@ -151,7 +154,7 @@ pub(super) fn draw_place<'w>(world: &'w World, stream: &mut Stream) -> &'w Place
 }
 
 /// A start with some room around it, from where a place that is not near can be reached.
-pub(super) fn draw_start(ground: &Ground, destination: &Place, stream: &mut Stream) -> Option<Start> {
+pub(super) fn draw_start(ground: &TestGround, destination: &Place, stream: &mut Stream) -> Option<StartPoint> {
     let (bounds, floor) = (ground.world.bounds(), &ground.floor);
     let goal = destination.pose_in_map.point();
     let start =
@@ -161,11 +164,11 @@ pub(super) fn draw_start(ground: &Ground, destination: &Place, stream: &mut Stre
         return None;
     }
     let path = floor.cost_to_go(goal).path(start)?;
-    Some(Start { at_in_map: Pose::new(start.x, start.y, heading_rad), path })
+    Some(StartPoint { at_in_map: Pose::new(start.x, start.y, heading_rad), path })
 }
 
 /// The robot at a start; none if somebody stands there.
-pub(super) fn robot_at(site: &Site, seed: u64, start: &Start) -> Option<OfficeRobot> {
+pub(super) fn robot_at(site: &Site, seed: u64, start: &StartPoint) -> Option<OfficeRobot> {
     let Robot::Office(robot) = site.robot(seed) else { return None };
     robot.starting_at(start.at_in_map).ok()
 }

@@ -2,7 +2,7 @@
 //! this gives.
 
 use super::topics::TOPICS;
-use super::{Kind, Reference};
+use super::{NameKind, Reference};
 use rpl_lang::number::unit_names;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -55,7 +55,7 @@ fn list(begin: &str, scope: &str, inside: &[&str]) -> Value {
 }
 
 fn grammar(reference: &Reference) -> Value {
-    let of = |kinds: &[Kind]| {
+    let of = |kinds: &[NameKind]| {
         any_of(reference.names().filter(|entry| kinds.contains(&entry.kind)).map(|entry| entry.name.as_str()))
     };
     let topic = TOPICS.iter().find(|topic| topic.word == "definitions").expect("the topic of the definitions");
@@ -123,15 +123,15 @@ fn grammar(reference: &Reference) -> Value {
             "forms": { "patterns": [
                 definitions(&any_of(callable), "entity.name.function.rpl"),
                 definitions(&any_of(others), "entity.name.type.rpl"),
-                called(&of(&[Kind::SpecialForm, Kind::Macro]), "keyword.control.rpl"),
-                called(&of(&[Kind::Plan]), "support.function.plan.rpl"),
-                called(&of(&[Kind::Function]), "support.function.rpl"),
+                called(&of(&[NameKind::SpecialForm, NameKind::Macro]), "keyword.control.rpl"),
+                called(&of(&[NameKind::Plan]), "support.function.plan.rpl"),
+                called(&of(&[NameKind::Function]), "support.function.rpl"),
             ] },
             "names": { "patterns": [
-                word(&of(&[Kind::Fluent]), "support.variable.fluent.rpl"),
+                word(&of(&[NameKind::Fluent]), "support.variable.fluent.rpl"),
                 word(&format!(r"[a-zA-Z]{NAME}*\*"), "variable.other.fluent.rpl"),
-                word(&of(&[Kind::Behaviour, Kind::Valve]), "support.constant.robot.rpl"),
-                word(&of(&[Kind::FailureClass]), "support.class.failure.rpl"),
+                word(&of(&[NameKind::Behaviour, NameKind::Valve]), "support.constant.robot.rpl"),
+                word(&of(&[NameKind::FailureClass]), "support.class.failure.rpl"),
             ] },
         },
     })

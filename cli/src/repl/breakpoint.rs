@@ -1,15 +1,18 @@
 //! Where a run stops: at a plan or function, at a line, at a tag, or when a condition over fluents
 //! becomes true.
 
-use super::past::FAILURE;
-use crate::mission::Robot;
-use crate::why::shortened;
+use super::own_text::UNTYPED;
+use crate::show::why::shortened;
 use rpl_lang::source::{self, Source, SourceId, Span};
 use rpl_lang::suggest::suggest;
+use rpl_mission::robot::Robot;
 use rpl_runtime::run::session::Condition;
 use rpl_runtime::run::stepping::Stop;
 use rpl_runtime::run::system::System;
 use std::fmt;
+
+/// What `:break` takes for all failures, and `:back` for the place of the last one.
+pub const FAILURE: &str = "failure";
 
 /// A place or condition.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,9 +117,6 @@ impl Breakpoint {
         matches!(self, Self::Name(_) | Self::Line(..))
     }
 }
-
-/// Texts that nobody has typed.
-pub const UNTYPED: &[&str] = &["session", "condition", "watch"];
 
 /// A line of a text, if the text is there and has it.
 fn at_line(system: &System<Robot>, named: Option<&str>, line: usize, file: Option<&str>) -> Result<Breakpoint, String> {

@@ -50,7 +50,7 @@ impl Verb {
 
 /// A command as the help shows it.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct CommandEntry {
     /// What is typed, with the colon.
     pub name: &'static str,
     /// What may follow.
@@ -66,8 +66,8 @@ pub struct Entry {
 }
 
 /// All commands, in the order of the help.
-pub const COMMANDS: &[Entry] = &[
-    Entry {
+pub const COMMANDS: &[CommandEntry] = &[
+    CommandEntry {
         name: ":load",
         arguments: "FILE",
         doc: "runs a file; what it defines counts from the next call on",
@@ -75,7 +75,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":load delivery.rpl",
         more: "FILE is a plan file or a built-in example. While a form is under way the file is run beside it, so that a plan can be changed in the midst of its run.",
     },
-    Entry {
+    CommandEntry {
         name: ":run",
         arguments: "FORM",
         doc: "runs a form to its end, past all breakpoints",
@@ -83,7 +83,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":run (greet 'ann)",
         more: "The breakpoints are there again afterwards.",
     },
-    Entry {
+    CommandEntry {
         name: ":time",
         arguments: "FORM",
         doc: "runs a form, and tells what it cost",
@@ -91,7 +91,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":time (sort (list 3 1 2) #'<)",
         more: "Computing is told in seconds of the clock on the wall, steps are calls and turns of loops, and the time of the plan is that of `now`.",
     },
-    Entry {
+    CommandEntry {
         name: ":step",
         arguments: "[FORM]",
         doc: "goes to the next form, of any task; or begins with FORM",
@@ -99,7 +99,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":step (greet 'ann)",
         more: "It stands before forms that call, wait, assign or start tasks, in your own text: what the library does is stepped over. An empty line does the same again.",
     },
-    Entry {
+    CommandEntry {
         name: ":next",
         arguments: "",
         doc: "goes to the next form of this call, over what it calls",
@@ -107,7 +107,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":next",
         more: "An empty line does the same again.",
     },
-    Entry {
+    CommandEntry {
         name: ":into",
         arguments: "",
         doc: "goes into what the marked form calls, also into the library",
@@ -115,7 +115,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":into",
         more: "Inside the library `:step` and `:next` go on in it, and `:out` leaves it.",
     },
-    Entry {
+    CommandEntry {
         name: ":out",
         arguments: "",
         doc: "goes to where this call was made from",
@@ -123,7 +123,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":out",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":continue",
         arguments: "",
         doc: "goes on to the end or the next breakpoint",
@@ -131,7 +131,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":continue",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":until",
         arguments: "TIME|LINE|NAME|(CONDITION)",
         doc: "goes on to a time such as 12.5s, a place, or a condition",
@@ -139,7 +139,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":until (> level 2)",
         more: "It takes what `:break` takes, for once, or a time of the run.",
     },
-    Entry {
+    CommandEntry {
         name: ":go",
         arguments: "[FACTOR]",
         doc: "goes on by the clock, FACTOR times as fast, while you type",
@@ -147,7 +147,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":go 10",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":stop",
         arguments: "",
         doc: "stops the clock; so does Ctrl-C on an empty line",
@@ -155,7 +155,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":stop",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":break",
         arguments: "[NAME|LINE|FILE:LINE|(CONDITION)|failure]",
         doc: "stops there from now on; lists where it stops",
@@ -163,7 +163,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":break (< pos-certainty* 0.5)",
         more: "NAME is a plan, a function or a tag. A condition stops the run when it becomes true, `failure` at the failure that ends a form, with everything alive as it was.",
     },
-    Entry {
+    CommandEntry {
         name: ":delete",
         arguments: "[N]",
         doc: "takes back breakpoint N, or all",
@@ -171,7 +171,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":delete 1",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":watch",
         arguments: "[EXPR]",
         doc: "shows it at every stop; without one, shows no more",
@@ -179,7 +179,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":watch (value level)",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":abort",
         arguments: "",
         doc: "gives up the form that runs; its clean-ups run",
@@ -187,7 +187,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":abort",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":back",
         arguments: "[N|TIME|failure]",
         doc: "goes back a step, N steps, a time, or to the last failure",
@@ -195,7 +195,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":back 10s",
         more: "All is as it was then, definitions included; what came after is forgotten. `:fork` keeps it.",
     },
-    Entry {
+    CommandEntry {
         name: ":at",
         arguments: "TIME",
         doc: "goes back to an instant of the run",
@@ -203,7 +203,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":at 12.5s",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":fork",
         arguments: "NAME",
         doc: "keeps the run as it is now under a name",
@@ -211,7 +211,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":fork before",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":forks",
         arguments: "",
         doc: "lists the runs that are kept",
@@ -219,7 +219,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":forks",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":switch",
         arguments: "NAME",
         doc: "goes to another run and keeps this one",
@@ -227,7 +227,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":switch before",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":why",
         arguments: "[PATH]",
         doc: "why a task waits, or how it ended: the chain of causes",
@@ -235,7 +235,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":why main/greet",
         more: "PATH is the path of a task or its end; without one it is the main task.",
     },
-    Entry {
+    CommandEntry {
         name: ":tasks",
         arguments: "",
         doc: "the tree of tasks, what each waits for, and its valves",
@@ -243,7 +243,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":tasks",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":task",
         arguments: "[PATH]",
         doc: "one task: its form, its calls, its variables",
@@ -251,7 +251,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":task main/greet",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":fluents",
         arguments: "[WORD]",
         doc: "the fluents and their values",
@@ -259,7 +259,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":fluents nav",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":valves",
         arguments: "",
         doc: "the valves, who holds them and who waits",
@@ -267,7 +267,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":valves",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":map",
         arguments: "",
         doc: "the world, the robot, and where it believes itself to be",
@@ -275,7 +275,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":map",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":trace",
         arguments: "[WORD...]",
         doc: "the last events, those that hold all the words",
@@ -283,7 +283,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":trace navigation gives",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":doc",
         arguments: "[NAME]",
         doc: "documents a name, your own or one of the library",
@@ -291,7 +291,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":doc with-policy",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":source",
         arguments: "NAME",
         doc: "shows the text of a definition, the library's too",
@@ -299,7 +299,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":source for-each",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":edit",
         arguments: "[NAME]",
         doc: "edits the last form or a definition, and runs it",
@@ -307,7 +307,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":edit greet",
         more: "The editor is the one that VISUAL or EDITOR names. What it leaves is run if it is another text than before; a text that is wrong is there again at the next `:edit`.",
     },
-    Entry {
+    CommandEntry {
         name: ":save",
         arguments: "FILE",
         doc: "saves what this session defines as a file that loads",
@@ -315,7 +315,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":save my-plans.rpl",
         more: "It holds the latest text of each definition, typed or loaded, not the values of variables. A file that is there is not overwritten, unless this session wrote it.",
     },
-    Entry {
+    CommandEntry {
         name: ":help",
         arguments: "[COMMAND]",
         doc: "this list, or a command with an example",
@@ -323,7 +323,7 @@ pub const COMMANDS: &[Entry] = &[
         example: ":help back",
         more: "",
     },
-    Entry {
+    CommandEntry {
         name: ":quit",
         arguments: "",
         doc: "ends the session; so does Ctrl-D",
@@ -333,7 +333,7 @@ pub const COMMANDS: &[Entry] = &[
     },
 ];
 
-impl Entry {
+impl CommandEntry {
     fn usage(&self) -> String {
         format!("{} {}", self.name, self.arguments).trim_end().to_string()
     }
@@ -353,9 +353,9 @@ impl Entry {
 ///
 /// # Errors
 /// There is no such command; the near one is named.
-pub fn find(name: &str) -> Result<&'static Entry, String> {
+pub fn find(name: &str) -> Result<&'static CommandEntry, String> {
     let bare = name.strip_prefix(':').unwrap_or(name);
-    let named = |entry: &&Entry| &entry.name[1..] == bare;
+    let named = |entry: &&CommandEntry| &entry.name[1..] == bare;
     COMMANDS.iter().find(named).ok_or_else(|| {
         let known = COMMANDS.iter().map(|entry| entry.name);
         match suggest(&format!(":{bare}"), known) {
@@ -388,7 +388,7 @@ pub fn parse(line: &str) -> Result<(Verb, &str), String> {
 
 /// The list that `:help` shows.
 pub fn help() -> Vec<String> {
-    let short = |entry: &&Entry| entry.usage().chars().count() <= 18;
+    let short = |entry: &&CommandEntry| entry.usage().chars().count() <= 18;
     let width = COMMANDS.iter().filter(short).map(|entry| entry.usage().chars().count()).max().unwrap_or(0);
     let mut lines = Vec::new();
     for entry in COMMANDS {

@@ -1,12 +1,12 @@
 //! What a run defines, as it is written: found in its texts, the library's included.
 
-use super::breakpoint::UNTYPED;
-use crate::mission::Robot;
+use super::own_text::UNTYPED;
 use rpl_lang::reader::read;
 use rpl_lang::source::{SourceId, Span};
 use rpl_lang::symbol::Symbols;
 use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::{NodeId, Tree};
+use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
 
 /// A definition in a text.

@@ -1,17 +1,18 @@
 //! `:doc` and `:help`: what the session defines, what is built in, and the prompt's own commands.
 
 use super::guard::is_output_gone;
-use super::view::{self, is_hidden};
+use super::listings::{fluent_value, value_text};
+use super::own_text::is_hidden;
 use super::{Prompt, command, definitions};
-use crate::doc;
-use crate::mission::Robot;
-use crate::reference::{self, Kind};
-use crate::why::shortened;
+use crate::reference::{self, NameKind, Reference};
+use crate::show::documentation::document;
+use crate::show::why::shortened;
 use anyhow::Result;
 use rpl_lang::code::{CodeKind, GlobalKind, Program};
 use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::fold_name;
+use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
 
 impl Prompt<'_> {
@@ -22,10 +23,16 @@ impl Prompt<'_> {
         if let Some(lines) = own(&self.session.branch.system, name) {
             return self.explain(&lines);
         }
-        match doc::run(Some(name).filter(|name| !name.is_empty()), self.console) {
+        let reference = self.reference()?;
+        match document(&reference, Some(name).filter(|name| !name.is_empty()), self.console) {
             Err(error) if !is_output_gone(&error) => self.wrong(&self.unknown(name)),
             done => done.map(drop),
         }
+    }
+
+    /// All that has a name, the commands included.
+    pub(super) fn reference(&self) -> Result<Reference> {
+        Ok(Reference::new()?.with_commands(&self.command_line))
     }
 
     /// What is said of a name that nothing has.
@@ -58,7 +65,7 @@ fn own(system: &System<Robot>, name: &str) -> Option<Vec<String>> {
     let program = &*system.program;
     let name = fold_name(name);
     let written = definitions::own(system).into_iter().rev().find(|own| own.name == name);
-    let known = Known::of(system, &name).filter(|known| known.span.source.0 >= program.library_sources);
+    let known = KnownName::of(system, &name).filter(|known| known.span.source.0 >= program.library_sources);
     let (signature, doc, kind, span, value) = match (known, written) {
         (Some(known), _) => (known.signature, known.doc, known.kind, known.span, known.value),
         (None, Some(written)) => (written.name.clone(), None, kind_of(&written.form), written.span, None),
@@ -76,7 +83,7 @@ fn own(system: &System<Robot>, name: &str) -> Option<Vec<String>> {
 /// What a form defines whose names the compiler keeps in tables of their own.
 fn kind_of(form: &str) -> &'static str {
     match form {
-        "def-failure" => Kind::FailureClass.word(),
+        "def-failure" => NameKind::FailureClass.word(),
         "deftest" => "test",
         "def-goal" => "goal",
         "defstruct" => "structure",
@@ -85,7 +92,7 @@ fn kind_of(form: &str) -> &'static str {
 }
 
 /// What the compiler and the run know of a name.
-struct Known {
+struct KnownName {
     kind: &'static str,
     signature: String,
     doc: Option<String>,
@@ -93,32 +100,32 @@ struct Known {
     value: Option<String>,
 }
 
-impl Known {
+impl KnownName {
     fn of(system: &System<Robot>, name: &str) -> Option<Self> {
         let (program, machine) = (&*system.program, &system.machine);
         let symbol = machine.symbols.find(name)?;
         if let Some(&code) = program.macros.get(&symbol) {
-            return Self::code(program, name, code, Kind::Macro);
+            return Self::code(program, name, code, NameKind::Macro);
         }
         let &number = program.names.get(&symbol)?;
         let global = program.globals.get(number as usize)?;
-        let value = || machine.globals.get(number as usize).map(|&value| view::value_text(system, value));
+        let value = || machine.globals.get(number as usize).map(|&value| value_text(system, value));
         let (kind, value) = match global.kind {
             GlobalKind::Function(code) => {
                 let is_plan = program.codes.get(code as usize).is_some_and(|code| code.kind == CodeKind::Plan);
-                return Self::code(program, name, code, if is_plan { Kind::Plan } else { Kind::Function });
+                return Self::code(program, name, code, if is_plan { NameKind::Plan } else { NameKind::Function });
             }
-            GlobalKind::Variable => (Kind::Variable.word(), value()),
+            GlobalKind::Variable => (NameKind::Variable.word(), value()),
             GlobalKind::Constant => ("constant", value()),
-            GlobalKind::Fluent => (Kind::Fluent.word(), view::fluent_value(system, number)),
-            GlobalKind::Valve => (Kind::Valve.word(), None),
-            GlobalKind::Behaviour(_) => (Kind::Behaviour.word(), None),
+            GlobalKind::Fluent => (NameKind::Fluent.word(), fluent_value(system, number)),
+            GlobalKind::Valve => (NameKind::Valve.word(), None),
+            GlobalKind::Behaviour(_) => (NameKind::Behaviour.word(), None),
         };
         let doc = global.doc.as_deref().map(str::to_string);
         Some(Self { kind, signature: name.to_string(), doc, span: global.span?, value })
     }
 
-    fn code(program: &Program, name: &str, code: u32, kind: Kind) -> Option<Self> {
+    fn code(program: &Program, name: &str, code: u32, kind: NameKind) -> Option<Self> {
         let code = program.codes.get(code as usize)?;
         let signature = reference::signature(name, code, program);
         let doc = code.doc.as_deref().map(str::to_string);

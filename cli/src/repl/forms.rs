@@ -1,9 +1,10 @@
 //! What is handed in at the prompt: files and typed forms, run at once or beside the one that runs.
 
-use super::session::{HandedIn, Until, kept_name};
-use super::{Prompt, definitions, living};
-use crate::failure_report::Reporter;
-use crate::files::PlanText;
+use super::halt::Until;
+use super::session::{HandedIn, kept_name};
+use super::{Prompt, definitions, present};
+use crate::files::plans::PlanText;
+use crate::show::failure_report::Reporter;
 use crate::status::Status;
 use anyhow::Result;
 use rpl_lang::diagnostic;
@@ -67,7 +68,7 @@ impl Prompt<'_> {
             None => {
                 if let Some(task) = system.machine.tasks.find_alive(aside.task) {
                     let machine = &system.machine;
-                    let standing = living::standing(system, &machine.wait_ends_us(), task);
+                    let standing = present::standing(system, &machine.wait_ends_us(), task);
                     let (path, waits) = (machine.path(task), standing.condition(machine.now_us));
                     self.console.note(&format!("{path} {waits}; it goes on with the run"));
                 }

@@ -1,6 +1,6 @@
 //! What keeps the prompt alive: no command ends it but the one that is to.
 
-use super::{Next, Prompt};
+use super::{AfterLine, Prompt};
 use crate::interrupt;
 use anyhow::Result;
 use std::any::Any;
@@ -62,13 +62,13 @@ impl Prompt<'_> {
     ///
     /// # Errors
     /// Standard output is closed.
-    pub(super) fn guarded(&mut self, act: impl FnOnce(&mut Self) -> Result<Next>) -> Result<Next> {
+    pub(super) fn guarded(&mut self, act: impl FnOnce(&mut Self) -> Result<AfterLine>) -> Result<AfterLine> {
         let position = self.session.branch.timeline.position;
         let breakpoints = self.session.breakpoints.clone();
         match catch_unwind(AssertUnwindSafe(|| act(self))) {
             Ok(Err(error)) if !is_output_gone(&error) => {
                 self.wrong(&format!("{error:#}"))?;
-                Ok(Next::Another)
+                Ok(AfterLine::Another)
             }
             Ok(done) => done,
             Err(_) => {
@@ -84,7 +84,7 @@ impl Prompt<'_> {
                 self.wrong(&format!(
                     "a fault of rpl itself: {fault}\nthe run stands where it stood before; please report what was typed"
                 ))?;
-                Ok(Next::Another)
+                Ok(AfterLine::Another)
             }
         }
     }
@@ -93,13 +93,13 @@ impl Prompt<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::console::Console;
-    use crate::mission::Site;
-    use crate::repl::session::{Session, Until};
-    use rpl_robot::office::OfficeSettings;
+    use crate::repl::halt::Until;
+    use crate::repl::session::Session;
+    use crate::terminal::console::Console;
+    use rpl_mission::site::Site;
 
     fn with_prompt(act: impl FnOnce(&mut Prompt<'_>)) -> Vec<String> {
-        let site = Site::new(None, None, OfficeSettings::default()).expect("a site");
+        let site = Site::without_robot().expect("a site");
         let mut console = Console::keeping();
         let mut prompt = Prompt::new(Session::new(&site, 1).expect("a session"), &mut console, false);
         act(&mut prompt);
@@ -116,7 +116,7 @@ mod tests {
                 prompt.forms("(setf n 2)", &Until::End)?;
                 panic!("a made-up fault")
             });
-            assert_eq!(next.expect("it goes on"), Next::Another);
+            assert_eq!(next.expect("it goes on"), AfterLine::Another);
             Faults::let_go(before);
             prompt.forms("(list n (now))", &Until::End).expect("it is written");
         });
@@ -128,7 +128,7 @@ mod tests {
     fn any_error_but_a_closed_output_is_told() {
         let kept = with_prompt(|prompt| {
             let next = prompt.guarded(|_| anyhow::bail!("something is missing"));
-            assert_eq!(next.expect("it goes on"), Next::Another);
+            assert_eq!(next.expect("it goes on"), AfterLine::Another);
             let closed = prompt.guarded(|_| Err(io::Error::from(io::ErrorKind::BrokenPipe).into()));
             assert!(closed.is_err());
         });

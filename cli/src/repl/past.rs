@@ -1,20 +1,20 @@
 //! Earlier instants of a run, and runs that are kept side by side.
 
+use super::Prompt;
+use super::breakpoint::FAILURE;
 use super::command::Verb;
-use super::{Prompt, session, view};
+use super::own_text::is_shown;
+use super::session::Branch;
+use crate::arguments::duration::parse_duration_us;
 use crate::interrupt;
-use crate::mission::Robot;
-use crate::time::parse_duration_us;
-use crate::why::shortened;
+use crate::show::why::shortened;
 use anyhow::Result;
 use rpl_lang::code::GlobalKind;
 use rpl_lang::suggest::suggest;
+use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
 use rpl_runtime::run::timeline::Past;
 use std::collections::BTreeMap;
-
-/// What `:back` takes for the place of the last failure, and `:break` for all of them.
-pub const FAILURE: &str = "failure";
 
 /// What is said where nothing is earlier.
 const START: &str = "this is the start";
@@ -43,9 +43,9 @@ impl Prompt<'_> {
         }
         let timeline = &self.session.branch.timeline;
         let past = match (rest.parse::<usize>(), parse_duration_us(rest)) {
-            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, view::is_shown, &interrupt::is_asked),
+            _ if rest.is_empty() => timeline.steps_before(timeline.position, 1, is_shown, &interrupt::is_asked),
             (Ok(0), _) => return self.show_stop(),
-            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, view::is_shown, &interrupt::is_asked),
+            (Ok(steps), _) => timeline.steps_before(timeline.position, steps, is_shown, &interrupt::is_asked),
             (_, Ok(time_us)) => {
                 if time_us > now_us {
                     self.console.note(START);
@@ -157,7 +157,7 @@ impl Prompt<'_> {
                 }
             },
             _ => {
-                let line = |mark: char, name: &str, branch: &session::Branch| {
+                let line = |mark: char, name: &str, branch: &Branch| {
                     format!("{mark} {name}  {:.1} s", branch.system.machine.now_s())
                 };
                 let mut lines = vec![line('*', &self.session.name, &self.session.branch)];

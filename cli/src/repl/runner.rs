@@ -1,12 +1,13 @@
 //! Lets the run of a session go on, until it ends, arrives, or is stopped.
 
 use super::breakpoint::Breakpoint;
-use super::session::{Halt, Session, Until};
-use super::view::{is_hidden, is_own};
-use crate::console::Console;
-use crate::events;
+use super::halt::{Halt, Until};
+use super::own_text::{is_hidden, is_own};
+use super::session::Session;
 use crate::interrupt;
-use crate::situation::is_within;
+use crate::show::situation::is_within;
+use crate::show::whereabouts::whereabouts;
+use crate::terminal::console::Console;
 use rpl_lang::source::Span;
 use rpl_runtime::run::stepping::{Stepped, Stop};
 use rpl_runtime::run::system::Turn;
@@ -15,8 +16,43 @@ use std::collections::BTreeMap;
 use std::io;
 use std::time::Instant;
 
+impl Session {
+    /// Lets the form that runs go on.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    pub fn go_on(&mut self, until: &Until, console: &mut Console) -> io::Result<Halt> {
+        if !matches!(until, Until::Clock { .. }) {
+            console.begin_status();
+        }
+        let halt = Runner::new(self, until, console).run();
+        console.end_status();
+        let halt = halt?;
+        if matches!(halt, Halt::Answered(_)) {
+            self.branch.is_running = false;
+            self.branch.stop = None;
+        }
+        Ok(halt)
+    }
+
+    /// Gives up the form that runs; its clean-ups run.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    pub fn give_up(&mut self, console: &mut Console) -> io::Result<Halt> {
+        let branch = &mut self.branch;
+        branch.system.give_up_form();
+        branch.stop = None;
+        branch.timeline.handed_in(&branch.system);
+        let breakpoints = std::mem::take(&mut self.breakpoints);
+        let halt = self.go_on(&Until::End, console);
+        self.breakpoints = breakpoints;
+        halt
+    }
+}
+
 /// Lets a run go on.
-pub struct Runner<'a> {
+struct Runner<'a> {
     session: &'a mut Session,
     until: &'a Until,
     console: &'a mut Console,
@@ -28,7 +64,7 @@ pub struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     /// Of a session, that has stood still until now.
-    pub fn new(session: &'a mut Session, until: &'a Until, console: &'a mut Console) -> Self {
+    fn new(session: &'a mut Session, until: &'a Until, console: &'a mut Console) -> Self {
         Self { session, until, console, computed: Instant::now(), looked_at: BTreeMap::new() }
     }
 
@@ -36,7 +72,7 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     /// Standard output is closed.
-    pub fn run(&mut self) -> io::Result<Halt> {
+    fn run(&mut self) -> io::Result<Halt> {
         let start = self.session.branch.stop.take();
         if let Some(start) = &start {
             self.enters(start);
@@ -177,7 +213,7 @@ impl<'a> Runner<'a> {
         self.computed = Instant::now();
         if let Some(room) = self.console.status_room() {
             let sight = branch.system.outside.sight();
-            let line = events::status_line(&branch.system.machine, &branch.system.outside, sight, room);
+            let line = whereabouts(&branch.system.machine, &branch.system.outside, sight, room);
             self.console.status(&line);
         }
         None

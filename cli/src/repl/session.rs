@@ -1,26 +1,24 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use super::runner::Runner;
-use crate::console::Console;
-use crate::events::{self, Told};
-use crate::failure_report::Reporter;
-use crate::files::Folder;
+use crate::files::plans::Folder;
 use crate::interrupt;
-use crate::mission::{Robot, Site};
+use crate::show::events::{self, ToldLine};
+use crate::show::failure_report::Reporter;
+use crate::terminal::console::Console;
 use anyhow::{Result, anyhow};
 use rpl_lang::symbol::Symbol;
-use rpl_robot::office;
+use rpl_mission::robot::Robot;
+use rpl_mission::site::Site;
 use rpl_runtime::run::library::Rejected;
 use rpl_runtime::run::session::{Answer, Submitted};
 use rpl_runtime::run::stepping::Stop;
 use rpl_runtime::run::system::System;
 use rpl_runtime::run::timeline::{Past, Timeline};
 use rpl_runtime::state::trace::Event;
-use rpl_runtime::state::value::{TaskRef, Value};
+use rpl_runtime::state::value::TaskRef;
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
-use std::time::Instant;
 
 /// Events that are kept: hours of a mission, and no more than a plan that never rests may take.
 const MOST_EVENTS: usize = 200_000;
@@ -38,45 +36,6 @@ pub struct Branch {
     pub stop: Option<Stop>,
     /// Whether a form is under way.
     pub is_running: bool,
-}
-
-/// How far to go on.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Until {
-    /// To the end of the form, or to a breakpoint.
-    End,
-    /// To the next form, in whatever task.
-    Step,
-    /// The same, also into the library, if the marked form calls it.
-    Into,
-    /// To the next form of the same task that is not deeper in calls.
-    Next,
-    /// To the next form of the function or plan that called this one.
-    Out,
-    /// To an instant of virtual time.
-    Time(u64),
-    /// To a place or condition, as for a breakpoint.
-    Place(Breakpoint),
-    /// By the clock on the wall, also while no form is under way.
-    Clock {
-        /// The instant of virtual time that has come.
-        due_us: u64,
-        /// When to stop in any case.
-        before: Instant,
-    },
-}
-
-/// Why the run stands still.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Halt {
-    /// The form has ended.
-    Answered(Answer),
-    /// Where the user wanted to go.
-    Arrived,
-    /// At a breakpoint, so described.
-    Breakpoint(String),
-    /// Ctrl-C.
-    Interrupted,
 }
 
 /// What came of forms beside the one that runs.
@@ -132,11 +91,9 @@ impl Session {
     /// # Errors
     /// The session's own text does not compile.
     pub fn new(site: &Site, seed: u64) -> Result<Self> {
-        let mut system = System::session(&site.library, site.robot(seed), seed)
+        let mut system = site
+            .session(seed)
             .map_err(|rejected: Rejected| anyhow!("the session cannot start\n{}", rejected.render(false)))?;
-        let continuous = office::tables().continuous_fluents();
-        let quiet: Vec<u32> = continuous.filter_map(|name| fluent_named(&system, name)).collect();
-        system.machine.trace.quiet.extend(quiet);
         system.machine.trace.take();
         let timeline = Timeline::new(&system, Robot::bytes_apart);
         let branch = Branch { system, timeline, log: VecDeque::new(), stop: None, is_running: false };
@@ -201,39 +158,6 @@ impl Session {
         !self.branch.system.machine.is_idle()
     }
 
-    /// Lets the form that runs go on.
-    ///
-    /// # Errors
-    /// Standard output is closed.
-    pub fn go_on(&mut self, until: &Until, console: &mut Console) -> io::Result<Halt> {
-        if !matches!(until, Until::Clock { .. }) {
-            console.begin_status();
-        }
-        let halt = Runner::new(self, until, console).run();
-        console.end_status();
-        let halt = halt?;
-        if matches!(halt, Halt::Answered(_)) {
-            self.branch.is_running = false;
-            self.branch.stop = None;
-        }
-        Ok(halt)
-    }
-
-    /// Gives up the form that runs; its clean-ups run.
-    ///
-    /// # Errors
-    /// Standard output is closed.
-    pub fn give_up(&mut self, console: &mut Console) -> io::Result<Halt> {
-        let branch = &mut self.branch;
-        branch.system.give_up_form();
-        branch.stop = None;
-        branch.timeline.handed_in(&branch.system);
-        let breakpoints = std::mem::take(&mut self.breakpoints);
-        let halt = self.go_on(&Until::End, console);
-        self.breakpoints = breakpoints;
-        halt
-    }
-
     /// Shows what was printed, and keeps what happened.
     pub fn hand_on(&mut self, console: &mut Console) -> io::Result<()> {
         let machine = &mut self.branch.system.machine;
@@ -241,8 +165,8 @@ impl Session {
         let is_lost = !happened.is_empty() && self.branch.system.outside.is_lost();
         for told in events::in_order(&happened, output, is_lost) {
             match told {
-                Told::Print(text) => console.print(&text)?,
-                Told::Event(line) | Told::Log(line) => console.note(&line),
+                ToldLine::Print(text) => console.print(&text)?,
+                ToldLine::Event(line) | ToldLine::Log(line) => console.note(&line),
             }
         }
         let log = &mut self.branch.log;
@@ -292,13 +216,5 @@ impl Session {
     pub fn restore_conditions(&mut self) {
         let system = &mut self.branch.system;
         self.breakpoints.iter_mut().for_each(|place| place.restore(system));
-    }
-}
-
-fn fluent_named(system: &System<Robot>, name: &str) -> Option<u32> {
-    let symbol = system.machine.symbols.find(name)?;
-    match system.machine.globals.get(*system.program.names.get(&symbol)? as usize)? {
-        Value::Fluent(fluent) => Some(*fluent),
-        _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! `:time`: what a form costs.
 
 use super::Prompt;
-use super::session::Until;
+use super::halt::Until;
 use anyhow::Result;
 use std::time::Instant;
 

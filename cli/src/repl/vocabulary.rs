@@ -1,10 +1,10 @@
 //! What can be typed: the words that Tab completes, each where it fits.
 
 use super::breakpoint;
+use super::breakpoint::FAILURE;
 use super::command::{COMMANDS, Verb};
-use super::past::FAILURE;
 use super::session::Session;
-use crate::examples;
+use crate::files::examples;
 use crate::reference::{self, Reference};
 use anyhow::Result;
 use rpl_lang::code::GlobalKind;
@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// What the library knows, for the whole session.
-pub struct Library {
+pub struct LibraryWords {
     /// How each name is written, and the first sentence about it.
     names: BTreeMap<String, String>,
     keywords: BTreeSet<String>,
@@ -30,7 +30,7 @@ pub struct Vocabulary {
     places: Vec<String>,
 }
 
-impl Library {
+impl LibraryWords {
     /// What is built in.
     ///
     /// # Errors
@@ -86,19 +86,19 @@ impl Vocabulary {
     }
 
     /// What is said of a name.
-    pub fn hint<'a>(&'a self, library: &'a Library, name: &str) -> Option<&'a str> {
+    pub fn hint<'a>(&'a self, library: &'a LibraryWords, name: &str) -> Option<&'a str> {
         let name = name.to_lowercase();
         self.names.get(&name).or_else(|| library.names.get(&name)).map(|hint| hint.trim())
     }
 
     /// Whether a name means something.
-    pub fn knows(&self, library: &Library, name: &str) -> bool {
+    pub fn knows(&self, library: &LibraryWords, name: &str) -> bool {
         let name = name.to_lowercase();
         self.names.contains_key(&name) || library.names.contains_key(&name)
     }
 
     /// The words that can stand at the end of a text, and where they begin.
-    pub fn complete(&self, library: &Library, text: &str) -> (usize, Vec<String>) {
+    pub fn complete(&self, library: &LibraryWords, text: &str) -> (usize, Vec<String>) {
         let start = word_start(text);
         let (before, word) = (&text[..start], text[start..].to_lowercase());
         let typed = before.trim_start();
@@ -199,7 +199,7 @@ mod tests {
             forks: vec!["before".to_string()],
             places: vec!["mail-slots".to_string()],
         };
-        vocabulary.complete(&Library::new().expect("the library compiles"), text).1
+        vocabulary.complete(&LibraryWords::new().expect("the library compiles"), text).1
     }
 
     #[test]

@@ -1,10 +1,9 @@
 //! Definitions as text: shown, edited in the user's editor, and saved as a file.
 
 use super::definitions::{self, Definition};
-use super::session::Until;
-use super::{Prompt, editing, is_blank};
-use crate::files;
-use crate::reference::Reference;
+use super::halt::Until;
+use super::{Prompt, external_editor, is_blank};
+use crate::files::{inputs, outputs};
 use anyhow::Result;
 use rpl_lang::compile::NoFiles;
 use std::path::Path;
@@ -32,7 +31,7 @@ impl Prompt<'_> {
 
     /// Why a name has no text.
     fn without_text(&self, name: &str) -> Result<String> {
-        let reference = Reference::new()?;
+        let reference = self.reference()?;
         if let Some(entry) = reference.find(name) {
             let kind = entry.kind.word();
             return Ok(format!("`{name}` is a {kind} that is built in, without a text; `:doc {name}` documents it"));
@@ -52,7 +51,7 @@ impl Prompt<'_> {
             }
         };
         self.console.flush()?;
-        match editing::edited(&text, self.is_interactive) {
+        match external_editor::edited(&text, self.is_interactive) {
             Err(reason) => self.wrong(&reason),
             Ok(edited) if edited.trim() == text.trim() => {
                 self.console.note("the text is as it was; nothing is run");
@@ -78,8 +77,9 @@ impl Prompt<'_> {
         }
         let text = file_of(system, &own);
         // What this session wrote there, and nobody has changed since, is nobody's loss.
-        let is_ours = self.saved.get(path).is_some_and(|saved| files::read_text(Path::new(path)).as_ref() == Ok(saved));
-        if let Err(reason) = files::write_new(Path::new(path), &text, is_ours) {
+        let is_ours =
+            self.saved.get(path).is_some_and(|saved| inputs::read_text(Path::new(path)).as_ref() == Ok(saved));
+        if let Err(reason) = outputs::write_new(Path::new(path), &text, is_ours) {
             return self.wrong(&format!("cannot save to `{path}`: {reason}"));
         }
         self.saved.insert(path.to_string(), text.clone());
@@ -98,7 +98,7 @@ impl Prompt<'_> {
 
 /// The definitions in the order of the latest of each. A macro that was defined anew after its last
 /// use would come too late: then its text comes first.
-fn file_of(system: &rpl_runtime::run::system::System<crate::mission::Robot>, own: &[Definition]) -> String {
+fn file_of(system: &rpl_runtime::run::system::System<rpl_mission::robot::Robot>, own: &[Definition]) -> String {
     let text = |definitions: &[&Definition]| {
         let texts: Vec<String> =
             definitions.iter().map(|definition| definitions::with_comments(system, definition)).collect();

@@ -1,7 +1,7 @@
 //! The trace as JSON Lines: a header that says of which run, then one object for each event, and, if
 //! asked for, for where the robot was now and then.
 
-use crate::mission::Sight;
+use rpl_mission::sight::Sight;
 use rpl_robot::geometry::Pose;
 use rpl_runtime::state::trace::Event;
 use serde::{Deserialize, Serialize};
@@ -66,7 +66,7 @@ impl TraceFile {
     ///
     /// # Errors
     /// The disk is full.
-    pub fn write_pose(&mut self, seen: &Seen) -> io::Result<()> {
+    pub fn write_pose(&mut self, seen: &TracedPose) -> io::Result<()> {
         writeln!(self.out, "{}", pose_line(seen))
     }
 
@@ -81,7 +81,7 @@ impl TraceFile {
 
 /// Where the robot was seen at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct TracedPose {
     /// When, in virtual time.
     pub time_us: u64,
     /// What was seen.
@@ -93,7 +93,7 @@ pub(super) const POSE: &str = "pose";
 
 /// `{"time_s":…,"kind":"pose","true":[x, y, heading],"estimated":[x, y, heading],"certainty":…}` in
 /// metres and radians, to the millimetre and less than a hundredth of a degree.
-pub(super) fn pose_line(seen: &Seen) -> String {
+pub(super) fn pose_line(seen: &TracedPose) -> String {
     let Sight { robot_in_map, estimate_in_map, certainty } = seen.sight;
     let rounded = |value: f64, steps: f64| (value * steps).round() / steps;
     let numbers = |pose: Pose| json!([rounded(pose.x_m, 1e3), rounded(pose.y_m, 1e3), rounded(pose.heading_rad, 1e4)]);

@@ -1,9 +1,9 @@
 //! Reading a trace file, line by line, as far as it goes.
 
-use super::file::{Header, POSE, Seen, VERSION};
-use crate::files;
-use crate::mission::Sight;
+use super::file::{Header, POSE, TracedPose, VERSION};
+use crate::files::inputs;
 use anyhow::{Result, anyhow, bail};
+use rpl_mission::sight::Sight;
 use rpl_robot::geometry::Pose;
 use rpl_runtime::state::time::LAST_INSTANT_US;
 use rpl_runtime::state::trace::{Event, EventKind};
@@ -21,7 +21,7 @@ const MAX_TIME_S: f64 = LAST_INSTANT_US as f64 / 1e6;
 
 /// An event, and the line it stands in.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct TraceLine {
     /// Counts from 1, the header included.
     pub number: usize,
     /// As it stands in the file.
@@ -39,11 +39,11 @@ pub struct TraceReader {
     /// Why reading ended before the end of the file.
     pub damage: Option<String>,
     /// Where the robot was, as far as the file has been read.
-    pub poses: Vec<Seen>,
+    pub poses: Vec<TracedPose>,
     input: Box<dyn BufRead>,
     number: usize,
     /// A first line that is an event already.
-    first: Option<Line>,
+    first: Option<TraceLine>,
 }
 
 impl TraceReader {
@@ -55,7 +55,7 @@ impl TraceReader {
         let input: Box<dyn BufRead> = match name {
             "-" => Box::new(BufReader::new(io::stdin())),
             _ => Box::new(BufReader::new(
-                files::open(Path::new(name)).map_err(|reason| anyhow!("cannot read the trace `{name}`: {reason}"))?,
+                inputs::open(Path::new(name)).map_err(|reason| anyhow!("cannot read the trace `{name}`: {reason}"))?,
             )),
         };
         let mut reader = Self {
@@ -75,7 +75,7 @@ impl TraceReader {
         match (serde_json::from_str::<Header>(&text), told_in(text.trim_end())) {
             (Ok(header), _) => reader.header = Some(header),
             (_, Ok(Told::Event(event))) => {
-                reader.first = Some(Line { number: 1, text: text.trim_end().to_string(), event });
+                reader.first = Some(TraceLine { number: 1, text: text.trim_end().to_string(), event });
             }
             (_, Ok(Told::Pose(seen))) => reader.poses.push(seen),
             (_, Err(reason)) => {
@@ -107,7 +107,7 @@ impl TraceReader {
         Ok(bytes)
     }
 
-    fn next_line(&mut self) -> Result<Option<Line>, String> {
+    fn next_line(&mut self) -> Result<Option<TraceLine>, String> {
         loop {
             let bytes = self.next_bytes().map_err(|error| format!("cannot be read: {error}"))?;
             if bytes.is_empty() {
@@ -120,7 +120,7 @@ impl TraceReader {
             let text = String::from_utf8(bytes).map_err(|_| "is not text".to_string())?;
             let text = text.trim_end().to_string();
             match told_in(&text) {
-                Ok(Told::Event(event)) => return Ok(Some(Line { number: self.number, text, event })),
+                Ok(Told::Event(event)) => return Ok(Some(TraceLine { number: self.number, text, event })),
                 Ok(Told::Pose(seen)) => self.poses.push(seen),
                 Err(_) if !is_whole => return Err("is cut off".to_string()),
                 Err(reason) => return Err(reason),
@@ -130,9 +130,9 @@ impl TraceReader {
 }
 
 impl Iterator for TraceReader {
-    type Item = Line;
+    type Item = TraceLine;
 
-    fn next(&mut self) -> Option<Line> {
+    fn next(&mut self) -> Option<TraceLine> {
         if let Some(first) = self.first.take() {
             return Some(first);
         }
@@ -151,24 +151,24 @@ impl Iterator for TraceReader {
 }
 
 /// The fields of an object in their order.
-struct Fields(Vec<(String, Value)>);
+struct JsonFields(Vec<(String, Value)>);
 
-impl<'de> Deserialize<'de> for Fields {
+impl<'de> Deserialize<'de> for JsonFields {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct InOrder;
         impl<'de> Visitor<'de> for InOrder {
-            type Value = Fields;
+            type Value = JsonFields;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
                 out.write_str("an object")
             }
 
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Fields, M::Error> {
+            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<JsonFields, M::Error> {
                 let mut fields = Vec::new();
                 while let Some(field) = map.next_entry()? {
                     fields.push(field);
                 }
-                Ok(Fields(fields))
+                Ok(JsonFields(fields))
             }
         }
         deserializer.deserialize_map(InOrder)
@@ -179,7 +179,7 @@ impl<'de> Deserialize<'de> for Fields {
 #[derive(Clone, Debug, PartialEq)]
 enum Told {
     Event(Event),
-    Pose(Seen),
+    Pose(TracedPose),
 }
 
 /// What a line tells of.
@@ -187,7 +187,7 @@ enum Told {
 /// # Errors
 /// What is wrong with the line, as said after its number.
 fn told_in(text: &str) -> Result<Told, String> {
-    let Fields(fields) = serde_json::from_str(text).map_err(|_| "is no JSON object".to_string())?;
+    let JsonFields(fields) = serde_json::from_str(text).map_err(|_| "is no JSON object".to_string())?;
     match fields.iter().any(|(name, value)| name == "kind" && value == POSE) {
         true => pose_of(&fields).map(Told::Pose),
         false => event_of(fields).map(Told::Event),
@@ -198,7 +198,7 @@ fn time_us_of(time_s: f64) -> Option<u64> {
     (0.0..=MAX_TIME_S).contains(&time_s).then_some((time_s * 1e6).round() as u64)
 }
 
-fn pose_of(fields: &[(String, Value)]) -> Result<Seen, String> {
+fn pose_of(fields: &[(String, Value)]) -> Result<TracedPose, String> {
     let field = |wanted: &str| fields.iter().find(|(name, _)| name == wanted).map(|(_, value)| value);
     let number = |wanted: &str| field(wanted).and_then(Value::as_f64).filter(|number| number.is_finite());
     let pose = |wanted: &str| {
@@ -209,7 +209,7 @@ fn pose_of(fields: &[(String, Value)]) -> Result<Seen, String> {
     let time_us = number("time_s").and_then(time_us_of);
     match (time_us, pose("true"), pose("estimated"), number("certainty")) {
         (Some(time_us), Some(robot_in_map), Some(estimate_in_map), Some(certainty)) => {
-            Ok(Seen { time_us, sight: Sight { robot_in_map, estimate_in_map, certainty } })
+            Ok(TracedPose { time_us, sight: Sight { robot_in_map, estimate_in_map, certainty } })
         }
         _ => Err("is no pose: `time_s`, `true`, `estimated` and `certainty` are expected".to_string()),
     }
@@ -254,7 +254,7 @@ mod tests {
         assert_eq!(told_in(&line(&event)), Ok(Told::Event(event)));
         let pose = |x_m| Pose { x_m, y_m: -2.5, heading_rad: 1.2345 };
         let sight = Sight { robot_in_map: pose(1.125), estimate_in_map: pose(-0.001), certainty: 0.875 };
-        let seen = Seen { time_us: 1_250_000, sight };
+        let seen = TracedPose { time_us: 1_250_000, sight };
         assert_eq!(told_in(&pose_line(&seen)), Ok(Told::Pose(seen)));
     }
 

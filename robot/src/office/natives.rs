@@ -8,7 +8,7 @@ use crate::world::{Place, TravelMode};
 use rpl_lang::symbol::fold_name;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::{Call, Effect, Native, Reply};
+use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, NativeFunction, Reply};
 use std::sync::Arc;
 
 /// A destination counts as reached when the estimate is this near to it.
@@ -16,8 +16,20 @@ const AT_DESTINATION_M: f64 = 0.35;
 
 /// Functions of the robot.
 pub fn natives() -> Vec<Native> {
-    let look = |name, parameters, doc, code| Native { name, parameters, doc, effect: Effect::None, code };
-    let act = |name, parameters, doc, code| Native { name, parameters, doc, effect: Effect::Acts, code };
+    let look = |name, parameters, doc, code: NativeFunction| Native {
+        name,
+        parameters,
+        doc,
+        effect: Effect::None,
+        code: NativeCode::Plain(code),
+    };
+    let act = |name, parameters, doc, code: NativeFunction| Native {
+        name,
+        parameters,
+        doc,
+        effect: Effect::Acts,
+        code: NativeCode::Plain(code),
+    };
     vec![
         look("place", "name", "The name of a place, checked: fails if the world has no such place.", place as _),
         look("place-pose", "name", "The pose of a place: x, y in metres, heading in radians.", place_pose as _),

@@ -10,7 +10,7 @@ use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::{Call, Effect, Native, Reply};
+use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, NativeFunction, Reply};
 use std::any::Any;
 use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
@@ -95,13 +95,8 @@ fn oracle<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut Oracle, Raise> {
         .ok_or_else(|| Raise::new("error", "only a scenario can do this; run it with `--scenario`"))
 }
 
-const fn act(
-    name: &'static str,
-    parameters: &'static str,
-    doc: &'static str,
-    code: rpl_runtime::step::native::NativeCode,
-) -> Native {
-    Native { name, parameters, doc, effect: Effect::Acts, code }
+const fn act(name: &'static str, parameters: &'static str, doc: &'static str, code: NativeFunction) -> Native {
+    Native { name, parameters, doc, effect: Effect::Acts, code: NativeCode::Plain(code) }
 }
 
 /// Functions of scenarios.

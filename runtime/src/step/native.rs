@@ -7,6 +7,7 @@ use crate::state::value::{TaskRef, Value};
 use rpl_lang::code::Program;
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::kind::Kind;
+use std::sync::Arc;
 
 /// So much text is made, or looked through, in the time of one turn of a loop.
 const CHARACTERS_A_STEP: usize = 8;
@@ -74,7 +75,7 @@ impl Call<'_, '_> {
     ///
     /// # Errors
     /// A `type-error` if it is none.
-    pub fn text(&self, at: usize) -> Result<std::sync::Arc<str>, Raise> {
+    pub fn text(&self, at: usize) -> Result<Arc<str>, Raise> {
         match self.argument(at) {
             Value::Str(index) => Ok(self.machine.heap.strings[index].clone()),
             _ => Err(self.wrong_type(at)),
@@ -171,11 +172,36 @@ impl Call<'_, '_> {
     }
 }
 
+/// A plain function in Rust that is called by plans.
+pub type NativeFunction = fn(&mut Call<'_, '_>) -> Result<Reply, Raise>;
+
 /// The code of a native function.
-pub type NativeCode = fn(&mut Call<'_, '_>) -> Result<Reply, Raise>;
+#[derive(Clone)]
+pub enum NativeCode {
+    /// A function: what all that come with the language have.
+    Plain(NativeFunction),
+    /// A closure that holds something of the program around, such as the sender of a channel. That is
+    /// no part of the run: all forks call the same one, and no saved run has it. If it answers a plan,
+    /// it must give the same answer to the same call, or the run is not the same a second time.
+    Capturing(Arc<dyn Fn(&mut Call<'_, '_>) -> Result<Reply, Raise> + Send + Sync>),
+}
+
+impl NativeCode {
+    /// Calls it.
+    ///
+    /// # Errors
+    /// The failure of the plan that the code raises.
+    #[inline]
+    pub fn call(&self, call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+        match self {
+            NativeCode::Plain(code) => code(call),
+            NativeCode::Capturing(code) => code(call),
+        }
+    }
+}
 
 /// A native function.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Native {
     /// Its name.
     pub name: &'static str,

@@ -11,6 +11,7 @@ use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::output::Channel;
 use rpl_runtime::state::task::ScopeKind;
 use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::NativeCode::Plain;
 use rpl_runtime::step::native::{Call, Effect, Native, Reply};
 use std::any::Any;
 use std::sync::{Arc, LazyLock, OnceLock};
@@ -153,42 +154,42 @@ const NATIVES: &[Native] = &[
         parameters: "entry",
         doc: "A part with a clean-up is entered.",
         effect: Effect::Acts,
-        code: |call| {
+        code: Plain(|call| {
             let entry = call.integer(0)?;
             say(call, "enter", entry)
-        },
+        }),
     },
     Native {
         name: "note-clean",
         parameters: "entry",
         doc: "The clean-up of a part runs.",
         effect: Effect::Acts,
-        code: |call| {
+        code: Plain(|call| {
             let entry = call.integer(0)?;
             let what = if is_alone(call) { "clean" } else { "early" };
             say(call, what, entry)
-        },
+        }),
     },
     Native {
         name: "note-pass",
         parameters: "entry",
         doc: "A part has succeeded and needs no clean-up.",
         effect: Effect::Acts,
-        code: |call| {
+        code: Plain(|call| {
             let entry = call.integer(0)?;
             say(call, "pass", entry)
-        },
+        }),
     },
     Native {
         name: "note",
         parameters: "value",
         doc: "Writes a value into the output.",
         effect: Effect::Acts,
-        code: |call| {
+        code: Plain(|call| {
             let text = call.machine.show(call.around.program, call.argument(0));
             call.machine.put_out(Channel::Print, format!("note {text}"));
             Ok(Reply::Value(Value::Nil))
-        },
+        }),
     },
 ];
 

@@ -1,7 +1,7 @@
 //! One run: the robot is moved, reads one direction at a time, and is compared with the truth.
 
 use super::shuttle::Shuttle;
-use super::{Policy, Sensors, Setting};
+use super::{Policy, SensingSetting, Sensors};
 use anyhow::{Context, Result};
 use rpl_random::Stream;
 use rpl_robot::active::{Direction, SensingModel};
@@ -68,7 +68,7 @@ pub struct EndPoint {
 
 /// One run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct SensingRun {
     pub seed: u64,
     pub moments: Vec<Moment>,
     pub readings: Vec<EndPoint>,
@@ -76,7 +76,7 @@ pub struct Course {
     pub mirrored: f64,
 }
 
-impl Course {
+impl SensingRun {
     /// When the robot first became certain of its true position and stayed so for a while.
     pub fn certain_after_s(&self) -> Option<f64> {
         let mut runs = self.moments.chunk_by(|a, b| (a.near >= CERTAIN) == (b.near >= CERTAIN));
@@ -175,7 +175,7 @@ impl Hall {
     }
 
     /// Moves the robot, from a place on the lane that is drawn from the seed.
-    pub fn run(&self, setting: &Setting, seed: u64, until_us: u64) -> Course {
+    pub fn run(&self, setting: &SensingSetting, seed: u64, until_us: u64) -> SensingRun {
         let models = self.models(setting.sensors);
         let sensing = SensingModel::new(&models);
         let mut chance = Stream::new(seed, "sensing");
@@ -184,7 +184,7 @@ impl Hall {
         state.robot_in_map = start_in_map;
         let mut belief = Belief::uniform(models[0]);
         let mut odometry_in_odom = state.odometry_in_odom;
-        let mut course = Course { seed, moments: Vec::new(), readings: Vec::new(), mirrored: 0.0 };
+        let mut course = SensingRun { seed, moments: Vec::new(), readings: Vec::new(), mirrored: 0.0 };
         while state.time_us < until_us {
             let commands = Commands { sonars_on: true, ..shuttle.commands(state.robot_in_map) };
             let percept = self.simulator.step(&mut state, &commands);

@@ -1,10 +1,10 @@
 //! The figures of the experiment, as in the paper: error over time (Fig. 9), probability of the true
 //! position (Fig. 10), and what the selected readings met (Fig. 11).
 
-use super::course::{Course, Hall, Moment};
-use super::{Policy, Rows, Sensors};
-use crate::experiment::chart::{self, Line, Point as Mean};
-use crate::figures::{self, Figure};
+use super::course::{Hall, Moment, SensingRun};
+use super::{Policy, SensingRuns, Sensors};
+use crate::experiment::chart::{self, Curve, CurvePoint as Mean};
+use crate::show::figures::{self, Figure};
 use rpl_robot::geometry::Point;
 
 /// Edge of a map cell in a drawing.
@@ -16,7 +16,7 @@ const EVERY_S: usize = 20;
 const KINDS: [(Sensors, &str); 3] = [(Sensors::Sonars, "sonars"), (Sensors::Laser, "laser"), (Sensors::Both, "both")];
 
 /// Names of files and what is in them.
-pub fn pictures(hall: &Hall, rows: &Rows) -> Vec<(String, String)> {
+pub fn pictures(hall: &Hall, rows: &SensingRuns) -> Vec<(String, String)> {
     let mut files = Vec::new();
     for (sensors, name) in KINDS {
         let lines = lines(rows, sensors, |moment| moment.error_m);
@@ -39,12 +39,12 @@ pub fn pictures(hall: &Hall, rows: &Rows) -> Vec<(String, String)> {
 }
 
 /// The mean over the runs of each row with these sensors.
-fn lines<'r>(rows: &'r Rows, sensors: Sensors, of: fn(&Moment) -> f64) -> Vec<Line<'r>> {
+fn lines<'r>(rows: &'r SensingRuns, sensors: Sensors, of: fn(&Moment) -> f64) -> Vec<Curve<'r>> {
     let of_sensors = rows.iter().filter(|(setting, _)| setting.sensors == sensors);
-    of_sensors.map(|(setting, courses)| Line { name: setting.name, points: points(courses, of) }).collect()
+    of_sensors.map(|(setting, courses)| Curve { name: setting.name, points: points(courses, of) }).collect()
 }
 
-fn points(courses: &[Course], of: fn(&Moment) -> f64) -> Vec<Mean> {
+fn points(courses: &[SensingRun], of: fn(&Moment) -> f64) -> Vec<Mean> {
     let moments = courses.iter().map(|course| course.moments.len()).min().unwrap_or(0);
     let at = |index: usize| {
         let numbers: Vec<f64> = courses.iter().map(|course| of(&course.moments[index])).collect();
@@ -54,7 +54,7 @@ fn points(courses: &[Course], of: fn(&Moment) -> f64) -> Vec<Mean> {
 }
 
 /// Where the readings of one run ended, seen from where the robot really was.
-fn end_points(hall: &Hall, course: &Course, sonars: bool) -> String {
+fn end_points(hall: &Hall, course: &SensingRun, sonars: bool) -> String {
     let map = hall.world.map(RESOLUTION_M).around_free();
     let ends = course.readings.iter().filter(|reading| reading.is_sonar == sonars);
     let dots_in_map: Vec<Point> = ends.map(|reading| reading.end_in_map).collect();

@@ -1,11 +1,10 @@
 //! The table of the experiment, and its runs as lines.
 
-use super::Rows;
-use super::course::{CERTAIN_WITHIN_S, Course, HELD_S};
-use crate::experiment::NOTHING;
-use crate::experiment::statistics::{Share, Spread, Summary};
-use crate::page::Block;
-use crate::table::Table;
+use super::SensingRuns;
+use super::course::{CERTAIN_WITHIN_S, HELD_S, SensingRun};
+use crate::experiment::statistics::{Dispersion, Proportion, Summary};
+use crate::terminal::page::Block;
+use crate::terminal::table::{NOTHING, Table};
 use serde::Serialize;
 
 /// Times at which the error is told.
@@ -13,9 +12,9 @@ const AT_S: [f64; 4] = [100.0, 200.0, 400.0, 600.0];
 
 /// What came of the runs of a row.
 #[derive(Clone, Debug, Serialize)]
-pub struct RowResult {
+pub struct SensingRow {
     name: &'static str,
-    certain: Share,
+    certain: Proportion,
     /// When the robot became certain, in the runs in which it ever did.
     certain_after_s: Option<Summary>,
     error: Vec<ErrorAt>,
@@ -32,18 +31,18 @@ struct ErrorAt {
 }
 
 /// The figures of each row.
-pub fn results(rows: &Rows) -> Vec<RowResult> {
-    rows.iter().map(|(setting, courses)| RowResult::of(setting.name, courses)).collect()
+pub fn results(rows: &SensingRuns) -> Vec<SensingRow> {
+    rows.iter().map(|(setting, courses)| SensingRow::of(setting.name, courses)).collect()
 }
 
-impl RowResult {
-    fn of(name: &'static str, courses: &[Course]) -> Self {
-        let median = |numbers: &[f64]| Spread::of(numbers).map(|spread| spread.median);
+impl SensingRow {
+    fn of(name: &'static str, courses: &[SensingRun]) -> Self {
+        let median = |numbers: &[f64]| Dispersion::of(numbers).map(|spread| spread.median);
         let last = courses.iter().filter_map(|course| course.moments.last());
         Self {
             name,
-            certain: Share::new(courses.iter().filter(|course| course.succeeded()).count(), courses.len()),
-            certain_after_s: Summary::of(&courses.iter().filter_map(Course::certain_after_s).collect::<Vec<f64>>()),
+            certain: Proportion::new(courses.iter().filter(|course| course.succeeded()).count(), courses.len()),
+            certain_after_s: Summary::of(&courses.iter().filter_map(SensingRun::certain_after_s).collect::<Vec<f64>>()),
             error: AT_S.iter().map(|&time_s| ErrorAt { time_s, mean_m: error_at(courses, time_s) }).collect(),
             there: median(&last.map(|moment| moment.near).collect::<Vec<f64>>()),
             mirrored: median(&courses.iter().map(|course| course.mirrored).collect::<Vec<f64>>()),
@@ -65,14 +64,15 @@ impl RowResult {
 }
 
 /// Mean over the runs.
-fn error_at(courses: &[Course], at_s: f64) -> Option<f64> {
-    let at = |course: &Course| course.moments.iter().find(|moment| moment.time_s >= at_s).map(|moment| moment.error_m);
+fn error_at(courses: &[SensingRun], at_s: f64) -> Option<f64> {
+    let at =
+        |course: &SensingRun| course.moments.iter().find(|moment| moment.time_s >= at_s).map(|moment| moment.error_m);
     let errors: Vec<f64> = courses.iter().filter_map(at).collect();
-    Spread::of(&errors).map(|spread| spread.mean)
+    Dispersion::of(&errors).map(|spread| spread.mean)
 }
 
 /// A line for each row.
-pub fn blocks(rows: &[RowResult]) -> Vec<Block> {
+pub fn blocks(rows: &[SensingRow]) -> Vec<Block> {
     let errors = AT_S.map(|at_s| format!("at {at_s:.0} s"));
     let head = ["", "certain", "95 % interval", "after [s]"].into_iter();
     let head: Vec<&str> = head.chain(errors.iter().map(String::as_str)).chain(["there", "mirrored"]).collect();
@@ -88,7 +88,7 @@ pub fn blocks(rows: &[RowResult]) -> Vec<Block> {
 }
 
 /// Every run as a line of comma-separated values.
-pub fn raw_rows(rows: &Rows) -> String {
+pub fn raw_rows(rows: &SensingRuns) -> String {
     let mut lines = vec!["row,seed,certain after [s],error at the end [m],at the position,at the mirrored".to_string()];
     for (setting, courses) in rows {
         for course in courses {
@@ -106,9 +106,9 @@ mod tests {
     use crate::experiment::sensing::SETTINGS;
     use crate::experiment::sensing::course::Moment;
 
-    fn course(near: impl Fn(usize) -> f64) -> Course {
+    fn course(near: impl Fn(usize) -> f64) -> SensingRun {
         let moment = |second: usize| Moment { time_s: second as f64, error_m: 0.5, near: near(second) };
-        Course { seed: 1, moments: (1..=600).map(moment).collect(), readings: vec![], mirrored: 0.1 }
+        SensingRun { seed: 1, moments: (1..=600).map(moment).collect(), readings: vec![], mirrored: 0.1 }
     }
 
     #[test]
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(late.certain_after_s(), Some(451.0));
         assert_eq!(soon.certain_after_s(), Some(100.0));
         assert_eq!(glimpse.certain_after_s(), None);
-        let result = RowResult::of(SETTINGS[0].name, &[late, soon, glimpse]);
+        let result = SensingRow::of(SETTINGS[0].name, &[late, soon, glimpse]);
         let cells: Vec<String> = result.cells().collect();
         assert_eq!(cells[1..=3], ["1/3", "6–79 %", "276 (100–451)"]);
         assert_eq!(cells[4..8], ["0.50"; 4]);

@@ -129,7 +129,7 @@ impl Machine {
         if entry.effect.acts() && self.current == SCRATCH_TASK {
             self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
         }
-        (entry.code)(&mut NativeCall { machine: self, around, native: entry, arguments })
+        entry.code.call(&mut NativeCall { machine: self, around, native: entry, arguments })
     }
 
     /// Calls a native that has found no room once more, when what nobody needs is gone.

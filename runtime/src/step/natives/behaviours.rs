@@ -2,6 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::value::Value;
+use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -10,21 +11,21 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "behaviour &rest arguments",
         doc: "Starts a behaviour with keyword arguments; one that drives needs its valve.",
         effect: Effect::Acts,
-        code: activate,
+        code: Plain(activate),
     },
     Native {
         name: "deactivate",
         parameters: "behaviour",
         doc: "Stops a behaviour that this task or one below it has activated.",
         effect: Effect::Acts,
-        code: deactivate,
+        code: Plain(deactivate),
     },
     Native {
         name: "await-signal",
         parameters: "behaviour",
         doc: "Waits for the signal of a behaviour: returns at success, fails with its failure.",
         effect: Effect::Waits,
-        code: await_signal,
+        code: Plain(await_signal),
     },
 ];
 

@@ -3,6 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::output::Channel;
 use crate::state::value::Value;
+use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -11,42 +12,42 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "function &rest arguments",
         doc: "Calls a function with arguments.",
         effect: Effect::Calls,
-        code: |call| Ok(Reply::Call(call.argument(0), call.arguments[1..].to_vec())),
+        code: Plain(|call| Ok(Reply::Call(call.argument(0), call.arguments[1..].to_vec()))),
     },
     Native {
         name: "apply",
         parameters: "function argument &rest more",
         doc: "Calls a function with arguments, the last of which is a list of further ones.",
         effect: Effect::Calls,
-        code: apply,
+        code: Plain(apply),
     },
     Native {
         name: "execute-plan",
         parameters: "datum",
         doc: "Compiles a quoted plan and runs it here, in this task.",
         effect: Effect::Calls,
-        code: |call| Ok(Reply::Execute(call.argument(0))),
+        code: Plain(|call| Ok(Reply::Execute(call.argument(0)))),
     },
     Native {
         name: "random",
         parameters: "limit",
         doc: "A random number at or above 0 and below the limit, an integer for an integer; drawn from the run's seed.",
         effect: Effect::Acts,
-        code: random,
+        code: Plain(random),
     },
     Native {
         name: "print",
         parameters: "value",
         doc: "Writes a value and a newline, and returns the value.",
         effect: Effect::None,
-        code: print,
+        code: Plain(print),
     },
     Native {
         name: "log",
         parameters: "value",
         doc: "Writes a value to the trace and to standard error, and returns it.",
         effect: Effect::None,
-        code: log,
+        code: Plain(log),
     },
 ];
 

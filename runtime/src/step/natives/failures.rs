@@ -3,6 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::value::Value;
 use crate::step::construct::outcome::all_failed;
+use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -11,71 +12,71 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "class message &rest slots",
         doc: "Fails with a class, a message and slots; the form `fail` is made of it.",
         effect: Effect::None,
-        code: fail,
+        code: Plain(fail),
     },
     Native {
         name: "fail-composite",
         parameters: "parts",
         doc: "Fails with a `composite-failure` that holds these failures.",
         effect: Effect::None,
-        code: fail_composite,
+        code: Plain(fail_composite),
     },
     Native {
         name: "failure-class",
         parameters: "failure",
         doc: "The class of a failure, a symbol.",
         effect: Effect::None,
-        code: |call| {
+        code: Plain(|call| {
             let failure = failure(call)?;
             Ok(Reply::Value(Value::Symbol(call.machine.heap.failures[failure].class)))
-        },
+        }),
     },
     Native {
         name: "failure-message",
         parameters: "failure",
         doc: "The message of a failure, a string.",
         effect: Effect::None,
-        code: |call| {
+        code: Plain(|call| {
             let failure = failure(call)?;
             let message = call.machine.heap.failures[failure].message.clone();
             Ok(Reply::Value(call.machine.heap.string(&message)))
-        },
+        }),
     },
     Native {
         name: "failure-slot",
         parameters: "failure name",
         doc: "The value of a slot of a failure, or nil.",
         effect: Effect::None,
-        code: slot,
+        code: Plain(slot),
     },
     Native {
         name: "failure-parts",
         parameters: "failure",
         doc: "The failures a `composite-failure` is made of.",
         effect: Effect::None,
-        code: |call| {
+        code: Plain(|call| {
             let failure = failure(call)?;
             let parts = call.machine.heap.failures[failure].parts.clone();
             Ok(Reply::Value(call.machine.heap.list(&parts)))
-        },
+        }),
     },
     Native {
         name: "failure-while-cleaning-up",
         parameters: "failure",
         doc: "The failures of clean-ups that ran because of a failure.",
         effect: Effect::None,
-        code: |call| {
+        code: Plain(|call| {
             let failure = failure(call)?;
             let later = call.machine.heap.failures[failure].while_cleaning_up.clone();
             Ok(Reply::Value(call.machine.heap.list(&later)))
-        },
+        }),
     },
     Native {
         name: "failure-is?",
         parameters: "failure class",
         doc: "Whether a failure is of a class or of one below it.",
         effect: Effect::None,
-        code: is_of_class,
+        code: Plain(is_of_class),
     },
 ];
 

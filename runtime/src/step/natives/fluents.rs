@@ -3,6 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::value::Value;
+use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -11,63 +12,63 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "initial",
         doc: "A new fluent that holds this value.",
         effect: Effect::None,
-        code: create_fluent,
+        code: Plain(create_fluent),
     },
     Native {
         name: "value",
         parameters: "fluent",
         doc: "The value of a fluent now; assign it with `(setf (value fluent) v)`.",
         effect: Effect::None,
-        code: value,
+        code: Plain(value),
     },
     Native {
         name: "%set-value",
         parameters: "fluent value",
         doc: "Assigns a fluent.",
         effect: Effect::Acts,
-        code: set_value,
+        code: Plain(set_value),
     },
     Native {
         name: "pulse",
         parameters: "fluent",
         doc: "Makes a fluent true for one propagation without changing its value.",
         effect: Effect::Acts,
-        code: pulse,
+        code: Plain(pulse),
     },
     Native {
         name: "pulsed",
         parameters: "fluent",
         doc: "A fluent that is true in the propagation of a pulse.",
         effect: Effect::None,
-        code: |call| derived(call, Origin::Pulsed),
+        code: Plain(|call| derived(call, Origin::Pulsed)),
     },
     Native {
         name: "changed",
         parameters: "fluent",
         doc: "A fluent that is true in the propagation of a change.",
         effect: Effect::None,
-        code: |call| derived(call, Origin::Changed),
+        code: Plain(|call| derived(call, Origin::Changed)),
     },
     Native {
         name: "count-pulses",
         parameters: "fluent",
         doc: "A fluent that counts the pulses of another from now on.",
         effect: Effect::None,
-        code: |call| derived(call, Origin::Count),
+        code: Plain(|call| derived(call, Origin::Count)),
     },
     Native {
         name: "%pulsed-now",
         parameters: "fluent",
         doc: "Whether the propagation under way is a pulse of this fluent.",
         effect: Effect::None,
-        code: |call| event_now(call, |fluent| fluent.is_pulsed),
+        code: Plain(|call| event_now(call, |fluent| fluent.is_pulsed)),
     },
     Native {
         name: "%changed-now",
         parameters: "fluent",
         doc: "Whether the propagation under way changed this fluent.",
         effect: Effect::None,
-        code: |call| event_now(call, |fluent| fluent.is_changed),
+        code: Plain(|call| event_now(call, |fluent| fluent.is_changed)),
     },
 ];
 

@@ -5,6 +5,7 @@ use crate::state::fluent::{Fluent, Origin};
 use crate::state::slab::NONE;
 use crate::state::task::{TaskFluents, Waiting};
 use crate::state::value::Value;
+use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -13,91 +14,91 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "task",
         doc: "A fluent that holds the state of a task, such as `running` or `succeeded`.",
         effect: Effect::None,
-        code: |call| about(call, |fluents| &mut fluents.status),
+        code: Plain(|call| about(call, |fluents| &mut fluents.status)),
     },
     Native {
         name: "result",
         parameters: "task",
         doc: "A fluent that holds the value or the failure of a task once it is dead.",
         effect: Effect::None,
-        code: |call| about(call, |fluents| &mut fluents.result),
+        code: Plain(|call| about(call, |fluents| &mut fluents.result)),
     },
     Native {
         name: "begin-task",
         parameters: "task",
         doc: "A fluent that is true from the moment a task has begun.",
         effect: Effect::None,
-        code: |call| about(call, |fluents| &mut fluents.begin),
+        code: Plain(|call| about(call, |fluents| &mut fluents.begin)),
     },
     Native {
         name: "end-task",
         parameters: "task",
         doc: "A fluent that is true from the moment a task is dead.",
         effect: Effect::None,
-        code: |call| about(call, |fluents| &mut fluents.end),
+        code: Plain(|call| about(call, |fluents| &mut fluents.end)),
     },
     Native {
         name: "evaporate",
         parameters: "task",
         doc: "Ends a task and all below it; returns when it is dead, clean-ups included.",
         effect: Effect::Waits,
-        code: evaporate,
+        code: Plain(evaporate),
     },
     Native {
         name: "suspend",
         parameters: "task",
         doc: "Suspends a task and all below it; suspensions count.",
         effect: Effect::Waits,
-        code: suspend,
+        code: Plain(suspend),
     },
     Native {
         name: "resume",
         parameters: "task",
         doc: "Takes one suspension of a task back; a surplus one does nothing.",
         effect: Effect::Waits,
-        code: resume,
+        code: Plain(resume),
     },
     Native {
         name: "this-task",
         parameters: "",
         doc: "The task that evaluates this.",
         effect: Effect::None,
-        code: this_task,
+        code: Plain(this_task),
     },
     Native {
         name: "task",
         parameters: "path",
         doc: "The living task with this path, or nil.",
         effect: Effect::None,
-        code: task_at,
+        code: Plain(task_at),
     },
     Native {
         name: "task-path",
         parameters: "task",
         doc: "The path of a task as a string.",
         effect: Effect::None,
-        code: task_path,
+        code: Plain(task_path),
     },
     Native {
         name: "now",
         parameters: "",
         doc: "Seconds of virtual time since the start.",
         effect: Effect::None,
-        code: |call| Ok(Reply::Value(Value::Float(call.machine.now_s()))),
+        code: Plain(|call| Ok(Reply::Value(Value::Float(call.machine.now_s())))),
     },
     Native {
         name: "wait-time",
         parameters: "seconds &optional clock",
         doc: "Blocks for a time; 0 goes to the end of the line of its priority. With `:active` behind it only the time counts in which the task is not suspended.",
         effect: Effect::Waits,
-        code: wait_time,
+        code: Plain(wait_time),
     },
     Native {
         name: "at-time",
         parameters: "time",
         doc: "Blocks until the clock shows a time; not at all if that is past.",
         effect: Effect::Waits,
-        code: at_time,
+        code: Plain(at_time),
     },
 ];
 

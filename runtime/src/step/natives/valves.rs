@@ -3,6 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::task::Waiting;
 use crate::state::value::Value;
+use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
 
 pub(super) const NATIVES: &[Native] = &[
@@ -11,21 +12,21 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "valve",
         doc: "Waits for a valve and keeps it until `release-valve`; prefer `with-valve`.",
         effect: Effect::Waits,
-        code: request,
+        code: Plain(request),
     },
     Native {
         name: "release-valve",
         parameters: "valve",
         doc: "Gives a valve back that this task has requested.",
         effect: Effect::Acts,
-        code: release,
+        code: Plain(release),
     },
     Native {
         name: "holds-valve?",
         parameters: "valve",
         doc: "Whether this task, or one around it, holds a valve now.",
         effect: Effect::None,
-        code: holds,
+        code: Plain(holds),
     },
 ];
 

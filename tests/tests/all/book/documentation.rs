@@ -3,13 +3,12 @@
 
 use rpl_lang::check::{KnownPlaces, RULES};
 use rpl_lang::compile::NoFiles;
-use rpl_robot::office::{self, OfficeModel, OfficeSettings, PLANS};
+use rpl_mission::site::Site;
+use rpl_robot::office::{self, OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
-use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::Library;
 use rpl_runtime::state::failure::CLASSES;
-use rpl_runtime::step::native::Native;
-use rpl_tests::natives;
+use rpl_tests::mission::robot_library;
 use rpl_tests::repository::{root, text_of};
 use std::collections::BTreeMap;
 use std::fs;
@@ -100,12 +99,6 @@ fn differs(found: &str, shown: Option<&str>) -> Option<String> {
     }
 }
 
-fn library(natives: Vec<Native>, plans: &[(&str, &str)], tables: &RobotTables) -> Library {
-    let texts = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
-    Library::new(natives, &texts, tables, &office::robot_names())
-        .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)))
-}
-
 fn faults_of(library: &Library, place: &str, text: &str) -> Option<String> {
     library.load(place, text, &mut NoFiles).err().map(|rejected| rejected.render(false))
 }
@@ -125,10 +118,6 @@ fn plans_run_and_print_what_stands_below_them() {
 #[test]
 fn plans_with_an_error_show_it() {
     each_block(&["lisp error"], |_, block, shown| differs(rpl_tests::run(&block.text).trim_end(), shown));
-}
-
-fn robot_library() -> Library {
-    library([natives(), office::natives()].concat(), &[("robot", PLANS)], office::tables())
 }
 
 #[test]
@@ -162,7 +151,7 @@ fn plans_for_the_robot_compile() {
 
 #[test]
 fn scenarios_compile() {
-    let library = library([natives(), office::oracle_natives()].concat(), &[], office::oracle_tables());
+    let library = Site::for_checking_scenarios().expect("the library compiles").library;
     each_block(&["lisp scenario"], |place, block, _| faults_of(&library, place, &block.text));
 }
 

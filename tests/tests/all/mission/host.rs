@@ -38,7 +38,7 @@ impl Host for Script {
 /// Runs a plan to its end on a host; gives its trace and the run.
 fn run<H: Host + 'static>(plan: &str, host: H) -> (Vec<Event>, System<OfficeRobot<H>>) {
     let mission = Mission::new(test_room(), plan);
-    let robot = OfficeRobot::new(mission.model.clone(), host, SEED);
+    let robot = OfficeRobot::new(test_room(), host, SEED);
     let mut system = System::traced(robot_library(), mission.plan, robot, SEED);
     system.run_until(120_000_000);
     (system.machine.trace.take(), system)

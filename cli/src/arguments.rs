@@ -1,0 +1,9 @@
+//! What several commands take on their command lines: where a plan runs, times, names of plans, first
+//! values of variables; and how a shell completes them.
+
+pub mod completion;
+pub mod duration;
+pub mod numbers;
+pub mod overrides;
+pub mod plan_files;
+pub mod site;

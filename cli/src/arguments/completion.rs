@@ -1,0 +1,102 @@
+//! What a shell completes on the command line: worlds, plans, experiments, rows and names, each where
+//! it fits.
+
+use crate::arguments::overrides;
+use crate::experiment;
+use crate::files::examples;
+use crate::files::plans;
+use clap::builder::StyledStr;
+use clap_complete::engine::{CompletionCandidate, PathCompleter, ValueCompleter};
+use rpl_robot::world::World;
+use std::env;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// What a shell is offered.
+pub type Offers = Vec<CompletionCandidate>;
+
+fn candidate(name: &str, purpose: &str) -> CompletionCandidate {
+    let purpose = (!purpose.is_empty()).then(|| StyledStr::from(purpose.to_string()));
+    CompletionCandidate::new(name).help(purpose)
+}
+
+/// Those that begin with what is typed.
+pub fn beginning_with<'a>(typed: &OsStr, known: impl IntoIterator<Item = (&'a str, &'a str)>) -> Offers {
+    let typed = typed.to_string_lossy();
+    let meant = known.into_iter().filter(|(name, _)| name.starts_with(typed.as_ref()));
+    meant.map(|(name, purpose)| candidate(name, purpose)).collect()
+}
+
+/// Files with one of these extensions, and folders that may have some.
+fn files(typed: &OsStr, extensions: &'static [&'static str]) -> Offers {
+    let is_wanted = move |path: &Path| {
+        path.is_file() && path.extension().is_some_and(|found| extensions.iter().any(|wanted| found == *wanted))
+    };
+    PathCompleter::any().filter(is_wanted).complete(typed)
+}
+
+/// Worlds: built-in ones, and files.
+pub fn worlds(typed: &OsStr) -> Offers {
+    let purposes: Vec<(&str, String)> =
+        World::builtin_names().map(|name| (name, World::builtin_purpose(name).unwrap_or_default())).collect();
+    let mut found = beginning_with(typed, purposes.iter().map(|(name, purpose)| (*name, purpose.as_str())));
+    found.extend(files(typed, &["toml", "yaml", "yml"]));
+    found
+}
+
+/// Maps of the ROS map_server.
+pub fn maps(typed: &OsStr) -> Offers {
+    files(typed, &["yaml", "yml"])
+}
+
+/// Plans: files, and built-in examples that are no scenarios.
+pub fn plans(typed: &OsStr) -> Offers {
+    let mut found = plan_files(typed);
+    found.extend(beginning_with(typed, examples::all().filter(|(name, _)| !name.starts_with(SCENARIOS))));
+    found
+}
+
+/// Plans that are files.
+pub fn plan_files(typed: &OsStr) -> Offers {
+    files(typed, &["rpl"])
+}
+
+/// Built-in examples.
+pub fn built_in(typed: &OsStr) -> Offers {
+    beginning_with(typed, examples::all())
+}
+
+const SCENARIOS: &str = "scenarios/";
+
+/// Scenarios: files, and built-in ones, which need no folder.
+pub fn scenarios(typed: &OsStr) -> Offers {
+    let mut found = plan_files(typed);
+    let scenarios = examples::all().filter_map(|(name, purpose)| Some((name.strip_prefix(SCENARIOS)?, purpose)));
+    found.extend(beginning_with(typed, scenarios));
+    found.extend(beginning_with(typed, examples::all().filter(|(name, _)| name.starts_with("experiments/"))));
+    found
+}
+
+/// Experiments with a name, and plans.
+pub fn experiments(typed: &OsStr) -> Offers {
+    let mut found = beginning_with(typed, experiment::names().map(|(name, _)| (name, "an experiment")));
+    found.extend(plans(typed));
+    found
+}
+
+/// The rows of the experiment that stands in the line.
+pub fn rows(typed: &OsStr) -> Offers {
+    let words: Vec<String> = env::args().skip_while(|word| word != "experiment").collect();
+    let asked = experiment::names().filter(|(name, _)| words.iter().skip(1).any(|word| word == name));
+    asked.flat_map(|(_, rows)| beginning_with(typed, rows.into_iter().map(|row| (row, "")))).collect()
+}
+
+/// `NAME=` for the variables of the plan that stands in the line.
+pub fn variables(typed: &OsStr) -> Offers {
+    // Nothing that would have to be waited for.
+    let is_plan = |word: &String| Path::new(word).is_file() || examples::find(word).is_some();
+    let plans = env::args().filter(is_plan).filter_map(|word| plans::plan(&word).ok());
+    let names: Vec<String> =
+        plans.flat_map(|plan| overrides::definitions(&plan.text)).map(|name| format!("{name}=")).collect();
+    beginning_with(typed, names.iter().map(|name| (name.as_str(), "")))
+}

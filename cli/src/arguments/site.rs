@@ -1,0 +1,102 @@
+//! What a plan is run in, as the command line names it: the world, what happens there, and the seed.
+
+use crate::arguments::completion;
+use crate::arguments::numbers::positive;
+use crate::files::plans;
+use crate::files::world_files;
+use crate::sites;
+use anyhow::Result;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_mission::cost::MEMORY_GIB;
+use rpl_mission::site::{Setup, Site};
+use rpl_robot::localization::LocalizationParameters;
+use rpl_robot::office::OfficeSettings;
+use rpl_robot::world::World;
+
+/// Arguments that say where a plan runs.
+#[derive(clap::Args, Clone, Debug)]
+pub struct SiteArguments {
+    /// The world the robot is in: a built-in name, or a .toml file
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
+    pub world: Option<String>,
+    /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
+    #[arg(
+        long,
+        value_name = "M",
+        value_enum,
+        default_value_t = MapArgument::World,
+        requires = "world",
+        hide_possible_values = true
+    )]
+    pub map: MapArgument,
+    /// How fine the grid of the robot's belief is: 15 cm and 2° (`fine`), or, for larger worlds,
+    /// 30 cm and 6° (`coarse`)
+    #[arg(
+        long,
+        value_name = "G",
+        value_enum,
+        default_value_t = GridArgument::Fine,
+        requires = "world",
+        hide_possible_values = true
+    )]
+    pub grid: GridArgument,
+    /// The memory that the map and the belief of a world may take, in GiB
+    #[arg(long, value_name = "GIB", requires = "world", default_value_t = MEMORY_GIB, value_parser = positive)]
+    pub memory: f64,
+    /// Seed of every random stream
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
+    pub scenario: Option<String>,
+}
+
+/// What the robot knows of the world.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapArgument {
+    /// What the world says is mapped
+    World,
+    /// Nothing
+    None,
+}
+
+impl MapArgument {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            MapArgument::World => "world",
+            MapArgument::None => "none",
+        }
+    }
+}
+
+/// How fine the grid of the belief is.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GridArgument {
+    /// 15 cm and 2°
+    Fine,
+    /// 30 cm and 6°
+    Coarse,
+}
+
+impl SiteArguments {
+    /// The site, and the world of its robot if there is one.
+    ///
+    /// # Errors
+    /// There is no such world or scenario, or it has faults.
+    pub fn build(&self) -> Result<(Site, Option<World>)> {
+        let world = self.world.as_deref().map(world_files::named).transpose()?;
+        let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
+        let localization = match self.grid {
+            GridArgument::Fine => LocalizationParameters::default(),
+            GridArgument::Coarse => LocalizationParameters::coarse(),
+        };
+        let settings =
+            OfficeSettings { map_known: self.map == MapArgument::World, localization, ..OfficeSettings::default() };
+        let site = sites::build(
+            Setup { world: world.clone(), settings, memory_gib: self.memory, natives: Vec::new() },
+            scenario,
+        )?;
+        Ok((site, world))
+    }
+}

@@ -1,0 +1,214 @@
+//! `rpl check FILE...`: all findings in plan texts, without running them.
+
+use crate::arguments::completion;
+use crate::arguments::plan_files;
+use crate::files::plans;
+use crate::files::plans::PlanText;
+use crate::files::world_files;
+use crate::status::Status;
+use crate::terminal::console::Console;
+use anyhow::{Context, Result};
+use clap_complete::engine::ArgValueCompleter;
+use rpl_lang::check::KnownPlaces;
+use rpl_lang::code::Program;
+use rpl_lang::diagnostic::{Diagnostic, Severity, render};
+use rpl_lang::source::{Sources, Span};
+use rpl_mission::site::Site;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Checks plans without running them: all faults at once, and what is probably wrong.
+///
+/// An error is what keeps a plan from running, and makes the exit status 2; a warning is not, and
+/// leaves it 0. Each warning has the name of its rule. A comment `; check: allow RULE` in its line,
+/// or in the line above, takes it away; what is unused on purpose begins with an underscore.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// Plan files, or folders with plans; `-` for standard input
+    #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plans))]
+    files: Vec<String>,
+    /// The files are scenarios: plans with hands in the world
+    #[arg(long)]
+    scenario: bool,
+    /// The world they are for: places they name must be there
+    #[arg(long, value_name = "WORLD", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::worlds))]
+    world: Option<String>,
+    /// Writes one JSON object to standard output instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` writes.
+#[derive(Clone, Debug, Default, Serialize)]
+struct CheckReport {
+    files: Vec<FileRecord>,
+    errors: usize,
+    warnings: usize,
+}
+
+/// What was found in a file.
+#[derive(Clone, Debug, Serialize)]
+struct FileRecord {
+    /// None where a folder could not be read.
+    file: Option<String>,
+    /// Why it could not be checked.
+    error: Option<String>,
+    findings: Vec<FindingRecord>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct FindingRecord {
+    severity: &'static str,
+    rule: &'static str,
+    message: String,
+    #[serde(flatten)]
+    place: PlaceRecord,
+    label: String,
+    help: Option<String>,
+    related: Vec<RelatedRecord>,
+}
+
+/// A stretch of a text; lines and columns count from 1, and the end is not part of it.
+#[derive(Clone, Debug, Serialize)]
+struct PlaceRecord {
+    file: String,
+    line: usize,
+    column: usize,
+    end_line: usize,
+    end_column: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct RelatedRecord {
+    message: String,
+    #[serde(flatten)]
+    place: PlaceRecord,
+}
+
+/// Checks every file; the places they name are looked up in the world, if one is given.
+///
+/// # Errors
+/// There is no such world, or standard output is closed.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let places = arguments.world.as_deref().map(places_of).transpose()?;
+    let sites = match arguments.scenario {
+        true => vec![Site::for_checking_scenarios()?],
+        false => vec![Site::without_robot()?, Site::for_checking()?],
+    };
+    let mut report = CheckReport::default();
+    for name in plan_files::named(&arguments.files) {
+        let plan = |name: &String| match arguments.scenario {
+            true => plans::scenario(name),
+            false => plans::plan(name),
+        };
+        match name.as_ref().map_err(Clone::clone).and_then(|name| plan(name).map_err(|error| format!("{error:#}"))) {
+            Ok(plan) => {
+                let (findings, program) = findings(&sites, &plan, places.as_ref());
+                if !arguments.json {
+                    tell(&plan.name, &findings, &program, console)?;
+                }
+                report.add(FileRecord::found(&plan.name, &findings, &program.sources));
+            }
+            // The other files can still be checked.
+            Err(error) => {
+                if !arguments.json {
+                    console.note(&format!("error: {error}"));
+                }
+                report.add(FileRecord { file: name.ok(), error: Some(error), findings: Vec::new() });
+            }
+        }
+    }
+    if arguments.json {
+        console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
+    }
+    Ok(if report.errors == 0 { Status::Succeeded } else { Status::Wrong })
+}
+
+impl CheckReport {
+    fn add(&mut self, file: FileRecord) {
+        let errors = file.findings.iter().filter(|finding| finding.severity == ERROR).count();
+        self.warnings += file.findings.len() - errors;
+        self.errors += errors + usize::from(file.error.is_some());
+        self.files.push(file);
+    }
+}
+
+const ERROR: &str = "error";
+
+impl FileRecord {
+    fn found(name: &str, findings: &[Diagnostic], sources: &Sources) -> Self {
+        let mut findings: Vec<&Diagnostic> = findings.iter().collect();
+        findings.sort_by_key(|finding| finding.span);
+        let findings = findings.into_iter().map(|finding| FindingRecord::of(finding, sources)).collect();
+        Self { file: Some(name.to_string()), error: None, findings }
+    }
+}
+
+impl FindingRecord {
+    fn of(finding: &Diagnostic, sources: &Sources) -> Self {
+        let related = finding
+            .related
+            .iter()
+            .map(|(span, message)| RelatedRecord { message: message.clone(), place: PlaceRecord::of(*span, sources) });
+        Self {
+            severity: match finding.severity {
+                Severity::Error => ERROR,
+                Severity::Warning => "warning",
+            },
+            rule: finding.code,
+            message: finding.message.clone(),
+            place: PlaceRecord::of(finding.span, sources),
+            label: finding.label.clone(),
+            help: finding.help.clone(),
+            related: related.collect(),
+        }
+    }
+}
+
+impl PlaceRecord {
+    fn of(span: Span, sources: &Sources) -> Self {
+        let (line, column) = sources.line_column(span);
+        let (end_line, end_column) = sources.line_column(Span { start: span.end, ..span });
+        Self { file: sources.get(span.source).name.to_string(), line, column, end_line, end_column }
+    }
+}
+
+fn places_of(world: &str) -> Result<KnownPlaces> {
+    let world = world_files::named(world)?;
+    Ok(KnownPlaces { names: world.places.iter().map(|place| place.name.clone()).collect(), world: world.name })
+}
+
+/// What is found in a plan at the first site that has all it needs, or at the last one: a plan that
+/// names nothing of the robot's may give the robot's names meanings of its own.
+fn findings(sites: &[Site], plan: &PlanText, places: Option<&KnownPlaces>) -> (Vec<Diagnostic>, Arc<Program>) {
+    let mut found = (Vec::new(), Arc::default());
+    for site in sites {
+        found = site.library.check(&plan.name, &plan.text, places, &mut plan.folder.clone());
+        if found.0.iter().all(|finding| finding.code != "needs-a-world") {
+            break;
+        }
+    }
+    found
+}
+
+/// Tells the findings in a text.
+fn tell(name: &str, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<()> {
+    if findings.is_empty() {
+        return Ok(console.print(&format!("{name}: no findings"))?);
+    }
+    console.note(render(findings, &program.sources, console.colour).trim_end());
+    console.note(&format!("{name}: {}", count(findings)));
+    Ok(())
+}
+
+fn count(findings: &[Diagnostic]) -> String {
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
+    let warnings = findings.len() - errors;
+    let plural = |count: usize, noun: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {noun}")),
+        _ => Some(format!("{count} {noun}s")),
+    };
+    let parts: Vec<String> = [plural(errors, "error"), plural(warnings, "warning")].into_iter().flatten().collect();
+    parts.join(", ")
+}

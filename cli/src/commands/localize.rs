@@ -1,0 +1,177 @@
+//! `rpl localize`: the filter on a recorded drive, in windows, as a table and a figure.
+
+mod arguments;
+mod figure;
+mod table;
+
+use crate::files::inputs;
+use crate::files::maps;
+use crate::files::maps::MapFile;
+use crate::files::outputs::{OutputFile, OutputFolder};
+use crate::status::Status;
+use crate::terminal::console::Console;
+use crate::terminal::progress;
+use anyhow::{Context, Result, anyhow, bail};
+pub use arguments::Arguments;
+use rpl_robot::geometry::Vector;
+use rpl_robot::localization::{LocalizationModel, LocalizationParameters};
+use rpl_robot::occupancy::{Cell, OccupancyGrid};
+use rpl_robot::recording::{BeamChoice, Recording, Start, Trial, Window, fit_odometry, fit_sensor, localize};
+use std::time::Instant;
+
+/// A log belongs to a map if this share of its poses lies on free space.
+const ON_THE_MAP: f64 = 0.5;
+
+/// A trial, the window it was made in, and how long it took.
+struct Timed {
+    window: Window,
+    trial: Trial,
+    wall_s: f64,
+}
+
+/// Runs the trials, or fits the parameters.
+///
+/// # Errors
+/// A file that is missing or has faults, a log that does not belong to the map, a grid that does not
+/// fit into memory, no beams or windows, a result that cannot be written.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let MapFile { grid, warnings } = maps::ros_map(&arguments.map)?;
+    for warning in warnings {
+        console.note(&warning);
+    }
+    let map = grid.around_free();
+    let recording = read_log(arguments)?;
+    check_on_map(&recording, &map, arguments)?;
+    let beams = BeamChoice::spread(&recording.geometry, arguments.beams)?;
+    let parameters = LocalizationParameters { beams_deg: beams.bearings_deg.clone(), ..parameters(arguments)? };
+    parameters.check().map_err(|error| anyhow!("{error}"))?;
+    let size_m = Vector::new(map.columns as f64, map.rows as f64) * map.resolution_m;
+    let needed = LocalizationModel::needed_bytes(size_m, &parameters);
+    let allowed = (arguments.memory * f64::from(1 << 30)) as u64;
+    if needed > allowed {
+        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        bail!(
+            "the belief over this map would take {:.1} GiB, more than the {:.1} GiB of --memory; \
+             allow more, or set a larger `cell_m` or `angle_step_deg` with --parameters",
+            gib(needed),
+            gib(allowed)
+        );
+    }
+    if let Some(path) = &arguments.fit {
+        let file = OutputFile::open(path, "the parameters")?;
+        return fit(file, LocalizationModel::new(&map, parameters)?, &recording, &beams, console);
+    }
+    let windows = windows(arguments, &recording)?;
+    let figures = arguments.figures.as_deref();
+    let figures = figures.map(|path| OutputFolder::open_for(path, "localize", &[PATHS, ERRORS])).transpose()?;
+    let model = LocalizationModel::new(&map, parameters)?;
+    let trials = all_trials(arguments, console, &model, &recording, &beams, windows);
+    if let Some(mut folder) = figures {
+        folder.draw(PATHS, &figure::paths(&map, &trials))?;
+        folder.draw(ERRORS, &figure::errors(&trials))?;
+    }
+    if arguments.json {
+        console.print(&table::json(&trials))?;
+    } else {
+        table::blocks(&trials, start(arguments)).iter().try_for_each(|block| console.block(block))?;
+    }
+    let all_found = trials.iter().all(|timed| timed.trial.succeeded);
+    Ok(if all_found { Status::Succeeded } else { Status::Failed })
+}
+
+/// Names of the figures.
+const PATHS: &str = "paths.svg";
+const ERRORS: &str = "errors.svg";
+
+fn read_log(arguments: &Arguments) -> Result<Recording> {
+    let name = arguments.log.display();
+    let text = inputs::read_text(&arguments.log).map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
+    let field_of_view_rad = arguments.field_of_view.to_radians();
+    Recording::parse_carmen(&text, field_of_view_rad, arguments.mount)
+        .map_err(|error| anyhow!("the log `{name}` has a fault: {error}"))
+}
+
+fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Arguments) -> Result<()> {
+    let off: Vec<usize> = (recording.scans.iter())
+        .filter(|scan| map.at(scan.laser_in_map.point()) != Cell::Free)
+        .map(|scan| scan.line)
+        .collect();
+    let total = recording.scans.len();
+    if (total - off.len()) as f64 >= ON_THE_MAP * total as f64 {
+        return Ok(());
+    }
+    let first = off.first().copied().unwrap_or(0);
+    let far = |cells: usize| cells as f64 * map.resolution_m;
+    let origin = map.origin_in_frame;
+    bail!(
+        "the log `{}` does not belong to the map `{}`: {} of its {total} corrected poses (the first in line {first}) \
+         are not on the map's free space, which lies within ({:.1}, {:.1}) and ({:.1}, {:.1})",
+        arguments.log.display(),
+        arguments.map.display(),
+        off.len(),
+        origin.x,
+        origin.y,
+        origin.x + far(map.columns),
+        origin.y + far(map.rows)
+    )
+}
+
+fn parameters(arguments: &Arguments) -> Result<LocalizationParameters> {
+    let Some(path) = &arguments.parameters else { return Ok(LocalizationParameters::laser()) };
+    let name = path.display();
+    let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the parameters `{name}`: {reason}"))?;
+    serde_json::from_str(&text)
+        .with_context(|| format!("`{name}` is no file of parameters; write one with `rpl localize --fit {name}`"))
+}
+
+fn start(arguments: &Arguments) -> Start {
+    if arguments.from_truth { Start::FromTruth } else { Start::Uniform }
+}
+
+fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Window>> {
+    let count = arguments.windows.map(|count| count as usize);
+    match (start(arguments), count) {
+        (Start::FromTruth, None) => Ok(vec![Window::whole(recording)]),
+        (_, count) => {
+            let count = count.unwrap_or(arguments::WINDOWS);
+            Ok(Window::spread(recording, count, arguments.window_length, arguments.phase)?)
+        }
+    }
+}
+
+/// Fits sensor and odometry and writes the parameters.
+fn fit(
+    file: OutputFile,
+    model: LocalizationModel,
+    recording: &Recording,
+    beams: &BeamChoice,
+    console: &mut Console,
+) -> Result<Status> {
+    let sensor = fit_sensor(&model, recording, beams)?;
+    let odometry = fit_odometry(recording)?;
+    console.print(&table::fitted(&sensor, &odometry))?;
+    let parameters = LocalizationParameters { sensor, odometry, ..model.parameters };
+    let text = serde_json::to_string_pretty(&parameters)?;
+    file.write((text + "\n").as_bytes())?;
+    Ok(Status::Succeeded)
+}
+
+fn all_trials(
+    arguments: &Arguments,
+    console: &Console,
+    model: &LocalizationModel,
+    recording: &Recording,
+    beams: &BeamChoice,
+    windows: Vec<Window>,
+) -> Vec<Timed> {
+    let scans: usize = windows.iter().map(|window| window.scans.len()).sum();
+    let bar = progress::bar(scans as u64, "{bar:30} {pos}/{len} scans {eta}", console);
+    let one = |window: Window| {
+        let began = Instant::now();
+        let trial = localize(model, recording, beams, &window, start(arguments), || bar.inc(1));
+        Timed { window, trial, wall_s: began.elapsed().as_secs_f64() }
+    };
+    let trials = windows.into_iter().map(one).collect();
+    bar.finish_and_clear();
+    trials
+}

@@ -1,0 +1,83 @@
+//! The arguments of `rpl localize`.
+
+use crate::arguments::completion;
+use crate::arguments::numbers::{number, positive};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_robot::geometry::Pose;
+use std::path::PathBuf;
+
+/// Windows, if nobody says how many.
+pub const WINDOWS: usize = 20;
+
+/// Finds the robot in a recorded drive, and says how well
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// A map of the ROS map_server: its YAML file, or a folder with a map.yaml
+    #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps))]
+    pub map: PathBuf,
+    /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses
+    #[arg(long, value_name = "LOG", value_hint = ValueHint::FilePath)]
+    pub log: PathBuf,
+    /// How many beams of each scan are used, equally spaced
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub beams: usize,
+    /// How many windows, their starts spread over the drive [default: 20; with --from-truth one, the
+    /// whole drive]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub windows: Option<u32>,
+    /// Length of a window, in metres
+    #[arg(long, value_name = "M", default_value_t = 25.0, value_parser = positive)]
+    pub window_length: f64,
+    /// Where the first window starts, as a share of the way to the second one; other windows for
+    /// tuning than for reporting
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
+    pub phase: f64,
+    /// Nothing is known at the start of a window; this is the default
+    #[arg(long, conflicts_with = "from_truth")]
+    pub uniform: bool,
+    /// The corrected pose is known at the start: how well a position is tracked
+    #[arg(long)]
+    pub from_truth: bool,
+    /// What the laser of FLASER messages sees, in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = angle)]
+    pub field_of_view: f64,
+    /// Where the laser is mounted: metres to the front and to the left, degrees to the left
+    #[arg(long, value_name = "X,Y,DEG", default_value = "0,0,0", value_parser = mount, allow_hyphen_values = true)]
+    pub mount: Pose,
+    /// Parameters of the filter, a file that --fit has written
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub parameters: Option<PathBuf>,
+    /// Fits sensor and odometry to the drive and writes the parameters into this file
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["figures", "json", "from_truth", "uniform"])]
+    pub fit: Option<PathBuf>,
+    /// Draws map and paths, and the errors over the way, into this folder
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub figures: Option<PathBuf>,
+    /// Writes the results as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// The memory that tables and belief may take, in GiB
+    #[arg(long, value_name = "GIB", default_value_t = 4.0, value_parser = positive)]
+    pub memory: f64,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let within = |value: &f64| (0.0..1.0).contains(value);
+    number(text)
+        .and_then(|value| if within(&value) { Ok(value) } else { Err("it must be from 0 to below 1".to_string()) })
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let fits = |value: &f64| *value > 0.0 && *value <= 360.0;
+    number(text)
+        .and_then(|value| if fits(&value) { Ok(value) } else { Err("it must be above 0 and at most 360".to_string()) })
+}
+
+fn mount(text: &str) -> Result<Pose, String> {
+    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [x_m, y_m, heading_deg] => Ok(Pose::new(x_m, y_m, heading_deg.to_radians())),
+        _ => Err("write three numbers, like `0.2,0,0`".to_string()),
+    }
+}

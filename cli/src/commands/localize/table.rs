@@ -1,0 +1,111 @@
+//! What the trials showed, as text.
+
+use super::Timed;
+use crate::experiment::statistics::{Dispersion, Proportion};
+use crate::terminal::page::Block;
+use crate::terminal::table::{NOTHING, Table};
+use rpl_robot::localization::{OdometryError, SensorParameters};
+use rpl_robot::recording::{PoseError, Start};
+use serde_json::{Value, json};
+
+/// One line for each window, and what they have in common.
+pub fn blocks(trials: &[Timed], start: Start) -> Vec<Block> {
+    let mut table =
+        Table::new(&["window", "start [m]", "scans", "found", "after [m]", "error [m]", "error [°]", "time [s]"]);
+    for (index, timed) in trials.iter().enumerate() {
+        let last = timed.trial.errors.last();
+        let one = |number: f64| format!("{number:.1}");
+        table.row([
+            (index + 1).to_string(),
+            one(timed.window.start_m),
+            timed.window.scans.len().to_string(),
+            if timed.trial.succeeded { "yes" } else { "no" }.to_string(),
+            timed.trial.found_after_m.map_or(NOTHING.to_string(), one),
+            last.map_or(NOTHING.to_string(), |error| format!("{:.2}", error.position_m())),
+            last.map_or(NOTHING.to_string(), |error| one(error.heading_rad().to_degrees())),
+            format!("{:.2}", timed.wall_s),
+        ]);
+    }
+    let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
+    let what = match start {
+        Start::Uniform => "found",
+        Start::FromTruth => "kept",
+    };
+    let mut lines = vec![format!("{what} {}", Proportion::new(found, trials.len()).sentence())];
+    lines.extend(errors(trials).map(|errors| {
+        format!(
+            "while found: position mean {:.3} m, median {:.3} m; heading mean {:.2}°, median {:.2}° ({} scans)",
+            errors.position_m.mean,
+            errors.position_m.median,
+            errors.heading_deg.mean,
+            errors.heading_deg.median,
+            errors.scans
+        )
+    }));
+    vec![Block::Table(table), Block::Lines(lines.join("\n"))]
+}
+
+/// The errors while the estimate was right.
+struct Errors {
+    scans: usize,
+    position_m: Dispersion,
+    heading_deg: Dispersion,
+}
+
+fn errors(trials: &[Timed]) -> Option<Errors> {
+    let found: Vec<&PoseError> = trials.iter().flat_map(|timed| timed.trial.errors_once_found()).collect();
+    let positions_m: Vec<f64> = found.iter().map(|error| error.position_m()).collect();
+    let headings_deg: Vec<f64> = found.iter().map(|error| error.heading_rad().to_degrees()).collect();
+    let (position_m, heading_deg) = (Dispersion::of(&positions_m)?, Dispersion::of(&headings_deg)?);
+    Some(Errors { scans: found.len(), position_m, heading_deg })
+}
+
+/// The same as JSON.
+pub fn json(trials: &[Timed]) -> String {
+    let windows: Vec<Value> = trials
+        .iter()
+        .map(|timed| {
+            let last = timed.trial.errors.last();
+            json!({
+                "start_m": timed.window.start_m,
+                "length_m": timed.window.length_m,
+                "scans": timed.window.scans.len(),
+                "found": timed.trial.succeeded,
+                "found_after_m": timed.trial.found_after_m,
+                "final_error_m": last.map(PoseError::position_m),
+                "final_error_rad": last.map(PoseError::heading_rad),
+                "time_s": timed.wall_s,
+            })
+        })
+        .collect();
+    let spread = |spread: Dispersion| json!({ "mean": spread.mean, "median": spread.median, "max": spread.max });
+    let while_found = errors(trials).map(|errors| {
+        json!({
+            "scans": errors.scans,
+            "position_m": spread(errors.position_m),
+            "heading_deg": spread(errors.heading_deg),
+        })
+    });
+    let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
+    json!({ "windows": windows, "found": found, "of": trials.len(), "while_found": while_found }).to_string()
+}
+
+/// Fitted parameters.
+pub fn fitted(sensor: &SensorParameters, odometry: &OdometryError) -> String {
+    let row = |name: &str, value: f64, unit: &str| format!("{name:28} {value:>8.4} {unit}");
+    [
+        row("Gaussian", sensor.hit, ""),
+        row("uniform", sensor.uniform, ""),
+        row("unmapped before the surface", sensor.short, ""),
+        row("no echo", sensor.missed, ""),
+        row("depth of walls", sensor.wall_depth_m, "m"),
+        row("deviation at 0 m", sensor.sigma_m, "m"),
+        row("deviation per metre", sensor.sigma_per_m, "m"),
+        row("mean distance of unmapped", sensor.short_mean_m, "m"),
+        row("odometry, forward", odometry.forward_m, "m after 1 m"),
+        row("odometry, sideward", odometry.sideward_m, "m after 1 m"),
+        row("odometry, turn", odometry.turn_per_metre_rad.to_degrees(), "° after 1 m"),
+        row("odometry, turn", odometry.turn_per_radian_rad.to_degrees(), "° after turning by 1 rad"),
+    ]
+    .join("\n")
+}

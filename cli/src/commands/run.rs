@@ -1,0 +1,165 @@
+//! `rpl run FILE`: a mission from its first form to its end.
+
+use crate::arguments::completion;
+use crate::arguments::duration::parse_duration_us;
+use crate::arguments::overrides::{Overrides, OverridingLoader};
+use crate::arguments::site::SiteArguments;
+use crate::drive::{Pace, drive};
+use crate::files::outputs::OutputFile;
+use crate::files::plans;
+use crate::files::plans::PlanText;
+use crate::interrupt;
+use crate::run_record::Records;
+use crate::show::figures;
+use crate::show::summary::{report, status, summarize};
+use crate::status::Status;
+use crate::terminal::console::Console;
+use crate::trace::{self, Header, TraceFile};
+use anyhow::{Context, Result};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_runtime::run::library::Loaded;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Runs a plan
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// A plan file, or a built-in example; `-` for standard input
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
+    pub file: String,
+    #[command(flatten)]
+    pub site: SiteArguments,
+    /// Another first value for a variable of the plan
+    #[arg(long, value_name = "NAME=EXPR", add = ArgValueCompleter::new(completion::variables))]
+    pub set: Vec<String>,
+    /// Stops at this time of the plan, such as 90s or 5min
+    #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
+    pub until: Option<u64>,
+    /// Writes what happens as JSON Lines
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub trace: Option<PathBuf>,
+    /// The trace also tells where the robot is, N times a second: its true pose, the estimate, and
+    /// how certain that is
+    #[arg(long, value_name = "N", requires_all = ["trace", "world"], value_parser = parse_rate)]
+    pub trace_poses: Option<f64>,
+    /// Writes one JSON object to standard output at the end
+    #[arg(long)]
+    pub json: bool,
+    /// Draws map, paths and belief as SVG into this folder
+    #[arg(long, value_name = "DIR", requires = "world", value_hint = ValueHint::DirPath)]
+    pub figures: Option<PathBuf>,
+    /// Keeps pace with the wall clock, or FACTOR times as fast
+    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
+    pub realtime: Option<f64>,
+    /// Steps a task may make in one instant before it counts as a runaway
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_steps: Option<u32>,
+    /// Writes only what the plan prints, and failures
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn parse_factor(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
+        _ => Err("the factor must be a number above 0".to_string()),
+    }
+}
+
+/// The robot makes no more steps in a second.
+const MAX_POSES_PER_S: f64 = 20.0;
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if rate > 0.0 && rate <= MAX_POSES_PER_S => Ok(rate),
+        _ => Err(format!("a number above 0 and at most {MAX_POSES_PER_S} is expected")),
+    }
+}
+
+/// Runs the plan.
+///
+/// # Errors
+/// The text or the command line is wrong, or a file cannot be written.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let began = Instant::now();
+    let plan = plans::plan(&arguments.file)?;
+    let mut overrides = Overrides::parse(&arguments.set)?;
+    let (site, world) = arguments.site.build()?;
+    let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
+    overrides.check_all_used()?;
+
+    let figures = arguments.figures.as_deref().map(figures::open_folder).transpose()?;
+    let scenes = arguments.figures.is_some().then(Vec::new);
+    let pose_every_us = arguments.trace_poses.map(|rate| (1e6 / rate).round() as u64);
+    let mut records = Records { trace: create_trace(arguments)?, pose_every_us, scenes, ..Records::default() };
+    let wants_events = records.trace.is_some() || world.is_some();
+    let seed = arguments.site.seed;
+    let mut system = match wants_events {
+        true => site.start_traced(loaded, seed),
+        false => site.start(loaded, seed),
+    };
+    if let Some(steps) = arguments.max_steps {
+        system.machine.limits.steps = steps;
+    }
+    let pace = Pace { until_us: arguments.until, factor: arguments.realtime };
+    let ending = {
+        let _stops = interrupt::stops_runs();
+        drive(&mut system, pace, console, &mut records)?
+    };
+    if let Some(trace) = &mut records.trace {
+        trace.finish().context("the trace cannot be written")?;
+    }
+    if let (Some(mut folder), Some(world)) = (figures, &world) {
+        figures::write_mission(&mut folder, world, &records, system.outside.belief().as_ref())?;
+    }
+    let summary = summarize(&system, ending, &records, arguments.site.seed, began);
+    report(&system, ending, &summary, console);
+    if arguments.json {
+        console.print(&summary.as_json()?)?;
+    }
+    console.flush()?;
+    Ok(status(&system, ending))
+}
+
+/// Compiles a plan, and shows what was found. None if it cannot run.
+fn load(
+    library: &rpl_runtime::run::library::Library,
+    plan: PlanText,
+    overrides: &mut Overrides,
+    console: &mut Console,
+) -> Option<Loaded> {
+    let PlanText { name, text, mut folder } = plan;
+    let text = overrides.apply(text);
+    let mut loader = OverridingLoader { inner: &mut folder, overrides };
+    match library.load(&name, &text, &mut loader) {
+        Ok(loaded) => {
+            if !loaded.warnings.is_empty() && !console.quiet {
+                let sources = &loaded.program.sources;
+                console.note(rpl_lang::diagnostic::render(&loaded.warnings, sources, console.colour).trim_end());
+            }
+            Some(loaded)
+        }
+        Err(rejected) => {
+            console.note(rejected.render(console.colour).trim_end());
+            None
+        }
+    }
+}
+
+fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
+    let Some(path) = &arguments.trace else { return Ok(None) };
+    let header = Header {
+        version: trace::VERSION,
+        rpl: Some(env!("CARGO_PKG_VERSION").to_string()),
+        plan: arguments.file.clone(),
+        world: arguments.site.world.clone(),
+        map: arguments.site.world.is_some().then(|| arguments.site.map.name().to_string()),
+        scenario: arguments.site.scenario.clone(),
+        seed: arguments.site.seed,
+    };
+    let file = OutputFile::open(path, "the trace")?.begin()?;
+    let trace =
+        TraceFile::begin(file, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+    Ok(Some(trace))
+}

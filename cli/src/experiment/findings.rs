@@ -1,0 +1,15 @@
+//! What an experiment has found.
+
+use crate::status::Status;
+use crate::terminal::page::Block;
+use serde_json::Value;
+
+/// What an experiment has found.
+pub struct ExperimentResult {
+    /// Whether its runs have succeeded, or, where they may fail, whether they count.
+    pub status: Status,
+    /// For people.
+    pub blocks: Vec<Block>,
+    /// For programs: the same figures.
+    pub figures: Value,
+}

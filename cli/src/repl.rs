@@ -1,0 +1,308 @@
+//! `rpl` and `rpl step`: the prompt at which plans are written, run, stopped, looked at, stepped
+//! through and taken back.
+
+mod breakpoint;
+mod clock;
+mod command;
+mod conversation;
+mod definitions;
+mod documenting;
+mod external_editor;
+mod forms;
+mod guard;
+mod halt;
+mod inspection;
+mod line_editor;
+mod line_thread;
+mod listings;
+mod live_prompt;
+mod margins;
+mod own_text;
+mod past;
+mod present;
+mod runner;
+mod session;
+mod standpoint;
+mod steering;
+mod timing;
+mod vocabulary;
+mod writing;
+
+use crate::files::inputs;
+use crate::files::plans;
+use crate::files::plans::PlanText;
+use crate::interrupt;
+use crate::status::Status;
+use crate::terminal::console::Console;
+use anyhow::Result;
+use clock::Clock;
+use command::Verb;
+use guard::Faults;
+pub use halt::Until;
+use rpl_lang::lexer::{Token, lex};
+use rpl_lang::reader::{Completeness, completeness};
+use rpl_lang::source::SourceId;
+use rpl_mission::site::Site;
+use rpl_robot::occupancy::OccupancyGrid;
+use rpl_robot::world::World;
+use rpl_runtime::state::failure::Failure;
+use session::Session;
+use std::collections::BTreeMap;
+use std::io::{self, IsTerminal, Read};
+
+/// Edge of a cell of the map that `:map` draws.
+const MAP_CELL_M: f64 = 0.1;
+
+/// What a session begins with.
+pub struct SessionStart {
+    /// The world of the site, if it has one.
+    pub world: Option<World>,
+    /// The seed of every run.
+    pub seed: u64,
+    /// A plan that is loaded first.
+    pub plan: Option<PlanText>,
+    /// How far that plan is run.
+    pub until: Until,
+    /// The commands that `:doc` documents beside the names of the language.
+    pub command_line: clap::Command,
+}
+
+/// Runs a session at a site to the end of standard input.
+///
+/// # Errors
+/// Standard output is closed.
+pub fn run(site: &Site, opening: SessionStart, console: &mut Console) -> Result<Status> {
+    let SessionStart { world, seed, plan, until, command_line } = opening;
+    let places = world.as_ref().map_or_else(Vec::new, |world| {
+        let rooms = world.rooms.iter().map(|room| room.name.to_string());
+        rooms.chain(world.places.iter().map(|place| place.name.to_string())).collect()
+    });
+    let map = world.map(|world| world.map(MAP_CELL_M));
+    let session = Session::new(site, seed)?;
+    let mut prompt = Prompt { map, places, command_line, ..Prompt::new(session, console, io::stdin().is_terminal()) };
+    let usual = prompt.faults.catch();
+    let ended = prompt.all(plan, until);
+    Faults::let_go(usual);
+    ended?;
+    prompt.console.flush()?;
+    Ok(prompt.worst)
+}
+
+/// Whether the session goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum AfterLine {
+    Another,
+    Quit,
+}
+
+/// Whether a text has nothing but comments.
+fn is_blank(text: &str) -> bool {
+    let is_comment = |token| matches!(token, Token::LineComment | Token::BlockComment);
+    lex(text, SourceId(0)).0.into_iter().all(|(token, _)| is_comment(token))
+}
+
+struct Prompt<'a> {
+    session: Session,
+    map: Option<OccupancyGrid>,
+    /// Names of rooms and places in the world.
+    places: Vec<String>,
+    command_line: clap::Command,
+    console: &'a mut Console,
+    /// The clock by which the run goes on while something is typed.
+    clock: Option<Clock>,
+    /// Somebody sits at a terminal.
+    is_interactive: bool,
+    /// The stepping command that an empty line repeats.
+    repeated: Option<String>,
+    /// What the exit status says when nobody sat at the prompt.
+    worst: Status,
+    /// The forms typed last.
+    typed: String,
+    /// The last failure that was told.
+    failure: Option<Failure>,
+    /// What was saved, by the name of the file.
+    saved: BTreeMap<String, String>,
+    faults: Faults,
+}
+
+impl<'a> Prompt<'a> {
+    /// The prompt of a session without a world, which documents no command.
+    fn new(session: Session, console: &'a mut Console, is_interactive: bool) -> Self {
+        Self {
+            session,
+            map: None,
+            places: Vec::new(),
+            command_line: clap::Command::default(),
+            console,
+            clock: None,
+            is_interactive,
+            repeated: None,
+            worst: Status::Succeeded,
+            typed: String::new(),
+            failure: None,
+            saved: BTreeMap::new(),
+            faults: Faults::default(),
+        }
+    }
+}
+
+impl Prompt<'_> {
+    /// From the file that is loaded first to the end.
+    fn all(&mut self, plan: Option<PlanText>, until: Until) -> Result<()> {
+        if let Some(plan) = plan {
+            self.guarded(|prompt| prompt.load(plan, until).map(|()| AfterLine::Another))?;
+        }
+        if self.is_interactive { self.converse() } else { self.read_all() }
+    }
+
+    /// Everything from standard input, form by form, without a person.
+    fn read_all(&mut self) -> Result<()> {
+        let mut bytes = Vec::new();
+        io::stdin().read_to_end(&mut bytes)?;
+        let text = inputs::text_of(bytes).map_err(|reason| anyhow::anyhow!("cannot read standard input: {reason}"))?;
+        let _stops = interrupt::stops_runs();
+        let mut waiting = String::new();
+        for line in text.lines() {
+            let is_command = line.trim_start().starts_with(':');
+            // A comment belongs to the form below it, unless a line is left empty between them.
+            if is_blank(&waiting) && (is_command || line.trim().is_empty()) {
+                waiting.clear();
+            }
+            if waiting.is_empty() && line.trim().is_empty() {
+                continue;
+            }
+            waiting.push_str(line);
+            waiting.push('\n');
+            if is_blank(&waiting) {
+                continue;
+            }
+            let is_command = waiting.trim_start().starts_with(':');
+            if !is_command && completeness(&waiting) != Completeness::Complete {
+                continue;
+            }
+            if self.handle(&std::mem::take(&mut waiting))? == AfterLine::Quit {
+                return Ok(());
+            }
+            if interrupt::is_asked() {
+                return self.stop();
+            }
+        }
+        if !waiting.trim().is_empty() {
+            self.handle(&waiting)?;
+        }
+        if interrupt::is_asked() { self.stop() } else { Ok(()) }
+    }
+
+    /// Told to stop where nobody sits at the prompt: what runs is given up.
+    fn stop(&mut self) -> Result<()> {
+        interrupt::forget();
+        if self.session.branch.is_running {
+            self.session.give_up(self.console)?;
+        }
+        self.worst = Status::Interrupted;
+        Ok(())
+    }
+
+    fn prompt_text(&self) -> String {
+        if self.clock.is_some() {
+            return self.live_prompt();
+        }
+        let branch = &self.session.branch;
+        let name = if self.session.name == "main" { String::new() } else { format!(" {}", self.session.name) };
+        let time = match branch.system.machine.now_us {
+            0 => String::new(),
+            _ => format!(" {:.1}s", branch.system.machine.now_s()),
+        };
+        let state = if branch.is_running { " stopped" } else { "" };
+        format!("rpl{name}{time}{state}> ")
+    }
+
+    /// Does what a line asks for.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    fn handle(&mut self, text: &str) -> Result<AfterLine> {
+        self.guarded(|prompt| prompt.obey(text))
+    }
+
+    fn obey(&mut self, text: &str) -> Result<AfterLine> {
+        if !text.trim_start().starts_with(':') {
+            if !is_blank(text) {
+                self.forms(text, &Until::End)?;
+            }
+            return Ok(AfterLine::Another);
+        }
+        match command::parse(text) {
+            Ok((Verb::Quit, _)) => return Ok(AfterLine::Quit),
+            Ok((verb, rest)) => {
+                let repeats = matches!(verb, Verb::Step | Verb::Next | Verb::Into | Verb::Out) && rest.is_empty();
+                self.repeated = repeats.then(|| text.to_string());
+                if verb.steers() && self.clock.take().is_some() {
+                    self.console.keep(false);
+                }
+                self.command(verb, rest)?;
+            }
+            Err(reason) => self.wrong(&reason)?,
+        }
+        Ok(AfterLine::Another)
+    }
+
+    fn command(&mut self, verb: Verb, rest: &str) -> Result<()> {
+        match verb {
+            Verb::Load => match plans::plan(rest) {
+                Ok(plan) => self.load(plan, Until::End)?,
+                Err(error) => self.wrong(&format!("{error:#}"))?,
+            },
+            Verb::Run if rest.is_empty() => {
+                self.wrong("`:run FORM`: a form is expected, such as `:run (deliver 'mail)`")?
+            }
+            Verb::Run => {
+                let breakpoints = std::mem::take(&mut self.session.breakpoints);
+                let done = self.forms(rest, &Until::End);
+                self.session.breakpoints = breakpoints;
+                done?;
+            }
+            Verb::Step if !rest.is_empty() => self.forms(rest, &Until::Step)?,
+            Verb::Step => self.go_on(&Until::Step)?,
+            Verb::Into => self.go_on(&Until::Into)?,
+            Verb::Time => self.time(rest)?,
+            Verb::Next => self.go_on(&Until::Next)?,
+            Verb::Out => self.go_on(&Until::Out)?,
+            Verb::Continue => self.go_on(&Until::End)?,
+            Verb::Until => self.until(rest)?,
+            Verb::Go => self.go(rest)?,
+            Verb::Stop => self.stop_clock()?,
+            Verb::Break => self.set_break(rest)?,
+            Verb::Delete => self.delete(rest)?,
+            Verb::Watch if rest.is_empty() => self.session.watches.clear(),
+            Verb::Watch => self.session.watches.push(rest.to_string()),
+            Verb::Abort => self.abort()?,
+            Verb::Back => self.back(rest)?,
+            Verb::At => self.at(rest)?,
+            Verb::Fork | Verb::Forks | Verb::Switch => self.forks(verb, rest)?,
+            Verb::Why | Verb::Task | Verb::Tasks | Verb::Fluents | Verb::Valves | Verb::Map | Verb::Trace => {
+                let lines = self.look(verb, rest);
+                self.explain(&lines)?;
+            }
+            Verb::Doc => self.document(rest)?,
+            Verb::Source => self.source(rest)?,
+            Verb::Edit => self.edit(rest)?,
+            Verb::Save => self.save(rest)?,
+            Verb::Help => self.help(rest)?,
+            Verb::Quit => {}
+        }
+        Ok(())
+    }
+
+    /// What was asked for.
+    fn explain(&mut self, lines: &[String]) -> Result<()> {
+        Ok(lines.iter().try_for_each(|line| self.console.explain(line))?)
+    }
+
+    /// A command that cannot be done.
+    fn wrong(&mut self, reason: &str) -> Result<()> {
+        self.console.note(&format!("error: {reason}"));
+        self.worst = Status::Wrong;
+        Ok(())
+    }
+}

@@ -1,0 +1,68 @@
+//! What is kept of a run that is driven: how it ended, where the robot was, what was reported.
+
+use crate::trace::TraceFile;
+use rpl_mission::sight::{PositionBelief, Sight};
+use rpl_robot::localization::Localization;
+use rpl_robot::office::ReportKind;
+use rpl_runtime::run::system::Outcome;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunEnd {
+    /// By itself.
+    Outcome(Outcome),
+    /// The time given was up.
+    TimeUp,
+    /// It was told to stop, and its clean-ups have run.
+    Interrupted,
+    /// It was told to stop, and its clean-ups computed on and on.
+    GivenUp,
+}
+
+/// What is kept of a run while it goes on.
+#[derive(Default)]
+pub struct Records {
+    /// Where the trace goes.
+    pub trace: Option<TraceFile>,
+    /// How often the trace tells where the robot is, if it does.
+    pub pose_every_us: Option<u64>,
+    /// What was seen of the robot, ten times a second.
+    pub track: Vec<Sight>,
+    /// What the plan logged.
+    pub logs: Vec<String>,
+    /// How often active localization was started.
+    pub relocalizations: u64,
+    /// What the robot and the scenario reported.
+    pub incidents: Vec<Incident>,
+    /// The belief at each choice of active localization, if somebody is to look into it.
+    pub choices: Option<Vec<Localization>>,
+    /// The belief at the turning points of localization, if somebody is to draw it.
+    pub scenes: Option<Vec<BeliefScene>>,
+}
+
+/// The belief at a moment.
+pub struct BeliefScene {
+    /// What happened.
+    pub what: ReportKind,
+    /// When, in seconds of virtual time.
+    pub time_s: f64,
+    /// The belief.
+    pub belief: PositionBelief,
+    /// The robot.
+    pub sight: Sight,
+    /// How much of the track lies before it.
+    pub track_length: usize,
+}
+
+/// Something the robot or the scenario reported, and how things stood then.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Incident {
+    /// What was reported.
+    pub what: ReportKind,
+    /// The robot at the end of that instant.
+    pub sight: Sight,
+    /// How far it had driven.
+    pub distance_m: f64,
+    /// How much of the track lies before it.
+    pub track_length: usize,
+}

@@ -1,0 +1,13 @@
+//! What a run is shown as: events and failures as lines, causes, drawings.
+
+pub mod choice_figures;
+pub mod documentation;
+pub mod event_line;
+pub mod events;
+pub mod failure_report;
+pub mod figures;
+pub mod map;
+pub mod situation;
+pub mod summary;
+pub mod whereabouts;
+pub mod why;

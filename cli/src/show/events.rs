@@ -1,0 +1,162 @@
+//! What a person wants to be told while a mission runs.
+
+use rpl_robot::office::{ACTIVE_LOCALIZATION, ReportKind};
+use rpl_runtime::state::output::{Channel, Output};
+use rpl_runtime::state::trace::{Event, EventKind};
+
+/// A detail of an event by its name; empty if it has none.
+pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
+    event.details.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value.as_str())
+}
+
+/// Whether active localization was started.
+pub fn is_relocalization(event: &Event) -> bool {
+    event.kind == EventKind::Behaviour
+        && detail(event, "behaviour") == ACTIVE_LOCALIZATION
+        && detail(event, "what") == "activated"
+}
+
+fn is_loss(event: &Event) -> bool {
+    ReportKind::of(event) == Some(ReportKind::PositionLost)
+}
+
+/// A line that a run has for a person.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ToldLine {
+    /// What happened, with its time.
+    Event(String),
+    /// What the plan printed.
+    Print(String),
+    /// What the plan logged.
+    Log(String),
+}
+
+/// What happened and what the plan wrote, in the order of happening; a line of the log has its time
+/// as well. `is_lost` as for [`lines`].
+pub fn in_order(events: &[Event], output: Vec<Output>, is_lost: bool) -> Vec<ToldLine> {
+    let mut lines = lines(events, is_lost).into_iter().peekable();
+    let mut told = Vec::new();
+    for Output { channel, text, time_us, sequence } in output {
+        let is_before = |line: &(u64, String)| line.0 < sequence;
+        while let Some((_, line)) = lines.next_if(is_before) {
+            told.push(ToldLine::Event(line));
+        }
+        told.push(match channel {
+            Channel::Print => ToldLine::Print(text),
+            Channel::Log => ToldLine::Log(timed(time_us, &text)),
+        });
+    }
+    told.extend(lines.map(|(_, line)| ToldLine::Event(line)));
+    told
+}
+
+fn timed(time_us: u64, text: &str) -> String {
+    format!("{:.1} s  {text}", time_us as f64 / 1e6)
+}
+
+/// A line for each event of an instant that matters, behind the event's number. `is_lost` tells
+/// whether the robot does not know its position at the end of the instant; if it does, a
+/// relocalization has nothing to do.
+fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, String)> {
+    let relocalizes = is_lost && events.iter().any(is_relocalization);
+    let has_loss = events.iter().any(is_loss);
+    let text = |event: &Event| match event.kind {
+        EventKind::Behaviour if is_relocalization(event) => {
+            (relocalizes && !has_loss).then(|| "relocalizing".to_string())
+        }
+        EventKind::Robot if is_loss(event) && relocalizes => Some(report(event) + ", relocalizing"),
+        EventKind::Robot => Some(report(event)),
+        EventKind::Behaviour => behaviour(event),
+        EventKind::Signal => signal(event),
+        // A log line is written anyway, a failure at the end if it matters then.
+        _ => None,
+    };
+    let numbered = |event: &Event| Some((event.sequence, timed(event.time_us, &text(event)?)));
+    events.iter().filter_map(numbered).collect()
+}
+
+/// What the robot or the scenario reports: "certainty 0.31 – position lost".
+pub fn report(event: &Event) -> String {
+    let what = detail(event, "what");
+    let details: Vec<String> = event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
+    match details.as_slice() {
+        [] => what.to_string(),
+        [certainty] if certainty.starts_with("certainty ") => format!("{certainty} – {what}"),
+        details => format!("{what}: {}", details.join(", ")),
+    }
+}
+
+fn behaviour(event: &Event) -> Option<String> {
+    let name = detail(event, "behaviour");
+    match detail(event, "what") {
+        "activated" => Some(format!("{name} begins")),
+        "interrupted" => Some(format!("{name} is interrupted")),
+        // Its end by itself is a signal, and a deactivation the plan's own doing.
+        _ => None,
+    }
+}
+
+fn signal(event: &Event) -> Option<String> {
+    let name = detail(event, "behaviour");
+    match detail(event, "signal") {
+        "success" => Some(format!("{name} is done")),
+        // Told when it happened; the signal only reports it to the task.
+        interrupted if interrupted.starts_with("interrupted:") => None,
+        failure => Some(format!("{name} gives up: {failure}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(kind: EventKind, details: &[(&str, &str)]) -> Event {
+        let details = details.iter().map(|&(name, value)| (name.to_string(), value.to_string())).collect();
+        Event { time_us: 12_400_000, sequence: 0, path: String::new(), kind, details }
+    }
+
+    fn told(events: &[Event], is_lost: bool) -> Vec<String> {
+        lines(events, is_lost).into_iter().map(|(_, line)| line).collect()
+    }
+
+    #[test]
+    fn what_is_logged_and_printed_stands_among_the_events_in_the_order_of_happening() {
+        let reached = |sequence| Event { sequence, ..event(EventKind::Robot, &[("what", "here")]) };
+        let output = |channel, sequence| Output { channel, text: "text".to_string(), time_us: 12_400_000, sequence };
+        let output = vec![output(Channel::Log, 0), output(Channel::Print, 5), output(Channel::Log, 5)];
+        let (line, log) = ("12.4 s  here".to_string(), "12.4 s  text".to_string());
+        let told = in_order(&[reached(4), reached(5)], output, false);
+        let print = ToldLine::Print("text".to_string());
+        assert_eq!(
+            told,
+            [
+                ToldLine::Log(log.clone()),
+                ToldLine::Event(line.clone()),
+                print,
+                ToldLine::Log(log),
+                ToldLine::Event(line)
+            ]
+        );
+    }
+
+    #[test]
+    fn a_loss_and_what_is_done_about_it_are_one_line() {
+        let loss = event(EventKind::Robot, &[("what", ReportKind::PositionLost.name()), ("certainty", "0.31")]);
+        let details = [("behaviour", ACTIVE_LOCALIZATION), ("what", "activated")];
+        let relocalization = event(EventKind::Behaviour, &details);
+        let both = [loss.clone(), relocalization.clone()];
+        assert_eq!(told(&both, true), ["12.4 s  certainty 0.31 – position lost, relocalizing"]);
+        assert_eq!(told(&[loss], true), ["12.4 s  certainty 0.31 – position lost"]);
+        assert_eq!(told(&both[1..], true), ["12.4 s  relocalizing"]);
+        assert!(told(&[relocalization], false).is_empty());
+    }
+
+    #[test]
+    fn an_interruption_is_told_once() {
+        let interrupted = [
+            event(EventKind::Behaviour, &[("behaviour", "navigation"), ("what", "interrupted")]),
+            event(EventKind::Signal, &[("behaviour", "navigation"), ("signal", "interrupted: it was interrupted")]),
+        ];
+        assert_eq!(told(&interrupted, false), ["12.4 s  navigation is interrupted"]);
+    }
+}

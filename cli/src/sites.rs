@@ -1,0 +1,57 @@
+//! Sites as the command builds them: who waits for a large world is told so before, and what is wrong
+//! comes with the options that help.
+
+use crate::files::plans::PlanText;
+use crate::terminal::console;
+use anyhow::{Result, bail};
+use rpl_mission::cost::{LargeWorld, TooLarge};
+use rpl_mission::site::{Setup, Site};
+use rpl_robot::office::OfficeSettings;
+use rpl_robot::world::World;
+
+/// A site, and what happens there if there is a scenario.
+///
+/// # Errors
+/// The scenario's text is wrong, or the world is too large or cannot be localized in.
+pub fn build(setup: Setup, scenario: Option<PlanText>) -> Result<Site> {
+    match (&setup.world, &scenario) {
+        (None, Some(scenario)) => bail!("the scenario `{}` needs a robot; add `--world dept`", scenario.name),
+        (None, None) => {}
+        (Some(world), _) => announce(world, &setup.settings, setup.memory_gib)?,
+    }
+    let site = Site::new(setup)?;
+    match scenario {
+        Some(scenario) => with_scenario(&site, scenario),
+        None => Ok(site),
+    }
+}
+
+/// The same place with another scenario.
+///
+/// # Errors
+/// There is no robot, or the scenario's text is wrong.
+pub fn with_scenario(site: &Site, scenario: PlanText) -> Result<Site> {
+    let PlanText { name, text, mut folder } = scenario;
+    Ok(site.with_scenario(&name, &text, &mut folder)?)
+}
+
+/// Says what a large world costs before anything is built from it.
+fn announce(world: &World, settings: &OfficeSettings, memory_gib: f64) -> Result<()> {
+    if let Some(too_large) = TooLarge::of(world, settings, memory_gib) {
+        bail!("{}", refusal(&too_large));
+    }
+    if let Some(large) = LargeWorld::of(world, settings) {
+        console::note(&large.to_string());
+    }
+    Ok(())
+}
+
+/// Why a world cannot be used, and what to type instead.
+pub fn refusal(too_large: &TooLarge) -> String {
+    let mut advice = vec!["crop it to what is used".to_string()];
+    if let Some(savings) = too_large.savings {
+        advice.push(format!("take a coarser grid with `--grid coarse`, {:.1} GiB", savings.coarse_gib));
+        advice.push(format!("drive without a map with `--map none`, {:.1} GiB", savings.mapless_gib));
+    }
+    format!("{too_large}\nto use it, allow more with `--memory GIB`; or {}", advice.join("; or "))
+}

@@ -1,0 +1,42 @@
+//! Why a mission cannot be put together: values with what was found, where, and what would be right.
+
+use crate::cost::TooLarge;
+use rpl_robot::localization::ModelError;
+use rpl_runtime::run::library::Rejected;
+use thiserror::Error;
+
+/// Why there is no such site, or no such plan on it.
+#[derive(Debug, Error)]
+pub enum SiteError {
+    /// The world would take more memory than it may.
+    #[error(transparent)]
+    TooLarge(#[from] Box<TooLarge>),
+    /// The robot cannot be put into the world.
+    #[error("the robot cannot be put into the world `{world}`")]
+    Unfit {
+        /// The world.
+        world: String,
+        /// What is wrong with it.
+        source: ModelError,
+    },
+    /// A scenario, of this name, where there is no robot.
+    #[error("the scenario `{0}` needs a robot")]
+    ScenarioWithoutRobot(String),
+    /// A scenario with faults in its text.
+    #[error("the scenario `{name}` is wrong\n{}", .rejected.render(false).trim_end())]
+    Scenario {
+        /// The scenario.
+        name: String,
+        /// What was found in it.
+        rejected: Rejected,
+    },
+    /// A plan with faults in its text.
+    #[error("the plan cannot run\n{}", .0.render(false).trim_end())]
+    Plan(Rejected),
+    /// A native function of the program around has a name that is taken.
+    #[error("`{0}` has a meaning already; give the native function another name")]
+    NativeTaken(&'static str),
+    /// The prelude does not compile.
+    #[error("the prelude does not compile, which is a fault of rpl\n{}", .0.render(false))]
+    Prelude(Rejected),
+}

@@ -1,0 +1,109 @@
+//! What plans and scenarios can call: native functions, the prelude, and the plans of the robot.
+
+use crate::error::SiteError;
+use rpl_lang::compile::{NoFiles, special_forms};
+use rpl_robot::office;
+use rpl_runtime::robot::RobotTables;
+use rpl_runtime::run::library::{Library, Loaded};
+use rpl_runtime::step::native::Native;
+use std::sync::Arc;
+
+/// The native functions of the language: those of the runtime and of its library.
+pub fn base_natives() -> Vec<Native> {
+    [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
+}
+
+/// All native functions of plans on a robot, with their documentation.
+pub fn natives() -> Vec<Native> {
+    [base_natives(), office::natives()].concat()
+}
+
+/// What plans without a robot can call, and these native functions. The names of the robot are known
+/// as such: a plan that has one is told that it needs a world.
+///
+/// # Errors
+/// One of them has a name that is taken, or the prelude does not compile.
+pub fn library_without_robot(own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
+    plan_library(base_natives(), own, RobotTables::EMPTY, &[], &office::robot_names())
+}
+
+/// What plans can call on the office robot, and these native functions.
+///
+/// # Errors
+/// One of them has a name that is taken, or the prelude does not compile.
+pub fn robot_library(own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
+    plan_library(natives(), own, office::tables(), &[("robot", office::PLANS)], &office::reserved_names())
+}
+
+/// What the experimenter's plans can call.
+///
+/// # Errors
+/// The prelude does not compile.
+pub fn scenario_library() -> Result<Arc<Library>, SiteError> {
+    Ok(Arc::new(compile([base_natives(), office::oracle_natives()].concat(), office::oracle_tables(), &[], &[])?))
+}
+
+fn plan_library(
+    natives: Vec<Native>,
+    own: Vec<Native>,
+    tables: &RobotTables,
+    plans: &[(&str, &str)],
+    robot_names: &[String],
+) -> Result<Arc<Library>, SiteError> {
+    let names: Vec<&'static str> = own.iter().map(|native| native.name).collect();
+    let is_native = |(at, name): (usize, &&'static str)| {
+        names[..at].contains(name) || natives.iter().any(|native| native.name == *name)
+    };
+    if let Some((_, name)) = names.iter().enumerate().find(|&named| is_native(named)) {
+        return Err(SiteError::NativeTaken(name));
+    }
+    let library = compile([natives, own].concat(), tables, plans, robot_names)?;
+    if let Some(name) = names.into_iter().find(|name| is_defined(&library, name)) {
+        return Err(SiteError::NativeTaken(name));
+    }
+    Ok(Arc::new(library.without_scenario_names(&office::scenario_names())))
+}
+
+/// Whether a name has a meaning that comes before that of a native function: it would never be called.
+fn is_defined(library: &Library, name: &str) -> bool {
+    // A text without forms compiles to nothing but the library.
+    let Ok(Loaded { program, symbols, .. }) = library.load("", "", &mut NoFiles) else { return false };
+    let is_global = |name| program.names.contains_key(&name) || program.macros.contains_key(&name);
+    symbols.find(name).is_some_and(is_global) || special_forms().any(|form| form.names.contains(&name))
+}
+
+fn compile(
+    natives: Vec<Native>,
+    tables: &RobotTables,
+    plans: &[(&str, &str)],
+    robot_names: &[String],
+) -> Result<Library, SiteError> {
+    let preludes = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
+    Library::new(natives, &preludes, tables, robot_names).map_err(SiteError::Prelude)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_runtime::state::value::Value;
+    use rpl_runtime::step::native::{Effect, NativeCode, Reply};
+
+    fn native(name: &'static str) -> Native {
+        let code = NativeCode::Plain(|_| Ok(Reply::Value(Value::Nil)));
+        Native { name, parameters: "", doc: "It does nothing.", effect: Effect::None, code }
+    }
+
+    #[test]
+    fn a_function_of_the_program_takes_no_name_that_has_a_meaning() {
+        assert!(robot_library(vec![native("of-mine"), native("of-mine-too")]).is_ok());
+        let taken = |natives: Vec<Native>| match robot_library(natives) {
+            Err(SiteError::NativeTaken(name)) => name,
+            Err(other) => panic!("{other}"),
+            Ok(_) => panic!("there are two of a name"),
+        };
+        for name in ["car", "place", "map", "go-to", "x*", "when", "if"] {
+            assert_eq!(taken(vec![native("of-mine"), native(name)]), name);
+        }
+        assert_eq!(taken(vec![native("of-mine"), native("of-mine")]), "of-mine");
+    }
+}

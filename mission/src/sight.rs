@@ -1,0 +1,41 @@
+//! What can be told of a robot from outside, where it really is included: no plan sees any of it.
+
+use rpl_robot::geometry::{Point, Pose};
+use serde::Serialize;
+
+/// What can be seen of a robot from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Where it is.
+    pub robot_in_map: Pose,
+    /// Where it believes it is.
+    pub estimate_in_map: Pose,
+    /// How sure it is of that, from 0 to 1.
+    pub certainty: f64,
+}
+
+/// What a robot did on the whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Account {
+    /// How often it moved into something it could see.
+    pub contacts: u32,
+    /// How often it moved into something none of its sensors could see.
+    pub contacts_unseen: u32,
+    /// How often a person ran into it.
+    pub contacts_by_people: u32,
+    /// How far it drove.
+    pub distance_m: f64,
+}
+
+/// Where the robot may be: a probability for each cell, `cells[row][column]`, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PositionBelief {
+    /// Edge of a cell.
+    pub resolution_m: f64,
+    /// Lower left corner of cell (0, 0).
+    pub origin_in_map: Point,
+    /// Cells along x.
+    pub columns: usize,
+    /// Summed over headings; the sum of all is 1.
+    pub cells: Vec<f64>,
+}

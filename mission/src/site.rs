@@ -1,0 +1,202 @@
+//! Everything that is the same in all runs of a mission: what plans can call, the world, and what
+//! happens there.
+
+use crate::cost::{MEMORY_GIB, TooLarge};
+use crate::error::SiteError;
+use crate::libraries::{library_without_robot, robot_library, scenario_library};
+use crate::robot::Robot;
+use crate::run::silence_continuous_fluents;
+use crate::scenario::Scenario;
+use rpl_lang::compile::Loader;
+use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
+use rpl_robot::world::World;
+use rpl_runtime::robot::NoRobot;
+use rpl_runtime::run::library::{Library, Loaded, Rejected};
+use rpl_runtime::run::system::System;
+use rpl_runtime::step::native::Native;
+use std::sync::Arc;
+
+/// What a site is made of.
+#[derive(Clone)]
+pub struct Setup {
+    /// The world the robot is in; a site without a robot has none.
+    pub world: Option<World>,
+    /// Robot, simulator and filters.
+    pub settings: OfficeSettings,
+    /// The memory that the models of the world may take.
+    pub memory_gib: f64,
+    /// Functions of the embedding program that plans can call, beside all others.
+    pub natives: Vec<Native>,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self { world: None, settings: OfficeSettings::default(), memory_gib: MEMORY_GIB, natives: Vec::new() }
+    }
+}
+
+/// Everything that is the same in all runs of a mission. A copy shares what was built.
+#[derive(Clone)]
+pub struct Site {
+    /// What plans can call here.
+    pub library: Arc<Library>,
+    premises: Premises,
+}
+
+/// Where the plans of a site run.
+#[derive(Clone)]
+enum Premises {
+    /// There is no robot, and plans cannot name one.
+    Robotless,
+    /// Plans can name a robot, and there is none.
+    Unbuilt,
+    /// The robot is in a world.
+    Office { model: Arc<OfficeModel>, scenario: Option<Scenario> },
+}
+
+impl Site {
+    /// A site with the robot in a world; without a world it is one without a robot. Cost: that of
+    /// the world's models, which [`crate::cost::LargeWorld`] knows beforehand.
+    ///
+    /// # Errors
+    /// The world is too large or cannot be localized in, or a native function has a name that is
+    /// taken.
+    pub fn new(setup: Setup) -> Result<Self, SiteError> {
+        let Setup { world, settings, memory_gib, natives } = setup;
+        let Some(world) = world else {
+            return Ok(Self { library: library_without_robot(natives)?, premises: Premises::Robotless });
+        };
+        if let Some(too_large) = TooLarge::of(&world, &settings, memory_gib) {
+            return Err(Box::new(too_large).into());
+        }
+        let name = world.name.clone();
+        let model = OfficeModel::new(world, settings).map_err(|source| SiteError::Unfit { world: name, source })?;
+        let premises = Premises::Office { model: Arc::new(model), scenario: None };
+        Ok(Self { library: robot_library(natives)?, premises })
+    }
+
+    /// A site of a library that [`robot_library`] has made, and of the models of a world: who runs in
+    /// many worlds, or one world in many ways, builds each of them once.
+    pub fn of(library: Arc<Library>, model: Arc<OfficeModel>) -> Self {
+        Self { library, premises: Premises::Office { model, scenario: None } }
+    }
+
+    /// A site without a robot.
+    ///
+    /// # Errors
+    /// The prelude does not compile.
+    pub fn without_robot() -> Result<Self, SiteError> {
+        Self::new(Setup::default())
+    }
+
+    /// A site with what plans can call on a robot, but with no world to run them in.
+    ///
+    /// # Errors
+    /// The prelude does not compile.
+    pub fn for_checking() -> Result<Self, SiteError> {
+        Ok(Self { library: robot_library(Vec::new())?, premises: Premises::Unbuilt })
+    }
+
+    /// A site with what scenarios can call, but with no world to meddle with.
+    ///
+    /// # Errors
+    /// The prelude does not compile.
+    pub fn for_checking_scenarios() -> Result<Self, SiteError> {
+        Ok(Self { library: scenario_library()?, premises: Premises::Unbuilt })
+    }
+
+    /// The same place with another scenario: the experimenter's plan, which runs beside the plans and
+    /// can meddle with the world. The loader finds the texts it loads.
+    ///
+    /// ```
+    /// # use rpl_lang::compile::NoFiles;
+    /// # use rpl_mission::run::run_to;
+    /// # use rpl_mission::site::{Setup, Site};
+    /// # use rpl_robot::world::World;
+    /// # use std::ops::ControlFlow::Continue;
+    /// let site = Site::new(Setup { world: World::builtin("test-room"), ..Setup::default() })?
+    ///     .with_scenario("turn.rpl", "(wait-time 2) (rotate-robot! 90deg)", &mut NoFiles)?;
+    /// let mut run = site.start_traced(site.compile("plan.rpl", "(wait-time 4)", &mut NoFiles)?, 1);
+    /// run_to(&mut run, 10_000_000, |_| Continue(()));
+    /// let events = run.machine.trace.take();
+    /// assert!(events.iter().any(|event| event.to_string().contains("rotated by hand")));
+    /// # Ok::<(), rpl_mission::error::SiteError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// There is no robot, or the scenario's text is wrong.
+    pub fn with_scenario(&self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Self, SiteError> {
+        let Premises::Office { model, .. } = &self.premises else {
+            return Err(SiteError::ScenarioWithoutRobot(name.to_string()));
+        };
+        let scenario = Some(Scenario::compile(name, text, loader)?);
+        let premises = Premises::Office { model: model.clone(), scenario };
+        Ok(Self { library: self.library.clone(), premises })
+    }
+
+    /// Whether plans can name a robot here, and there is none.
+    pub fn lacks_world(&self) -> bool {
+        matches!(self.premises, Premises::Unbuilt)
+    }
+
+    /// What was built from the world, if there is one.
+    pub fn office(&self) -> Option<&Arc<OfficeModel>> {
+        match &self.premises {
+            Premises::Office { model, .. } => Some(model),
+            Premises::Robotless | Premises::Unbuilt => None,
+        }
+    }
+
+    /// Compiles a plan; the loader finds the texts it loads.
+    ///
+    /// # Errors
+    /// All findings in its text.
+    pub fn compile(&self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Loaded, SiteError> {
+        self.library.load(name, text, loader).map_err(SiteError::Plan)
+    }
+
+    /// The office robot at the start of a run, if there is one. Everything that it leaves to chance
+    /// follows from the seed.
+    pub fn office_robot(&self, seed: u64) -> Option<OfficeRobot> {
+        let Premises::Office { model, scenario } = &self.premises else { return None };
+        let scenario = scenario.as_ref().map(|scenario| scenario.start(model, seed));
+        let host = SimulatedHost::new(model.simulator.clone(), seed, scenario);
+        Some(OfficeRobot::new(model.clone(), host, seed))
+    }
+
+    /// The robot at the start of a run, if there is one.
+    pub fn robot(&self, seed: u64) -> Robot {
+        match self.office_robot(seed) {
+            Some(robot) => Robot::Office(Box::new(robot)),
+            None => Robot::Absent(NoRobot),
+        }
+    }
+
+    /// A run of a plan at its start, which keeps no trace. The same plan and seed give the same run.
+    pub fn start(&self, plan: Loaded, seed: u64) -> System<Robot> {
+        System::new(self.library.clone(), plan, self.robot(seed), seed)
+    }
+
+    /// The same run with its trace from the first event on, but for the fluents that change in every
+    /// step ([`rpl_runtime::robot::FluentSpec::continuous`]). Who goes on with it takes the events out.
+    pub fn start_traced(&self, plan: Loaded, seed: u64) -> System<Robot> {
+        self.start_traced_with(self.robot(seed), plan, seed)
+    }
+
+    /// The same with a robot that was changed, such as one that starts elsewhere.
+    pub fn start_traced_with(&self, robot: Robot, plan: Loaded, seed: u64) -> System<Robot> {
+        let mut system = System::traced(self.library.clone(), plan, robot, seed);
+        silence_continuous_fluents(&mut system);
+        system
+    }
+
+    /// A run whose main task waits for forms ([`rpl_runtime::run::session`]).
+    ///
+    /// # Errors
+    /// The session's own text does not compile.
+    pub fn session(&self, seed: u64) -> Result<System<Robot>, Rejected> {
+        let mut system = System::session(&self.library, self.robot(seed), seed)?;
+        silence_continuous_fluents(&mut system);
+        Ok(system)
+    }
+}
