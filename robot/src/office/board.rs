@@ -2,8 +2,8 @@
 //! writes the position, through [`Position`]; everything else is put down by the controller, which
 //! gathers what they answer, and by functions that plans call.
 
-use super::OfficeModel;
-use super::behaviours::position_tracking::Position;
+use super::behaviours::position::Position;
+use super::model::OfficeModel;
 use crate::geometry::Velocity;
 use crate::simulator::Percept;
 use crate::world::TravelMode;

@@ -2,8 +2,10 @@
 //! truth is the host's.
 
 use super::behaviours::body::WHEELS;
-use super::behaviours::{Modules, Moment, Start};
-use super::{Board, OfficeModel, tables};
+use super::behaviours::module::{Moment, Start};
+use super::behaviours::{Modules, tables};
+use super::board::Board;
+use super::model::OfficeModel;
 use crate::geometry::Velocity;
 use crate::localization::Estimate;
 use crate::simulator::{Commands, Percept};

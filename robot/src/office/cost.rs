@@ -1,7 +1,7 @@
 //! What a world takes in memory and time, before anything is built from it.
 
 use super::model::SENSOR_MAP_CELL_M;
-use super::{OfficeModel, OfficeSettings};
+use super::model::{OfficeModel, OfficeSettings};
 use crate::localization::LocalizationModel;
 use crate::navigation::NavigationModel;
 use crate::simulator::SimulatorModel;

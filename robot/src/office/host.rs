@@ -1,7 +1,7 @@
 //! Hosts: who moves the robot and senses for it. The truth about the world, if there is any, lives in
 //! the host alone.
 
-use super::Report;
+use super::report::Report;
 use super::scenario::Oracle;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
 use rpl_runtime::run::system::{Outcome, System};

@@ -21,37 +21,18 @@ mod report;
 mod robot;
 mod save;
 mod scenario;
+mod words;
 
 pub use behaviours::active_localization::NAME as ACTIVE_LOCALIZATION;
-pub use behaviours::position_tracking::Position;
+pub use behaviours::position::Position;
 pub use behaviours::{Modules, tables};
 pub use board::Board;
 pub use controller::Controller;
 pub use cost::Cost;
 pub use host::{Host, SimulatedHost};
 pub use model::{MapModel, OfficeModel, OfficeSettings};
-pub use names::{reserved_names, robot_names, scenario_names};
+pub use names::{PLANS, reserved_names, robot_names, scenario_names};
 pub use natives::natives;
 pub use report::{Report, ReportKind};
 pub use robot::OfficeRobot;
 pub use scenario::{Oracle, oracle_natives, oracle_tables};
-
-use crate::world::TravelMode;
-use rpl_runtime::state::failure::Raise;
-
-/// The robot's own plan library.
-pub const PLANS: &str = include_str!("plans.rpl");
-
-/// What needs a map fails, and says what to do instead.
-fn no_map(what: &str) -> Raise {
-    Raise::new("localization-failure", format!("the robot has no map: {what}; run the plan without `--map none`"))
-}
-
-/// The name plans use for a travel mode.
-fn mode_name(mode: TravelMode) -> &'static str {
-    match mode {
-        TravelMode::Hallway => "hallway",
-        TravelMode::Office => "office",
-        TravelMode::Doorway => "doorway",
-    }
-}

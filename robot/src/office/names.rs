@@ -1,10 +1,15 @@
 //! The names the robot brings, all taken from where they are defined.
 
-use super::{PLANS, natives, oracle_natives, oracle_tables, tables};
+use super::behaviours::tables;
+use super::natives::natives;
+use super::scenario::{oracle_natives, oracle_tables};
 use rpl_lang::reader::read;
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
+
+/// The robot's own plan library.
+pub const PLANS: &str = include_str!("plans.rpl");
 
 /// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
 /// functions are a library like any other.

@@ -2,7 +2,10 @@
 
 use super::behaviours::navigation::{self, patience_argument};
 use super::behaviours::position_tracking::{X, Y};
-use super::{Controller, OfficeModel, mode_name, no_map, plan_text};
+use super::controller::Controller;
+use super::model::OfficeModel;
+use super::plan_text;
+use super::words::{mode_name, no_map};
 use crate::geometry::{Point, Pose};
 use crate::world::{Place, TravelMode};
 use rpl_lang::symbol::fold_name;

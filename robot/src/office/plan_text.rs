@@ -1,6 +1,7 @@
 //! Navigation plans as data: what the topological planner found, written as an RPL plan.
 
-use super::{MapModel, mode_name};
+use super::model::MapModel;
+use super::words::mode_name;
 use crate::geometry::Pose;
 use crate::planning::{Target, Unreachable};
 use crate::world::{Place, TravelMode};

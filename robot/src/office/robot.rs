@@ -1,6 +1,9 @@
 //! The robot: its controller and a host, as the runtime steps them.
 
-use super::{Controller, Host, OfficeModel, SimulatedHost, tables};
+use super::behaviours::tables;
+use super::controller::Controller;
+use super::host::{Host, SimulatedHost};
+use super::model::OfficeModel;
 use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};

@@ -1,6 +1,12 @@
 //! The robot's part of a saved run: everything that changes, and beside it what it belongs to.
 
-use super::{Board, Controller, Modules, OfficeRobot, Oracle, Report, SimulatedHost};
+use super::behaviours::Modules;
+use super::board::Board;
+use super::controller::Controller;
+use super::host::SimulatedHost;
+use super::report::Report;
+use super::robot::OfficeRobot;
+use super::scenario::Oracle;
 use crate::active::ActiveParameters;
 use crate::localization::LocalizationParameters;
 use crate::simulator::SimulatorState;

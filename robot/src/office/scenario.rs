@@ -1,6 +1,6 @@
 //! Scenarios: the experimenter's plan, which alone sees the truth and can meddle with the world.
 
-use super::Report;
+use super::report::Report;
 use crate::geometry::Pose;
 use crate::simulator::{SimulatorModel, SimulatorState};
 use crate::world::{Object, Rect, SeenBy, Shape};

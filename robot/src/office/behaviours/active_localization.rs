@@ -1,11 +1,14 @@
 //! Active localization: it drives to where the robot learns most about its position.
 
 use super::body::WHEELS;
-use super::position_tracking::{POS_CERTAINTY, Position};
-use super::{Module, ModuleSpec, Moment, Start, Work};
+use super::module::{Module, ModuleSpec, Moment, Start, Work};
+use super::position::Position;
+use super::position_tracking::POS_CERTAINTY;
 use crate::active::{ActiveLocalization, Exploration, Intent};
 use crate::navigation::{DriveStatus, DriveTask, LocalDrive};
-use crate::office::{OfficeModel, Report, no_map};
+use crate::office::model::OfficeModel;
+use crate::office::report::Report;
+use crate::office::words::no_map;
 use crate::simulator::Commands;
 use crate::world::TravelMode;
 use rpl_random::Stream;

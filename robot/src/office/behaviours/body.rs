@@ -1,9 +1,11 @@
 //! The robot's body: what its sensors and its radio say for themselves, when its sonars fire, and the
 //! valves of what it moves. It has no behaviour.
 
-use super::{Module, ModuleSpec, Moment, continuous, fluent, fluent_number};
-use crate::office::behaviours::position_tracking::Position;
-use crate::office::{OfficeModel, mode_name};
+use super::fluent_number;
+use super::module::{Module, ModuleSpec, Moment, continuous, fluent};
+use crate::office::behaviours::position::Position;
+use crate::office::model::OfficeModel;
+use crate::office::words::mode_name;
 use crate::simulator::Commands;
 use crate::world::TravelMode;
 use rpl_runtime::robot::Outbox;

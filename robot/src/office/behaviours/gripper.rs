@@ -1,9 +1,9 @@
 //! The gripper: it takes a thing, or lets go.
 
 use super::body::ARM;
-use super::position_tracking::Position;
-use super::{Module, ModuleSpec, Moment, Start, Work};
-use crate::office::OfficeModel;
+use super::module::{Module, ModuleSpec, Moment, Start, Work};
+use super::position::Position;
+use crate::office::model::OfficeModel;
 use crate::simulator::{Commands, GripperCommand, GripperMotion};
 use crate::world::TravelMode;
 use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, Stop};

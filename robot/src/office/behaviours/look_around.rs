@@ -1,10 +1,10 @@
 //! Looking around: it turns a little to both sides, so that the sensors see more.
 
 use super::body::WHEELS;
-use super::position_tracking::Position;
-use super::{Module, ModuleSpec, Moment, Start, Work};
+use super::module::{Module, ModuleSpec, Moment, Start, Work};
+use super::position::Position;
 use crate::navigation::LookAround;
-use crate::office::OfficeModel;
+use crate::office::model::OfficeModel;
 use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, Stop};
 use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};

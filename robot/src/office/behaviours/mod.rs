@@ -1,118 +1,30 @@
 //! What the robot is composed of: the one list of its modules, and what follows from it, the order of
 //! their steps, the tables that plans see, and the numbers of behaviours and fluents.
+//!
+//! One circle, on purpose: the list imports the modules, and a module asks the list for the number of
+//! its fluents and its behaviour, so that no number is written by hand.
 
 pub(super) mod active_localization;
 pub(super) mod body;
 mod gripper;
 mod look_around;
+pub(super) mod module;
 pub(super) mod navigation;
+pub(super) mod position;
 pub(super) mod position_tracking;
 
 use self::active_localization::Localizing;
 use self::body::Body;
 use self::gripper::Gripping;
 use self::look_around::LookingAround;
+use self::module::{Module, ModuleSpec};
 use self::navigation::Navigating;
-use self::position_tracking::{Position, PositionTracking};
-use super::OfficeModel;
-use crate::geometry::Velocity;
-use crate::navigation::NavigationInput;
-use crate::simulator::{Commands, Percept};
-use crate::world::TravelMode;
-use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, RobotEvent, RobotTables, Stop};
-use rpl_runtime::state::activation::Phase;
-use rpl_runtime::state::failure::Raise;
-use rpl_runtime::state::machine::Machine;
-use rpl_runtime::state::value::Value;
+use self::position_tracking::PositionTracking;
+use crate::office::model::OfficeModel;
+use rpl_runtime::robot::RobotTables;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::sync::LazyLock;
-
-/// What a module offers to plans.
-pub(super) struct ModuleSpec {
-    /// Its behaviour, if it has one.
-    pub behaviour: Option<BehaviourSpec>,
-    /// Its fluents.
-    pub fluents: &'static [FluentSpec],
-    /// The valves that guard what it moves.
-    pub valves: &'static [Cow<'static, str>],
-}
-
-/// A behaviour, or another part of the robot that tells plans something, with its state. It writes
-/// nothing that others read but through what it is given to write or what it answers.
-pub(super) trait Module {
-    /// Starts its behaviour.
-    ///
-    /// # Errors
-    /// What is wrong with the arguments, or why it cannot start.
-    fn start(&mut self, _start: &Start<'_>, _position: &mut Position, _outbox: &mut Outbox) -> Result<(), Raise> {
-        Ok(())
-    }
-
-    /// Stops its behaviour.
-    fn stop(&mut self, _how: Stop, _outbox: &mut Outbox) {}
-
-    /// Adds to what the robot is to do in the next step; the wheels are not its business.
-    fn command(&mut self, _mode: TravelMode, _phase: Phase, _commands: &mut Commands) {}
-
-    /// One step, after the percept has come.
-    fn step(&mut self, _now: &Moment<'_>, _position: &mut Position, _events: &mut Vec<RobotEvent>) -> Work {
-        Work::default()
-    }
-
-    /// Tells plans how things stand, after all have made their step.
-    fn publish(&mut self, _now: &Moment<'_>, _position: &Position, _outbox: &mut Outbox) {}
-}
-
-/// What a behaviour is started with.
-pub(super) struct Start<'a> {
-    /// What does not change.
-    pub model: &'a OfficeModel,
-    /// For its symbols and lists.
-    pub machine: &'a Machine,
-    /// By the names of its parameters.
-    pub arguments: &'a [(Symbol, Value)],
-    /// When the last percept came.
-    pub time_us: u64,
-}
-
-/// What a module sees in a step.
-pub(super) struct Moment<'a> {
-    /// What does not change.
-    pub model: &'a OfficeModel,
-    /// The percept of this step.
-    pub percept: &'a Percept,
-    /// How the robot is to drive.
-    pub mode: TravelMode,
-    /// Messages that no plan has read.
-    pub unread: usize,
-    /// Where the module's behaviour stands.
-    pub phase: Phase,
-}
-
-impl<'a> Moment<'a> {
-    /// What navigation and active localization drive by.
-    fn input(&self) -> NavigationInput<'a> {
-        let percept = self.percept;
-        NavigationInput {
-            odometry_in_odom: percept.odometry_in_odom,
-            velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-            sonar_m: percept.sonar_m.as_ref(),
-            laser_m: percept.laser_m.as_deref(),
-            bumped: percept.bumped,
-        }
-    }
-}
-
-/// What came of a module's step.
-#[derive(Default)]
-pub(super) struct Work {
-    /// What it wants of the wheels.
-    pub velocity: Option<Velocity>,
-    /// How its behaviour ended, if it did.
-    pub ending: Option<Ending>,
-}
 
 /// Makes of a list of modules their states, the array to go through them, and what they offer.
 macro_rules! compose {
@@ -215,16 +127,6 @@ const fn is_name(known: &Cow<'static, str>, name: &str) -> bool {
         at += 1;
     }
     at == known.len() && at == name.len()
-}
-
-/// A fluent that changes now and then.
-const fn fluent(name: &'static str, doc: &'static str) -> FluentSpec {
-    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: false }
-}
-
-/// A fluent that changes with every step.
-const fn continuous(name: &'static str, doc: &'static str) -> FluentSpec {
-    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: true }
 }
 
 #[cfg(test)]

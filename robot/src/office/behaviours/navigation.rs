@@ -1,11 +1,12 @@
 //! Navigation: it drives to the points of a plan, on a map or without one.
 
 use super::body::WHEELS;
-use super::position_tracking::Position;
-use super::{Module, ModuleSpec, Moment, Start, Work, behaviour_number, fluent, fluent_number};
+use super::module::{Module, ModuleSpec, Moment, Start, Work, fluent};
+use super::position::Position;
+use super::{behaviour_number, fluent_number};
 use crate::geometry::{Point, Pose, Velocity};
 use crate::navigation::{MaplessNavigation, MappedNavigation, NavigationEvent, NavigationOutput, Obstruction};
-use crate::office::OfficeModel;
+use crate::office::model::OfficeModel;
 use crate::planning::Target;
 use crate::sensors::RangeSensor;
 use crate::simulator::Commands;

@@ -1,10 +1,12 @@
 //! Position tracking: it takes each percept into the belief, and tells where the robot is and whether
 //! that is known.
 
-use super::{Module, ModuleSpec, Moment, Work, continuous, fluent_number};
-use crate::geometry::Pose;
-use crate::localization::{Estimate, Localization, Spread};
-use crate::office::{MapModel, OfficeModel, Report};
+use super::fluent_number;
+use super::module::{Module, ModuleSpec, Moment, Work, continuous};
+use super::position::Position;
+use crate::localization::Estimate;
+use crate::office::model::OfficeModel;
+use crate::office::report::Report;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{BehaviourSpec, Outbox, RobotEvent};
 use serde::{Deserialize, Serialize};
@@ -20,70 +22,6 @@ const O: usize = fluent_number("o*");
 
 /// The number of the certainty.
 pub(super) const POS_CERTAINTY: usize = fluent_number("pos-certainty*");
-
-/// Where the robot believes itself to be. Only position tracking writes here; others look, doubt it,
-/// or begin a search.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Position {
-    /// The filter; none without a map.
-    localization: Option<Localization>,
-    /// A plan has reason to think the estimate is wrong; position tracking answers in the next step.
-    is_doubted: bool,
-    /// Dead reckoning at the end of the last step.
-    odometry_in_odom: Pose,
-}
-
-impl Position {
-    /// The position at the start of a run.
-    pub(crate) fn new(model: &OfficeModel) -> Self {
-        let localization = model.map.as_ref().map(|map| {
-            if model.settings.start_known {
-                Localization::start_at(&map.localization, model.world.start_in_map, Spread::default())
-            } else {
-                Localization::start_uniform(&map.localization)
-            }
-        });
-        Self { localization, is_doubted: false, odometry_in_odom: Pose::default() }
-    }
-
-    /// The filter; none without a map.
-    pub fn localization(&self) -> Option<&Localization> {
-        self.localization.as_ref()
-    }
-
-    /// Without a map the robot is where its odometry says, in `odom`: there is nothing to be lost in.
-    pub fn estimate(&self, map: Option<&MapModel>) -> Estimate {
-        match (map, &self.localization) {
-            (Some(map), Some(localization)) => localization.estimate(&map.localization),
-            _ => Estimate { pose_in_map: self.odometry_in_odom, certainty: 1.0 },
-        }
-    }
-
-    /// Dead reckoning at the end of the last step.
-    pub fn odometry_in_odom(&self) -> Pose {
-        self.odometry_in_odom
-    }
-
-    /// A plan has reason to think that the estimate is wrong.
-    pub(crate) fn doubt(&mut self) {
-        self.is_doubted = true;
-    }
-
-    /// The robot is told where it is.
-    pub(crate) fn tell(&mut self, map: &MapModel, pose_in_map: Pose, spread: Spread) {
-        self.localization = Some(Localization::start_at(&map.localization, pose_in_map, spread));
-    }
-
-    /// The belief for a search, which gives it up as it begins if it is worth nothing.
-    pub(super) fn begin_search(&mut self) -> Option<&mut Localization> {
-        self.localization.as_mut()
-    }
-
-    /// The step is over.
-    pub(crate) fn end_step(&mut self, odometry_in_odom: Pose) {
-        self.odometry_in_odom = odometry_in_odom;
-    }
-}
 
 /// The state of position tracking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
