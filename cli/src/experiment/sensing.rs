@@ -4,6 +4,7 @@
 
 mod course;
 mod picture;
+mod settings;
 mod shuttle;
 mod table;
 
@@ -17,43 +18,7 @@ use crate::terminal::progress;
 use anyhow::{Result, bail};
 use course::{Hall, NEVER_LONGER_US, SensingRun};
 use serde_json::json;
-
-/// Which sensors can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sensors {
-    /// The 24 sonars.
-    Sonars,
-    /// The 181 directions of the laser.
-    Laser,
-    /// All of them.
-    Both,
-}
-
-/// How the next direction is chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Policy {
-    /// By the entropy expected after reading it.
-    Active,
-    /// Each as likely as the other.
-    Random,
-}
-
-/// A row of the table.
-#[derive(Debug)]
-pub struct SensingSetting {
-    pub name: &'static str,
-    pub sensors: Sensors,
-    pub policy: Policy,
-}
-
-const SETTINGS: [SensingSetting; 6] = [
-    SensingSetting { name: "both, active", sensors: Sensors::Both, policy: Policy::Active },
-    SensingSetting { name: "both, random", sensors: Sensors::Both, policy: Policy::Random },
-    SensingSetting { name: "sonars, active", sensors: Sensors::Sonars, policy: Policy::Active },
-    SensingSetting { name: "sonars, random", sensors: Sensors::Sonars, policy: Policy::Random },
-    SensingSetting { name: "laser, active", sensors: Sensors::Laser, policy: Policy::Active },
-    SensingSetting { name: "laser, random", sensors: Sensors::Laser, policy: Policy::Random },
-];
+use settings::{SETTINGS, SensingSetting};
 
 /// The runs of one row, in the order of the seeds.
 pub type SensingRuns = Vec<(&'static SensingSetting, Vec<SensingRun>)>;

@@ -1,7 +1,7 @@
 //! One run: the robot is moved, reads one direction at a time, and is compared with the truth.
 
+use super::settings::{Policy, SensingSetting, Sensors};
 use super::shuttle::Shuttle;
-use super::{Policy, SensingSetting, Sensors};
 use anyhow::{Context, Result};
 use rpl_random::Stream;
 use rpl_robot::active::{Direction, SensingModel};

@@ -1,8 +1,9 @@
 //! The figures of the experiment, as in the paper: error over time (Fig. 9), probability of the true
 //! position (Fig. 10), and what the selected readings met (Fig. 11).
 
+use super::SensingRuns;
 use super::course::{Hall, Moment, SensingRun};
-use super::{Policy, SensingRuns, Sensors};
+use super::settings::{Policy, Sensors};
 use crate::experiment::chart::{self, Curve, CurvePoint as Mean};
 use crate::show::figures::{self, Figure};
 use rpl_robot::geometry::Point;

@@ -103,8 +103,8 @@ pub fn raw_rows(rows: &SensingRuns) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::sensing::SETTINGS;
     use crate::experiment::sensing::course::Moment;
+    use crate::experiment::sensing::settings::SETTINGS;
 
     fn course(near: impl Fn(usize) -> f64) -> SensingRun {
         let moment = |second: usize| Moment { time_s: second as f64, error_m: 0.5, near: near(second) };
