@@ -1,7 +1,8 @@
 //! What the robot can do, and what it is allowed to.
 
 use crate::geometry::Velocity;
-use crate::world::TravelMode;
+use crate::sensors::SONAR_RANGE_M;
+use crate::world::{ROBOT_RADIUS_M, TravelMode};
 
 /// Steps until a command has taken effect: it is given after one percept, and the next one shows it.
 const COMMAND_STEPS: f64 = 2.0;
@@ -44,13 +45,13 @@ pub struct DriveLimits {
 impl Default for DriveLimits {
     fn default() -> Self {
         Self {
-            robot_radius_m: 0.265,
+            robot_radius_m: ROBOT_RADIUS_M,
             max_rotation_radps: 1.0,
             translation_acceleration_mps2: 0.5,
             translation_deceleration_mps2: 0.9,
             rotation_acceleration_radps2: 1.5,
             step_s: 0.05,
-            sonar_max_range_m: 5.0,
+            sonar_max_range_m: SONAR_RANGE_M,
             margin_m: 0.02,
             margin_s: 0.1,
             hallway_mps: 0.7,

@@ -2,7 +2,7 @@
 
 use super::calibration::Calibration;
 use super::error::ModelError;
-use crate::sensors::sonar_ring_deg;
+use crate::sensors::{SONAR_RANGE_M, sonar_ring_deg};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set about the filter.
@@ -257,7 +257,7 @@ pub struct SensorParameters {
 impl Default for SensorParameters {
     fn default() -> Self {
         Self {
-            max_range_m: 5.0,
+            max_range_m: SONAR_RANGE_M,
             mount_radius_m: 0.0,
             cone_deg: 15,
             wall_depth_m: 0.0,

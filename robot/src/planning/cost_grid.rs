@@ -1,8 +1,9 @@
 //! What it costs a body to be somewhere: the obstacles of a map, and the price of coming close to
-//! them. Knows nothing of robots: people have such grids too.
+//! them. Not only for robots: people have such grids too.
 
 use crate::geometry::{Point, distance_m};
 use crate::occupancy::{Cell, OccupancyGrid, squared_distances_cells};
+use crate::world::ROBOT_RADIUS_M;
 
 /// How far obstacles reach: around the body that moves, and in its liking.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub struct Inflation {
 impl Default for Inflation {
     /// That of the robot on a map of its world.
     fn default() -> Self {
-        Self { body_radius_m: 0.265, comfortable_distance_m: 0.75, closeness_weight: 3.0 }
+        Self { body_radius_m: ROBOT_RADIUS_M, comfortable_distance_m: 0.75, closeness_weight: 3.0 }
     }
 }
 

@@ -1,5 +1,5 @@
 //! The range sensors of the robot, as everybody knows them who uses their readings: how many readings
-//! there are, and where each of them looks.
+//! there are, where each of them looks, and how far.
 //!
 //! What a reading is worth is the business of those who use it: the simulator's noise, the filter's
 //! likelihood, the memory's doubts.
@@ -8,7 +8,7 @@ mod laser;
 mod sonar;
 
 pub use laser::{LASER_READINGS, laser_direction_rad};
-pub use sonar::{SONAR_CONE_RAD, SONARS, sonar_direction_rad, sonar_ring_deg};
+pub use sonar::{SONAR_CONE_RAD, SONAR_RANGE_M, SONARS, sonar_direction_rad, sonar_ring_deg};
 
 use serde::{Deserialize, Serialize};
 

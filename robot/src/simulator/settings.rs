@@ -1,5 +1,6 @@
 //! Every number of the simulated robot.
 
+use crate::sensors::SONAR_RANGE_M;
 use crate::world::ROBOT_RADIUS_M;
 
 /// Body, motors, sensors and gripper of the simulated robot; the default is a B21 with Polaroid
@@ -108,7 +109,7 @@ impl Default for SimulatorSettings {
             translation_acceleration_mps2: 0.5,
             translation_deceleration_mps2: 1.0,
             rotation_acceleration_radps2: 90.0_f64.to_radians(),
-            sonar_max_range_m: 5.0,
+            sonar_max_range_m: SONAR_RANGE_M,
             sonar_noise_m: 0.015,
             sonar_noise_per_m: 0.01,
             specular_angle_rad: 27.0_f64.to_radians(),

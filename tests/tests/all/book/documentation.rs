@@ -250,25 +250,6 @@ fn the_reference_names_every_failure_class() {
 }
 
 #[test]
-fn the_tables_of_the_robot_are_those_of_the_code() {
-    let chapter = read("docs/behaviours.md").text;
-    let tables = office::tables();
-    let mut rows: Vec<String> =
-        tables.fluents.iter().map(|fluent| format!("| `{}` | {} |", fluent.name, fluent.doc)).collect();
-    rows.extend(tables.behaviours.iter().map(|behaviour| {
-        let valve = behaviour.valve.as_deref().map_or("–".to_string(), |valve| format!("`{valve}`"));
-        format!("| `{}` | {valve} | {} |", behaviour.name, behaviour.doc)
-    }));
-    rows.extend(tables.valves.iter().map(|valve| format!("`{valve}`")));
-    rows.extend(office::natives().iter().chain(&office::oracle_natives()).map(|native| {
-        let call = format!("{} {}", native.name, native.parameters);
-        format!("| `({})` | {} |", call.trim_end(), native.doc)
-    }));
-    let missing: Vec<String> = rows.into_iter().filter(|row| !chapter.contains(row)).collect();
-    assert!(missing.is_empty(), "docs/behaviours.md lacks\n{}", missing.join("\n"));
-}
-
-#[test]
 fn links_lead_somewhere() {
     for document in documents() {
         let folder = root().join(&document.name).parent().map(Path::to_path_buf).unwrap_or_default();

@@ -3,3 +3,4 @@
 mod clauses;
 mod documentation;
 mod formatting;
+mod tables;
