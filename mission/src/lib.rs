@@ -20,7 +20,7 @@
 //! assert!(matches!(reached, Reached::End(_)));
 //!
 //! let sight = run.outside.sight().ok_or("there is a robot")?;
-//! assert!(sight.robot_in_map.distance_m(sight.estimate_in_map.point()) < 0.3);
+//! assert!(sight.robot_in_map.distance_m(sight.estimate_in_map) < 0.3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -255,7 +255,7 @@ fn verdict_at_end(children: Children) -> Verdict {
 pub(super) fn shortfall(quorum: Quorum, left: usize, total: usize) -> Option<String> {
     match quorum.successes {
         Successes::Count(count) if left < count as usize => Some(match quorum.lists {
-            true => format!("{left} of {total} can succeed, and {count} must"),
+            true => format!("only {left} of {total} can succeed, and {count} must"),
             false => all_failed(0),
         }),
         Successes::Count(_) | Successes::All | Successes::Last => None,

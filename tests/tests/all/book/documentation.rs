@@ -4,7 +4,7 @@
 use rpl_lang::check::{KnownPlaces, RULES};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::site::Site;
-use rpl_robot::office::{self, OfficeModel, OfficeSettings};
+use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::Library;
 use rpl_runtime::state::failure::CLASSES;

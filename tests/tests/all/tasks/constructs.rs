@@ -478,9 +478,9 @@ fn the_numbers_of_a_quorum_are_from_1_on() {
     check(
         "(with-failure-handling ((composite-failure (f) (list (failure-message f) (failure-parts f))))
            (quorum 2 1 (print 'starts)))",
-        "=> (\"1 of 1 can succeed, and 2 must\" nil)",
+        "=> (\"only 1 of 1 can succeed, and 2 must\" nil)",
     );
-    check("(quorum 1 1)", "failed: composite-failure: 0 of 0 can succeed, and 1 must");
+    check("(quorum 1 1)", "failed: composite-failure: only 0 of 0 can succeed, and 1 must");
     assert!(run("(quorum 1)").starts_with("error[malformed]"));
     assert!(run("(wait-for (quorum 1 1 t))").starts_with("error[network-effect]"));
 }
@@ -509,12 +509,12 @@ fn a_quorum_fails_as_soon_as_too_few_are_left() {
            (par (quorum 2 :all (:tag a (wait-time 9)) (seq (wait-time 1) (fail \"b\"))
                                (evap-protect (wait-time 9) (print 'cut)))
                 (seq (wait-time 2) (evaporate a))))",
-        "cut\n=> (\"1 of 3 can succeed, and 2 must\" (\"b\") 2.0)",
+        "cut\n=> (\"only 1 of 3 can succeed, and 2 must\" (\"b\") 2.0)",
     );
     check(
         "(with-failure-handling ((composite-failure (f) (list (failure-message f) (now))))
            (par (quorum 1 :all (:tag a (wait-time 9))) (evaporate a)))",
-        "=> (\"0 of 1 can succeed, and 1 must\" 0.0)",
+        "=> (\"only 0 of 1 can succeed, and 1 must\" 0.0)",
     );
     check("(par (quorum :all 1 (:tag a (wait-time 9)) (seq (wait-time 1) 'b)) (evaporate a) (now))", "=> 0.0");
 }
@@ -547,7 +547,7 @@ fn pursue_first_n_fails_when_fewer_than_n_can_succeed() {
              (unwind-protect (wait-time 9) (print 'cut))
              (seq (wait-time 2) (fail \"a\"))
              (seq (wait-time 1) (fail \"b\"))))",
-        "cut\n=> (\"1 of 3 can succeed, and 2 must\" (\"b\" \"a\") 2.0)",
+        "cut\n=> (\"only 1 of 3 can succeed, and 2 must\" (\"b\" \"a\") 2.0)",
     );
     check("(ignore-failures (composite-failure) (pursue-first-n 2 (fail \"a\") (print 'never)))", "=> nil");
     // A success before does not help.
@@ -588,7 +588,7 @@ fn pursue_first_n_under_policies_and_within_itself() {
                     (seq (wait-time 3) (setf (value battery) 10) 'last)))
            (wait-time 1)
            (now))",
-        "(kept last)\ncharge\n=> 4.0",
+        "charge\n(kept last)\n=> 4.0",
     );
     check(
         "(pursue-first-n 2
