@@ -60,7 +60,7 @@ pub fn drive(
     records: &mut Records,
 ) -> io::Result<RunEnd> {
     console.begin_status();
-    let mut driver = Driver {
+    let mut driver = RunDriver {
         system,
         pace,
         console,
@@ -75,7 +75,7 @@ pub fn drive(
     ending
 }
 
-struct Driver<'a> {
+struct RunDriver<'a> {
     system: &'a mut System<Robot>,
     pace: Pace,
     console: &'a mut Console,
@@ -86,7 +86,7 @@ struct Driver<'a> {
     course: RunState,
 }
 
-impl Driver<'_> {
+impl RunDriver<'_> {
     fn run(&mut self) -> io::Result<RunEnd> {
         self.record_pose()?;
         let ending = self.go()?;

@@ -22,7 +22,7 @@ pub use request::ExperimentRequest;
 use crate::terminal::console::Console;
 use crate::terminal::page::Block;
 use anyhow::{Result, bail};
-use catalogue::{EXPERIMENTS, Experiment, Row, Subject};
+use catalogue::{EXPERIMENTS, Experiment, ExperimentSubject, Row};
 use findings::ExperimentResult;
 use missions::{missions, over_time, own_plan, results, status, whether_measured, write_results};
 use row_result::comparison;
@@ -40,12 +40,12 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
     let Some(experiment) = experiment else { return own_plan(request, console) };
     let chosen = || rows(experiment, request);
     match experiment.report {
-        Subject::Barn => barn::run(request, console),
-        Subject::Worlds => worlds::run(request, console),
-        Subject::Doors => doors::run(request, console),
-        Subject::Sensing => sensing::run(request, console),
-        Subject::Choices => choices::run(request, &chosen()?, console),
-        Subject::Success => {
+        ExperimentSubject::Barn => barn::run(request, console),
+        ExperimentSubject::Worlds => worlds::run(request, console),
+        ExperimentSubject::Doors => doors::run(request, console),
+        ExperimentSubject::Sensing => sensing::run(request, console),
+        ExperimentSubject::Choices => choices::run(request, &chosen()?, console),
+        ExperimentSubject::Success => {
             let rows = missions(request, &chosen()?, console)?;
             let results = results(&rows);
             write_results(request, &rows, &over_time(&rows))?;
@@ -54,14 +54,14 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
             blocks.extend(comparison(&results));
             Ok(ExperimentResult { status: status(&rows[0].1), blocks, figures: json!({ "rows": results }) })
         }
-        Subject::Comparison => {
+        ExperimentSubject::Comparison => {
             let rows = missions(request, &chosen()?, console)?;
             let results = results(&rows);
             write_results(request, &rows, &[])?;
             let blocks = comparison(&results);
             Ok(ExperimentResult { status: whether_measured(&rows), blocks, figures: json!({ "rows": results }) })
         }
-        Subject::Calibration => {
+        ExperimentSubject::Calibration => {
             let rows = missions(request, &chosen()?, console)?;
             let results = results(&rows);
             let all: Vec<&MissionTrial> =
@@ -92,13 +92,14 @@ fn rows(experiment: &Experiment, request: &ExperimentRequest) -> Result<Vec<&'st
 /// What can be asked for with `--row`.
 fn row_names(experiment: &Experiment) -> Vec<&'static str> {
     match experiment.report {
-        Subject::Barn => barn::row_names(),
-        Subject::Worlds => catalogue::WORLDS.to_vec(),
-        Subject::Doors => doors::WORLDS.to_vec(),
-        Subject::Sensing => sensing::row_names(),
-        Subject::Success | Subject::Comparison | Subject::Calibration | Subject::Choices => {
-            experiment.rows.iter().map(|row| row.name).collect()
-        }
+        ExperimentSubject::Barn => barn::row_names(),
+        ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
+        ExperimentSubject::Doors => doors::WORLDS.to_vec(),
+        ExperimentSubject::Sensing => sensing::row_names(),
+        ExperimentSubject::Success
+        | ExperimentSubject::Comparison
+        | ExperimentSubject::Calibration
+        | ExperimentSubject::Choices => experiment.rows.iter().map(|row| row.name).collect(),
     }
 }
 

@@ -4,7 +4,7 @@ use crate::sight::{Account, PositionBelief, Sight};
 use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::Vector;
 use rpl_robot::office::{OfficeRobot, Oracle};
-use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, Stop};
+use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
@@ -123,7 +123,7 @@ impl Outside for Robot {
         self.outside_mut().start(machine, behaviour, arguments, outbox)
     }
 
-    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+    fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox) {
         self.outside_mut().stop(behaviour, how, outbox);
     }
 

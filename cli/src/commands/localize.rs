@@ -16,7 +16,7 @@ pub use arguments::Arguments;
 use rpl_robot::geometry::Vector;
 use rpl_robot::localization::{LocalizationModel, LocalizationParameters};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
-use rpl_robot::recording::{BeamChoice, Recording, Start, Trial, Window, fit_odometry, fit_sensor, localize};
+use rpl_robot::recording::{BeamChoice, Recording, Trial, TrialStart, Window, fit_odometry, fit_sensor, localize};
 use std::time::Instant;
 
 /// A log belongs to a map if this share of its poses lies on free space.
@@ -124,14 +124,14 @@ fn parameters(arguments: &Arguments) -> Result<LocalizationParameters> {
         .with_context(|| format!("`{name}` is no file of parameters; write one with `rpl localize --fit {name}`"))
 }
 
-fn start(arguments: &Arguments) -> Start {
-    if arguments.from_truth { Start::FromTruth } else { Start::Uniform }
+fn start(arguments: &Arguments) -> TrialStart {
+    if arguments.from_truth { TrialStart::FromTruth } else { TrialStart::Uniform }
 }
 
 fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Window>> {
     let count = arguments.windows.map(|count| count as usize);
     match (start(arguments), count) {
-        (Start::FromTruth, None) => Ok(vec![Window::whole(recording)]),
+        (TrialStart::FromTruth, None) => Ok(vec![Window::whole(recording)]),
         (_, count) => {
             let count = count.unwrap_or(arguments::WINDOWS);
             Ok(Window::spread(recording, count, arguments.window_length, arguments.phase)?)

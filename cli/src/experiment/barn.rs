@@ -46,7 +46,7 @@ enum Method {
 
 /// How a trial ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Ending {
+enum CourseEnd {
     Arrived,
     Touched,
     GaveUp,
@@ -57,7 +57,7 @@ enum Ending {
 #[derive(Clone, Copy, Debug)]
 struct Drove {
     course: u64,
-    ending: Ending,
+    ending: CourseEnd,
     time_s: f64,
     optimum_s: f64,
 }
@@ -67,8 +67,8 @@ impl Drove {
     /// way at full speed, down to 0.125 for eight times that and more.
     fn score(&self) -> f64 {
         match self.ending {
-            Ending::Arrived => self.optimum_s / self.time_s.clamp(2.0 * self.optimum_s, 8.0 * self.optimum_s),
-            Ending::Touched | Ending::GaveUp | Ending::TimeUp => 0.0,
+            CourseEnd::Arrived => self.optimum_s / self.time_s.clamp(2.0 * self.optimum_s, 8.0 * self.optimum_s),
+            CourseEnd::Touched | CourseEnd::GaveUp | CourseEnd::TimeUp => 0.0,
         }
     }
 }
@@ -88,16 +88,16 @@ struct BarnRow {
 
 impl BarnRow {
     fn of(name: &'static str, drives: &[Drove]) -> Self {
-        let count = |ending: Ending| drives.iter().filter(|drove| drove.ending == ending).count();
-        let arrived = drives.iter().filter(|drove| drove.ending == Ending::Arrived);
+        let count = |ending: CourseEnd| drives.iter().filter(|drove| drove.ending == ending).count();
+        let arrived = drives.iter().filter(|drove| drove.ending == CourseEnd::Arrived);
         let ratios: Vec<f64> = arrived.map(|drove| drove.time_s / drove.optimum_s).collect();
         Self {
             name,
-            arrived: Proportion::new(count(Ending::Arrived), drives.len()),
+            arrived: Proportion::new(count(CourseEnd::Arrived), drives.len()),
             score: drives.iter().map(Drove::score).sum::<f64>() / drives.len() as f64,
-            touched: count(Ending::Touched),
-            gave_up: count(Ending::GaveUp),
-            time_up: count(Ending::TimeUp),
+            touched: count(CourseEnd::Touched),
+            gave_up: count(CourseEnd::GaveUp),
+            time_up: count(CourseEnd::TimeUp),
             time_by_optimum: Dispersion::of(&ratios).map(|spread| spread.median),
         }
     }
@@ -190,13 +190,13 @@ fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
         let away_m = (state.true_pose().point() - course.goal_in_map).norm();
         let contacts = state.contacts();
         if contacts.caused + contacts.unseen > 0 {
-            break Ending::Touched;
+            break CourseEnd::Touched;
         }
         if away_m <= GOAL_M {
-            break Ending::Arrived;
+            break CourseEnd::Arrived;
         }
         if state.time_us as f64 * 1e-6 > TIME_UP_S {
-            break Ending::TimeUp;
+            break CourseEnd::TimeUp;
         }
         let input = NavigationInput {
             odometry_in_odom: percept.odometry_in_odom,
@@ -205,7 +205,7 @@ fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
             laser_m: percept.laser_m.as_deref(),
             bumped: percept.bumped,
         };
-        let Some(velocity) = pilot.step(&limits, &input) else { break Ending::GaveUp };
+        let Some(velocity) = pilot.step(&limits, &input) else { break CourseEnd::GaveUp };
         commands.translation_mps = velocity.translation_mps;
         commands.rotation_radps = velocity.rotation_radps;
     };

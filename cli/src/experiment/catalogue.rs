@@ -9,14 +9,14 @@ pub struct Experiment {
     /// What a user types.
     pub name: &'static str,
     /// What is shown besides the table.
-    pub report: Subject,
+    pub report: ExperimentSubject,
     /// The first is the experiment itself.
     pub rows: &'static [Row],
 }
 
 /// What an experiment is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
+pub enum ExperimentSubject {
     /// How many runs succeed.
     Success,
     /// What the certainty is worth, over all rows together.
@@ -133,7 +133,7 @@ pub const WORLDS: [&str; 12] = [
 pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         name: "rotated",
-        report: Subject::Success,
+        report: ExperimentSubject::Success,
         rows: &[
             ROTATED,
             UNDISTURBED,
@@ -143,7 +143,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "kidnapped",
-        report: Subject::Success,
+        report: ExperimentSubject::Success,
         rows: &[
             KIDNAPPED,
             Row { name: "turned by 20–180°", scenario: Some("experiments/turned.rpl"), ..KIDNAPPED },
@@ -152,7 +152,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "global",
-        report: Subject::Success,
+        report: ExperimentSubject::Success,
         rows: &[
             GLOBAL,
             Row { name: "random wandering", change: |settings| lost(settings, Exploration::Wander), ..GLOBAL },
@@ -160,11 +160,15 @@ pub const EXPERIMENTS: &[Experiment] = &[
             Row { name: "spin and back up", change: |settings| lost(settings, Exploration::SpinAndBackUp), ..GLOBAL },
         ],
     },
-    Experiment { name: "false-alarms", report: Subject::Comparison, rows: &[PATROL, FURNISHED] },
-    Experiment { name: "calibration", report: Subject::Calibration, rows: &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED] },
+    Experiment { name: "false-alarms", report: ExperimentSubject::Comparison, rows: &[PATROL, FURNISHED] },
+    Experiment {
+        name: "calibration",
+        report: ExperimentSubject::Calibration,
+        rows: &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED],
+    },
     Experiment {
         name: "deviations",
-        report: Subject::Comparison,
+        report: ExperimentSubject::Comparison,
         rows: &[
             ROTATED,
             without("– tempering", |settings| settings.localization.tempering = 1.0),
@@ -184,15 +188,15 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "people",
-        report: Subject::Success,
+        report: ExperimentSubject::Success,
         rows: &[PEOPLE, Row { name: "in the department", world: "dept-crowded", ..PEOPLE }],
     },
-    Experiment { name: "office", report: Subject::Success, rows: &[OFFICE] },
-    Experiment { name: "worlds", report: Subject::Worlds, rows: &[] },
-    Experiment { name: "doors", report: Subject::Doors, rows: &[] },
-    Experiment { name: "barn", report: Subject::Barn, rows: &[] },
-    Experiment { name: "choices", report: Subject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
-    Experiment { name: "sensing", report: Subject::Sensing, rows: &[] },
+    Experiment { name: "office", report: ExperimentSubject::Success, rows: &[OFFICE] },
+    Experiment { name: "worlds", report: ExperimentSubject::Worlds, rows: &[] },
+    Experiment { name: "doors", report: ExperimentSubject::Doors, rows: &[] },
+    Experiment { name: "barn", report: ExperimentSubject::Barn, rows: &[] },
+    Experiment { name: "choices", report: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
+    Experiment { name: "sensing", report: ExperimentSubject::Sensing, rows: &[] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {

@@ -76,7 +76,7 @@ mod tests {
     use crate::terminal::console::Console;
     use rpl_mission::site::Site;
     use rpl_runtime::run::session::Answer;
-    use rpl_runtime::step::tasks::condition::Reading;
+    use rpl_runtime::step::tasks::condition::FluentReading;
 
     const PLANS: &[&str] = &[
         // Calls in calls, tags, spawned tasks, one name twice.
@@ -107,7 +107,7 @@ mod tests {
 
     /// What can be compared: not the values of fluents, which events tell as they were.
     fn shape(mut situation: Situation) -> (Vec<(String, Standing)>, BTreeMap<String, ValveStanding>) {
-        fn forget_values(readings: &mut [Reading]) {
+        fn forget_values(readings: &mut [FluentReading]) {
             for reading in readings {
                 reading.value.clear();
                 forget_values(&mut reading.from);

@@ -11,7 +11,7 @@ use crate::terminal::console::Console;
 use rpl_lang::source::Span;
 use rpl_runtime::run::stepping::{Stepped, Stop};
 use rpl_runtime::run::system::Turn;
-use rpl_runtime::run::timeline::Position;
+use rpl_runtime::run::timeline::TimelinePosition;
 use std::collections::BTreeMap;
 use std::io;
 use std::time::Instant;
@@ -187,7 +187,7 @@ impl<'a> Runner<'a> {
 
     /// All tasks are blocked: the form has ended, or the clock moves.
     fn settled(&mut self) -> Option<Halt> {
-        self.session.branch.timeline.position.step = Position::END;
+        self.session.branch.timeline.position.step = TimelinePosition::END;
         if self.session.branch.is_running
             && let Some(answer) = self.session.branch.system.answer()
         {

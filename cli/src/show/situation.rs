@@ -5,7 +5,7 @@
 use crate::show::event_line::ROBOT;
 use crate::show::events::detail;
 use rpl_runtime::state::trace::{Event, EventKind};
-use rpl_runtime::step::tasks::condition::Reading;
+use rpl_runtime::step::tasks::condition::FluentReading;
 use std::collections::BTreeMap;
 
 /// How deep fluents that are computed from fluents are followed.
@@ -31,7 +31,7 @@ pub struct Standing {
     /// The form it waits in.
     pub at: Option<String>,
     /// The fluents its condition reads, as they were when it began to wait.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<FluentReading>,
     /// The event that told so.
     pub told: u64,
 }
@@ -316,10 +316,10 @@ fn time_us(text: &str) -> Option<u64> {
 }
 
 /// The fluents a condition reads: names, each in parentheses with those it is computed from.
-fn readings(event: &Event) -> Vec<Reading> {
+fn readings(event: &Event) -> Vec<FluentReading> {
     let text = detail(event, "reads").replace('(', " ( ").replace(')', " ) ");
     // A file of unknown origin may hold any names and parentheses.
-    let mut open: Vec<Vec<Reading>> = vec![Vec::new()];
+    let mut open: Vec<Vec<FluentReading>> = vec![Vec::new()];
     for word in text.split_whitespace() {
         match word {
             "(" if open.len() < MAX_DEPTH => open.push(Vec::new()),
@@ -328,7 +328,7 @@ fn readings(event: &Event) -> Vec<Reading> {
             ")" => {}
             fluent => {
                 let value = value_of(event, fluent);
-                let reading = Reading { fluent: fluent.to_string(), value, from: Vec::new() };
+                let reading = FluentReading { fluent: fluent.to_string(), value, from: Vec::new() };
                 open.last_mut().into_iter().for_each(|list| list.push(reading.clone()));
             }
         }
@@ -340,7 +340,7 @@ fn readings(event: &Event) -> Vec<Reading> {
 }
 
 /// The innermost list is complete: its first fluent is computed from the others.
-fn close(open: &mut Vec<Vec<Reading>>) {
+fn close(open: &mut Vec<Vec<FluentReading>>) {
     let Some(mut list) = open.pop() else { return };
     if list.is_empty() {
         return;

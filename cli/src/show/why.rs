@@ -3,7 +3,7 @@
 use crate::show::situation::{Ended, Situation, Standing, is_within};
 use rpl_lang::suggest::suggest;
 use rpl_robot::office;
-use rpl_runtime::step::tasks::condition::Reading;
+use rpl_runtime::step::tasks::condition::FluentReading;
 use std::borrow::Cow;
 
 /// Causes are followed down to this depth.
@@ -134,7 +134,13 @@ fn suspended(situation: &Situation, task: &str, standing: &Standing, depth: usiz
 }
 
 /// A fluent, its value, who changed it last, and what it is computed from.
-fn tell_reading(situation: &Situation, standing: &Standing, reading: &Reading, depth: usize, lines: &mut Vec<String>) {
+fn tell_reading(
+    situation: &Situation,
+    standing: &Standing,
+    reading: &FluentReading,
+    depth: usize,
+    lines: &mut Vec<String>,
+) {
     let name = &reading.fluent;
     // The prompt's own.
     if name.starts_with('%') {

@@ -123,7 +123,7 @@ pub(super) struct Driver {
 }
 
 /// What to do, and what happened.
-pub(super) type Decision = (Velocity, Option<NavigationEvent>);
+pub(super) type DriveDecision = (Velocity, Option<NavigationEvent>);
 
 impl Driver {
     /// Begins to drive to these targets, in order, instead of any others. The clock goes on.
@@ -138,7 +138,7 @@ impl Driver {
     }
 
     /// One step, after the guide has taken in what there is to see.
-    pub fn step(&mut self, guide: &mut impl Guide, limits: &DriveLimits, input: &NavigationInput<'_>) -> Decision {
+    pub fn step(&mut self, guide: &mut impl Guide, limits: &DriveLimits, input: &NavigationInput<'_>) -> DriveDecision {
         let passed = self.drop_reached(guide, guide.pose().point());
         match self.phase {
             DrivePhase::Idle => (Velocity::default(), None),
@@ -152,7 +152,7 @@ impl Driver {
     }
 
     /// A decision as it is told.
-    pub fn output(&self, (velocity, event): Decision, needs_sonars: bool) -> NavigationOutput {
+    pub fn output(&self, (velocity, event): DriveDecision, needs_sonars: bool) -> NavigationOutput {
         NavigationOutput { velocity, remaining_targets: self.targets.len(), needs_sonars, event }
     }
 
@@ -178,7 +178,7 @@ impl Driver {
         self.targets.len() < before
     }
 
-    fn turn(&mut self, limits: &DriveLimits, here: Pose, velocity: Velocity) -> Decision {
+    fn turn(&mut self, limits: &DriveLimits, here: Pose, velocity: Velocity) -> DriveDecision {
         let wanted_rad = self.targets.last().and_then(|target| target.heading_rad);
         match turn_to(limits, wanted_rad, here, velocity) {
             Some(velocity) => (velocity, None),
@@ -186,12 +186,12 @@ impl Driver {
         }
     }
 
-    fn look_around(&mut self, left_s: f64) -> Decision {
+    fn look_around(&mut self, left_s: f64) -> DriveDecision {
         self.phase = if left_s > 0.0 { DrivePhase::LookingAround { left_s } } else { DrivePhase::Driving };
         (Velocity { translation_mps: 0.0, rotation_radps: LOOK_RADPS }, None)
     }
 
-    fn drive(&mut self, guide: &mut impl Guide, limits: &DriveLimits, input: &NavigationInput<'_>) -> Decision {
+    fn drive(&mut self, guide: &mut impl Guide, limits: &DriveLimits, input: &NavigationInput<'_>) -> DriveDecision {
         let robot = guide.driving_pose();
         let here = robot.point();
         let Some(first) = self.targets.first().copied() else { return self.finish(NavigationEvent::Arrived) };
@@ -236,7 +236,7 @@ impl Driver {
         path_length_m(&points)
     }
 
-    fn finish(&mut self, event: NavigationEvent) -> Decision {
+    fn finish(&mut self, event: NavigationEvent) -> DriveDecision {
         self.phase = DrivePhase::Idle;
         if event == NavigationEvent::Arrived {
             self.targets.clear();

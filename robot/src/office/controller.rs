@@ -10,7 +10,7 @@ use crate::geometry::Velocity;
 use crate::localization::Estimate;
 use crate::simulator::{Commands, Percept};
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{Outbox, Stop};
+use rpl_runtime::robot::{Outbox, StopReason};
 use rpl_runtime::state::activation::{Phase, Phases};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -94,7 +94,7 @@ impl Controller {
     }
 
     /// Stops a behaviour. If it drives, the robot stands.
-    pub(super) fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+    pub(super) fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox) {
         if tables().behaviours[usize::from(behaviour)].valve == Some(WHEELS) {
             self.board.drive_request = Velocity::default();
         }

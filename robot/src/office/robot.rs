@@ -8,7 +8,7 @@ use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{Outbox, Outside, RobotEvent, RobotTables, Stop};
+use rpl_runtime::robot::{Outbox, Outside, RobotEvent, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -127,7 +127,7 @@ impl<H: Host + 'static> Outside for OfficeRobot<H> {
         self.controller.start(machine, behaviour, arguments, outbox)
     }
 
-    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox) {
+    fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox) {
         self.controller.stop(behaviour, how, outbox);
     }
 

@@ -5,7 +5,7 @@ use crate::geometry::Pose;
 use crate::simulator::{SimulatorModel, SimulatorState};
 use crate::world::{Object, Rect, SeenBy, Shape};
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, Stop};
+use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -66,7 +66,7 @@ impl Outside for Oracle {
         Err(Raise::new("behaviour-failure", "a scenario has no behaviours"))
     }
 
-    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
+    fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
     fn stream(&self) -> &'static str {
         "scenario"

@@ -122,7 +122,7 @@ impl Areas {
     /// Where areas touch, in the order of their lines. O(cells).
     pub fn openings(&self, planner: &PlannerModel) -> Vec<Opening> {
         let grid = &planner.grid;
-        let mut steps: Vec<Step> = Vec::new();
+        let mut steps: Vec<AreaStep> = Vec::new();
         for cell in 0..self.labels.len() {
             let Some(here) = self.of_cell(cell) else { continue };
             let (column, row) = (cell % grid.stride, cell / grid.stride);
@@ -130,7 +130,7 @@ impl Areas {
                 [(true, cell + 1, column, row), (false, cell + grid.stride, row, column)]
             {
                 if let Some(there) = self.of_cell(next).filter(|there| *there != here) {
-                    steps.push(Step { is_eastward, line, areas: [here, there], along });
+                    steps.push(AreaStep { is_eastward, line, areas: [here, there], along });
                 }
             }
         }
@@ -141,7 +141,7 @@ impl Areas {
 
 /// From one cell into a cell of another area.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct AreaStep {
     /// To the next column, else to the next row.
     is_eastward: bool,
     /// The column or row it begins in.
@@ -151,15 +151,15 @@ struct Step {
     along: usize,
 }
 
-impl Step {
+impl AreaStep {
     fn goes_on_with(&self, next: &Self) -> bool {
         (self.is_eastward, self.line, self.areas) == (next.is_eastward, next.line, next.areas)
             && next.along == self.along + 1
     }
 }
 
-fn opening(grid: &CostGrid, run: &[Step]) -> Opening {
-    let Step { is_eastward, line, areas, along } = run[0];
+fn opening(grid: &CostGrid, run: &[AreaStep]) -> Opening {
+    let AreaStep { is_eastward, line, areas, along } = run[0];
     let cell = |line: usize, along: usize| {
         if is_eastward { along * grid.stride + line } else { line * grid.stride + along }
     };

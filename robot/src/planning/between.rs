@@ -8,7 +8,7 @@ use super::planner::PlannerModel;
 use super::topological::TopologicalModel;
 use super::way::ESCAPE_REACH_M;
 use crate::geometry::Point;
-use crate::world::{Door, Origin, Outline, ROBOT_RADIUS_M, Solid, is_same_name};
+use crate::world::{Door, Outline, ROBOT_RADIUS_M, Solid, SolidOrigin, is_same_name};
 
 /// More causes than this are not told.
 const MOST_CAUSES: usize = 3;
@@ -25,7 +25,7 @@ pub(super) enum Shut {
     /// The map shows it closed.
     Closed,
     /// A thing in the map stands before it.
-    Blocked(Origin),
+    Blocked(SolidOrigin),
     /// There is no floor on one of its sides.
     Nowhere,
     /// The robot does not fit.
@@ -136,7 +136,7 @@ impl TopologicalModel {
         if !door.mapped_open {
             return Shut::Closed;
         }
-        let things = self.world.solids().into_iter().filter(|solid| matches!(solid.origin, Origin::Object(_)));
+        let things = self.world.solids().into_iter().filter(|solid| matches!(solid.origin, SolidOrigin::Object(_)));
         let mut before = things.filter(|thing| thing.outline.distance_m(door.at) < DOOR_APPROACH_M);
         match before.find(|thing| self.world.is_mapped(thing.origin)) {
             Some(thing) => Shut::Blocked(thing.origin),
@@ -168,7 +168,7 @@ impl TopologicalModel {
         let solids = self.world.solids();
         let things = solids
             .iter()
-            .filter(|solid| matches!(solid.origin, Origin::Object(_)) && self.world.is_mapped(solid.origin));
+            .filter(|solid| matches!(solid.origin, SolidOrigin::Object(_)) && self.world.is_mapped(solid.origin));
         let between = things.filter(|thing| {
             let beside = self.areas.around(planner, &thing.outline, BESIDE_M);
             self.joins(&beside, &beside, here, there)

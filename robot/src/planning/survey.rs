@@ -5,7 +5,7 @@ use super::cost_to_go::TARGET_REACH_M;
 use super::planner::PlannerModel;
 use super::topological::TopologicalModel;
 use super::way::ESCAPE_REACH_M;
-use crate::world::{Door, Finding, Origin, Outline, ROBOT_RADIUS_M, Room, is_same_name};
+use crate::world::{Door, Finding, Outline, ROBOT_RADIUS_M, Room, SolidOrigin, is_same_name};
 
 /// A room of which less can be got to is told.
 const LEAST_SHARE: f64 = 0.5;
@@ -182,7 +182,7 @@ impl TopologicalModel {
             .world
             .solids()
             .into_iter()
-            .filter(|solid| solid.origin == Origin::Wall)
+            .filter(|solid| solid.origin == SolidOrigin::Wall)
             .map(|solid| solid.outline)
             .collect();
         let people = self.world.people.iter().enumerate().filter_map(|(index, person)| {

@@ -96,7 +96,7 @@ fn improved(parameters: &SensorParameters, pairs: &Pairs) -> SensorParameters {
     let densities: Vec<[Vec<f64>; 4]> = (0..BINS).map(|expected| components(parameters, expected)).collect();
     let weights = parameters.weights();
     let mut masses = [0.0; 4];
-    let mut line = Line::default();
+    let mut line = FittedLine::default();
     let mut short_sum_m = 0.0;
     let mut away_sum_m = 0.0;
     let mut away_weight = 0.0;
@@ -135,7 +135,7 @@ fn improved(parameters: &SensorParameters, pairs: &Pairs) -> SensorParameters {
 
 /// A weighted line through points, `y = a + b · x` with `a, b ≥ 0`.
 #[derive(Default)]
-struct Line {
+struct FittedLine {
     weight: f64,
     x: f64,
     y: f64,
@@ -143,7 +143,7 @@ struct Line {
     xy: f64,
 }
 
-impl Line {
+impl FittedLine {
     fn add(&mut self, x: f64, y: f64, weight: f64) {
         self.weight += weight;
         self.x += weight * x;
@@ -185,7 +185,7 @@ pub fn fit_odometry(recording: &Recording) -> Result<OdometryError, FitError> {
         libm::sqrt(steps.iter().map(square).sum::<f64>() / steps.len() as f64)
     };
     // The variance of the heading over the way is a line over the turn per way.
-    let mut line = Line::default();
+    let mut line = FittedLine::default();
     for (moved, truly) in &steps {
         let way_m = libm::hypot(moved.x_m, moved.y_m);
         let error_rad = wrap_angle_rad(truly.heading_rad - moved.heading_rad);

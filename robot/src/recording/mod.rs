@@ -17,5 +17,5 @@ mod window;
 pub use beams::{BeamChoice, BeamError};
 pub use carmen::{LogError, Recording, Scan, ScanGeometry};
 pub use fit::{FitError, fit_odometry, fit_sensor};
-pub use trial::{PoseError, Start, Trial, localize};
+pub use trial::{PoseError, Trial, TrialStart, localize};
 pub use window::{Window, WindowError};

@@ -165,7 +165,7 @@ fn windows_are_as_long_as_asked_and_spread_over_the_drive() {
 fn a_robot_that_knows_nothing_is_found_and_one_that_is_known_is_kept() {
     let recording = read(&log(91, 0.02)).expect("a fine log");
     let (model, beams) = model(&recording, 24);
-    for (start, length_m) in [(Start::Uniform, 10.0), (Start::FromTruth, 10.0)] {
+    for (start, length_m) in [(TrialStart::Uniform, 10.0), (TrialStart::FromTruth, 10.0)] {
         for window in Window::spread(&recording, 2, length_m, 0.5).expect("it fits") {
             let mut scans = 0;
             let trial = localize(&model, &recording, &beams, &window, start, || scans += 1);
@@ -187,11 +187,11 @@ fn a_robot_that_is_right_too_late_or_not_at_the_end_was_not_found() {
     let mut moved = recording.clone();
     let last = moved.scans.len() - 1;
     moved.scans[last].laser_in_map = Pose::new(6.0, 6.0, 0.0);
-    let trial = localize(&model, &moved, &beams, &window, Start::FromTruth, || ());
+    let trial = localize(&model, &moved, &beams, &window, TrialStart::FromTruth, || ());
     assert_eq!((trial.found_after_m, trial.succeeded), (None, false));
     let mut late = recording.clone();
     late.scans[last - 3].laser_in_map.heading_rad = wrap_angle_rad(late.scans[last - 3].laser_in_map.heading_rad + 0.3);
-    let trial = localize(&model, &late, &beams, &window, Start::FromTruth, || ());
+    let trial = localize(&model, &late, &beams, &window, TrialStart::FromTruth, || ());
     assert!(trial.found_after_m.is_some() && !trial.succeeded);
 }
 

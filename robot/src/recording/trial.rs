@@ -17,7 +17,7 @@ const FOUND_WITHIN: f64 = 0.9;
 
 /// What the filter knows at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Start {
+pub enum TrialStart {
     /// Nothing.
     Uniform,
     /// The corrected pose.
@@ -78,13 +78,13 @@ pub fn localize(
     recording: &Recording,
     beams: &BeamChoice,
     window: &Window,
-    start: Start,
+    start: TrialStart,
     mut after_scan: impl FnMut(),
 ) -> Trial {
     let scans = &recording.scans[window.scans.clone()];
     let mut localization = match (start, scans.first()) {
-        (Start::FromTruth, Some(first)) => Localization::start_at(model, first.laser_in_map, Spread::default()),
-        (Start::Uniform, _) | (_, None) => Localization::start_uniform(model),
+        (TrialStart::FromTruth, Some(first)) => Localization::start_at(model, first.laser_in_map, Spread::default()),
+        (TrialStart::Uniform, _) | (_, None) => Localization::start_uniform(model),
     };
     let mut travelled_m = 0.0;
     let mut last = scans.first().map_or(Pose::default(), |scan| scan.laser_in_map);

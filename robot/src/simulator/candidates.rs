@@ -1,9 +1,9 @@
 //! Which surfaces matter from where: for each cell of a uniform grid, the surfaces that can be seen
 //! from some point of it, and those that can be touched.
 
-use super::surface::{Form, Surface};
+use super::surface::{Surface, SurfaceForm};
 use crate::geometry::{Point, Vector};
-use crate::world::{Origin, Rect};
+use crate::world::{Rect, SolidOrigin};
 
 const CELL_M: f64 = 1.0;
 
@@ -77,20 +77,20 @@ impl Cells {
 
     /// The cells that may be within reach of a surface, and none far off, from the first column and
     /// row to the last: their number does not grow with the world.
-    fn span(&self, form: &Form, reach_m: f64) -> [(usize, usize); 2] {
+    fn span(&self, form: &SurfaceForm, reach_m: f64) -> [(usize, usize); 2] {
         let bounds = form.bounds();
         // A cell is within reach by its middle, see `may_be_within`.
         let reach = Vector::new(reach_m + CELL_M, reach_m + CELL_M);
         [self.around(bounds.min - reach), self.around(bounds.max + reach)]
     }
 
-    fn around_form(self, form: &Form, reach_m: f64) -> impl Iterator<Item = usize> {
+    fn around_form(self, form: &SurfaceForm, reach_m: f64) -> impl Iterator<Item = usize> {
         let [(first_column, first_row), (last_column, last_row)] = self.span(form, reach_m);
         (first_row..=last_row)
             .flat_map(move |row| (first_column..=last_column).map(move |column| row * self.columns + column))
     }
 
-    fn count_around(&self, form: &Form, reach_m: f64) -> f64 {
+    fn count_around(&self, form: &SurfaceForm, reach_m: f64) -> f64 {
         let [(first_column, first_row), (last_column, last_row)] = self.span(form, reach_m);
         (last_column - first_column + 1) as f64 * (last_row - first_row + 1) as f64
     }
@@ -125,7 +125,8 @@ impl Candidates {
     /// How many entries the lists have at most.
     pub fn most_entries(surfaces: impl Iterator<Item = Surface>, bounds: Rect, reaches_m: [f64; 3]) -> f64 {
         let cells = Cells::over(bounds);
-        let around = |form: &Form| -> f64 { reaches_m.iter().map(|&reach_m| cells.count_around(form, reach_m)).sum() };
+        let around =
+            |form: &SurfaceForm| -> f64 { reaches_m.iter().map(|&reach_m| cells.count_around(form, reach_m)).sum() };
         surfaces.map(|surface| around(&surface.form)).sum()
     }
 
@@ -156,9 +157,9 @@ fn keep_seen(near: &mut Vec<u32>, surfaces: &[Surface], cell: &Rect) {
 
 /// The walls that may hide something, of many the longest: what is not left out is only looked at in
 /// vain.
-fn hiding(near: &[u32], surfaces: &[Surface]) -> Vec<Form> {
+fn hiding(near: &[u32], surfaces: &[Surface]) -> Vec<SurfaceForm> {
     let walls = near.iter().map(|index| &surfaces[*index as usize]).filter(|wall| may_hide(wall));
-    let mut walls: Vec<Form> = walls.map(|wall| wall.form).collect();
+    let mut walls: Vec<SurfaceForm> = walls.map(|wall| wall.form).collect();
     if walls.len() > MOST_HIDING {
         walls.sort_by(|a, b| length2_m2(b).total_cmp(&length2_m2(a)));
         walls.truncate(MOST_HIDING);
@@ -167,10 +168,10 @@ fn hiding(near: &[u32], surfaces: &[Surface]) -> Vec<Form> {
 }
 
 /// The square of the length of an edge.
-fn length2_m2(form: &Form) -> f64 {
+fn length2_m2(form: &SurfaceForm) -> f64 {
     match form {
-        Form::Edge { a, b } => (b - a).norm_squared(),
-        Form::Disc { .. } => 0.0,
+        SurfaceForm::Edge { a, b } => (b - a).norm_squared(),
+        SurfaceForm::Disc { .. } => 0.0,
     }
 }
 
@@ -179,7 +180,7 @@ fn corners(rect: &Rect) -> [Point; 4] {
 }
 
 /// Never false if some point of the cell is within reach of the surface.
-fn may_be_within(form: &Form, cell: &Rect, reach_m: f64) -> bool {
+fn may_be_within(form: &SurfaceForm, cell: &Rect, reach_m: f64) -> bool {
     let half_diagonal_m = (cell.max - cell.min).norm_squared().sqrt() / 2.0;
     form.distance_m(cell.centre()) <= reach_m + half_diagonal_m
 }
@@ -187,17 +188,17 @@ fn may_be_within(form: &Form, cell: &Rect, reach_m: f64) -> bool {
 /// Whether it is worth asking what a surface hides: only walls never go away, and one much shorter
 /// than a cell hides next to nothing from all of the cell.
 fn may_hide(surface: &Surface) -> bool {
-    surface.origin == Origin::Wall && length2_m2(&surface.form) >= CELL_M * CELL_M / 4.0
+    surface.origin == SolidOrigin::Wall && length2_m2(&surface.form) >= CELL_M * CELL_M / 4.0
 }
 
 /// Whether a wall's edge hides the whole surface from the whole cell. If every corner of the cell
 /// sees every corner of the surface through the edge, so does every point in between: what a
 /// point sees of the edge's line moves monotonically with either end of the view.
-fn hides(wall: &Form, form: &Form, cell: &Rect) -> bool {
-    let Form::Edge { a, b } = *wall else { return false };
+fn hides(wall: &SurfaceForm, form: &SurfaceForm, cell: &Rect) -> bool {
+    let SurfaceForm::Edge { a, b } = *wall else { return false };
     let targets = match form {
-        Form::Edge { a, b } => [*a, *b, *a, *b],
-        Form::Disc { centre, radius_m } => {
+        SurfaceForm::Edge { a, b } => [*a, *b, *a, *b],
+        SurfaceForm::Disc { centre, radius_m } => {
             let reach = Vector::new(*radius_m, *radius_m);
             corners(&Rect { min: centre - reach, max: centre + reach })
         }
@@ -233,9 +234,9 @@ mod tests {
                 stream.uniform_in(bounds.min.y - 1.0, bounds.max.y + 1.0),
             );
             let b = a + Vector::new(stream.uniform_in(-2.0, 2.0), stream.uniform_in(-2.0, 2.0));
-            let disc = Form::Disc { centre: a, radius_m: stream.uniform_in(0.1, 1.0) };
-            let form = if stream.chance(0.3) { disc } else { Form::Edge { a, b } };
-            Surface { form, origin: Origin::Wall, seen_by: SeenBy { sonar: true, laser: true } }
+            let disc = SurfaceForm::Disc { centre: a, radius_m: stream.uniform_in(0.1, 1.0) };
+            let form = if stream.chance(0.3) { disc } else { SurfaceForm::Edge { a, b } };
+            Surface { form, origin: SolidOrigin::Wall, seen_by: SeenBy { sonar: true, laser: true } }
         };
         (0..count).map(|_| draw()).collect()
     }
@@ -268,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_surface_is_asked_about_no_more_cells_in_a_larger_world() {
-        let wall = Form::Edge { a: Point::new(10.2, 10.2), b: Point::new(11.7, 10.2) };
+        let wall = SurfaceForm::Edge { a: Point::new(10.2, 10.2), b: Point::new(11.7, 10.2) };
         let asked = |size_m: f64| {
             let cells = Cells::over(Rect { min: Point::origin(), max: Point::new(size_m, size_m) });
             cells.around_form(&wall, 5.0).count()

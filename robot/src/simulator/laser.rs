@@ -2,7 +2,7 @@
 
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
-use super::surface::Form;
+use super::surface::SurfaceForm;
 use super::sweep::{cross, disc_along};
 use crate::geometry::{Pose, Vector};
 use crate::sensors::LASER_READINGS;
@@ -34,9 +34,9 @@ impl SimulatorModel {
     }
 
     /// Shortens the readings that meet a surface, given in `base`.
-    fn lay(&self, form: &Form, ranges_m: &mut [f64]) {
+    fn lay(&self, form: &SurfaceForm, ranges_m: &mut [f64]) {
         match *form {
-            Form::Edge { a, b } => {
+            SurfaceForm::Edge { a, b } => {
                 let twice_area_m2 = cross(a.coords, b.coords);
                 if twice_area_m2 >= 0.0 {
                     return;
@@ -47,7 +47,7 @@ impl SimulatorModel {
                     Some(twice_area_m2 / cross(direction, along)).filter(|range_m| *range_m > 0.0)
                 });
             }
-            Form::Disc { centre, radius_m } => {
+            SurfaceForm::Disc { centre, radius_m } => {
                 let distance_m = centre.coords.norm_squared().sqrt();
                 if distance_m <= radius_m {
                     return;

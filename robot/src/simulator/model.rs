@@ -3,11 +3,11 @@
 use super::candidates::Candidates;
 use super::crowd::Crowd;
 use super::settings::SimulatorSettings;
-use super::surface::{Form, Surface, surfaces_of};
+use super::surface::{Surface, SurfaceForm, surfaces_of};
 use super::walker::FARTHEST_WALL_M;
 use crate::geometry::{Point, Vector};
 use crate::sensors::{LASER_READINGS, SONARS, laser_direction_rad};
-use crate::world::{Origin, Rect, SeenBy, Solid, World};
+use crate::world::{Rect, SeenBy, Solid, SolidOrigin, World};
 use std::sync::Arc;
 
 /// A world made ready for simulation: built once, shared by all states that run in it. Building
@@ -77,8 +77,8 @@ fn world_edge(bounds: Rect) -> impl Iterator<Item = Surface> {
     let Rect { min, max } = bounds;
     let corners = [min, Point::new(min.x, max.y), max, Point::new(max.x, min.y)];
     (0..4).map(move |side| Surface {
-        form: Form::Edge { a: corners[side], b: corners[(side + 1) % 4] },
-        origin: Origin::Wall,
+        form: SurfaceForm::Edge { a: corners[side], b: corners[(side + 1) % 4] },
+        origin: SolidOrigin::Wall,
         seen_by: SeenBy { sonar: true, laser: true },
     })
 }

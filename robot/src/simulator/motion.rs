@@ -6,7 +6,7 @@ use super::percept::Commands;
 use super::state::SimulatorState;
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose};
-use crate::world::{Origin, SeenBy};
+use crate::world::{SeenBy, SolidOrigin};
 
 /// How far a body may reach into another: the rounding of the bisection below.
 pub(super) const PENETRATION_M: f64 = 1e-9;
@@ -117,7 +117,7 @@ impl SimulatorModel {
         for index in self.candidates.touchable(point) {
             let surface = &self.surfaces[*index as usize];
             if state.is_there(surface.origin) {
-                let is_door = matches!(surface.origin, Origin::Door(_));
+                let is_door = matches!(surface.origin, SolidOrigin::Door(_));
                 consider(surface.form.distance_m(point), surface.seen_by, is_door);
             }
         }

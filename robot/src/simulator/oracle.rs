@@ -5,7 +5,7 @@ use super::model::SimulatorModel;
 use super::state::{Contacts, SimulatorState};
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector, distance_m};
-use crate::world::{Object, Origin, Outline, Rect, UnknownName, is_same_name};
+use crate::world::{Object, Outline, Rect, SolidOrigin, UnknownName, is_same_name};
 use rpl_lang::symbol::fold_name;
 
 /// Why the experimenter cannot do that.
@@ -113,9 +113,9 @@ impl SimulatorModel {
         let touches = |outline: &Outline| outline.distance_m(point_in_map) < radius_m;
         let solid = self.solids.iter().find(|solid| state.is_there(solid.origin) && touches(&solid.outline));
         let fixed = solid.map(|solid| match solid.origin {
-            Origin::Wall => "a wall".to_owned(),
-            Origin::Door(index) => format!("the door of `{}`", self.world.doors[index].room),
-            Origin::Object(index) => format!("`{}`", self.world.objects[index].name),
+            SolidOrigin::Wall => "a wall".to_owned(),
+            SolidOrigin::Door(index) => format!("the door of `{}`", self.world.doors[index].room),
+            SolidOrigin::Object(index) => format!("`{}`", self.world.objects[index].name),
         });
         let added = || {
             let object = state.objects_added.iter().find(|object| touches(&object.outline()));

@@ -6,7 +6,7 @@ use super::state::SimulatorState;
 use super::surface::forms_of;
 use super::walker::{FASTEST_MPS, PERSON_RADIUS_M, WALL_HORIZON_S, Walker};
 use crate::geometry::{Point, Vector, distance_m};
-use crate::world::{Origin, Person, Solid};
+use crate::world::{Person, Solid, SolidOrigin};
 use rpl_random::Stream;
 
 /// Each person looks up and chooses a velocity in one step of so many, in turn.
@@ -64,8 +64,8 @@ impl SimulatorModel {
             let taken: Vec<Point> = people.iter().map(|walker| walker.at_in_map).collect();
             let is_free = |spot: Point| {
                 let there = |solid: &&Solid| match solid.origin {
-                    Origin::Door(door) => closed(door),
-                    Origin::Wall | Origin::Object(_) => true,
+                    SolidOrigin::Door(door) => closed(door),
+                    SolidOrigin::Wall | SolidOrigin::Object(_) => true,
                 };
                 self.solids.iter().filter(there).all(|solid| solid.outline.distance_m(spot) >= PERSON_RADIUS_M)
             };

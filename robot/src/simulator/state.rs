@@ -4,7 +4,7 @@ use super::gripper::Gripper;
 use super::odometry::OdometryBias;
 use super::walker::Walker;
 use crate::geometry::Pose;
-use crate::world::{Object, Origin};
+use crate::world::{Object, SolidOrigin};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -90,11 +90,11 @@ impl SimulatorState {
     }
 
     /// Whether a body of the world file is where the file says.
-    pub(super) fn is_there(&self, origin: Origin) -> bool {
+    pub(super) fn is_there(&self, origin: SolidOrigin) -> bool {
         match origin {
-            Origin::Wall => true,
-            Origin::Door(index) => !self.doors_open[index],
-            Origin::Object(index) => !self.objects_removed[index],
+            SolidOrigin::Wall => true,
+            SolidOrigin::Door(index) => !self.doors_open[index],
+            SolidOrigin::Object(index) => !self.objects_removed[index],
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
-use super::surface::{Form, forms_of};
+use super::surface::{SurfaceForm, forms_of};
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector};
 use crate::sensors::SONARS;
@@ -53,17 +53,17 @@ impl SimulatorModel {
         state: &SimulatorState,
         robot_in_map: Pose,
         seen: impl Fn(SeenBy) -> bool,
-        mut add: impl FnMut(&Form),
+        mut add: impl FnMut(&SurfaceForm),
     ) {
         let (sin, cos) = libm::sincos(robot_in_map.heading_rad);
         let to_base = |point: Point| {
             let (x, y) = (point.x - robot_in_map.x_m, point.y - robot_in_map.y_m);
             Point::new(cos * x + sin * y, cos * y - sin * x)
         };
-        let mut place = |form: Form| {
+        let mut place = |form: SurfaceForm| {
             add(&match form {
-                Form::Edge { a, b } => Form::Edge { a: to_base(a), b: to_base(b) },
-                Form::Disc { centre, radius_m } => Form::Disc { centre: to_base(centre), radius_m },
+                SurfaceForm::Edge { a, b } => SurfaceForm::Edge { a: to_base(a), b: to_base(b) },
+                SurfaceForm::Disc { centre, radius_m } => SurfaceForm::Disc { centre: to_base(centre), radius_m },
             });
         };
         for index in self.candidates.visible(robot_in_map.point()) {
@@ -76,16 +76,16 @@ impl SimulatorModel {
             forms_of(&object.outline()).for_each(&mut place);
         }
         for person in &state.people {
-            place(Form::Disc { centre: person.at_in_map, radius_m: PERSON_RADIUS_M });
+            place(SurfaceForm::Disc { centre: person.at_in_map, radius_m: PERSON_RADIUS_M });
         }
     }
 }
 
 impl Cones<'_> {
-    fn add(&mut self, form: &Form) {
+    fn add(&mut self, form: &SurfaceForm) {
         match *form {
-            Form::Edge { a, b } => self.add_edge(a.coords, b.coords),
-            Form::Disc { centre, radius_m } => self.add_disc(centre.coords, radius_m),
+            SurfaceForm::Edge { a, b } => self.add_edge(a.coords, b.coords),
+            SurfaceForm::Disc { centre, radius_m } => self.add_disc(centre.coords, radius_m),
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::error::nearest;
 use super::lookup::is_same_name;
-use super::read::{Placed, Reader, Table};
-use super::solid::Origin;
+use super::read::{Placed, Reader, TomlTable};
+use super::solid::SolidOrigin;
 use super::{Door, Item, Object, Person, Place, ROBOT_RADIUS_M, Rect, Region, Room, Wall, World};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::Cell;
@@ -80,7 +80,7 @@ pub(super) fn inside(
     objects: &[Placed<'_, '_, Object>],
     places: &[Placed<'_, '_, Place>],
 ) {
-    let mut point = |what: String, key: &str, at: Point, table: &Table| {
+    let mut point = |what: String, key: &str, at: Point, table: &TomlTable| {
         if !bounds.contains(at) {
             let message = format!("{what} is at ({}, {}), outside the world", at.x, at.y);
             let help = reach(bounds);
@@ -202,8 +202,8 @@ pub(super) fn start_is_free(reader: &mut Reader, world: &World, span: Range<usiz
     }
     let in_the_way = world.solids().into_iter().find(|solid| {
         let there = match solid.origin {
-            Origin::Door(index) => !world.doors[index].open,
-            Origin::Wall | Origin::Object(_) => true,
+            SolidOrigin::Door(index) => !world.doors[index].open,
+            SolidOrigin::Wall | SolidOrigin::Object(_) => true,
         };
         there && solid.outline.distance_m(start) < ROBOT_RADIUS_M
     });

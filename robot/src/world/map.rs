@@ -1,6 +1,6 @@
 //! The robot's map of a world.
 
-use super::solid::{Origin, Outline, Solid};
+use super::solid::{Outline, Solid, SolidOrigin};
 use super::{ROBOT_RADIUS_M, Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
@@ -21,8 +21,8 @@ impl World {
     /// objects, and the doors that are not open. Cost: as for the map.
     pub fn floor(&self, resolution_m: f64, is_open: impl Fn(usize) -> bool) -> OccupancyGrid {
         self.draw(self.origin_in_map, resolution_m, |solid| match solid.origin {
-            Origin::Door(index) => !is_open(index),
-            Origin::Wall | Origin::Object(_) => true,
+            SolidOrigin::Door(index) => !is_open(index),
+            SolidOrigin::Wall | SolidOrigin::Object(_) => true,
         })
     }
 
@@ -47,11 +47,11 @@ impl World {
     }
 
     /// Whether the robot's map shows a body.
-    pub(crate) fn is_mapped(&self, origin: Origin) -> bool {
+    pub(crate) fn is_mapped(&self, origin: SolidOrigin) -> bool {
         match origin {
-            Origin::Wall => true,
-            Origin::Door(index) => !self.doors[index].mapped_open,
-            Origin::Object(index) => self.objects[index].mapped,
+            SolidOrigin::Wall => true,
+            SolidOrigin::Door(index) => !self.doors[index].mapped_open,
+            SolidOrigin::Object(index) => self.objects[index].mapped,
         }
     }
 

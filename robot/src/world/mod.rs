@@ -25,7 +25,7 @@ pub use image::{GreyImage, ImageError};
 pub use lookup::{UnknownName, is_same_name};
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
-pub use solid::{DOOR_LEAF_M, Origin, Outline, Solid, distance_to_segment_m, nearest_on_segment};
+pub use solid::{DOOR_LEAF_M, Outline, Solid, SolidOrigin, distance_to_segment_m, nearest_on_segment};
 
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::OccupancyGrid;

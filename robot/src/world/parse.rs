@@ -2,7 +2,7 @@
 
 use super::check;
 use super::error::Findings;
-use super::read::{Placed, Reader, Table};
+use super::read::{Placed, Reader, TomlTable};
 use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
 use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
 use crate::geometry::{Point, Vector};
@@ -45,7 +45,7 @@ impl World {
         for error in &errors {
             reader.note(error.span().unwrap_or(0..0), "", error.message(), "world files are TOML, see toml.io");
         }
-        let top = Table { values: document.get_ref(), span: 0..0, header: String::new() };
+        let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
         let world = if errors.is_empty() { read_world(&mut reader, &top, load_map) } else { None };
         reader.findings.or_value(world)
     }
@@ -53,7 +53,7 @@ impl World {
 
 fn read_world<'i>(
     reader: &mut Reader<'i>,
-    top: &Table<'_, 'i>,
+    top: &TomlTable<'_, 'i>,
     load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
 ) -> Option<World> {
     reader.only_keys(top, &WORLD_KEYS);
@@ -108,9 +108,9 @@ fn values<T>(placed: Vec<Placed<'_, '_, T>>) -> Vec<T> {
 
 fn read_all<'t, 'i, T>(
     reader: &mut Reader<'i>,
-    top: &Table<'t, 'i>,
+    top: &TomlTable<'t, 'i>,
     key: &str,
-    read: impl Fn(&mut Reader<'i>, &Table<'_, 'i>) -> Option<T>,
+    read: impl Fn(&mut Reader<'i>, &TomlTable<'_, 'i>) -> Option<T>,
 ) -> Vec<Placed<'t, 'i, T>> {
     let tables = reader.tables(top, key);
     tables.iter().filter_map(|table| read(reader, table).map(|value| Placed { value, table: table.clone() })).collect()
@@ -125,7 +125,7 @@ struct Ground {
 /// A world has a size, or a recorded map that has one.
 fn read_ground<'i>(
     reader: &mut Reader<'i>,
-    top: &Table<'_, 'i>,
+    top: &TomlTable<'_, 'i>,
     load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
 ) -> Option<Ground> {
     if !top.values.contains_key("map") {
@@ -149,7 +149,7 @@ fn read_ground<'i>(
     }
 }
 
-fn read_size<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<Vector> {
+fn read_size<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Vector> {
     let size = reader.point(top, "size", "[12.0, 8.0]")?;
     let fine = |length_m: f64| (SMALLEST_M..=LARGEST_M).contains(&length_m);
     if fine(size.x) && fine(size.y) {
@@ -160,7 +160,7 @@ fn read_size<'i>(reader: &mut Reader<'i>, top: &Table<'_, 'i>) -> Option<Vector>
     None
 }
 
-fn read_wall<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Wall> {
+fn read_wall<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Wall> {
     reader.only_keys(table, &["line", "thickness"]);
     let line = reader.points(table, "line", 2, "[[0.0, 0.0], [5.0, 0.0]]");
     let thickness_m = match table.values.get("thickness") {
@@ -170,14 +170,14 @@ fn read_wall<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Wall>
     Some(Wall { line: line?, thickness_m: thickness_m? })
 }
 
-fn read_room<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Room> {
+fn read_room<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Room> {
     reader.only_keys(table, &["name", "rect"]);
     let name = reader.text(table, "name", "\"B\"");
     let rect = reader.rect(table, "rect");
     Some(Room { name: name?, rect: rect? })
 }
 
-fn read_door<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Door> {
+fn read_door<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Door> {
     reader.only_keys(table, &["room", "at", "width", "axis", "open", "mapped_open"]);
     let room = reader.text(table, "room", "\"B\"");
     let at = reader.point(table, "at", "[4.0, 2.5]");
@@ -188,7 +188,7 @@ fn read_door<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Door>
     Some(Door { room: room?, at: at?, width_m: width_m?, axis: axis?, open, mapped_open })
 }
 
-fn read_object<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Object> {
+fn read_object<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Object> {
     reader.only_keys(table, &["name", "rect", "circle", "polygon", "mapped", "seen_by"]);
     let name = reader.text(table, "name", "\"desk\"");
     let shape = read_shape(reader, table);
@@ -197,7 +197,7 @@ fn read_object<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Obj
     Some(Object { name: name?, shape: shape?, mapped, seen_by })
 }
 
-fn read_shape<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Shape> {
+fn read_shape<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Shape> {
     let given: Vec<&str> =
         ["rect", "circle", "polygon"].into_iter().filter(|key| table.values.contains_key(*key)).collect();
     match given[..] {
@@ -215,7 +215,7 @@ fn read_shape<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Shap
     }
 }
 
-fn read_circle<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Shape> {
+fn read_circle<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Shape> {
     let [x, y, radius_m] = reader.circle(table, "circle", "[2.0, 1.0, 0.25]")?;
     if radius_m > 0.0 {
         return Some(Shape::Circle { centre: Point::new(x, y), radius_m });
@@ -225,7 +225,7 @@ fn read_circle<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Sha
     None
 }
 
-fn read_place<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Place> {
+fn read_place<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Place> {
     reader.only_keys(table, &["name", "pose", "room", "charges"]);
     let name = reader.text(table, "name", "\"mail-slots\"");
     let pose = reader.pose(table, "pose", "[2.0, 3.0, \"90deg\"]");
@@ -237,21 +237,21 @@ fn read_place<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Plac
     Some(Place { name: name?, pose_in_map: pose?, room, charges })
 }
 
-fn read_region<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Region> {
+fn read_region<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Region> {
     reader.only_keys(table, &["mode", "rect"]);
     let mode = reader.mode(table);
     let rect = reader.rect(table, "rect");
     Some(Region { mode: mode?, rect: rect? })
 }
 
-fn read_person<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Person> {
+fn read_person<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Person> {
     reader.only_keys(table, &["path", "speed"]);
     let path = reader.points(table, "path", 2, "[[2.0, 3.0], [6.0, 3.0]]");
     let speed_mps = reader.size(table, "speed", false, "0.8");
     Some(Person { path: path?, speed_mps: speed_mps? })
 }
 
-fn read_item<'i>(reader: &mut Reader<'i>, table: &Table<'_, 'i>) -> Option<Item> {
+fn read_item<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Item> {
     reader.only_keys(table, &["name", "at"]);
     let name = reader.text(table, "name", "\"mail\"");
     let at = reader.point(table, "at", "[2.0, 3.0]");

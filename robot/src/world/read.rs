@@ -27,7 +27,7 @@ pub(super) struct Reader<'i> {
 
 /// One table of the file, such as one `[[door]]`.
 #[derive(Clone)]
-pub(super) struct Table<'t, 'i> {
+pub(super) struct TomlTable<'t, 'i> {
     pub values: &'t DeTable<'i>,
     /// Where the table is, for faults that have no key to point at.
     pub span: Range<usize>,
@@ -38,10 +38,10 @@ pub(super) struct Table<'t, 'i> {
 /// Something read, and the table it stands in.
 pub(super) struct Placed<'t, 'i, T> {
     pub value: T,
-    pub table: Table<'t, 'i>,
+    pub table: TomlTable<'t, 'i>,
 }
 
-impl<'t, 'i> Table<'t, 'i> {
+impl<'t, 'i> TomlTable<'t, 'i> {
     pub fn span_of(&self, key: &str) -> Range<usize> {
         self.values.get(key).map_or(self.span.clone(), Spanned::span)
     }
@@ -59,7 +59,7 @@ impl<'i> Reader<'i> {
     }
 
     /// Reports every key that is not one of `known`.
-    pub fn only_keys(&mut self, table: &Table, known: &[&str]) {
+    pub fn only_keys(&mut self, table: &TomlTable, known: &[&str]) {
         for key in table.values.keys() {
             let name: &str = key.get_ref();
             if known.contains(&name) {
@@ -75,7 +75,7 @@ impl<'i> Reader<'i> {
     }
 
     /// The tables of a `[[key]]`.
-    pub fn tables<'t>(&mut self, table: &Table<'t, 'i>, key: &str) -> Vec<Table<'t, 'i>> {
+    pub fn tables<'t>(&mut self, table: &TomlTable<'t, 'i>, key: &str) -> Vec<TomlTable<'t, 'i>> {
         let Some(value) = table.values.get(key) else { return Vec::new() };
         let header = format!("[[{key}]]");
         let Some(array) = value.get_ref().as_array() else {
@@ -92,7 +92,7 @@ impl<'i> Reader<'i> {
         let mut tables = Vec::new();
         for element in array.iter() {
             match element.get_ref().as_table() {
-                Some(values) => tables.push(Table { values, span: element.span(), header: header.clone() }),
+                Some(values) => tables.push(TomlTable { values, span: element.span(), header: header.clone() }),
                 None => self.expected(element, key, "a table", &format!("write {header} above its keys")),
             }
         }
@@ -100,7 +100,7 @@ impl<'i> Reader<'i> {
     }
 
     /// The value of a key that must be there.
-    pub fn required<'t>(&mut self, table: &Table<'t, 'i>, key: &str, example: &str) -> Option<&'t TomlValue<'i>> {
+    pub fn required<'t>(&mut self, table: &TomlTable<'t, 'i>, key: &str, example: &str) -> Option<&'t TomlValue<'i>> {
         let value = table.values.get(key);
         if value.is_none() {
             let owner = if table.header.is_empty() { "the world" } else { &table.header };
@@ -109,7 +109,7 @@ impl<'i> Reader<'i> {
         value
     }
 
-    pub fn text(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<String> {
+    pub fn text(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<String> {
         let value = self.required(table, key, example)?;
         let text = value.get_ref().as_str();
         if text.is_none() || text == Some("") {
@@ -127,7 +127,7 @@ impl<'i> Reader<'i> {
         text.map(str::to_owned)
     }
 
-    pub fn flag(&mut self, table: &Table<'_, 'i>, key: &str, default: bool) -> bool {
+    pub fn flag(&mut self, table: &TomlTable<'_, 'i>, key: &str, default: bool) -> bool {
         let Some(value) = table.values.get(key) else { return default };
         let flag = value.get_ref().as_bool();
         if flag.is_none() {
@@ -137,7 +137,7 @@ impl<'i> Reader<'i> {
     }
 
     /// A whole number from 0 to `most`; 0 where nothing is said.
-    pub fn count(&mut self, table: &Table<'_, 'i>, key: &str, most: usize) -> usize {
+    pub fn count(&mut self, table: &TomlTable<'_, 'i>, key: &str, most: usize) -> usize {
         let Some(value) = table.values.get(key) else { return 0 };
         let number = value.get_ref().as_integer().and_then(|digits| digits.to_string().parse::<usize>().ok());
         match number {
@@ -150,7 +150,7 @@ impl<'i> Reader<'i> {
     }
 
     /// A length or speed above 0, or not below 0 if `zero_is_fine`.
-    pub fn size(&mut self, table: &Table<'_, 'i>, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
+    pub fn size(&mut self, table: &TomlTable<'_, 'i>, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
         let value = self.required(table, key, example)?;
         self.size_value(value, key, zero_is_fine, example)
     }
@@ -231,18 +231,18 @@ impl<'i> Reader<'i> {
         Some(numbers)
     }
 
-    pub fn circle(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<[f64; 3]> {
+    pub fn circle(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<[f64; 3]> {
         let value = self.required(table, key, example)?;
         self.numbers(value, key, example)
     }
 
-    pub fn point(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<Point> {
+    pub fn point(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<Point> {
         let value = self.required(table, key, example)?;
         self.numbers(value, key, example).map(|[x, y]| Point::new(x, y))
     }
 
     /// A line or polygon of at least `fewest` points.
-    pub fn points(&mut self, table: &Table<'_, 'i>, key: &str, fewest: usize, example: &str) -> Option<Vec<Point>> {
+    pub fn points(&mut self, table: &TomlTable<'_, 'i>, key: &str, fewest: usize, example: &str) -> Option<Vec<Point>> {
         let value = self.required(table, key, example)?;
         let Some(elements) = value.get_ref().as_array() else {
             self.expected(value, key, "an array of points", example);
@@ -258,7 +258,7 @@ impl<'i> Reader<'i> {
         points.into_iter().collect()
     }
 
-    pub fn pose(&mut self, table: &Table<'_, 'i>, key: &str, example: &str) -> Option<Pose> {
+    pub fn pose(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<Pose> {
         let value = self.required(table, key, example)?;
         let elements = self.elements(value, key, 3, example)?;
         let x_m = self.number_value(&elements[0], key, example);
@@ -267,7 +267,7 @@ impl<'i> Reader<'i> {
         Some(Pose::new(x_m?, y_m?, heading_rad?))
     }
 
-    pub fn rect(&mut self, table: &Table<'_, 'i>, key: &str) -> Option<Rect> {
+    pub fn rect(&mut self, table: &TomlTable<'_, 'i>, key: &str) -> Option<Rect> {
         let example = "[2.0, 1.0, 3.5, 1.8]";
         let value = self.required(table, key, example)?;
         let [x0, y0, x1, y1] = self.numbers(value, key, example)?;
@@ -280,7 +280,7 @@ impl<'i> Reader<'i> {
     }
 
     /// A word out of a fixed list.
-    pub fn choice<T: Copy>(&mut self, table: &Table<'_, 'i>, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub fn choice<T: Copy>(&mut self, table: &TomlTable<'_, 'i>, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let value = self.required(table, key, &format!("\"{}\"", choices[0].0))?;
         self.choice_value(value, key, choices)
     }
@@ -302,17 +302,17 @@ impl<'i> Reader<'i> {
         chosen
     }
 
-    pub fn axis(&mut self, table: &Table<'_, 'i>) -> Option<Axis> {
+    pub fn axis(&mut self, table: &TomlTable<'_, 'i>) -> Option<Axis> {
         self.choice(table, "axis", &[("x", Axis::X), ("y", Axis::Y)])
     }
 
-    pub fn mode(&mut self, table: &Table<'_, 'i>) -> Option<TravelMode> {
+    pub fn mode(&mut self, table: &TomlTable<'_, 'i>) -> Option<TravelMode> {
         let modes =
             [("hallway", TravelMode::Hallway), ("office", TravelMode::Office), ("doorway", TravelMode::Doorway)];
         self.choice(table, "mode", &modes)
     }
 
-    pub fn seen_by(&mut self, table: &Table<'_, 'i>) -> SeenBy {
+    pub fn seen_by(&mut self, table: &TomlTable<'_, 'i>) -> SeenBy {
         let mut seen_by = SeenBy { sonar: true, laser: true };
         let Some(value) = table.values.get("seen_by") else { return seen_by };
         let Some(elements) = value.get_ref().as_array() else {

@@ -2,7 +2,7 @@
 
 use super::error::{Finding, Findings, WorldError, nearest};
 use super::image::{GreyImage, ImageError};
-use super::yaml::{self, Part, YamlValue};
+use super::yaml::{self, YamlPart, YamlValue};
 use super::{LARGEST_M, SMALLEST_M};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::{Cell, OccupancyGrid};
@@ -162,7 +162,7 @@ fn turned(pixels: &OccupancyGrid, origin_in_map: Pose) -> OccupancyGrid {
 struct MapReader<'t> {
     file: &'t str,
     text: &'t str,
-    entries: &'t [(Part, YamlValue)],
+    entries: &'t [(YamlPart, YamlValue)],
     findings: Findings,
 }
 
@@ -221,7 +221,7 @@ impl MapReader<'_> {
         self.value(key).map_or(0..0, YamlValue::span)
     }
 
-    fn one(&mut self, key: &str, example: &str) -> Option<Part> {
+    fn one(&mut self, key: &str, example: &str) -> Option<YamlPart> {
         let help = format!("write it like `{key}: {example}`");
         match self.value(key) {
             Some(YamlValue::One(part)) => return Some(part.clone()),

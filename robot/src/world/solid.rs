@@ -24,7 +24,7 @@ pub enum Outline {
 
 /// Where a body comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum SolidOrigin {
     /// A wall; it never changes.
     Wall,
     /// The leaf of `world.doors[i]`; it is there while the door is closed.
@@ -39,7 +39,7 @@ pub struct Solid {
     /// Its outline, in the map frame.
     pub outline: Outline,
     /// Where it comes from.
-    pub origin: Origin,
+    pub origin: SolidOrigin,
     /// Which sensors see it.
     pub seen_by: SeenBy,
 }
@@ -52,26 +52,27 @@ impl World {
     pub fn solids(&self) -> Vec<Solid> {
         let walls = self.walls.iter().flat_map(|wall| wall_outlines(wall, &self.doors));
         let recorded = self.recorded.iter().flat_map(blocks).map(Outline::of_rect);
-        let walls = walls.chain(recorded).map(|outline| Solid { outline, origin: Origin::Wall, seen_by: SEEN_BY_ALL });
+        let walls =
+            walls.chain(recorded).map(|outline| Solid { outline, origin: SolidOrigin::Wall, seen_by: SEEN_BY_ALL });
         let doors = self.doors.iter().enumerate().map(|(index, door)| Solid {
             outline: Outline::of_rect(door.leaf()),
-            origin: Origin::Door(index),
+            origin: SolidOrigin::Door(index),
             seen_by: SEEN_BY_ALL,
         });
         let objects = self.objects.iter().enumerate().map(|(index, object)| Solid {
             outline: object.outline(),
-            origin: Origin::Object(index),
+            origin: SolidOrigin::Object(index),
             seen_by: object.seen_by,
         });
         walls.chain(doors).chain(objects).collect()
     }
 
     /// What a body is called in messages.
-    pub fn called(&self, origin: Origin) -> String {
+    pub fn called(&self, origin: SolidOrigin) -> String {
         match origin {
-            Origin::Wall => "a wall".to_owned(),
-            Origin::Door(index) => format!("the closed door of `{}`", self.doors[index].room),
-            Origin::Object(index) => format!("the object `{}`", self.objects[index].name),
+            SolidOrigin::Wall => "a wall".to_owned(),
+            SolidOrigin::Door(index) => format!("the closed door of `{}`", self.doors[index].room),
+            SolidOrigin::Object(index) => format!("the object `{}`", self.objects[index].name),
         }
     }
 }

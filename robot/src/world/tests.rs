@@ -212,7 +212,7 @@ fn the_corridor_of_dept_looks_the_same_after_half_a_turn() {
     let outlines: Vec<Vec<Point>> = world
         .solids()
         .into_iter()
-        .filter(|solid| solid.origin == Origin::Wall)
+        .filter(|solid| solid.origin == SolidOrigin::Wall)
         .map(|solid| solid.outline.edges().map(|(a, _)| a).collect())
         .collect();
     for outline in &outlines {
@@ -251,9 +251,9 @@ fn cells_reached_by_a_body_are_occupied_and_no_others() {
             .solids()
             .into_iter()
             .filter(|solid| match solid.origin {
-                Origin::Door(index) => !world.doors[index].mapped_open,
-                Origin::Object(index) => world.objects[index].mapped,
-                Origin::Wall => true,
+                SolidOrigin::Door(index) => !world.doors[index].mapped_open,
+                SolidOrigin::Object(index) => world.objects[index].mapped,
+                SolidOrigin::Wall => true,
             })
             .collect();
         let grid = world.map(0.15);
@@ -304,7 +304,7 @@ fn every_place_is_free_and_can_be_reached_with_room_to_spare() {
         let bodies: Vec<Solid> = world
             .solids()
             .into_iter()
-            .filter(|solid| !matches!(solid.origin, Origin::Door(index) if world.doors[index].open))
+            .filter(|solid| !matches!(solid.origin, SolidOrigin::Door(index) if world.doors[index].open))
             .collect();
         let free = |point: Point| bodies.iter().all(|body| body.outline.distance_m(point) >= CLEARANCE_M);
         let grid = world.map(0.1);
@@ -331,7 +331,7 @@ fn every_place_is_free_and_can_be_reached_with_room_to_spare() {
 fn a_door_cuts_its_wall_and_nothing_else() {
     let world = World::builtin("test-room").expect("built in");
     let distance_m = |y: f64| {
-        let walls = world.solids().into_iter().filter(|solid| solid.origin == Origin::Wall);
+        let walls = world.solids().into_iter().filter(|solid| solid.origin == SolidOrigin::Wall);
         walls.map(|wall| wall.outline.distance_m(Point::new(5.0, y))).fold(f64::INFINITY, f64::min)
     };
     assert!((distance_m(3.0) - 0.45).abs() < 1e-9);

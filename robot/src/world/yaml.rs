@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// Some text of the file, and where it stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct YamlPart {
     pub text: String,
     pub span: Range<usize>,
 }
@@ -15,8 +15,8 @@ pub(super) struct Part {
 /// What stands behind a key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum YamlValue {
-    One(Part),
-    List(Vec<Part>, Range<usize>),
+    One(YamlPart),
+    List(Vec<YamlPart>, Range<usize>),
 }
 
 impl YamlValue {
@@ -29,12 +29,12 @@ impl YamlValue {
 }
 
 /// Keys with their values, in the order of the file.
-pub(super) fn read(file: &str, text: &str) -> Result<Vec<(Part, YamlValue)>, WorldError> {
+pub(super) fn read(file: &str, text: &str) -> Result<Vec<(YamlPart, YamlValue)>, WorldError> {
     let fault = |span: Range<usize>, message: &str| {
         let help = "map files are flat: write each key as `key: value`, and lists as `[1.0, 2.0, 0.0]`";
         WorldError { findings: vec![Finding::new(file, text, span, "", message, help)], more: 0 }
     };
-    let mut entries: Vec<(Part, YamlValue)> = Vec::new();
+    let mut entries: Vec<(YamlPart, YamlValue)> = Vec::new();
     let mut lines = text.split_inclusive('\n').scan(0, |at, line| {
         let start = *at;
         *at += line.len();
@@ -102,19 +102,19 @@ fn without_comment(line: &str) -> &str {
 }
 
 /// The text without white space and quotes around it.
-fn part_at(start: usize, text: &str) -> Part {
+fn part_at(start: usize, text: &str) -> YamlPart {
     let trimmed = text.trim();
     let start = start + text.len() - text.trim_start().len();
     let span = start..start + trimmed.len();
     for quote in ['"', '\''] {
         if let Some(inner) = trimmed.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote)) {
-            return Part { text: inner.to_owned(), span };
+            return YamlPart { text: inner.to_owned(), span };
         }
     }
-    Part { text: trimmed.to_owned(), span }
+    YamlPart { text: trimmed.to_owned(), span }
 }
 
-fn list_parts(start: usize, inner: &str) -> Vec<Part> {
+fn list_parts(start: usize, inner: &str) -> Vec<YamlPart> {
     let mut at = start;
     let parts = inner.split(',').map(|item| {
         let part = part_at(at, item);

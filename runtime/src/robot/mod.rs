@@ -91,7 +91,7 @@ impl RobotGlobals {
 
 /// Why a behaviour stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Stop {
+pub enum StopReason {
     /// A plan deactivates it.
     Deactivated,
     /// Its valve is lent to somebody else, or its goals are removed: it commands nothing more.
@@ -160,7 +160,7 @@ pub trait Outside: Any {
     ) -> Result<(), Raise>;
 
     /// Stops a behaviour.
-    fn stop(&mut self, behaviour: u16, how: Stop, outbox: &mut Outbox);
+    fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox);
 
     /// The name of the stream of random numbers that plans draw from in front of this.
     fn stream(&self) -> &'static str {
@@ -200,7 +200,7 @@ impl Outside for NoRobot {
         Err(Raise::no_robot())
     }
 
-    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
+    fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
     fn as_any(&mut self) -> &mut dyn Any {
         self

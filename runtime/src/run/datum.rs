@@ -92,7 +92,7 @@ pub(crate) fn to_node(
     most: usize,
 ) -> Result<NodeId, Unfit> {
     let Value::Cons(first) = value else { return Ok(leaf(heap, symbols, tree, value, span, objects)) };
-    let mut builder = TreeBuilder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
+    let mut builder = NodeBuilder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
     builder.open(first);
     let mut count = 0;
     while let Some(list) = builder.open.last_mut() {
@@ -164,7 +164,7 @@ fn leaf(
 }
 
 /// A list that is being walked.
-struct OpenList {
+struct ListInProgress {
     first: u32,
     /// What follows the pairs walked so far.
     at: Value,
@@ -172,18 +172,18 @@ struct OpenList {
     before: usize,
 }
 
-struct TreeBuilder<'h> {
+struct NodeBuilder<'h> {
     heap: &'h Heap,
-    open: Vec<OpenList>,
+    open: Vec<ListInProgress>,
     /// Items of the open lists.
     nodes: Vec<NodeId>,
     /// Pairs walked of the open lists: to come to one again is to go in a circle.
     on_path: BTreeSet<u32>,
 }
 
-impl TreeBuilder<'_> {
+impl NodeBuilder<'_> {
     fn open(&mut self, first: u32) {
-        self.open.push(OpenList { first, at: Value::Cons(first), before: self.nodes.len() });
+        self.open.push(ListInProgress { first, at: Value::Cons(first), before: self.nodes.len() });
     }
 
     /// Ends the innermost list; gives its first pair and its items.

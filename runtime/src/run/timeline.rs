@@ -27,14 +27,14 @@ const TABLE_BYTES: usize = 256 << 10;
 
 /// A place in the history of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Position {
+pub struct TimelinePosition {
     /// Counts instants, and what was handed in from outside.
     pub segment: u64,
-    /// Forms stopped before in that instant; [`Position::END`] when nothing is ready any more.
+    /// Forms stopped before in that instant; [`TimelinePosition::END`] when nothing is ready any more.
     pub step: u32,
 }
 
-impl Position {
+impl TimelinePosition {
     /// The step of an instant that is over.
     pub const END: u32 = u32::MAX;
 }
@@ -58,7 +58,7 @@ struct Copy<O> {
 #[derive(Clone)]
 pub struct Timeline<O> {
     /// Where the run is.
-    pub position: Position,
+    pub position: TimelinePosition,
     copies: Vec<Copy<O>>,
     /// Computing since the last copy.
     since: Duration,
@@ -71,7 +71,7 @@ pub struct Past<O> {
     /// The state.
     pub system: System<O>,
     /// Its place.
-    pub position: Position,
+    pub position: TimelinePosition,
     /// The form a task stood before.
     pub stop: Option<Stop>,
 }
@@ -80,7 +80,7 @@ impl<O: Outside + Clone> Timeline<O> {
     /// The history of a run that is at its start. `bytes_apart` tells how much the outside of a
     /// later state holds that an earlier one, given second, does not share.
     pub fn new(system: &System<O>, bytes_apart: fn(&O, &O) -> usize) -> Self {
-        let position = Position { segment: 0, step: Position::END };
+        let position = TimelinePosition { segment: 0, step: TimelinePosition::END };
         let mut timeline = Self { position, copies: Vec::new(), since: Duration::ZERO, bytes_apart };
         timeline.copy(system, true);
         timeline
@@ -88,13 +88,13 @@ impl<O: Outside + Clone> Timeline<O> {
 
     /// Something from outside has changed the run: replay cannot go over it, so it is kept.
     pub fn handed_in(&mut self, system: &System<O>) {
-        self.position = Position { segment: self.position.segment + 1, step: 0 };
+        self.position = TimelinePosition { segment: self.position.segment + 1, step: 0 };
         self.copy(system, true);
     }
 
     /// A new instant has begun, after so much computing since the last one began.
     pub fn next_instant(&mut self, system: &System<O>, computing: Duration) {
-        self.position = Position { segment: self.position.segment + 1, step: 0 };
+        self.position = TimelinePosition { segment: self.position.segment + 1, step: 0 };
         self.since += computing;
         let is_active = !system.machine.is_idle();
         if self.since >= COPY_EVERY || is_active && self.since >= COPY_ACTIVE_EVERY {
@@ -147,7 +147,7 @@ impl<O: Outside + Clone> Timeline<O> {
     }
 
     /// Forgets what came after a position, and goes on from there.
-    pub fn go_back_to(&mut self, position: Position) {
+    pub fn go_back_to(&mut self, position: TimelinePosition) {
         self.copies.retain(|copy| copy.segment <= position.segment);
         if let Some(copy) = self.copies.last_mut() {
             copy.last_active = copy.last_active.map(|segment| segment.min(position.segment));
@@ -160,7 +160,7 @@ impl<O: Outside + Clone> Timeline<O> {
     /// count as steps. None if `is_given_up` says so on the way.
     pub fn steps_before(
         &self,
-        mut position: Position,
+        mut position: TimelinePosition,
         mut steps: usize,
         is_shown: impl Fn(&System<O>, &Stop) -> bool,
         is_given_up: &dyn Fn() -> bool,
@@ -178,22 +178,22 @@ impl<O: Outside + Clone> Timeline<O> {
                 _ if index == 0 => break,
                 _ => {
                     steps -= stops.len();
-                    position = Position { segment: copy.segment, step: 0 };
+                    position = TimelinePosition { segment: copy.segment, step: 0 };
                 }
             }
         }
-        self.at(Position { segment: 0, step: 0 }, is_given_up)
+        self.at(TimelinePosition { segment: 0, step: 0 }, is_given_up)
     }
 
     /// The state at a position. None if `is_given_up` says so on the way.
-    pub fn at(&self, position: Position, is_given_up: &dyn Fn() -> bool) -> Option<Past<O>> {
+    pub fn at(&self, position: TimelinePosition, is_given_up: &dyn Fn() -> bool) -> Option<Past<O>> {
         let copy = self.last_copy(|copy| copy.segment <= position.segment);
         let mut system = System::clone(&copy.system);
         for _ in copy.segment..position.segment {
             settle_unless(&mut system, is_given_up)?;
             system.next_instant();
         }
-        let mut reached = Position { segment: position.segment, step: 0 };
+        let mut reached = TimelinePosition { segment: position.segment, step: 0 };
         let mut stop = None;
         while reached.step < position.step {
             if is_given_up() {
@@ -207,7 +207,7 @@ impl<O: Outside + Clone> Timeline<O> {
                 Stepped::Ran => stop = None,
                 Stepped::Settled => {
                     stop = None;
-                    reached.step = Position::END;
+                    reached.step = TimelinePosition::END;
                 }
             }
         }
@@ -230,7 +230,7 @@ impl<O: Outside + Clone> Timeline<O> {
             segment += 1;
         }
         discard(&mut system);
-        Some(Past { system, position: Position { segment, step: Position::END }, stop: None })
+        Some(Past { system, position: TimelinePosition { segment, step: TimelinePosition::END }, stop: None })
     }
 
     /// The state in which a failure of the run is about to be raised, with everything alive that
@@ -253,7 +253,7 @@ impl<O: Outside + Clone> Timeline<O> {
             }
             system.next_instant();
             if has_it(&system) {
-                return self.at(Position { segment, step: Position::END }, is_given_up);
+                return self.at(TimelinePosition { segment, step: TimelinePosition::END }, is_given_up);
             }
         }
         None
@@ -267,7 +267,7 @@ impl<O: Outside + Clone> Timeline<O> {
         has_it: &impl Fn(&System<O>) -> bool,
         is_given_up: &dyn Fn() -> bool,
     ) -> Option<Past<O>> {
-        let start = self.at(Position { segment, step: 0 }, is_given_up)?;
+        let start = self.at(TimelinePosition { segment, step: 0 }, is_given_up)?;
         if failure.is_runaway {
             return Some(start);
         }
@@ -282,7 +282,7 @@ impl<O: Outside + Clone> Timeline<O> {
         let stop = stop.filter(|stop| path(stop).as_ref() == Some(&failure.path));
         discard(&mut at_form);
         // It stands behind the last form, and that one counts as a step back.
-        Some(Past { system: at_form, position: Position { segment, step: forms + 1 }, stop })
+        Some(Past { system: at_form, position: TimelinePosition { segment, step: forms + 1 }, stop })
     }
 
     /// How many copies are kept.
@@ -299,15 +299,15 @@ impl<O: Outside + Clone> Timeline<O> {
 /// `is_given_up` says so on the way.
 fn stops_between<O: Outside + Clone>(
     copy: &Copy<O>,
-    end: Position,
+    end: TimelinePosition,
     is_shown: &impl Fn(&System<O>, &Stop) -> bool,
     is_given_up: &dyn Fn() -> bool,
-) -> Option<Vec<Position>> {
+) -> Option<Vec<TimelinePosition>> {
     let mut stops = Vec::new();
     let Some(last) = copy.last_active else { return Some(stops) };
-    let end = end.min(Position { segment: last, step: Position::END });
+    let end = end.min(TimelinePosition { segment: last, step: TimelinePosition::END });
     let mut system = System::clone(&copy.system);
-    let mut position = Position { segment: copy.segment, step: 0 };
+    let mut position = TimelinePosition { segment: copy.segment, step: 0 };
     while position < end {
         if is_given_up() {
             return None;
@@ -323,7 +323,7 @@ fn stops_between<O: Outside + Clone>(
             Stepped::Settled if position.segment == end.segment => break,
             Stepped::Settled => {
                 system.next_instant();
-                position = Position { segment: position.segment + 1, step: 0 };
+                position = TimelinePosition { segment: position.segment + 1, step: 0 };
             }
         }
     }

@@ -68,14 +68,14 @@ pub struct Priorities {
     ready: Vec<u32>,
     /// Turns of the loops that keep the order.
     #[serde(skip)]
-    work: Work,
+    work: WorkCount,
 }
 
 /// How much was done is no part of a state.
 #[derive(Clone, Copy, Debug, Default)]
-struct Work(u64);
+struct WorkCount(u64);
 
-impl PartialEq for Work {
+impl PartialEq for WorkCount {
     fn eq(&self, _other: &Self) -> bool {
         true
     }
@@ -86,7 +86,7 @@ impl Default for Priorities {
         let place = ListPlace::edge(NONE, false, false);
         let mut all = Slab::default();
         all.insert(Priority { rank: 1 << 63, above: NONE, below: NONE, line: Line::default(), place });
-        Self { all, places: BTreeMap::new(), ready: Vec::new(), work: Work::default() }
+        Self { all, places: BTreeMap::new(), ready: Vec::new(), work: WorkCount::default() }
     }
 }
 

@@ -7,12 +7,12 @@ use crate::state::task::{Leaving, State, Waiting};
 use crate::state::trace::{Event, EventKind};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
-use crate::step::tasks::condition::Reading;
+use crate::step::tasks::condition::FluentReading;
 use rpl_lang::code::Program;
 use std::collections::BTreeSet;
 
 /// A fluent's name, in parentheses with those it is computed from.
-fn nested(reading: &Reading) -> String {
+fn nested(reading: &FluentReading) -> String {
     if reading.from.is_empty() {
         return reading.fluent.clone();
     }
@@ -21,7 +21,7 @@ fn nested(reading: &Reading) -> String {
 }
 
 /// The value of each fluent, once.
-fn collect_values<'r>(reading: &'r Reading, values: &mut Vec<(&'r str, String)>) {
+fn collect_values<'r>(reading: &'r FluentReading, values: &mut Vec<(&'r str, String)>) {
     if values.iter().all(|&(name, _)| name != reading.fluent) {
         values.push((&reading.fluent, reading.value.clone()));
     }

@@ -2,7 +2,7 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, Outside, RobotTables, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_runtime::state::activation::Phases;
@@ -42,7 +42,7 @@ impl Outside for Digger {
         Ok(())
     }
 
-    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {
+    fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {
         self.steps_left = None;
         self.stops += 1;
     }

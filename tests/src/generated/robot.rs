@@ -2,7 +2,7 @@
 
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, RobotTables, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::state::activation::Phases;
@@ -76,7 +76,7 @@ impl Outside for Whim {
         Ok(())
     }
 
-    fn stop(&mut self, behaviour: u16, _how: Stop, outbox: &mut Outbox) {
+    fn stop(&mut self, behaviour: u16, _how: StopReason, outbox: &mut Outbox) {
         self.active[usize::from(behaviour)] = false;
         outbox.fluents.push((2, Reading::Truth(self.active[0] || self.active[1])));
     }

@@ -5,11 +5,11 @@ use crate::experiment::statistics::{Dispersion, Proportion};
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use rpl_robot::localization::{OdometryError, SensorParameters};
-use rpl_robot::recording::{PoseError, Start};
+use rpl_robot::recording::{PoseError, TrialStart};
 use serde_json::{Value, json};
 
 /// One line for each window, and what they have in common.
-pub fn blocks(trials: &[Timed], start: Start) -> Vec<Block> {
+pub fn blocks(trials: &[Timed], start: TrialStart) -> Vec<Block> {
     let mut table =
         Table::new(&["window", "start [m]", "scans", "found", "after [m]", "error [m]", "error [°]", "time [s]"]);
     for (index, timed) in trials.iter().enumerate() {
@@ -28,8 +28,8 @@ pub fn blocks(trials: &[Timed], start: Start) -> Vec<Block> {
     }
     let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
     let what = match start {
-        Start::Uniform => "found",
-        Start::FromTruth => "kept",
+        TrialStart::Uniform => "found",
+        TrialStart::FromTruth => "kept",
     };
     let mut lines = vec![format!("{what} {}", Proportion::new(found, trials.len()).sentence())];
     lines.extend(errors(trials).map(|errors| {

@@ -50,7 +50,7 @@ pub struct Hall {
 
 /// What was the case after a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct SensingMoment {
     pub time_s: f64,
     /// L1 distance to the true position, weighted by the belief.
     pub error_m: f64,
@@ -70,7 +70,7 @@ pub struct EndPoint {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensingRun {
     pub seed: u64,
-    pub moments: Vec<Moment>,
+    pub moments: Vec<SensingMoment>,
     pub readings: Vec<EndPoint>,
     /// Probability within 0.4 m of the position mirrored at the middle of the world, at the end.
     pub mirrored: f64,
@@ -80,7 +80,8 @@ impl SensingRun {
     /// When the robot first became certain of its true position and stayed so for a while.
     pub fn certain_after_s(&self) -> Option<f64> {
         let mut runs = self.moments.chunk_by(|a, b| (a.near >= CERTAIN) == (b.near >= CERTAIN));
-        let certain = |run: &&[Moment]| run[0].near >= CERTAIN && run[run.len() - 1].time_s - run[0].time_s >= HELD_S;
+        let certain =
+            |run: &&[SensingMoment]| run[0].near >= CERTAIN && run[run.len() - 1].time_s - run[0].time_s >= HELD_S;
         runs.find(certain).map(|run| run[0].time_s)
     }
 
@@ -200,7 +201,11 @@ impl Hall {
                 course.readings.push(end);
             }
             let off = belief.off_from(models[0], state.robot_in_map.point(), NEAR_M);
-            course.moments.push(Moment { time_s: percept.time_us as f64 / 1e6, error_m: off.l1_m, near: off.near });
+            course.moments.push(SensingMoment {
+                time_s: percept.time_us as f64 / 1e6,
+                error_m: off.l1_m,
+                near: off.near,
+            });
         }
         let middle = self.world.bounds().centre();
         let mirrored = middle + (middle - state.robot_in_map.point());

@@ -2,7 +2,7 @@
 //! position (Fig. 10), and what the selected readings met (Fig. 11).
 
 use super::SensingRuns;
-use super::course::{Hall, Moment, SensingRun};
+use super::course::{Hall, SensingMoment, SensingRun};
 use super::settings::{Policy, Sensors};
 use crate::experiment::chart::{self, Curve, CurvePoint as Mean};
 use crate::show::figures::{self, Figure};
@@ -40,12 +40,12 @@ pub fn pictures(hall: &Hall, rows: &SensingRuns) -> Vec<(String, String)> {
 }
 
 /// The mean over the runs of each row with these sensors.
-fn lines<'r>(rows: &'r SensingRuns, sensors: Sensors, of: fn(&Moment) -> f64) -> Vec<Curve<'r>> {
+fn lines<'r>(rows: &'r SensingRuns, sensors: Sensors, of: fn(&SensingMoment) -> f64) -> Vec<Curve<'r>> {
     let of_sensors = rows.iter().filter(|(setting, _)| setting.sensors == sensors);
     of_sensors.map(|(setting, courses)| Curve { name: setting.name, points: points(courses, of) }).collect()
 }
 
-fn points(courses: &[SensingRun], of: fn(&Moment) -> f64) -> Vec<Mean> {
+fn points(courses: &[SensingRun], of: fn(&SensingMoment) -> f64) -> Vec<Mean> {
     let moments = courses.iter().map(|course| course.moments.len()).min().unwrap_or(0);
     let at = |index: usize| {
         let numbers: Vec<f64> = courses.iter().map(|course| of(&course.moments[index])).collect();

@@ -103,11 +103,11 @@ pub fn raw_rows(rows: &SensingRuns) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::sensing::course::Moment;
+    use crate::experiment::sensing::course::SensingMoment;
     use crate::experiment::sensing::settings::SETTINGS;
 
     fn course(near: impl Fn(usize) -> f64) -> SensingRun {
-        let moment = |second: usize| Moment { time_s: second as f64, error_m: 0.5, near: near(second) };
+        let moment = |second: usize| SensingMoment { time_s: second as f64, error_m: 0.5, near: near(second) };
         SensingRun { seed: 1, moments: (1..=600).map(moment).collect(), readings: vec![], mirrored: 0.1 }
     }
 

@@ -13,7 +13,7 @@ use crate::simulator::Commands;
 use crate::world::TravelMode;
 use rpl_random::Stream;
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};
@@ -87,10 +87,10 @@ impl Module for Localizing {
         Ok(())
     }
 
-    fn stop(&mut self, how: Stop, _: &mut Outbox) {
+    fn stop(&mut self, how: StopReason, _: &mut Outbox) {
         match how {
-            Stop::Deactivated => self.search = None,
-            Stop::Interrupted => {}
+            StopReason::Deactivated => self.search = None,
+            StopReason::Interrupted => {}
         }
     }
 

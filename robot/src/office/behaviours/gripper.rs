@@ -6,7 +6,7 @@ use super::position::Position;
 use crate::office::model::OfficeModel;
 use crate::simulator::{Commands, GripperCommand, GripperMotion};
 use crate::world::TravelMode;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -65,7 +65,7 @@ impl Module for Gripping {
     }
 
     /// What was commanded goes out: a hand that has begun to close closes.
-    fn stop(&mut self, _: Stop, _: &mut Outbox) {
+    fn stop(&mut self, _: StopReason, _: &mut Outbox) {
         self.task = None;
     }
 

@@ -5,7 +5,7 @@ use super::module::{Module, ModuleSpec, Moment, Start, Work};
 use super::position::Position;
 use crate::navigation::LookAround;
 use crate::office::model::OfficeModel;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
 use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -41,7 +41,7 @@ impl Module for LookingAround {
         Ok(())
     }
 
-    fn stop(&mut self, _: Stop, _: &mut Outbox) {
+    fn stop(&mut self, _: StopReason, _: &mut Outbox) {
         self.look = None;
     }
 

@@ -7,7 +7,7 @@ use crate::office::model::OfficeModel;
 use crate::simulator::{Commands, Percept};
 use crate::world::TravelMode;
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, RobotEvent, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, RobotEvent, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -36,7 +36,7 @@ pub(in crate::office) trait Module {
     }
 
     /// Stops its behaviour.
-    fn stop(&mut self, _how: Stop, _outbox: &mut Outbox) {}
+    fn stop(&mut self, _how: StopReason, _outbox: &mut Outbox) {}
 
     /// Adds to what the robot is to do in the next step; the wheels are not its business.
     fn command(&mut self, _mode: TravelMode, _phase: Phase, _commands: &mut Commands) {}

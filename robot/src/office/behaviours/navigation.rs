@@ -13,7 +13,7 @@ use crate::simulator::Commands;
 use crate::world::{Door, TravelMode, World};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, Stop};
+use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -131,11 +131,11 @@ impl Module for Navigating {
         Ok(())
     }
 
-    fn stop(&mut self, how: Stop, outbox: &mut Outbox) {
+    fn stop(&mut self, how: StopReason, outbox: &mut Outbox) {
         self.remove_all_targets();
         let phase = match how {
-            Stop::Deactivated => Phase::Inactive,
-            Stop::Interrupted => Phase::Interrupted,
+            StopReason::Deactivated => Phase::Inactive,
+            StopReason::Interrupted => Phase::Interrupted,
         };
         self.publish_goals(phase, outbox);
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::simulator::surface::{Form, forms_of};
+use crate::simulator::surface::{SurfaceForm, forms_of};
 use std::f64::consts::FRAC_PI_4;
 
 #[test]
@@ -51,9 +51,9 @@ fn sonars_look_through_an_open_door_only() {
 }
 
 /// All surfaces that are there, without any lookup.
-fn present_forms(model: &SimulatorModel, state: &SimulatorState) -> Vec<Form> {
+fn present_forms(model: &SimulatorModel, state: &SimulatorState) -> Vec<SurfaceForm> {
     let fixed = model.surfaces.iter().filter(|surface| state.is_there(surface.origin)).map(|surface| surface.form);
-    let mut forms: Vec<Form> = fixed.collect();
+    let mut forms: Vec<SurfaceForm> = fixed.collect();
     for object in &state.objects_added {
         forms.extend(forms_of(&object.outline()));
     }
@@ -61,15 +61,15 @@ fn present_forms(model: &SimulatorModel, state: &SimulatorState) -> Vec<Form> {
 }
 
 /// Points along all surfaces, at most `spacing_m` apart, corners included.
-fn sample(forms: &[Form], spacing_m: f64) -> Vec<Point> {
+fn sample(forms: &[SurfaceForm], spacing_m: f64) -> Vec<Point> {
     let mut points = Vec::new();
     for form in forms {
         match form {
-            Form::Edge { a, b } => {
+            SurfaceForm::Edge { a, b } => {
                 let count = libm::ceil((b - a).norm_squared().sqrt() / spacing_m) as usize;
                 points.extend((0..=count).map(|index| a + (b - a) * (index as f64 / count.max(1) as f64)));
             }
-            Form::Disc { centre, radius_m } => {
+            SurfaceForm::Disc { centre, radius_m } => {
                 let count = libm::ceil(radius_m * std::f64::consts::TAU / spacing_m) as usize;
                 points.extend((0..count).map(|index| {
                     let (sin, cos) = libm::sincos(std::f64::consts::TAU * index as f64 / count as f64);
@@ -115,17 +115,17 @@ fn each_cone_finds_the_nearest_of_all_surfaces() {
 }
 
 /// Where a ray meets a surface from any side, without any cleverness.
-fn along_ray_m(form: &Form, from: Point, direction: crate::geometry::Vector) -> f64 {
+fn along_ray_m(form: &SurfaceForm, from: Point, direction: crate::geometry::Vector) -> f64 {
     let none = f64::INFINITY;
     match form {
-        Form::Edge { a, b } => {
+        SurfaceForm::Edge { a, b } => {
             let (edge, offset) = (b - a, a - from);
             let denominator = direction.x * edge.y - direction.y * edge.x;
             let range_m = (offset.x * edge.y - offset.y * edge.x) / denominator;
             let share = (offset.x * direction.y - offset.y * direction.x) / denominator;
             if range_m > 0.0 && (0.0..=1.0).contains(&share) { range_m } else { none }
         }
-        Form::Disc { centre, radius_m } => {
+        SurfaceForm::Disc { centre, radius_m } => {
             let offset = centre - from;
             let middle_m = offset.dot(&direction);
             let aside2 = offset.norm_squared() - middle_m * middle_m;

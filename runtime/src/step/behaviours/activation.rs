@@ -1,7 +1,7 @@
 //! What becomes of behaviours: they are activated and deactivated, lose their valves and their goals, and
 //! end by themselves.
 
-use crate::robot::{Ending, Outbox, RobotGlobals, Stop};
+use crate::robot::{Ending, Outbox, RobotGlobals, StopReason};
 use crate::state::activation::{Activation, Phase, Phases};
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
@@ -76,7 +76,7 @@ impl Machine {
             ));
         }
         if entry.phase == Phase::Active {
-            self.stop_behaviour(around, behaviour, Stop::Deactivated);
+            self.stop_behaviour(around, behaviour, StopReason::Deactivated);
         }
         let mut outbox = Outbox::default();
         around.outside.start(self, behaviour, arguments, &mut outbox)?;
@@ -113,21 +113,21 @@ impl Machine {
         if phase == Phase::Inactive || !owner.is_some_and(|owner| self.is_within(owner, self.current)) {
             return;
         }
-        self.stop_behaviour(around, behaviour, Stop::Deactivated);
+        self.stop_behaviour(around, behaviour, StopReason::Deactivated);
     }
 
-    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16, how: Stop) {
+    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16, how: StopReason) {
         let mut outbox = Outbox::default();
         around.outside.stop(behaviour, how, &mut outbox);
         match how {
-            Stop::Deactivated => {
+            StopReason::Deactivated => {
                 self.trace_behaviour(around, behaviour, "deactivated");
                 let before = std::mem::take(self.activation(behaviour));
                 self.activation(behaviour).kept = before.kept;
                 self.release_activation(around, behaviour, before.task);
                 self.apply_outbox(around, outbox);
             }
-            Stop::Interrupted => {
+            StopReason::Interrupted => {
                 self.trace_behaviour(around, behaviour, "interrupted");
                 self.activation(behaviour).phase = Phase::Interrupted;
                 self.apply_outbox(around, outbox);
@@ -141,7 +141,7 @@ impl Machine {
     /// A behaviour loses its valve.
     pub(crate) fn interrupt_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
         if self.activation(behaviour).phase == Phase::Active {
-            self.stop_behaviour(around, behaviour, Stop::Interrupted);
+            self.stop_behaviour(around, behaviour, StopReason::Interrupted);
         }
     }
 
@@ -150,7 +150,7 @@ impl Machine {
         let entry = self.activation(behaviour).clone();
         let owner = entry.task.and_then(|owner| self.tasks.find(owner));
         if entry.phase == Phase::Active && owner.is_some_and(|owner| self.is_within(owner, self.current)) {
-            self.stop_behaviour(around, behaviour, Stop::Interrupted);
+            self.stop_behaviour(around, behaviour, StopReason::Interrupted);
             self.release_activation(around, behaviour, entry.task);
         }
     }
@@ -162,7 +162,7 @@ impl Machine {
             let entry = &mut self.activations[usize::from(behaviour)];
             entry.kept.retain(|(owner, _)| *owner != me);
             if entry.task == Some(me) && entry.phase != Phase::Inactive {
-                self.stop_behaviour(around, behaviour, Stop::Deactivated);
+                self.stop_behaviour(around, behaviour, StopReason::Deactivated);
             }
         }
     }

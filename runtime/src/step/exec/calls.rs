@@ -6,7 +6,7 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
-use crate::step::exec::{Flow, REACH, WINDOW};
+use crate::step::exec::{Proceed, REACH, WINDOW};
 use crate::step::native::{Call as NativeCall, Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Parameters, Reg};
 use rpl_lang::compile::NativeSignature;
@@ -166,7 +166,7 @@ impl Machine {
         first: Reg,
         count: u8,
         tail: bool,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let from = place.frame.base as usize + usize::from(first);
         let arguments = self.scratch.stack[from..from + usize::from(count)].to_vec();
         self.call_value(around, place, function, &arguments, usize::from(first), tail, first)
@@ -184,7 +184,7 @@ impl Machine {
         count: u8,
         native: u16,
         reply: Result<Reply, Raise>,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let base = place.frame.base as usize;
         let reply = match reply {
             Ok(reply) => reply,
@@ -199,18 +199,18 @@ impl Machine {
                 self.scratch.stack[base + usize::from(to)] = value;
                 self.collect_if_full()?;
                 let acts = around.natives[usize::from(native)].effect.acts();
-                Ok(if self.scratch.switch || acts { Flow::Leave } else { Flow::On })
+                Ok(if self.scratch.switch || acts { Proceed::Leave } else { Proceed::On })
             }
             Reply::Wait => {
                 let task = self.current;
                 self.tasks[task].wake_register = to;
-                Ok(Flow::Blocked)
+                Ok(Proceed::Blocked)
             }
             Reply::Leave => {
                 self.scratch.stack[base + usize::from(to)] = Value::Nil;
-                Ok(Flow::Leave)
+                Ok(Proceed::Leave)
             }
-            Reply::Execute(datum) => Ok(Flow::Execute(datum, to)),
+            Reply::Execute(datum) => Ok(Proceed::Execute(datum, to)),
             Reply::Call(function, arguments) => {
                 self.call_value(around, place, function, &arguments, usize::from(to), false, to)
             }
@@ -228,22 +228,22 @@ impl Machine {
         mut first: usize,
         mut tail: bool,
         result: Reg,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let mut arguments = Cow::Borrowed(arguments);
         // A native may go on in a function, and that be a native again: as far as data reach.
         while let Value::Native(native) = function {
             match self.call_native_value(around, native, &arguments)? {
                 Reply::Value(value) => {
                     self.scratch.stack[place.frame.base as usize + usize::from(result)] = value;
-                    return Ok(Flow::Entered);
+                    return Ok(Proceed::Entered);
                 }
                 Reply::Wait => {
                     let task = self.current;
                     self.tasks[task].wake_register = result;
-                    return Ok(Flow::Blocked);
+                    return Ok(Proceed::Blocked);
                 }
-                Reply::Leave => return Ok(Flow::Entered),
-                Reply::Execute(datum) => return Ok(Flow::Execute(datum, result)),
+                Reply::Leave => return Ok(Proceed::Entered),
+                Reply::Execute(datum) => return Ok(Proceed::Execute(datum, result)),
                 Reply::Call(next, further) => {
                     (function, arguments) = (next, Cow::Owned(further));
                     (first, tail) = (usize::from(result), false);
@@ -268,7 +268,7 @@ impl Machine {
         arguments: &[Value],
         first: usize,
         tail: bool,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let (number, captured) = match function {
             Value::Function(number) => (number, None),
             Value::Closure(index) => (self.heap.closures[index].code, Some(self.heap.closures[index].captured.clone())),
@@ -295,7 +295,7 @@ impl Machine {
             self.scratch.stack[at..at + captured.len()].copy_from_slice(&captured);
         }
         place.frame = Frame { code: number, pc: 0, base: base as u32 };
-        Ok(Flow::Entered)
+        Ok(Proceed::Entered)
     }
 
     /// Calls a native that is known only by its value.

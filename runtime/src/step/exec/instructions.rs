@@ -7,7 +7,7 @@ use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use crate::step::exec::arithmetic::{as_floats, overflow};
-use crate::step::exec::{Exit, Flow, REACH};
+use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::native::{Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Op};
 use rpl_lang::kind::Kind;
@@ -219,15 +219,15 @@ impl Machine {
                     let next = $instruction?;
                     fuel = place.fuel;
                     match next {
-                        Flow::On => {}
-                        Flow::Switch => {
+                        Proceed::On => {}
+                        Proceed::Switch => {
                             check_switch!();
                         }
-                        Flow::Leave => {
+                        Proceed::Leave => {
                             check_leaving!();
                             check_switch!();
                         }
-                        Flow::Entered => {
+                        Proceed::Entered => {
                             (code_number, pc, base) =
                                 (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
                             code = &program.codes[code_number as usize];
@@ -235,8 +235,8 @@ impl Machine {
                             check_leaving!();
                             check_switch!();
                         }
-                        Flow::Blocked => return Ok(Exit::Blocked),
-                        Flow::Execute(datum, to) => return Ok(Exit::Execute(datum, to)),
+                        Proceed::Blocked => return Ok(Exit::Blocked),
+                        Proceed::Execute(datum, to) => return Ok(Exit::Execute(datum, to)),
                     }
                     continue 'frame;
                 }};

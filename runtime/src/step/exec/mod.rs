@@ -42,14 +42,14 @@ pub(crate) enum Exit {
 
 /// How the loop goes on after an instruction that it has handed over.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Flow {
+pub(crate) enum Proceed {
     /// With the next instruction.
     On,
     /// With the next instruction, unless a more important task has become ready.
     Switch,
-    /// As after [`Flow::Switch`], unless the task has begun to depart.
+    /// As after [`Proceed::Switch`], unless the task has begun to depart.
     Leave,
-    /// In the frame that runs now, as after [`Flow::Leave`].
+    /// In the frame that runs now, as after [`Proceed::Leave`].
     Entered,
     /// Not now: the task waits or departs.
     Blocked,

@@ -8,7 +8,7 @@ use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Leaving, PlanCall, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
-use crate::step::exec::Flow;
+use crate::step::exec::Proceed;
 use crate::step::native::Surroundings;
 use rpl_lang::code::{Construct, Missed, NO_REG, Program, Reg};
 use rpl_lang::kind::Kind;
@@ -28,20 +28,20 @@ impl Machine {
     }
 
     /// The running task waits; the register gets what it finds then.
-    fn block_for(&mut self, register: Reg) -> Flow {
+    fn block_for(&mut self, register: Reg) -> Proceed {
         let task = self.current;
         self.tasks[task].wake_register = register;
-        Flow::Blocked
+        Proceed::Blocked
     }
 
     /// The running task waits, and then comes to its instruction once more.
-    fn block_and_repeat(&mut self, place: &mut Cursor) -> Flow {
+    fn block_and_repeat(&mut self, place: &mut Cursor) -> Proceed {
         place.frame.pc -= 1;
         self.block_for(NO_REG)
     }
 
     /// Begins a plan call, whose code the frame has just entered.
-    pub(super) fn enter_plan(&mut self, program: &Program, place: &Cursor) -> Result<Flow, Raise> {
+    pub(super) fn enter_plan(&mut self, program: &Program, place: &Cursor) -> Result<Proceed, Raise> {
         self.refuse_in_network("a plan cannot be called")?;
         let task = self.current;
         let name = program.codes[place.frame.code as usize].name;
@@ -52,7 +52,7 @@ impl Machine {
         self.push_scope(ScopeKind::Call(Box::new(PlanCall::new(name, occurrence, span))));
         self.trace_call(task);
         self.collect_if_full()?;
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     /// Ends a plan call, once what it spawned is dead.
@@ -61,17 +61,17 @@ impl Machine {
         around: &mut Surroundings<'_>,
         place: &mut Cursor,
         value: Reg,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let value = self.register(place, value);
         if self.waits_for_spawned(around, place) {
-            return Ok(Flow::Blocked);
+            return Ok(Proceed::Blocked);
         }
         let task = self.current;
         self.trace_return(around.program, task, value);
         if let Some(Scope { kind: ScopeKind::Call(call), .. }) = self.tasks[task].scopes.pop() {
             self.end_call(around, &call.tags);
         }
-        Ok(Flow::Switch)
+        Ok(Proceed::Switch)
     }
 
     /// Evaporates what the innermost plan call spawned; tells whether the task must wait for some of
@@ -88,7 +88,7 @@ impl Machine {
     }
 
     /// Makes a tag: a task that others can name before it starts.
-    pub(super) fn new_tag(&mut self, place: &Cursor, to: Reg, name: u32) -> Result<Flow, Raise> {
+    pub(super) fn new_tag(&mut self, place: &Cursor, to: Reg, name: u32) -> Result<Proceed, Raise> {
         if let Value::Symbol(name) = self.constants[name as usize] {
             let task = self.current;
             let priority = self.tasks[task].priority;
@@ -102,7 +102,7 @@ impl Machine {
             self.set_register(place, to, value);
         }
         self.collect_if_full()?;
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     /// Notes a tag of a plan call. Those that were reached need nothing at its end and are dropped.
@@ -127,7 +127,7 @@ impl Machine {
         place: &Cursor,
         to: Reg,
         construct: u32,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         self.refuse_in_network("a task cannot be started")?;
         let program = around.program;
         let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
@@ -143,7 +143,7 @@ impl Machine {
         to: Reg,
         list: Reg,
         construct: u32,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let list = self.register(place, list);
         self.refuse_in_network("a task cannot be started")?;
         let Ok(count) = self.heap.length(list) else {
@@ -162,12 +162,12 @@ impl Machine {
         construct: &Construct,
         list: Option<Value>,
         to: Reg,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         self.collect_if_full()?;
         match self.start_construct(around, construct, list, to, place.frame.base as usize)? {
             Some(value) => {
                 self.set_register(place, to, value);
-                Ok(Flow::On)
+                Ok(Proceed::On)
             }
             None => {
                 let task = self.current;
@@ -184,17 +184,17 @@ impl Machine {
         place: &Cursor,
         to: Reg,
         construct: u32,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         self.refuse_in_network("a task cannot be started")?;
         self.collect_if_full()?;
         let program = around.program;
         let construct = &program.codes[place.frame.code as usize].constructs[construct as usize];
         let value = self.start_spawned(around, construct, place.frame.base as usize)?;
         self.set_register(place, to, value);
-        Ok(Flow::Switch)
+        Ok(Proceed::Switch)
     }
 
-    pub(super) fn push_block(&mut self, place: &Cursor, to: Reg, result: Reg, distance: i32) -> Result<Flow, Raise> {
+    pub(super) fn push_block(&mut self, place: &Cursor, to: Reg, result: Reg, distance: i32) -> Result<Proceed, Raise> {
         let identity = self.next_identity;
         self.next_identity += 1;
         self.set_register(place, to, Value::Int(identity as i64));
@@ -202,7 +202,7 @@ impl Machine {
     }
 
     /// Leaves a block of the running task with a value.
-    pub(super) fn return_from(&mut self, place: &Cursor, block: Reg, value: Reg) -> Result<Flow, Raise> {
+    pub(super) fn return_from(&mut self, place: &Cursor, block: Reg, value: Reg) -> Result<Proceed, Raise> {
         let (identity, value) = (self.register(place, block), self.register(place, value));
         let identity = if let Value::Int(identity) = identity { identity as u64 } else { u64::MAX };
         let task = self.current;
@@ -215,7 +215,7 @@ impl Machine {
             ));
         }
         self.tasks[task].leave(Leaving::Block { identity, value });
-        Ok(Flow::Blocked)
+        Ok(Proceed::Blocked)
     }
 
     pub(super) fn push_handler(
@@ -224,37 +224,37 @@ impl Machine {
         failure: Reg,
         clauses: u16,
         distance: i32,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let target = target(place, distance);
         self.open_scope(ScopeKind::Handler { code: place.frame.code, index: u32::from(clauses), failure, target })
     }
 
-    pub(super) fn push_cleanup(&mut self, place: &Cursor, distance: i32) -> Result<Flow, Raise> {
+    pub(super) fn push_cleanup(&mut self, place: &Cursor, distance: i32) -> Result<Proceed, Raise> {
         self.open_scope(ScopeKind::Cleanup { target: target(place, distance) })
     }
 
     /// The protected part has ended by itself: its clean-up runs.
-    pub(super) fn begin_cleanup(&mut self) -> Result<Flow, Raise> {
+    pub(super) fn begin_cleanup(&mut self) -> Result<Proceed, Raise> {
         let task = self.current;
         self.tasks[task].scopes.pop();
         self.push_scope(ScopeKind::InCleanup(Box::new(Then::Continue)));
         self.refresh_boost(task);
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     /// A clean-up has ended: what cut the protected part short goes on, or what came meanwhile.
-    pub(super) fn end_cleanup(&mut self, around: &mut Surroundings<'_>) -> Result<Flow, Raise> {
+    pub(super) fn end_cleanup(&mut self, around: &mut Surroundings<'_>) -> Result<Proceed, Raise> {
         let task = self.current;
         let Some(Scope { kind: ScopeKind::InCleanup(then), .. }) = self.tasks[task].scopes.pop() else {
-            return Ok(Flow::On);
+            return Ok(Proceed::On);
         };
         Ok(match *then {
             Then::Leave(leaving) => {
                 self.tasks[task].leave(leaving);
-                Flow::Blocked
+                Proceed::Blocked
             }
-            Then::Continue if self.take_up_pending(around, task) => Flow::Blocked,
-            Then::Continue => Flow::Switch,
+            Then::Continue if self.take_up_pending(around, task) => Proceed::Blocked,
+            Then::Continue => Proceed::Switch,
         })
     }
 
@@ -263,7 +263,7 @@ impl Machine {
         around: &mut Surroundings<'_>,
         place: &Cursor,
         valve: Reg,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let value = self.register(place, valve);
         self.refuse_in_network("a valve cannot be requested")?;
         let Value::Valve(valve) = value else {
@@ -274,14 +274,14 @@ impl Machine {
         // The scope is entered when the valve is there: it is pushed now, and a release of what is
         // not held does nothing.
         self.push_scope(ScopeKind::Valve(valve));
-        Ok(if granted { Flow::Switch } else { self.block_for(NO_REG) })
+        Ok(if granted { Proceed::Switch } else { self.block_for(NO_REG) })
     }
 
-    pub(super) fn push_on_interrupt(&mut self, place: &Cursor, hook: Reg) -> Result<Flow, Raise> {
+    pub(super) fn push_on_interrupt(&mut self, place: &Cursor, hook: Reg) -> Result<Proceed, Raise> {
         self.open_scope(ScopeKind::OnInterrupt(self.register(place, hook)))
     }
 
-    pub(super) fn push_on_resume(&mut self, place: &Cursor, hook: Reg) -> Result<Flow, Raise> {
+    pub(super) fn push_on_resume(&mut self, place: &Cursor, hook: Reg) -> Result<Proceed, Raise> {
         self.open_scope(ScopeKind::OnResume(self.register(place, hook)))
     }
 
@@ -291,7 +291,7 @@ impl Machine {
         around: &mut Surroundings<'_>,
         place: &Cursor,
         other: Reg,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let value = self.register(place, other);
         self.refuse_in_network("a task cannot be suspended")?;
         let Value::Task(other) = value else {
@@ -304,7 +304,7 @@ impl Machine {
                 return Ok(self.block_for(NO_REG));
             }
         }
-        Ok(Flow::Switch)
+        Ok(Proceed::Switch)
     }
 
     pub(super) fn push_watch(
@@ -313,7 +313,7 @@ impl Machine {
         fluent: Reg,
         missed: Missed,
         owned: bool,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let value = self.register(place, fluent);
         self.refuse_in_network("a fluent cannot be watched")?;
         let Value::Fluent(watched) = value else {
@@ -328,16 +328,16 @@ impl Machine {
     }
 
     /// Waits for the next event of the innermost watch.
-    pub(super) fn wait_for_event(&mut self, place: &mut Cursor) -> Result<Flow, Raise> {
+    pub(super) fn wait_for_event(&mut self, place: &mut Cursor) -> Result<Proceed, Raise> {
         let watch = self.innermost_watch(self.current);
-        Ok(if self.next_event(watch)? { Flow::On } else { self.block_and_repeat(place) })
+        Ok(if self.next_event(watch)? { Proceed::On } else { self.block_and_repeat(place) })
     }
 
     /// An event of the innermost watch has been served.
-    pub(super) fn end_event_service(&mut self) -> Result<Flow, Raise> {
+    pub(super) fn end_event_service(&mut self) -> Result<Proceed, Raise> {
         let watch = self.innermost_watch(self.current);
         self.event_served(watch);
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     pub(crate) fn innermost_watch(&self, task: u32) -> u32 {
@@ -353,11 +353,11 @@ impl Machine {
     }
 
     /// Leaves scopes whose bodies have ended by themselves.
-    pub(super) fn pop_scopes(&mut self, around: &mut Surroundings<'_>, count: u8) -> Result<Flow, Raise> {
+    pub(super) fn pop_scopes(&mut self, around: &mut Surroundings<'_>, count: u8) -> Result<Proceed, Raise> {
         for _ in 0..count {
             self.pop_ended_scope(around);
         }
-        Ok(Flow::Leave)
+        Ok(Proceed::Leave)
     }
 
     /// Leaves the innermost scope, whose body has ended by itself.
@@ -376,12 +376,12 @@ impl Machine {
     }
 
     /// Goes to an instruction outside scopes that are to be left first.
-    pub(super) fn leave_scopes(&mut self, place: &Cursor, count: u8, distance: i32) -> Result<Flow, Raise> {
+    pub(super) fn leave_scopes(&mut self, place: &Cursor, count: u8, distance: i32) -> Result<Proceed, Raise> {
         let task = self.current;
         let scopes = self.tasks[task].scopes.len() as u32 - u32::from(count);
         let depth = self.scratch.frames.len() as u32;
         self.tasks[task].leave(Leaving::Jump { scopes, target: target(place, distance), depth });
-        Ok(Flow::Blocked)
+        Ok(Proceed::Blocked)
     }
 
     /// Makes a fluent that is computed from others.
@@ -391,14 +391,14 @@ impl Machine {
         place: &mut Cursor,
         to: Reg,
         code: u32,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let captures = &around.program.codes[code as usize].captures;
         let captured = captures.iter().map(|&register| self.register(place, register)).collect();
         let fluent = self.create_network(around, code, captured);
         place.spend(std::mem::take(&mut self.scratch.burned) as usize);
         self.set_register(place, to, fluent);
         self.collect_if_full()?;
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     /// Waits for a fluent to be true.
@@ -409,7 +409,7 @@ impl Machine {
         condition: Reg,
         seconds: Reg,
         owned: bool,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         let value = self.register(place, condition);
         let Value::Fluent(fluent) = value else {
             self.refuse_in_network("nothing can be waited for")?;
@@ -435,7 +435,7 @@ impl Machine {
                 self.free_network(fluent);
             }
             self.set_register(place, to, value);
-            return Ok(Flow::On);
+            return Ok(Proceed::On);
         }
         let task = self.current;
         self.number_wait(task);
@@ -448,10 +448,10 @@ impl Machine {
     }
 
     /// The value of a fluent.
-    pub(super) fn dereference(&mut self, place: &Cursor, to: Reg, fluent: u32) -> Result<Flow, Raise> {
+    pub(super) fn dereference(&mut self, place: &Cursor, to: Reg, fluent: u32) -> Result<Proceed, Raise> {
         let value = self.read_fluent(fluent)?;
         self.set_register(place, to, value);
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     /// Assigns a fluent.
@@ -462,7 +462,7 @@ impl Machine {
         place: &mut Cursor,
         fluent: Value,
         value: Value,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         match (fluent, value) {
             (Value::Fluent(fluent), Value::Nil | Value::True) if self.signals_plainly(fluent) => {
                 Ok(self.signal_plainly(fluent, value))
@@ -481,15 +481,15 @@ impl Machine {
     }
 
     #[inline]
-    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Flow {
+    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Proceed {
         let entry = &mut self.fluents[fluent];
         let is_new = entry.value != truth;
         entry.value = truth;
         if is_new && truth.is_true() && entry.waiters.first != NONE {
             self.wake_waiters(fluent, Wake::Value(Value::True));
-            return Flow::Switch;
+            return Proceed::Switch;
         }
-        Flow::On
+        Proceed::On
     }
 
     #[inline(never)]
@@ -499,18 +499,18 @@ impl Machine {
         place: &mut Cursor,
         fluent: Value,
         value: Value,
-    ) -> Result<Flow, Raise> {
+    ) -> Result<Proceed, Raise> {
         self.refuse_in_network("a fluent cannot be assigned")?;
         self.assign_fluent(around, fluent, value)?;
         place.spend(std::mem::take(&mut self.scratch.burned) as usize);
         self.collect_if_full()?;
-        Ok(Flow::Switch)
+        Ok(Proceed::Switch)
     }
 
-    fn open_scope(&mut self, kind: ScopeKind) -> Result<Flow, Raise> {
+    fn open_scope(&mut self, kind: ScopeKind) -> Result<Proceed, Raise> {
         self.push_scope(kind);
         self.collect_if_full()?;
-        Ok(Flow::On)
+        Ok(Proceed::On)
     }
 
     pub(crate) fn push_scope(&mut self, kind: ScopeKind) {

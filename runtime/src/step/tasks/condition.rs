@@ -15,13 +15,13 @@ const MAX_DEPTH: usize = 16;
 
 /// A fluent with a name that a condition reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reading {
+pub struct FluentReading {
     /// Its name.
     pub fluent: String,
     /// Its value, as it could be read.
     pub value: String,
     /// What it is computed from, where it is named first.
-    pub from: Vec<Reading>,
+    pub from: Vec<FluentReading>,
 }
 
 impl Machine {
@@ -94,7 +94,7 @@ impl Machine {
     }
 
     /// The fluents with names that decide what a task waits for; none if it waits for no fluent.
-    pub fn readings(&self, program: &Program, waiting: Waiting) -> Vec<Reading> {
+    pub fn readings(&self, program: &Program, waiting: Waiting) -> Vec<FluentReading> {
         let fluent = match waiting {
             Waiting::Fluent { fluent, .. } => fluent,
             Waiting::Watch(watch) => self.watches[watch].fluent,
@@ -112,7 +112,7 @@ impl Machine {
 
     /// A fluent with a name, or the named ones that one without is computed from. `seen` are those
     /// that have been told of.
-    fn readings_of(&self, program: &Program, fluent: u32, depth: usize, seen: &mut Vec<u32>) -> Vec<Reading> {
+    fn readings_of(&self, program: &Program, fluent: u32, depth: usize, seen: &mut Vec<u32>) -> Vec<FluentReading> {
         let Some(record) = self.fluents.get(fluent).filter(|_| seen.len() < MAX_READINGS) else { return Vec::new() };
         let is_first = !seen.contains(&fluent);
         let from = match is_first && depth < MAX_DEPTH {
@@ -125,7 +125,7 @@ impl Machine {
         match record.name {
             Some(name) => {
                 let (fluent, value) = (self.symbols.name(name).to_string(), self.write(program, record.value));
-                vec![Reading { fluent, value, from }]
+                vec![FluentReading { fluent, value, from }]
             }
             None => from,
         }

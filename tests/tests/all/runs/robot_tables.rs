@@ -3,7 +3,7 @@
 use rpl_lang::compile::NoFiles;
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::{MAX_NESTING, Reading, ReadingList, TooNested};
-use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, Stop};
+use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
@@ -36,7 +36,7 @@ impl Outside for Talker {
         unreachable!("it has no behaviours")
     }
 
-    fn stop(&mut self, _: u16, _: Stop, _: &mut Outbox) {}
+    fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
     fn period_us(&self) -> Option<u64> {
         Some(50_000)

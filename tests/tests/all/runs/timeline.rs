@@ -5,7 +5,7 @@ use rpl_robot::office::{OfficeRobot, SimulatedHost};
 use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::stepping::Stop;
 use rpl_runtime::run::system::System;
-use rpl_runtime::run::timeline::{Position, Timeline};
+use rpl_runtime::run::timeline::{Timeline, TimelinePosition};
 use rpl_tests::mission::{robot_library, test_room};
 use rpl_tests::session;
 use std::cell::Cell;
@@ -28,7 +28,7 @@ fn recorded(instants: u64, bytes_apart: fn(&NoRobot, &NoRobot) -> usize) -> (Tim
     let mut ends = Vec::new();
     for _ in 0..instants {
         system.settle();
-        timeline.position.step = Position::END;
+        timeline.position.step = TimelinePosition::END;
         ends.push((system.machine.now_us, state(&system)));
         system.next_instant();
         // A fifth of them takes long.
@@ -108,7 +108,7 @@ fn rest() -> Timeline<OfficeRobot> {
     timeline.handed_in(&system);
     loop {
         system.settle();
-        timeline.position.step = Position::END;
+        timeline.position.step = TimelinePosition::END;
         if system.answer().is_some() {
             return timeline;
         }
