@@ -6,6 +6,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::number::{NumberLiteral, begins_like_number, parse_number};
 use crate::source::{BYTE_ORDER_MARK, SourceId, Sources, Span, holds_code};
+use crate::symbol::fold_name;
 use crate::visible::{is_invisible, named, reorders, visible};
 use logos::{FilterResult, Logos};
 
@@ -427,5 +428,5 @@ pub(crate) fn find_name(sources: &Sources, within: Span, name: &str) -> Option<S
         .into_iter()
         .filter(|(token, _)| *token == Token::Symbol)
         .map(|(_, span)| Span { start: within.start + span.start, end: within.start + span.end, ..within })
-        .find(|&span| crate::symbol::fold_name(sources.text_of(span)) == name)
+        .find(|&span| fold_name(sources.text_of(span)) == name)
 }

@@ -1,6 +1,7 @@
 //! Arithmetic and comparison. Integers have 64 bits and never wrap; an integer with a float gives a
 //! float.
 
+use crate::arguments::show;
 use crate::arguments::{NativeResult, count, pure, truth, value};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -181,7 +182,7 @@ fn signum(call: &mut Call<'_, '_>) -> NativeResult {
 fn clamp(call: &mut Call<'_, '_>) -> NativeResult {
     let (wish, low, high) = (number(call, 0)?, number(call, 1)?, number(call, 2)?);
     if compare(low, high) == Some(Ordering::Greater) {
-        let (low, high) = (crate::arguments::show(call, low.value()), crate::arguments::show(call, high.value()));
+        let (low, high) = (show(call, low.value()), show(call, high.value()));
         return Err(arithmetic_error(format!("the range from {low} to {high} is empty")));
     }
     value(match (compare(wish, low), compare(wish, high)) {

@@ -7,6 +7,7 @@ use crate::compile::NativeSignature;
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::{Kind, time_in_string};
+use crate::source::Span;
 use std::collections::BTreeSet;
 
 /// What a form visibly stands for.
@@ -181,14 +182,7 @@ fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
     }
 }
 
-fn wrong_kind(
-    check: &Check<'_>,
-    form: &str,
-    kind: Kind,
-    around: crate::source::Span,
-    ir: &Ir,
-    warnings: &mut Vec<Diagnostic>,
-) {
+fn wrong_kind(check: &Check<'_>, form: &str, kind: Kind, around: Span, ir: &Ir, warnings: &mut Vec<Diagnostic>) {
     let Some(found) = found_in(check, ir).filter(|found| !found.may_be(kind)) else { return };
     let place = check.narrowed(around, ir);
     let shown = match check.quoted(ir) {

@@ -2,7 +2,9 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Token;
+use crate::lexer::lex;
 use crate::source::{LINE_ENDS, Sources, Span, line_end, line_start};
+use crate::symbol::fold_name;
 
 /// What a comment begins with that takes warnings away.
 const ALLOWANCE: &str = "; check: allow ";
@@ -47,7 +49,7 @@ pub(super) fn binding_name(sources: &Sources, span: Span, name: &str) -> Option<
     let inner_start = text.len() - inner.trim_start().len();
     let rest = text.get(inner_start..)?;
     let end = rest.find(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | ';')).unwrap_or(rest.len());
-    if crate::symbol::fold_name(&rest[..end]) != name {
+    if fold_name(&rest[..end]) != name {
         return None;
     }
     let start = span.start + inner_start as u32;
@@ -59,13 +61,13 @@ pub(super) fn keyword(sources: &Sources, call: Span, own: Span, key: &str) -> Sp
     if own != call {
         return own;
     }
-    let (tokens, _) = crate::lexer::lex(sources.text_of(call), call.source);
+    let (tokens, _) = lex(sources.text_of(call), call.source);
     let named = tokens.into_iter().filter(|(token, _)| *token == Token::Keyword).map(|(_, span)| Span {
         start: call.start + span.start,
         end: call.start + span.end,
         ..call
     });
-    let is_key = |span: &Span| crate::symbol::fold_name(&sources.text_of(*span)[1..]) == key;
+    let is_key = |span: &Span| fold_name(&sources.text_of(*span)[1..]) == key;
     named.into_iter().find(is_key).unwrap_or(own)
 }
 

@@ -6,6 +6,7 @@ use super::walk::each_form;
 use crate::compile::ir::{Callee, Ir, IrKind, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
+use crate::source::Span;
 use crate::suggest::suggest;
 use std::collections::BTreeSet;
 
@@ -27,7 +28,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-fn unknown_place(check: &Check<'_>, known: &KnownPlaces, name: &str, span: crate::source::Span) -> Diagnostic {
+fn unknown_place(check: &Check<'_>, known: &KnownPlaces, name: &str, span: Span) -> Diagnostic {
     let message = format!("there is no place `{name}` in the world `{}`", known.world);
     let warning = check.warning("unknown-place", span, message, "unknown place");
     warning.help(match suggest(name, known.names.iter().map(String::as_str)) {

@@ -43,7 +43,7 @@ pub struct Code {
     pub parameters: Parameters,
     /// The frame's size, parameters and captured values included.
     pub registers: u8,
-    /// A call with so many arguments needs nothing checked or arranged; [`ARRANGES`] if none does.
+    /// A call with so many arguments needs nothing checked or arranged; [`ARRANGES`](super::ARRANGES) if none does.
     pub exact_count: u16,
     /// Registers of the frame that makes the closure, in the order of the captured values.
     pub captures: Vec<Reg>,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// A constant that has no parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Atom {
-    /// An integer that does not fit [`Op::Int`].
+    /// An integer that does not fit [`Op::Int`](super::Op::Int).
     Int(i64),
     /// A float.
     Float(f64),

@@ -6,7 +6,7 @@ use crate::stack::deep;
 use crate::symbol::Symbol;
 use std::sync::Arc;
 
-/// Number of a lexical variable in [`Variables`].
+/// Number of a lexical variable among the compiler's `variables`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct VarId(pub(crate) u32);
 

@@ -18,6 +18,7 @@ pub(crate) mod resolved;
 mod top_level;
 mod unresolved;
 
+use crate::reader::read;
 use crate::source::{SourceId, Span};
 use crate::syntax::{NodeId, Tree};
 pub use compilation::{Compilation, Loader, MacroHost, NativeSignature, NoFiles, Purpose};
@@ -30,7 +31,7 @@ pub use resolved::{Compiled, Resolved, Test, TestOptions};
 pub fn compile_text(surroundings: Compilation<'_>, source: SourceId, purpose: Purpose) -> Compiled {
     let mut tree = Tree::default();
     let text = surroundings.program.sources.get(source).text.clone();
-    let (forms, diagnostics) = crate::reader::read(&text, source, surroundings.symbols, &mut tree);
+    let (forms, diagnostics) = read(&text, source, surroundings.symbols, &mut tree);
     let mut compiler = Compiler::new(surroundings, forms::special_names(), tree, purpose);
     compiler.diagnostics = diagnostics;
     compiler.run(&forms, Span { source, start: 0, end: text.len() as u32 })

@@ -6,7 +6,11 @@ use super::foreign;
 use super::forms::{GOAL_PREFIX, special_names};
 use crate::code::GlobalKind;
 use crate::diagnostic::Diagnostic;
+use crate::lexer::find_name;
+use crate::number::begins_like_number;
+use crate::number::unit_names;
 use crate::source::Span;
+use crate::suggest::suggest;
 use crate::symbol::Symbol;
 use crate::syntax::{self, NodeId};
 
@@ -16,7 +20,7 @@ impl Compiler<'_> {
             let name = self.program.globals[global as usize].name;
             self.program.names.remove(&name);
             let text = self.symbols.name(name).to_string();
-            let span = crate::lexer::find_name(&self.program.sources, span, &text).unwrap_or(span);
+            let span = find_name(&self.program.sources, span, &text).unwrap_or(span);
             if self.program.macros.contains_key(&name) {
                 self.error(
                     "macro-before-definition",
@@ -81,9 +85,9 @@ impl Compiler<'_> {
 
     pub(super) fn unknown_class(&mut self, name: Symbol, span: Span, is_variable: bool) {
         let text = self.symbols.name(name).to_string();
-        let span = crate::lexer::find_name(&self.program.sources, span, &text).unwrap_or(span);
+        let span = find_name(&self.program.sources, span, &text).unwrap_or(span);
         let known = self.program.failure_classes.keys().map(|&class| self.symbols.name(class));
-        let near = crate::suggest::suggest(&text, known).map(str::to_string);
+        let near = suggest(&text, known).map(str::to_string);
         let help = match near {
             _ if is_variable => format!(
                 "`{text}` is a variable here, and `fail` takes the bare name of a class; to pass a failure on, write `(refail)`"
@@ -97,12 +101,12 @@ impl Compiler<'_> {
 
     /// Advice on a unit that stands apart from its number.
     fn unit_apart(&self, span: Span, text: &str) -> Option<String> {
-        if !crate::number::unit_names().any(|unit| unit == text) {
+        if !unit_names().any(|unit| unit == text) {
             return None;
         }
         let before = self.program.sources.get(span.source).text.get(..span.start as usize)?.trim_end();
         let number = before.rsplit(|c: char| c.is_whitespace() || c == '(').next()?;
-        let is_number = crate::number::begins_like_number(number) && number.ends_with(|c: char| c.is_ascii_digit());
+        let is_number = begins_like_number(number) && number.ends_with(|c: char| c.is_ascii_digit());
         is_number.then(|| one_word(number, text))
     }
 
@@ -140,8 +144,7 @@ impl Compiler<'_> {
         let locals = locals.iter().map(|&name| self.symbols.name(name));
         let forms = specials.chain(macros).filter(|_| !has_value);
         let known = locals.chain(globals).chain(natives).chain(forms);
-        crate::suggest::suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text))
-            .map(str::to_string)
+        suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text)).map(str::to_string)
     }
 
     pub(super) fn check_calls(&mut self) {

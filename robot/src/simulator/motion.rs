@@ -2,7 +2,7 @@
 
 use super::arc::drive_arc;
 use super::model::SimulatorModel;
-use super::percept::Commands;
+use super::sensors::Commands;
 use super::state::SimulatorState;
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose};

@@ -3,6 +3,7 @@
 use super::gripper::Gripper;
 use super::model::SimulatorModel;
 use super::odometry::OdometryBias;
+use super::sensors::SensorStreams;
 use super::state::{Contacts, SimulatorState, Streams};
 use crate::geometry::Pose;
 use rpl_random::Stream;
@@ -34,8 +35,7 @@ impl SimulatorModel {
             contacts: Contacts::default(),
             distance_driven_m: 0.0,
             streams: Streams {
-                sonar: Stream::new(seed, "sonar"),
-                laser: Stream::new(seed, "laser"),
+                sensors: SensorStreams::new(seed),
                 odometry,
                 gripper: Stream::new(seed, "gripper"),
                 people,

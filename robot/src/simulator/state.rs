@@ -2,6 +2,7 @@
 
 use super::gripper::Gripper;
 use super::odometry::OdometryBias;
+use super::sensors::SensorStreams;
 use super::walker::Walker;
 use crate::geometry::Pose;
 use crate::world::{Object, SolidOrigin};
@@ -11,10 +12,8 @@ use serde::{Deserialize, Serialize};
 /// One random stream per consumer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Streams {
-    /// Noise, cross-talk and drop-outs of the sonars.
-    pub sonar: Stream,
-    /// Noise of the laser.
-    pub laser: Stream,
+    /// Noise of the sensors.
+    pub sensors: SensorStreams,
     /// Drift of the odometry.
     pub odometry: Stream,
     /// Success of the gripper.

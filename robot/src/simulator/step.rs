@@ -1,7 +1,7 @@
 //! One step of the simulation.
 
 use super::model::SimulatorModel;
-use super::percept::{Commands, Percept};
+use super::sensors::{Commands, Percept};
 use super::state::SimulatorState;
 
 impl SimulatorModel {
@@ -23,17 +23,6 @@ impl SimulatorModel {
         self.use_battery(state);
         let (stream, robot_in_map) = (&mut state.streams.gripper, state.robot_in_map);
         state.gripper.step(&self.settings, stream, &commands.gripper, state.time_us, robot_in_map);
-        Percept {
-            time_us: state.time_us,
-            odometry_in_odom: state.odometry_in_odom,
-            translation_mps: state.translation_mps,
-            rotation_radps: state.rotation_radps,
-            sonar_m: self.fire_sonars(state, commands),
-            laser_m: self.scan_laser(state),
-            bumped: state.touching || state.people.iter().any(|person| person.touching),
-            gripper: state.gripper.status(),
-            battery: state.battery,
-            messages: state.unread_messages(),
-        }
+        self.sense(state, commands)
     }
 }

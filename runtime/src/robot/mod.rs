@@ -160,9 +160,10 @@ pub trait Outside: Any {
     ) -> Result<(), Raise>;
 
     /// Stops a behaviour.
-    fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox);
+    fn stop(&mut self, behaviour: u16, why: StopReason, outbox: &mut Outbox);
 
-    /// The name of the stream of random numbers that plans draw from in front of this.
+    /// The name of the stream that `random` draws from in a run with this outside. A scenario has one of
+    /// its own, so that it and its plan draw different numbers.
     fn stream(&self) -> &'static str {
         "plan"
     }

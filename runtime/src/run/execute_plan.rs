@@ -11,6 +11,7 @@ use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::value::Value;
 use crate::step::exec::turn::Ran;
+use rpl_lang::diagnostic::render;
 use rpl_lang::pretty;
 use rpl_lang::source::{SourceId, Span};
 use rpl_lang::syntax::{NodeId, Tree};
@@ -106,7 +107,7 @@ impl<O: Outside> System<O> {
         self.macros.0 = (!compiled.defines()).then_some(macros);
         machine.renew_constants(program, &compiled.constants, objects);
         if has_error(&compiled.diagnostics) {
-            let drawn = rpl_lang::diagnostic::render(&compiled.diagnostics, &program.sources, false);
+            let drawn = render(&compiled.diagnostics, &program.sources, false);
             if !compiled.defines() {
                 program.globals.truncate(globals);
                 give_back(program, machine, &compiled.codes, &compiled.constants, source);

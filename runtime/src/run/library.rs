@@ -7,8 +7,12 @@ use crate::step::native::Native;
 use rpl_lang::check::{BehaviourSignature, KnownPlaces, Subject};
 use rpl_lang::code::{Global, GlobalKind, Program};
 use rpl_lang::compile::{Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose, Resolved, Test};
+use rpl_lang::diagnostic::render;
 use rpl_lang::diagnostic::{Diagnostic, Severity};
+use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
+use rpl_lang::syntax::NodeId;
+use rpl_lang::syntax::Tree;
 use rpl_lang::{check, compile};
 use std::sync::Arc;
 
@@ -39,7 +43,7 @@ pub struct Rejected {
 impl Rejected {
     /// The findings, drawn into their texts.
     pub fn render(&self, colour: bool) -> String {
-        rpl_lang::diagnostic::render(&self.diagnostics, &self.program.sources, colour)
+        render(&self.diagnostics, &self.program.sources, colour)
     }
 }
 
@@ -139,7 +143,7 @@ impl Library {
         &self,
         program: &mut Program,
         symbols: &mut Symbols,
-        source: rpl_lang::source::SourceId,
+        source: SourceId,
         purpose: Purpose,
         loader: &mut dyn Loader,
     ) -> Compiled {
@@ -223,8 +227,8 @@ impl Library {
         program: &mut Program,
         symbols: &mut Symbols,
         macros: &mut MacroMachine,
-        tree: rpl_lang::syntax::Tree,
-        root: rpl_lang::syntax::NodeId,
+        tree: Tree,
+        root: NodeId,
     ) -> Compiled {
         let surroundings = Compilation {
             program,

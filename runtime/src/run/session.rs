@@ -8,6 +8,7 @@ use crate::run::library::{Library, Rejected, has_error};
 use crate::run::system::System;
 use crate::state::task::{Leaving, ScopeKind, State, Waiting};
 use crate::state::value::Value;
+use rpl_lang::code::Program;
 use rpl_lang::code::{Code, CodeKind, GlobalKind};
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_lang::diagnostic::Diagnostic;
@@ -258,7 +259,7 @@ impl<O: Outside> System<O> {
     }
 
     /// Functions and plans whose definition is another one in `program`.
-    fn redefined(&self, program: &rpl_lang::code::Program) -> Vec<Redefined> {
+    fn redefined(&self, program: &Program) -> Vec<Redefined> {
         let pairs = self.program.globals.iter().zip(&program.globals);
         pairs
             .filter(|(old, new)| old.kind != new.kind)

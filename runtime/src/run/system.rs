@@ -2,6 +2,7 @@
 
 use crate::robot::{NoRobot, Outbox, Outside};
 use crate::run::base::Base;
+use crate::run::library::Rejected;
 use crate::run::library::{Library, Loaded};
 use crate::run::macro_host::Macros;
 use crate::run::units::Units;
@@ -11,6 +12,7 @@ use crate::state::value::Value;
 use crate::step::exec::turn::Ran;
 use crate::step::native::Surroundings;
 use rpl_lang::code::Program;
+use rpl_lang::compile::NoFiles;
 use rpl_random::Stream;
 use std::sync::Arc;
 
@@ -79,13 +81,8 @@ impl System<NoRobot> {
     ///
     /// # Errors
     /// The findings in the text.
-    pub fn without_robot(
-        library: &Arc<Library>,
-        name: &str,
-        text: &str,
-        seed: u64,
-    ) -> Result<Self, crate::run::library::Rejected> {
-        let loaded = library.load(name, text, &mut rpl_lang::compile::NoFiles)?;
+    pub fn without_robot(library: &Arc<Library>, name: &str, text: &str, seed: u64) -> Result<Self, Rejected> {
+        let loaded = library.load(name, text, &mut NoFiles)?;
         Ok(Self::new(library.clone(), loaded, NoRobot, seed))
     }
 }

@@ -5,18 +5,17 @@
 use crate::state::fluent::Origin;
 use crate::state::line::Line;
 use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::slab::Marks;
 use crate::state::slab::NONE;
 use crate::state::task::{Children, Decision, Leaving, Raises, Scope, ScopeKind, Task, Then, Waiting};
 use crate::state::value::{TaskRef, Value};
 use crate::state::valve::{HoldPurpose, LinkKind};
+use crate::step::exec::WINDOW;
 use rpl_lang::code::{Op, Program};
 use rpl_lang::symbol::Symbol;
 
 /// Counters that only grow stay far from their end.
 const MAX_COUNT: u32 = u32::MAX / 2;
-
-/// How far above its caller's a frame can begin.
-const WINDOW: u32 = 256;
 
 fn ensure(holds: bool, what: &str) -> Result<(), String> {
     if holds { Ok(()) } else { Err(what.to_string()) }
@@ -240,7 +239,7 @@ impl Machine {
                 bounds.code(frame.code)?;
                 let code = &bounds.program.codes[frame.code as usize];
                 ensure((frame.pc as usize) < code.ops.len(), "a frame goes on beyond its code")?;
-                ensure(frame.base >= base && frame.base - base <= WINDOW, "a frame lies beyond its caller's")?;
+                ensure(frame.base >= base && frame.base - base <= WINDOW as u32, "a frame lies beyond its caller's")?;
                 base = frame.base;
             }
         }
@@ -335,7 +334,7 @@ impl Machine {
 
     /// No line is a circle, no task stands in two.
     fn validate_lines(&self) -> Result<(), String> {
-        let mut seen = crate::state::slab::Marks::new(self.tasks.slots());
+        let mut seen = Marks::new(self.tasks.slots());
         let fluents = self.fluents.iter().map(|(_, fluent)| fluent.waiters);
         let rare = self.tasks.iter().filter_map(|(_, task)| task.rare.as_ref());
         for line in fluents.chain(self.priorities.lines()) {
@@ -345,7 +344,7 @@ impl Machine {
             let count = self.validate_line(rare.mourners, &mut seen)? + self.validate_line(rare.resters, &mut seen)?;
             ensure(count == rare.in_lines, "a task counts others in line that are not")?;
         }
-        let mut children = crate::state::slab::Marks::new(self.tasks.slots());
+        let mut children = Marks::new(self.tasks.slots());
         for (index, task) in self.tasks.iter() {
             let mut at = task.first_child;
             while at != NONE {
@@ -366,7 +365,7 @@ impl Machine {
     }
 
     /// Gives how many stand in a line.
-    fn validate_line(&self, line: Line, seen: &mut crate::state::slab::Marks) -> Result<u32, String> {
+    fn validate_line(&self, line: Line, seen: &mut Marks) -> Result<u32, String> {
         self.validate_link(line.first)?;
         self.validate_link(line.last)?;
         let (mut at, mut before, mut count) = (line.first, NONE, 0);
@@ -413,7 +412,7 @@ pub(crate) fn validate_program(program: &Program, from: usize) -> Result<(), Str
         }
     }
     let is_free = |free: &[u32], first: usize, end: usize| {
-        let mut seen = crate::state::slab::Marks::new(end);
+        let mut seen = Marks::new(end);
         free.iter().all(|&place| (first..end).contains(&(place as usize)) && seen.set(place))
     };
     ensure(is_free(&program.free_codes, from, program.codes.len()), "a free place is not in the program")?;

@@ -9,7 +9,7 @@ pub struct Limits {
     pub steps: u32,
     /// Frames of one task.
     pub frames: u32,
-    /// Bytes of everything it makes: [`crate::memory`].
+    /// Bytes of everything it makes, as [`crate::step::memory::room`] counts them.
     pub bytes: usize,
 }
 

@@ -3,6 +3,7 @@
 use crate::state::block::{block, entry};
 use crate::state::failure::Failure;
 use crate::state::fluent::{Fluent, Origin, Watch};
+use crate::state::task::Then;
 use crate::state::task::{Children, Frame, PlanCall, Rare, Scope, ScopeKind, Task};
 use crate::state::timers::Timer;
 use crate::state::value::Value;
@@ -21,11 +22,7 @@ pub(crate) fn fluent(captured: usize) -> usize {
 }
 
 /// Bytes of an edge from a fluent to a network that reads it, or to a watch.
-pub(crate) const EDGE: usize = block_of_edge();
-
-const fn block_of_edge() -> usize {
-    2 * size_of::<(u64, u32)>() + size_of::<u32>()
-}
+pub(crate) const EDGE: usize = 2 * size_of::<(u64, u32)>() + size_of::<u32>();
 
 /// Bytes of a watch.
 pub(crate) const WATCH: usize = size_of::<Option<Watch>>() + EDGE;
@@ -66,7 +63,7 @@ pub(crate) fn scope(kind: &ScopeKind) -> usize {
                 + block(std::mem::size_of_val(children.order.as_slice()))
                 + block(std::mem::size_of_val(children.held.as_slice()))
         }
-        ScopeKind::InCleanup(_) => block(size_of::<crate::state::task::Then>()),
+        ScopeKind::InCleanup(_) => block(size_of::<Then>()),
         ScopeKind::Block { .. }
         | ScopeKind::Handler { .. }
         | ScopeKind::Cleanup { .. }

@@ -97,8 +97,8 @@ enum Neighbour {
 }
 
 impl Priorities {
-    /// The priority `list` with a number appended. `depth` keeps positions apart although zeros
-    /// are not kept.
+    /// A priority with a number appended at a depth, which keeps positions apart although zeros are not
+    /// kept.
     pub fn appended(&mut self, priority: u32, depth: usize, number: i64) -> u32 {
         if number == 0 {
             return priority;

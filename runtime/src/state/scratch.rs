@@ -69,7 +69,7 @@ pub struct Scratch {
     /// Bytes of the output that was added since there was none.
     pub(crate) output_bytes: usize,
     /// Where the running task goes on when the datum it asked for is compiled.
-    pub(crate) asked: Option<(crate::state::scratch::Cursor, rpl_lang::code::Reg)>,
+    pub(crate) asked: Option<(Cursor, Reg)>,
     /// Turns of the runtime's own loops: how they grow with a plan is told by it, and not by time.
     pub(crate) work: u64,
     /// Evaluations of networks and macros that are under way, one inside the other.

@@ -4,7 +4,6 @@ use crate::state::line::Line;
 use crate::state::registers::{RegisterStore, Registers};
 use crate::state::slab::{NONE, Slab};
 use crate::state::task::Task;
-
 use crate::state::value::{TaskRef, Value};
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! What changes the records of [`crate::state`]: one step of a run.
 //!
-//! All of it is functions of the machine. [`exec`] runs the code of one task; an instruction about
+//! All of it is functions of the machine. `exec` runs the code of one task; an instruction about
 //! plans hands over to the folder of what it is about. Nothing here knows of a whole run or of a
 //! library.
 

@@ -175,6 +175,9 @@ impl Call<'_, '_> {
 /// A plain function in Rust that is called by plans.
 pub type NativeFunction = fn(&mut Call<'_, '_>) -> Result<Reply, Raise>;
 
+/// The same as a closure that captures.
+pub type NativeClosure = dyn Fn(&mut Call<'_, '_>) -> Result<Reply, Raise> + Send + Sync;
+
 /// The code of a native function.
 #[derive(Clone)]
 pub enum NativeCode {
@@ -183,7 +186,7 @@ pub enum NativeCode {
     /// A closure that holds something of the program around, such as the sender of a channel. That is
     /// no part of the run: all forks call the same one, and no saved run has it. If it answers a plan,
     /// it must give the same answer to the same call, or the run is not the same a second time.
-    Capturing(Arc<dyn Fn(&mut Call<'_, '_>) -> Result<Reply, Raise> + Send + Sync>),
+    Capturing(Arc<NativeClosure>),
 }
 
 impl NativeCode {
@@ -279,10 +282,10 @@ impl Native {
     }
 
     /// What the compiler needs to know.
-    pub fn signature(&self) -> rpl_lang::compile::NativeSignature {
+    pub fn signature(&self) -> NativeSignature {
         let (min, max) = self.arity();
         let (kinds, rest) = self.kinds();
-        rpl_lang::compile::NativeSignature {
+        NativeSignature {
             name: self.name.to_string(),
             min,
             max,

@@ -2,11 +2,9 @@
 
 use crate::state::machine::Machine;
 use crate::state::value::Value;
-use crate::step::print;
 use rpl_lang::code::Program;
 use rpl_lang::number::format_float;
-use rpl_lang::visible::quote_string;
-use rpl_lang::visible::visible;
+use rpl_lang::visible::{quote_string, visible};
 use std::fmt::Write as _;
 
 /// Text longer than this is cut, so that a circular list prints.
@@ -20,7 +18,7 @@ enum ToPrint {
 }
 
 /// A value as `print` shows it: strings without quotes.
-pub fn display(machine: &Machine, program: &Program, value: Value) -> String {
+fn display(machine: &Machine, program: &Program, value: Value) -> String {
     match value {
         Value::Str(text) => machine.heap.strings[text].to_string(),
         Value::Failure(failure) => {
@@ -32,7 +30,7 @@ pub fn display(machine: &Machine, program: &Program, value: Value) -> String {
 }
 
 /// A value as it could be read, where it can be.
-pub fn readable(machine: &Machine, program: &Program, value: Value) -> String {
+fn readable(machine: &Machine, program: &Program, value: Value) -> String {
     let mut text = String::new();
     let mut waiting = vec![ToPrint::Value(value)];
     while let Some(piece) = waiting.pop() {
@@ -105,11 +103,11 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
 impl Machine {
     /// A value as `print` shows it.
     pub fn show(&self, program: &Program, value: Value) -> String {
-        print::display(self, program, value)
+        display(self, program, value)
     }
 
     /// A value as it could be read.
     pub fn write(&self, program: &Program, value: Value) -> String {
-        print::readable(self, program, value)
+        readable(self, program, value)
     }
 }

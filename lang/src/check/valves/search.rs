@@ -4,6 +4,7 @@ use super::conflict::{conflicts_between, is_ordered};
 use super::request::{SeenValve, ValveConflict, ValveNeed, ValveRequest, ValveSummary};
 use crate::check::bindings::Bindings;
 use crate::check::known::{Check, KnownFunction};
+use crate::check::walk::each_form_within;
 use crate::check::walk::{FormPart, parts};
 use crate::code::GlobalKind;
 use crate::compile::ir::{ArgumentIr, Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, VarId};
@@ -416,7 +417,7 @@ fn appended(construct: &ConstructIr, child: usize) -> Option<Vec<i64>> {
 /// Whether a condition looks at a task.
 fn mentions_task(check: &Check<'_>, ir: &Ir) -> bool {
     let mut found = false;
-    crate::check::walk::each_form_within(ir, &mut |form| {
+    each_form_within(ir, &mut |form| {
         let name = check.native_call(form).map(|(name, _)| name);
         found |= matches!(name, Some("status" | "result" | "begin-task" | "end-task"));
     });

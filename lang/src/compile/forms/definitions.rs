@@ -10,6 +10,7 @@ use crate::compile::resolved::{Defined, TopLevel};
 use crate::layout::ItemShape::{Data, Form};
 use crate::layout::Layout;
 use crate::layout::Style::Body;
+use crate::reader::read;
 use crate::source::Span;
 use crate::symbol::Symbol;
 use crate::syntax::{NodeId, NodeKind};
@@ -288,7 +289,7 @@ impl Compiler<'_> {
             }
             Ok((name, text)) => {
                 let source = self.program.sources.add(&name, &text);
-                let (forms, diagnostics) = crate::reader::read(&text, source, self.symbols, &mut self.tree);
+                let (forms, diagnostics) = read(&text, source, self.symbols, &mut self.tree);
                 self.diagnostics.extend(diagnostics);
                 self.loading.push(name);
                 self.predeclare(&forms);

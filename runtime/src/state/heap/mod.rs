@@ -1,4 +1,4 @@
-//! The heap: pairs, strings, cells, closures and hash tables in slabs of their own.
+//! The heap: pairs, strings, cells, closures, hash tables and failures in slabs of their own.
 
 mod equality;
 mod key;

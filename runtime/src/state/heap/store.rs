@@ -3,7 +3,7 @@
 use super::key::{Key, table_entry};
 use crate::state::block::block;
 use crate::state::failure::Failure;
-use crate::state::memory::MIN_THRESHOLD;
+use crate::state::memory::{self, MIN_THRESHOLD};
 use crate::state::slab::{Marks, Slab, give_back, is_free_list};
 use crate::state::value::Value;
 use serde::{Deserialize, Serialize};
@@ -157,7 +157,7 @@ impl Heap {
 
     /// A new failure.
     pub(crate) fn failure(&mut self, failure: Failure) -> Value {
-        self.allocated += FAILURE + crate::state::memory::failure(&failure);
+        self.allocated += FAILURE + memory::failure(&failure);
         Value::Failure(self.failures.insert(failure))
     }
 

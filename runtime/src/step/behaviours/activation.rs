@@ -116,10 +116,10 @@ impl Machine {
         self.stop_behaviour(around, behaviour, StopReason::Deactivated);
     }
 
-    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16, how: StopReason) {
+    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16, why: StopReason) {
         let mut outbox = Outbox::default();
-        around.outside.stop(behaviour, how, &mut outbox);
-        match how {
+        around.outside.stop(behaviour, why, &mut outbox);
+        match why {
             StopReason::Deactivated => {
                 self.trace_behaviour(around, behaviour, "deactivated");
                 let before = std::mem::take(self.activation(behaviour));

@@ -5,7 +5,7 @@ use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::NONE;
-use crate::state::task::{Children, Held, Scope, ScopeKind, State, Task};
+use crate::state::task::{Children, Held, ScopeKind, State, Task};
 use crate::state::value::Value;
 use crate::step::construct::outcome::shortfall;
 use crate::step::native::Surroundings;
@@ -129,7 +129,6 @@ impl Machine {
             return Ok(Some(Value::Nil));
         }
         let scope = self.tasks[parent].scopes.len() as u32;
-        let depth = self.scratch.frames.len() as u32;
         let children = Children {
             quorum,
             name: construct.name,
@@ -148,10 +147,7 @@ impl Machine {
             active: due_us.filter(|_| active).map(ActiveTime::Due),
             expired_us: None,
         };
-        let kind = ScopeKind::Children(Box::new(children));
-        let is_first = self.tasks[parent].scopes.is_empty();
-        self.heap.allocated += memory::scope(&kind) + if is_first { memory::SCOPE_STACK } else { 0 };
-        self.tasks[parent].scopes.push(Scope { kind, depth });
+        self.push_scope(ScopeKind::Children(Box::new(children)));
         let constraints = constraints_of(&construct.order, total);
         let mut held = Vec::new();
         let mut rest = elements.unwrap_or_default();

@@ -8,6 +8,7 @@ use crate::state::slab::NONE;
 use crate::state::task::{Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
+use rpl_lang::kind::Kind;
 
 impl Machine {
     /// Makes a fluent.
@@ -50,7 +51,7 @@ impl Machine {
         value: Value,
     ) -> Result<(), Raise> {
         let Value::Fluent(fluent) = fluent else {
-            return Err(self.wrong_type("what is assigned", rpl_lang::kind::Kind::Fluent.noun(), fluent));
+            return Err(self.wrong_type("what is assigned", Kind::Fluent.noun(), fluent));
         };
         match self.fluents[fluent].origin {
             Origin::Plan => {}

@@ -11,6 +11,7 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::memory::{LINK, MIN_THRESHOLD, TIMER, WAITER};
 use crate::state::output::Output;
 use crate::state::task::Frame;
+use crate::state::trace::Event;
 use crate::state::value::Value;
 use crate::state::valve::Valve;
 
@@ -76,7 +77,7 @@ impl Machine {
     pub(crate) fn measure(&mut self, parts: usize) {
         let output: usize = self.output.iter().map(|line| size_of::<Output>() + block(line.text.len())).sum();
         let of_valve = |valve: &Valve| valve.links.len() * LINK + valve.waiters.len() * WAITER;
-        let events: usize = self.trace.events.iter().map(crate::state::trace::Event::bytes).sum();
+        let events: usize = self.trace.events.iter().map(Event::bytes).sum();
         self.heap.live = parts
             + self.heap.bytes()
             + self.tasks.bytes()

@@ -1,19 +1,14 @@
 //! Native functions on what the runtime itself keeps: fluents, tasks, time, valves, behaviours,
 //! failures, calls and output.
 
-use crate::step::native::Native;
-
 mod behaviours;
-
 mod calls;
-
 mod failures;
-
 mod fluents;
-
 mod tasks;
-
 mod valves;
+
+use crate::step::native::Native;
 
 /// All of them, in a fixed order.
 pub fn natives() -> Vec<Native> {

@@ -2,6 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
+use crate::state::machine::SCRATCH_TASK;
 use crate::state::slab::NONE;
 use crate::state::task::{TaskFluents, Waiting};
 use crate::state::value::Value;
@@ -166,7 +167,7 @@ fn task_at(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         .machine
         .tasks
         .iter()
-        .filter(|(index, task)| *index != crate::state::machine::SCRATCH_TASK && !task.state().is_dead())
+        .filter(|(index, task)| *index != SCRATCH_TASK && !task.state().is_dead())
         .map(|(index, _)| index)
         .find(|&index| call.machine.path(index) == path);
     Ok(Reply::Value(match found {

@@ -8,9 +8,10 @@ use crate::step::time::timers::is_current;
 use rpl_lang::code::Program;
 use std::collections::BTreeMap;
 
-/// How many fluents, and how deep, a condition is told to read.
+/// A condition is told to read at most so many fluents.
 const MAX_READINGS: usize = 64;
 
+/// Fluents computed from fluents are followed so deep.
 const MAX_DEPTH: usize = 16;
 
 /// A fluent with a name that a condition reads.

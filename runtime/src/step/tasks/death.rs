@@ -3,6 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::output::Channel;
+use crate::state::slab::NONE;
 use crate::state::stack::Stack;
 use crate::state::task::{Leaving, Raises, State, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
@@ -36,7 +37,7 @@ impl Machine {
         for &tag in tags {
             if let Some(index) = self.tasks.find_alive(tag)
                 && self.tasks[index].state() == State::Created
-                && self.tasks[index].parent == crate::state::slab::NONE
+                && self.tasks[index].parent == NONE
             {
                 self.die(around, index, State::Evaporated, Value::Nil);
             }
@@ -79,12 +80,12 @@ impl Machine {
         }
         self.hooks_ended(around, task);
         let (parent, scope) = (self.tasks[task].parent, self.tasks[task].parent_scope);
-        if let (true, Some(strikes @ 1..)) = (parent != crate::state::slab::NONE, strikes) {
+        if let (true, Some(strikes @ 1..)) = (parent != NONE, strikes) {
             self.strike(parent, strikes);
         }
-        if parent != crate::state::slab::NONE && !self.tasks[task].named_as_hook() {
+        if parent != NONE && !self.tasks[task].named_as_hook() {
             self.child_ended(around, parent, scope, task);
-        } else if parent != crate::state::slab::NONE {
+        } else if parent != NONE {
             self.disown(task);
             self.unwind(around, parent);
         }

@@ -5,6 +5,7 @@
 
 use crate::state::machine::Machine;
 use crate::state::scratch::Departure;
+use crate::state::slab::NONE;
 use crate::state::task::{Decision, Leaving, Raises, Scope, ScopeKind, State, Then, Waiting};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
@@ -73,7 +74,7 @@ impl Machine {
                 // Only hooks are left.
                 let hooks = self.children(task);
                 self.evaporate_all(around, &hooks);
-                if self.tasks[task].first_child != crate::state::slab::NONE {
+                if self.tasks[task].first_child != NONE {
                     self.tasks[task].waiting = Waiting::Children;
                     if self.tasks[task].state() == State::Running {
                         self.set_state(task, State::Blocked);

@@ -22,7 +22,7 @@ impl Machine {
     /// The instant so many seconds from now; what lies before now is now.
     ///
     /// # Errors
-    /// As for [`Machine::instant_at`].
+    /// A `type-error` if it is no number, an `arithmetic-error` if the clock does not go so far.
     pub fn instant_after(&self, value: Value, what: impl Fn() -> String) -> Result<u64, Raise> {
         let time_us = self.instant_at(value, &what)?;
         let instant_us = self.now_us.checked_add(time_us).filter(|&instant_us| instant_us <= LAST_INSTANT_US);

@@ -3,14 +3,17 @@
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::task::{ScopeKind, State};
+use crate::state::tasks::Tasks;
+use crate::state::timers::Alarm;
+use crate::state::timers::Timer;
 
 /// Whether a timer still has something to do.
-pub(crate) fn is_current(tasks: &crate::state::tasks::Tasks, timer: &crate::state::timers::Timer) -> bool {
+pub(crate) fn is_current(tasks: &Tasks, timer: &Timer) -> bool {
     let Some(task) = tasks.find_alive(timer.task) else { return false };
     let record = &tasks[task];
     match timer.alarm {
-        crate::state::timers::Alarm::Wake(number) => record.state() == State::Blocked && record.wait_number == number,
-        crate::state::timers::Alarm::Deadline => record.scopes.iter().rev().any(|scope| {
+        Alarm::Wake(number) => record.state() == State::Blocked && record.wait_number == number,
+        Alarm::Deadline => record.scopes.iter().rev().any(|scope| {
             matches!(&scope.kind, ScopeKind::Children(children)
                 if children.timer == timer.number && children.decided.is_none())
         }),
@@ -27,7 +30,7 @@ impl Machine {
             self.scratch.wake_at = Some(due_us);
         }
         self.heap.allocated += memory::TIMER;
-        self.timers.set(due_us, reference, crate::state::timers::Alarm::Wake(number));
+        self.timers.set(due_us, reference, Alarm::Wake(number));
     }
 
     pub(crate) fn forget_timer(&mut self) {

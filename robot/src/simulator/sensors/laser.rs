@@ -1,21 +1,22 @@
 //! The laser range finder.
 
-use super::model::SimulatorModel;
-use super::state::SimulatorState;
-use super::surface::SurfaceForm;
-use super::sweep::{cross, disc_along};
+use super::Commands;
 use crate::geometry::{Pose, Vector};
 use crate::sensors::LASER_READINGS;
+use crate::simulator::model::SimulatorModel;
+use crate::simulator::state::SimulatorState;
+use crate::simulator::surface::SurfaceForm;
+use crate::simulator::sweep::{cross, disc_along};
+use rpl_random::Stream;
 
 impl SimulatorModel {
     /// One scan; none if the robot has no laser.
-    pub(super) fn scan_laser(&self, state: &mut SimulatorState) -> Option<Vec<f32>> {
+    pub(super) fn scan_laser(&self, state: &SimulatorState, _: &Commands, stream: &mut Stream) -> Option<Vec<f32>> {
         if !self.settings.laser {
             return None;
         }
         let settings = &self.settings;
         let ranges_m = self.laser_ranges(state, state.robot_in_map);
-        let stream = &mut state.streams.laser;
         let readings = ranges_m.into_iter().map(|range_m| {
             if stream.chance(settings.laser_dropout_probability) || range_m >= settings.laser_max_range_m {
                 return settings.laser_max_range_m as f32;

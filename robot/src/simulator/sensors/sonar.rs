@@ -1,14 +1,20 @@
 //! From the nearest surfaces to what the sonars report.
 
-use super::model::SimulatorModel;
-use super::percept::Commands;
-use super::state::SimulatorState;
-use super::sweep::Echo;
+use super::Commands;
 use crate::sensors::SONARS;
+use crate::simulator::model::SimulatorModel;
+use crate::simulator::state::SimulatorState;
+use crate::simulator::sweep::Echo;
+use rpl_random::Stream;
 
 impl SimulatorModel {
     /// One firing of the ring; none if it is off or has failed.
-    pub(super) fn fire_sonars(&self, state: &mut SimulatorState, commands: &Commands) -> Option<[f32; SONARS]> {
+    pub(super) fn fire_sonars(
+        &self,
+        state: &SimulatorState,
+        commands: &Commands,
+        stream: &mut Stream,
+    ) -> Option<[f32; SONARS]> {
         if !commands.sonars_on || state.time_us < state.sonars_fail_until_us {
             return None;
         }
@@ -18,15 +24,14 @@ impl SimulatorModel {
         let mut readings = [0.0; SONARS];
         for (sonar, (reading, echo)) in readings.iter_mut().zip(&echoes).enumerate() {
             let draws = Draws::new(pose_hash, sonar);
-            *reading = self.sonar_reading(state, echo, incidence_limit_cos, draws) as f32;
+            *reading = self.sonar_reading(stream, echo, incidence_limit_cos, draws) as f32;
         }
         Some(readings)
     }
 
-    fn sonar_reading(&self, state: &mut SimulatorState, echo: &Echo, incidence_limit_cos: f64, mut miss: Draws) -> f64 {
+    fn sonar_reading(&self, stream: &mut Stream, echo: &Echo, incidence_limit_cos: f64, mut miss: Draws) -> f64 {
         let settings = &self.settings;
         let (nearest_m, farthest_m) = (settings.robot_radius_m, settings.sonar_max_range_m);
-        let stream = &mut state.streams.sonar;
         let event = stream.uniform();
         if event < settings.dropout_probability {
             return farthest_m;

@@ -1,0 +1,96 @@
+//! What goes into a step and what comes out of it: the one list of the sensors, and what follows from it,
+//! the percept and the stream of each.
+
+mod laser;
+mod sonar;
+
+use super::gripper::{GripperCommand, GripperStatus};
+use super::model::SimulatorModel;
+use super::state::SimulatorState;
+use crate::geometry::Pose;
+use crate::sensors::SONARS;
+use rpl_random::Stream;
+use serde::{Deserialize, Serialize};
+
+/// What the robot is asked to do during one step; the default is to stop.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Commands {
+    /// Wanted speed ahead, negative backwards.
+    pub translation_mps: f64,
+    /// Wanted turning speed, counter-clockwise.
+    pub rotation_radps: f64,
+    /// Whether the sonars fire.
+    pub sonars_on: bool,
+    /// What the gripper is to begin.
+    pub gripper: GripperCommand,
+}
+
+/// Makes of a list of sensors the percept, their streams, and the look that all of them take.
+macro_rules! compose {
+    ($($(#[$doc:meta])* $field:ident: $reading:ty = $stream:ident, $sense:path;)+) => {
+        /// What the robot perceives at the end of one step.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub struct Percept {
+            /// Time since the start.
+            pub time_us: u64,
+            /// Where dead reckoning says the robot is; the start is the origin.
+            pub odometry_in_odom: Pose,
+            /// Speed ahead, from the wheels.
+            pub translation_mps: f64,
+            /// Turning speed, from the wheels.
+            pub rotation_radps: f64,
+            $($(#[$doc])* pub $field: $reading,)+
+            /// Whether something presses against the body.
+            pub bumped: bool,
+            /// State of the gripper.
+            pub gripper: GripperStatus,
+            /// Charge of the battery, from 0 to 1.
+            pub battery: f64,
+            /// What people have sent since the last step, word by word.
+            pub messages: Vec<Vec<String>>,
+        }
+
+        /// The random stream of each sensor.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub struct SensorStreams {
+            $($stream: Stream,)+
+        }
+
+        impl SensorStreams {
+            pub(super) fn new(seed: u64) -> Self {
+                Self { $($stream: Stream::new(seed, stringify!($stream)),)+ }
+            }
+        }
+
+        impl SimulatorModel {
+            /// What all sensors find.
+            pub(super) fn sense(&self, state: &mut SimulatorState, commands: &Commands) -> Percept {
+                let mut streams = state.streams.sensors.clone();
+                let percept = Percept {
+                    time_us: state.time_us,
+                    odometry_in_odom: state.odometry_in_odom,
+                    translation_mps: state.translation_mps,
+                    rotation_radps: state.rotation_radps,
+                    $($field: $sense(self, state, commands, &mut streams.$stream),)+
+                    bumped: state.touching || state.people.iter().any(|person| person.touching),
+                    gripper: state.gripper.status(),
+                    battery: state.battery,
+                    messages: state.unread_messages(),
+                };
+                state.streams.sensors = streams;
+                percept
+            }
+        }
+    };
+}
+
+compose! {
+    /// Distance from the *middle of the robot* to the nearest surface in each sonar's cone (the
+    /// radius of the ring is already added); the maximum range where there was no echo. None if the
+    /// sonars are off or failed.
+    sonar_m: Option<[f32; SONARS]> = sonar, SimulatorModel::fire_sonars;
+    /// Distance from the middle of the robot, [`LASER_READINGS`](crate::sensors::LASER_READINGS) of them; the
+    /// maximum range where
+    /// nothing came back. None if there is no laser.
+    laser_m: Option<Vec<f32>> = laser, SimulatorModel::scan_laser;
+}
