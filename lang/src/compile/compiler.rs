@@ -1,7 +1,7 @@
 //! The compiler's state, and what all of its parts do with it.
 
 use super::compilation::{Compilation, Loader, MacroHost, NativeSignature, Purpose};
-use super::ir::{BlockId, Function, Ir, IrKind, VarId, Variable};
+use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
@@ -264,6 +264,14 @@ impl<'a> Compiler<'a> {
     /// Whether a name can be bound or assigned: constants and keywords cannot.
     pub(super) fn is_bindable(&self, name: Symbol) -> bool {
         !matches!(self.symbols.name(name), "nil" | "t") && !self.symbols.name(name).starts_with('&')
+    }
+
+    /// A call of a native function by its name.
+    pub(super) fn native_ir(&mut self, name: &str, arguments: Vec<Ir>, span: Span) -> Ir {
+        match self.natives.iter().position(|native| native.name == name) {
+            Some(number) => Ir { span, kind: IrKind::Call(Callee::Native(number as u16), arguments) },
+            None => self.malformed(span, "a form the library supports"),
+        }
     }
 }
 

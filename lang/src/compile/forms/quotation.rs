@@ -3,7 +3,7 @@
 use super::special_form::{Role, SpecialForm, Written};
 use crate::code::{Atom, Constant};
 use crate::compile::compiler::Compiler;
-use crate::compile::ir::{Callee, Ir, IrKind};
+use crate::compile::ir::{Ir, IrKind};
 use crate::source::Span;
 use crate::syntax::{NodeId, NodeKind};
 
@@ -48,13 +48,6 @@ impl Compiler<'_> {
             other => IrKind::Const(self.constant(other)),
         };
         Ir { span, kind }
-    }
-
-    fn native_ir(&mut self, name: &str, arguments: Vec<Ir>, span: Span) -> Ir {
-        match self.natives.iter().position(|native| native.name == name) {
-            Some(number) => Ir { span, kind: IrKind::Call(Callee::Native(number as u16), arguments) },
-            None => self.malformed(span, "a form the library supports"),
-        }
     }
 
     /// `` `(a ,b ,@c) `` as calls of `cons` and `append`; nested templates keep their inner marks.
