@@ -68,7 +68,7 @@ pub fn drive(
         began: Instant::now(),
         track_due_us: 0,
         pose_due_us: 0,
-        course: RunState::Runs,
+        state: RunState::Runs,
     };
     let ending = driver.run();
     driver.console.end_status();
@@ -83,7 +83,7 @@ struct RunDriver<'a> {
     began: Instant,
     track_due_us: u64,
     pose_due_us: u64,
-    course: RunState,
+    state: RunState,
 }
 
 impl RunDriver<'_> {
@@ -100,12 +100,12 @@ impl RunDriver<'_> {
         loop {
             self.settle().inspect_err(|_| self.stop_quietly())?;
             if let Some(outcome) = self.system.outcome() {
-                return Ok(match self.course {
+                return Ok(match self.state {
                     RunState::Runs => RunEnd::Outcome(outcome),
                     RunState::CleansUp(_) => RunEnd::Interrupted,
                 });
             }
-            match self.course {
+            match self.state {
                 RunState::Runs if interrupt::is_asked() => {
                     self.stop();
                     continue;
@@ -115,7 +115,7 @@ impl RunDriver<'_> {
             }
             if let Some(next_us) = self.system.next_instant_us() {
                 let is_late = self.pace.until_us.is_some_and(|until_us| next_us > until_us);
-                if is_late && self.course == RunState::Runs {
+                if is_late && self.state == RunState::Runs {
                     return Ok(RunEnd::TimeUp);
                 }
                 if !self.wait_for_clock(next_us) {
@@ -142,14 +142,14 @@ impl RunDriver<'_> {
     }
 
     fn stop(&mut self) {
-        self.course = RunState::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
+        self.state = RunState::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
         self.system.stop();
     }
 
     fn next_instant(&mut self) {
         let before_us = self.system.machine.now_us;
         self.system.next_instant();
-        if let RunState::CleansUp(until) = &mut self.course
+        if let RunState::CleansUp(until) = &mut self.state
             && self.system.machine.now_us > before_us
         {
             *until = Instant::now() + CLEAN_UP_PATIENCE;
@@ -159,7 +159,7 @@ impl RunDriver<'_> {
 
     /// Whether the instant is to be left before its end.
     fn is_cut_short(&self) -> bool {
-        match self.course {
+        match self.state {
             RunState::Runs => interrupt::is_asked(),
             RunState::CleansUp(until) => Instant::now() >= until,
         }
@@ -241,7 +241,7 @@ impl RunDriver<'_> {
         let Some(factor) = self.pace.factor else { return true };
         let due = Duration::from_secs_f64(next_us as f64 / 1e6 / factor);
         while let Some(left) = due.checked_sub(self.began.elapsed()).filter(|left| !left.is_zero()) {
-            match self.course {
+            match self.state {
                 RunState::Runs if interrupt::is_asked() => return false,
                 RunState::Runs => {}
                 RunState::CleansUp(_) => interrupt::beat(),

@@ -39,7 +39,7 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
     let experiment = EXPERIMENTS.iter().find(|known| known.name == request.name);
     let Some(experiment) = experiment else { return own_plan(request, console) };
     let chosen = || rows(experiment, request);
-    match experiment.report {
+    match experiment.subject {
         ExperimentSubject::Barn => barn::run(request, console),
         ExperimentSubject::Worlds => worlds::run(request, console),
         ExperimentSubject::Doors => doors::run(request, console),
@@ -91,7 +91,7 @@ fn rows(experiment: &Experiment, request: &ExperimentRequest) -> Result<Vec<&'st
 
 /// What can be asked for with `--row`.
 fn row_names(experiment: &Experiment) -> Vec<&'static str> {
-    match experiment.report {
+    match experiment.subject {
         ExperimentSubject::Barn => barn::row_names(),
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),

@@ -30,8 +30,7 @@ mod vocabulary;
 mod writing;
 
 use crate::files::inputs;
-use crate::files::plans;
-use crate::files::plans::PlanText;
+use crate::files::plans::{self, PlanText};
 use crate::interrupt;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -265,10 +264,10 @@ impl Prompt<'_> {
             }
             Verb::Step if !rest.is_empty() => self.forms(rest, &Until::Step)?,
             Verb::Step => self.go_on(&Until::Step)?,
-            Verb::Into => self.go_on(&Until::Into)?,
-            Verb::Time => self.time(rest)?,
             Verb::Next => self.go_on(&Until::Next)?,
+            Verb::Into => self.go_on(&Until::Into)?,
             Verb::Out => self.go_on(&Until::Out)?,
+            Verb::Time => self.time(rest)?,
             Verb::Continue => self.go_on(&Until::End)?,
             Verb::Until => self.until(rest)?,
             Verb::Go => self.go(rest)?,
@@ -280,11 +279,16 @@ impl Prompt<'_> {
             Verb::Abort => self.abort()?,
             Verb::Back => self.back(rest)?,
             Verb::At => self.at(rest)?,
-            Verb::Fork | Verb::Forks | Verb::Switch => self.forks(verb, rest)?,
-            Verb::Why | Verb::Task | Verb::Tasks | Verb::Fluents | Verb::Valves | Verb::Map | Verb::Trace => {
-                let lines = self.look(verb, rest);
-                self.explain(&lines)?;
-            }
+            Verb::Fork => self.fork(rest)?,
+            Verb::Forks => self.explain(&self.forks())?,
+            Verb::Switch => self.switch(rest)?,
+            Verb::Why => self.explain(&self.why(rest))?,
+            Verb::Tasks => self.explain(&self.tasks())?,
+            Verb::Task => self.explain(&self.task(rest))?,
+            Verb::Fluents => self.explain(&self.fluents(rest))?,
+            Verb::Valves => self.explain(&self.valves())?,
+            Verb::Map => self.explain(&self.drawn_map())?,
+            Verb::Trace => self.explain(&self.last_events(rest))?,
             Verb::Doc => self.document(rest)?,
             Verb::Source => self.source(rest)?,
             Verb::Edit => self.edit(rest)?,

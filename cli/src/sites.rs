@@ -4,10 +4,12 @@
 use crate::files::plans::PlanText;
 use crate::terminal::console;
 use anyhow::{Result, bail};
+use rpl_lang::compile::Loader;
 use rpl_mission::cost::{LargeWorld, TooLarge};
 use rpl_mission::site::{Setup, Site};
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
+use rpl_runtime::run::library::Loaded;
 
 /// A site, and what happens there if there is a scenario.
 ///
@@ -33,6 +35,25 @@ pub fn build(setup: Setup, scenario: Option<PlanText>) -> Result<Site> {
 pub fn with_scenario(site: &Site, scenario: PlanText) -> Result<Site> {
     let PlanText { name, text, mut folder } = scenario;
     Ok(site.with_scenario(&name, &text, &mut folder)?)
+}
+
+/// A plan compiled for a site.
+///
+/// # Errors
+/// Its text is wrong: the error shows where, in colour if that is asked for.
+pub fn load(site: &Site, plan: &PlanText, colour: bool) -> Result<Loaded> {
+    load_text(site, &plan.name, &plan.text, &mut plan.folder.clone(), colour)
+}
+
+/// The same for a text, and what gives it the files that it loads.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_text(site: &Site, name: &str, text: &str, loader: &mut dyn Loader, colour: bool) -> Result<Loaded> {
+    match site.library.load(name, text, loader) {
+        Ok(loaded) => Ok(loaded),
+        Err(rejected) => bail!("{}", rejected.render(colour).trim_end()),
+    }
 }
 
 /// Says what a large world costs before anything is built from it.

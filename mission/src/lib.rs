@@ -32,7 +32,7 @@
 //! run prints and traces is handed out. Whatever is wrong is a value ([`error::SiteError`]) that says
 //! what was found, where, and what would be right.
 //!
-//! Read in this order: `site`, `libraries`, `scenario`, `robot` and `sight`, `run`, `cost`.
+//! Read in this order: `site`, `libraries`, `scenario`, `robot` and `sight`, `run`, `cost`, `error`.
 
 pub mod cost;
 pub mod error;

@@ -1,8 +1,8 @@
 //! The robot, from the ground up: `geometry` and `sensors`; `occupancy` (maps as grids, distances and
 //! rays); `world` (what stands where); `localization` (where the robot is) and `recording` (the same on
-//! recorded drives); `active` (how it finds out); `planning` (ways and plans); `avoidance` (keeping off);
-//! `obstacles` (what its sensors have found); `navigation` (driving by all of these); `simulator` (the
-//! robot and its world, step by step). `office` binds them to the runtime.
+//! recorded drives); `active` (how it finds out); `planning` (ways and plans); `simulator` (the robot
+//! and its world, step by step); `avoidance` (keeping off); `obstacles` (what its sensors have found);
+//! `navigation` (driving by all of these). `office` binds them to the runtime.
 //!
 //! Every algorithm here is a pure function of its inputs and of seeded random streams: no clock,
 //! no thread order, no file. Each module separates an immutable *model* (built once from a world,

@@ -8,17 +8,12 @@ pub mod valves;
 
 use rpl_lang::compile::NoFiles;
 use rpl_mission::libraries::library_without_robot;
-use rpl_runtime::robot::NoRobot;
+use rpl_runtime::robot::{NoRobot, Outside};
 use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Outcome, Progress, System};
-use rpl_runtime::state::output::Channel;
-use rpl_runtime::step::native::Native;
+use rpl_runtime::state::output::{Channel, Output};
+use rpl_runtime::state::trace::Event;
 use std::sync::{Arc, OnceLock};
-
-/// The native functions that need no robot.
-pub fn natives() -> Vec<Native> {
-    [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat()
-}
 
 /// The library without a robot, compiled once.
 pub fn library() -> &'static Arc<Library> {
@@ -78,19 +73,32 @@ pub fn check(text: &str, expected: &str) {
 
 /// The output of an ended run, then its value or failure.
 pub fn transcript(system: &mut System<NoRobot>) -> String {
-    let mut lines: Vec<String> = std::mem::take(&mut system.machine.output)
-        .into_iter()
-        .map(|output| match output.channel {
-            Channel::Print => output.text,
-            Channel::Log => format!("log: {}", output.text),
-        })
-        .collect();
-    let program = &system.program;
-    lines.push(match system.outcome() {
-        Some(Outcome::Succeeded(value)) => format!("=> {}", system.machine.write(program, value)),
-        Some(Outcome::Failed(failure)) => format!("failed: {}", system.machine.show(program, failure)),
+    let output = std::mem::take(&mut system.machine.output);
+    let mut lines: Vec<String> = output.into_iter().map(output_text).collect();
+    lines.push(outcome_text(system));
+    lines.join("\n")
+}
+
+/// What was printed or logged, as it is compared.
+pub fn output_text(output: Output) -> String {
+    match output.channel {
+        Channel::Print => output.text,
+        Channel::Log => format!("log: {}", output.text),
+    }
+}
+
+/// The value or failure of a run, in one line.
+pub fn outcome_text<O: Outside>(system: &System<O>) -> String {
+    let (machine, program) = (&system.machine, &system.program);
+    match system.outcome() {
+        Some(Outcome::Succeeded(value)) => format!("=> {}", machine.write(program, value)),
+        Some(Outcome::Failed(failure)) => format!("failed: {}", machine.show(program, failure)),
         Some(Outcome::Evaporated) => "evaporated".to_string(),
         None => "still running".to_string(),
-    });
-    lines.join("\n")
+    }
+}
+
+/// A detail of an event, empty if it has none of the name.
+pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
+    event.details.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value)
 }

@@ -1,5 +1,6 @@
 //! A plan on the office robot: library, world, scenario and seed put together.
 
+use crate::{detail, outcome_text, output_text};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::libraries;
 use rpl_mission::run::{Reached, fluent_value, run_to, silence_continuous_fluents};
@@ -8,8 +9,7 @@ use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
-use rpl_runtime::run::system::{Outcome, System};
-use rpl_runtime::state::output::{Channel, Output};
+use rpl_runtime::run::system::System;
 use rpl_runtime::state::trace::{Event, EventKind};
 use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
@@ -165,23 +165,13 @@ impl Run {
     /// Takes trace and output out of a run.
     pub fn of(mut system: System<OfficeRobot>) -> Self {
         let events = system.machine.trace.take();
-        let text = |output: Output| match output.channel {
-            Channel::Print => output.text,
-            Channel::Log => format!("log: {}", output.text),
-        };
-        let output = std::mem::take(&mut system.machine.output).into_iter().map(text).collect();
+        let output = std::mem::take(&mut system.machine.output).into_iter().map(output_text).collect();
         Self { system, events, output }
     }
 
     /// Its value or failure, in one line.
     pub fn outcome(&self) -> String {
-        let (machine, program) = (&self.system.machine, &self.system.program);
-        match self.system.outcome() {
-            Some(Outcome::Succeeded(value)) => format!("=> {}", machine.write(program, value)),
-            Some(Outcome::Failed(failure)) => format!("failed: {}", machine.show(program, failure)),
-            Some(Outcome::Evaporated) => "evaporated".to_string(),
-            None => "still running".to_string(),
-        }
+        outcome_text(&self.system)
     }
 
     /// The trace, one event a line.
@@ -214,11 +204,6 @@ impl Run {
 /// Events as text, one a line.
 pub fn lines(events: &[Event]) -> String {
     events.iter().map(|event| format!("{event}\n")).collect()
-}
-
-/// A detail of an event, empty if it has none of the name.
-pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
-    event.details.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value)
 }
 
 /// Whether an event is of a kind and has these details.

@@ -20,7 +20,8 @@ pub struct Arguments {
     pub site: SiteArguments,
 }
 
-/// Runs a session, which documents the commands of this command line too. With `stops_at_start` the file is loaded and stands before its first form.
+/// Runs a session, which documents the commands of this command line too. With `stops_at_start` the
+/// file is loaded and stands before its first form.
 ///
 /// # Errors
 /// The command line is wrong, or standard output is closed.

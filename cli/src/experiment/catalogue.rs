@@ -8,8 +8,8 @@ use rpl_robot::office::OfficeSettings;
 pub struct Experiment {
     /// What a user types.
     pub name: &'static str,
-    /// What is shown besides the table.
-    pub report: ExperimentSubject,
+    /// What it is about: what is run, and what is shown besides the table.
+    pub subject: ExperimentSubject,
     /// The first is the experiment itself.
     pub rows: &'static [Row],
 }
@@ -133,7 +133,7 @@ pub const WORLDS: [&str; 12] = [
 pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         name: "rotated",
-        report: ExperimentSubject::Success,
+        subject: ExperimentSubject::Success,
         rows: &[
             ROTATED,
             UNDISTURBED,
@@ -143,7 +143,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "kidnapped",
-        report: ExperimentSubject::Success,
+        subject: ExperimentSubject::Success,
         rows: &[
             KIDNAPPED,
             Row { name: "turned by 20–180°", scenario: Some("experiments/turned.rpl"), ..KIDNAPPED },
@@ -152,7 +152,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "global",
-        report: ExperimentSubject::Success,
+        subject: ExperimentSubject::Success,
         rows: &[
             GLOBAL,
             Row { name: "random wandering", change: |settings| lost(settings, Exploration::Wander), ..GLOBAL },
@@ -160,15 +160,15 @@ pub const EXPERIMENTS: &[Experiment] = &[
             Row { name: "spin and back up", change: |settings| lost(settings, Exploration::SpinAndBackUp), ..GLOBAL },
         ],
     },
-    Experiment { name: "false-alarms", report: ExperimentSubject::Comparison, rows: &[PATROL, FURNISHED] },
+    Experiment { name: "false-alarms", subject: ExperimentSubject::Comparison, rows: &[PATROL, FURNISHED] },
     Experiment {
         name: "calibration",
-        report: ExperimentSubject::Calibration,
+        subject: ExperimentSubject::Calibration,
         rows: &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED],
     },
     Experiment {
         name: "deviations",
-        report: ExperimentSubject::Comparison,
+        subject: ExperimentSubject::Comparison,
         rows: &[
             ROTATED,
             without("– tempering", |settings| settings.localization.tempering = 1.0),
@@ -188,15 +188,15 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         name: "people",
-        report: ExperimentSubject::Success,
+        subject: ExperimentSubject::Success,
         rows: &[PEOPLE, Row { name: "in the department", world: "dept-crowded", ..PEOPLE }],
     },
-    Experiment { name: "office", report: ExperimentSubject::Success, rows: &[OFFICE] },
-    Experiment { name: "worlds", report: ExperimentSubject::Worlds, rows: &[] },
-    Experiment { name: "doors", report: ExperimentSubject::Doors, rows: &[] },
-    Experiment { name: "barn", report: ExperimentSubject::Barn, rows: &[] },
-    Experiment { name: "choices", report: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
-    Experiment { name: "sensing", report: ExperimentSubject::Sensing, rows: &[] },
+    Experiment { name: "office", subject: ExperimentSubject::Success, rows: &[OFFICE] },
+    Experiment { name: "worlds", subject: ExperimentSubject::Worlds, rows: &[] },
+    Experiment { name: "doors", subject: ExperimentSubject::Doors, rows: &[] },
+    Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
+    Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
+    Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {

@@ -10,6 +10,7 @@ use crate::drive::{Pace, drive};
 use crate::files::plans;
 use crate::run_record::Records;
 use crate::show::choice_figures;
+use crate::sites;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use crate::terminal::page::Block;
@@ -48,11 +49,7 @@ pub fn run(request: &ExperimentRequest, rows: &[&'static Row], console: &mut Con
     for row in rows {
         let (site, _) = site_of(request, row)?;
         let Some(office) = site.office().cloned() else { bail!("there is no robot; add `--world dept`") };
-        let plan = plans::plan(row.plan)?;
-        let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
-            Ok(loaded) => loaded,
-            Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
-        };
+        let loaded = sites::load(&site, &plans::plan(row.plan)?, console.colour)?;
         for seed in request.seeds() {
             let mut system = site.start_traced(loaded.clone(), seed);
             let mut records = Records { choices: Some(Vec::new()), ..Records::default() };

@@ -8,8 +8,7 @@ use super::request::ExperimentRequest;
 use super::row_result::RowResult;
 use super::trial::{Goal, MissionTrial, one_trial};
 use super::trials::{raw_rows, run_all};
-use crate::files::plans;
-use crate::files::plans::PlanText;
+use crate::files::plans::{self, PlanText};
 use crate::files::world_files;
 use crate::sites;
 use crate::status::Status;
@@ -120,10 +119,7 @@ fn all_trials(
     goal: Option<Goal<'_>>,
     name: &str,
 ) -> Result<Vec<MissionTrial>> {
-    let loaded = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
-        Ok(loaded) => loaded,
-        Err(rejected) => bail!("{}", rejected.render(console.colour).trim_end()),
-    };
+    let loaded = sites::load(site, plan, console.colour)?;
     let seeds = request.seeds();
     let bar = progress::runs(seeds.len() as u64, name, console);
     let one = |seed: u64| -> Result<MissionTrial> {

@@ -121,7 +121,7 @@ impl RowResult {
     }
 
     /// How many runs count for nothing, and why; none if all count.
-    pub fn unmeasured_seeds(&self) -> Option<String> {
+    fn unmeasured_seeds(&self) -> Option<String> {
         let named: Vec<String> =
             self.not_measured.iter().take(NAMED).map(|run| format!("{} ({})", run.seed, run.fault)).collect();
         let count = self.not_measured.len();

@@ -126,7 +126,7 @@ const Z_95: f64 = 1.959_963_984_540_054;
 
 /// The interval that covers the true rate of success with 95 % (Wilson, "Probable inference, the
 /// law of succession, and statistical inference", 1927). `(0, 1)` without runs.
-pub fn wilson_95(successes: usize, runs: usize) -> (f64, f64) {
+fn wilson_95(successes: usize, runs: usize) -> (f64, f64) {
     if runs == 0 {
         return (0.0, 1.0);
     }
@@ -140,13 +140,13 @@ pub fn wilson_95(successes: usize, runs: usize) -> (f64, f64) {
 
 /// Half the 95 % interval of a mean of so many numbers with this deviation, for more than a few of
 /// them (normal approximation).
-pub fn mean_95(deviation: f64, count: usize) -> f64 {
+fn mean_95(deviation: f64, count: usize) -> f64 {
     if count == 0 { 0.0 } else { Z_95 * deviation / (count as f64).sqrt() }
 }
 
 /// The interval that covers the mean of a Poisson distribution with 95 %, given one count: the means
 /// under which a count as high, or as low, has 2.5 % (Garwood 1936).
-pub fn poisson_95(count: u32) -> (f64, f64) {
+fn poisson_95(count: u32) -> (f64, f64) {
     // P(at most n events | mean), by its sum.
     let at_most = |events: u32, mean: f64| -> f64 {
         let mut term = (-mean).exp();

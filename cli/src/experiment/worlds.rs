@@ -138,10 +138,7 @@ pub(super) fn run_errand(
     goal: Goal<'_>,
     optimum_m: f64,
 ) -> Result<MissionTrial> {
-    let loaded = match ground.site.library.load("errand.rpl", text, &mut NoFiles) {
-        Ok(loaded) => loaded,
-        Err(rejected) => bail!("{}", rejected.render(false).trim_end()),
-    };
+    let loaded = sites::load_text(&ground.site, "errand.rpl", text, &mut NoFiles, false)?;
     let system = ground.site.start_traced_with(Robot::Office(Box::new(robot)), loaded, seed);
     let mut trial = one_trial(system, seed, request.until_us, Some(goal))?;
     let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());

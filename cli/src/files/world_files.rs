@@ -1,7 +1,7 @@
 //! Worlds that the command line names: built-in ones, world files, and recorded maps.
 
-use crate::files::inputs;
-use crate::files::maps::{MAP_FILE, MapFile, ros_map};
+use super::inputs;
+use super::maps::{MAP_FILE, MapFile, ros_map};
 use crate::terminal::console;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::suggest::suggest;

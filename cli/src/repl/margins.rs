@@ -8,7 +8,7 @@ use rpl_lang::source::SourceId;
 use std::borrow::Cow;
 
 /// What a line that goes on shows in its margin.
-pub const MARK: &str = "...> ";
+const MARK: &str = "...> ";
 
 /// The margin in the text that is edited: the mark is as wide.
 const MARGIN: &str = "     ";

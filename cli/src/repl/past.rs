@@ -2,7 +2,6 @@
 
 use super::Prompt;
 use super::breakpoint::FAILURE;
-use super::command::Verb;
 use super::own_text::is_shown;
 use super::session::Branch;
 use crate::arguments::duration::parse_duration_us;
@@ -127,44 +126,44 @@ impl Prompt<'_> {
         }
     }
 
-    pub(super) fn forks(&mut self, verb: Verb, rest: &str) -> Result<()> {
-        match verb {
-            Verb::Fork if rest.is_empty() => return self.wrong("`:fork NAME`: a name is expected"),
-            Verb::Fork if rest == self.session.name => {
-                return self.wrong(&format!("this run is called `{rest}` already"));
-            }
-            Verb::Fork if self.session.others.contains_key(rest) => {
-                return self.wrong(&format!("a run is kept as `{rest}` already; another name is needed"));
-            }
-            Verb::Fork => {
-                self.session.others.insert(rest.to_string(), self.session.branch.clone());
-                self.console.note(&format!("kept as `{rest}`; `:switch {rest}` goes there"));
-            }
-            Verb::Switch => match self.session.others.remove(rest) {
-                Some(branch) => {
-                    let texts = texts(&self.session.branch.system);
-                    let left = std::mem::replace(&mut self.session.branch, branch);
-                    let name = std::mem::replace(&mut self.session.name, rest.to_string());
-                    self.session.others.insert(name, left);
-                    self.session.restore_conditions();
-                    self.tell_other_texts(&texts);
-                    self.show_stop()?;
-                }
-                None => {
-                    let near = suggest(rest, self.session.others.keys().map(String::as_str));
-                    let meant = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
-                    return self.wrong(&format!("no run is called `{rest}`; {meant}`:forks` lists them"));
-                }
-            },
-            _ => {
-                let line = |mark: char, name: &str, branch: &Branch| {
-                    format!("{mark} {name}  {:.1} s", branch.system.machine.now_s())
-                };
-                let mut lines = vec![line('*', &self.session.name, &self.session.branch)];
-                lines.extend(self.session.others.iter().map(|(name, branch)| line(' ', name, branch)));
-                self.explain(&lines)?;
-            }
+    /// Keeps this run as it stands under another name.
+    pub(super) fn fork(&mut self, name: &str) -> Result<()> {
+        if name.is_empty() {
+            return self.wrong("`:fork NAME`: a name is expected");
         }
+        if name == self.session.name {
+            return self.wrong(&format!("this run is called `{name}` already"));
+        }
+        if self.session.others.contains_key(name) {
+            return self.wrong(&format!("a run is kept as `{name}` already; another name is needed"));
+        }
+        self.session.others.insert(name.to_string(), self.session.branch.clone());
+        self.console.note(&format!("kept as `{name}`; `:switch {name}` goes there"));
         Ok(())
+    }
+
+    /// The runs there are, this one first.
+    pub(super) fn forks(&self) -> Vec<String> {
+        let line =
+            |mark: char, name: &str, branch: &Branch| format!("{mark} {name}  {:.1} s", branch.system.machine.now_s());
+        let mut lines = vec![line('*', &self.session.name, &self.session.branch)];
+        lines.extend(self.session.others.iter().map(|(name, branch)| line(' ', name, branch)));
+        lines
+    }
+
+    /// Goes to a run that is kept, and keeps this one.
+    pub(super) fn switch(&mut self, name: &str) -> Result<()> {
+        let Some(branch) = self.session.others.remove(name) else {
+            let near = suggest(name, self.session.others.keys().map(String::as_str));
+            let meant = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
+            return self.wrong(&format!("no run is called `{name}`; {meant}`:forks` lists them"));
+        };
+        let texts = texts(&self.session.branch.system);
+        let left = std::mem::replace(&mut self.session.branch, branch);
+        let left_name = std::mem::replace(&mut self.session.name, name.to_string());
+        self.session.others.insert(left_name, left);
+        self.session.restore_conditions();
+        self.tell_other_texts(&texts);
+        self.show_stop()
     }
 }

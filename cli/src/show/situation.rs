@@ -121,7 +121,7 @@ pub struct Raised {
 pub struct Situation {
     /// The living tasks.
     pub tasks: BTreeMap<String, Standing>,
-    /// The valves that anybody has asked for.
+    /// The valves: gathered from events, those that anybody has asked for; at the prompt, all.
     pub valves: BTreeMap<String, ValveStanding>,
     /// The last change of each fluent.
     pub changes: BTreeMap<String, Change>,

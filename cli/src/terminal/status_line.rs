@@ -9,8 +9,8 @@ const EVERY: Duration = Duration::from_millis(100);
 /// The spinner before the text, and a space.
 const MARGIN: usize = 2;
 
-/// Columns left free, with the spinner's: what the terminal echoes, such as ^C, must not begin a new line, or the status
-/// line stays above it.
+/// Columns left free, with the spinner's: what the terminal echoes, such as ^C, must not begin a new
+/// line, or the status line stays above it.
 const FREE: usize = 6 + MARGIN;
 
 /// To the first column.

@@ -222,8 +222,9 @@ impl LocalizationParameters {
     }
 }
 
-/// P(s | o) of one beam, a sonar's cone or a laser's ray: a mixture of a Gaussian around the expected distance, a uniform and a
-/// geometric density (Fox, Burgard, Thrun §3.2), and the echo that never comes.
+/// P(s | o) of one beam, a sonar's cone or a laser's ray: a mixture of a Gaussian around the expected
+/// distance, a uniform and a geometric density (Fox, Burgard, Thrun §3.2), and the echo that never
+/// comes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorParameters {
     /// Readings at or beyond this are "no echo".

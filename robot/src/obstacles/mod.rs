@@ -1,8 +1,9 @@
 //! What the robot has found out about obstacles by its own sensors, in `odom` unless said otherwise.
 //!
 //! Read in this order: `memory` (what was seen lately), `sonar_views` (where the sound passed),
-//! `laser_scan` (what a scan shows of surfaces), `log_odds` and `learned_map` (all that was seen since the start); then
-//! what relates that to a map: `alignment` (where it fits), `doorways` (which doors were found closed).
+//! `laser_scan` (what a scan shows of surfaces), `log_odds` and `learned_map` (all that was seen since
+//! the start); then what relates that to a map: `alignment` (where it fits), `doorways` (which doors
+//! were found closed).
 
 mod alignment;
 mod doorways;

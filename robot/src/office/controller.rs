@@ -28,11 +28,6 @@ pub struct Controller {
     pub modules: Modules,
 }
 
-/// Where a module's behaviour stands; one without a behaviour stands nowhere.
-fn phase_of(phases: Phases<'_>, number: Option<u16>) -> Phase {
-    number.map_or(Phase::Inactive, |number| phases.of(number))
-}
-
 impl Controller {
     pub(super) fn new(model: Arc<OfficeModel>, seed: u64) -> Self {
         Self { board: Board::new(&model), modules: Modules::new(&model, seed), model }
@@ -102,4 +97,9 @@ impl Controller {
             module.stop(how, outbox);
         }
     }
+}
+
+/// Where a module's behaviour stands; one without a behaviour stands nowhere.
+fn phase_of(phases: Phases<'_>, number: Option<u16>) -> Phase {
+    number.map_or(Phase::Inactive, |number| phases.of(number))
 }

@@ -1,7 +1,6 @@
 //! What a world takes in memory and time, before anything is built from it.
 
-use super::model::SENSOR_MAP_CELL_M;
-use super::model::{OfficeModel, OfficeSettings};
+use super::model::{OfficeModel, OfficeSettings, SENSOR_MAP_CELL_M};
 use crate::localization::LocalizationModel;
 use crate::navigation::NavigationModel;
 use crate::simulator::SimulatorModel;

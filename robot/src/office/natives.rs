@@ -6,7 +6,7 @@ use super::controller::Controller;
 use super::model::OfficeModel;
 use super::plan_text;
 use super::words::{mode_name, no_map};
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, distance_m};
 use crate::world::{Place, TravelMode};
 use rpl_lang::symbol::fold_name;
 use rpl_runtime::state::failure::Raise;
@@ -17,76 +17,72 @@ use std::sync::Arc;
 /// A destination counts as reached when the estimate is this near to it.
 const AT_DESTINATION_M: f64 = 0.35;
 
+/// A function that looks at something and changes nothing.
+const fn look(name: &'static str, parameters: &'static str, doc: &'static str, code: NativeFunction) -> Native {
+    Native { name, parameters, doc, effect: Effect::None, code: NativeCode::Plain(code) }
+}
+
+/// A function that acts on the robot or on its world.
+pub(super) const fn act(
+    name: &'static str,
+    parameters: &'static str,
+    doc: &'static str,
+    code: NativeFunction,
+) -> Native {
+    Native { name, parameters, doc, effect: Effect::Acts, code: NativeCode::Plain(code) }
+}
+
 /// Functions of the robot.
 pub fn natives() -> Vec<Native> {
-    let look = |name, parameters, doc, code: NativeFunction| Native {
-        name,
-        parameters,
-        doc,
-        effect: Effect::None,
-        code: NativeCode::Plain(code),
-    };
-    let act = |name, parameters, doc, code: NativeFunction| Native {
-        name,
-        parameters,
-        doc,
-        effect: Effect::Acts,
-        code: NativeCode::Plain(code),
-    };
     vec![
-        look("place", "name", "The name of a place, checked: fails if the world has no such place.", place as _),
-        look("place-pose", "name", "The pose of a place: x, y in metres, heading in radians.", place_pose as _),
+        look("place", "name", "The name of a place, checked: fails if the world has no such place.", place),
+        look("place-pose", "name", "The pose of a place: x, y in metres, heading in radians.", place_pose),
         look(
             "at-destination?",
             "place",
             "Whether the robot believes itself to be at a place; wakes a condition.",
-            at_destination as _,
+            at_destination,
         ),
-        look(
-            "distance-to",
-            "place",
-            "Metres in a straight line from the estimated position to a place.",
-            distance_to as _,
-        ),
-        look("region-of", "place", "The travel mode of the region around a place, or nil.", region_of as _),
+        look("distance-to", "place", "Metres in a straight line from the estimated position to a place.", distance_to),
+        look("region-of", "place", "The travel mode of the region around a place, or nil.", region_of),
         look(
             "generate-navigation-plan",
             "place &optional patience",
             "A plan, as data, that drives from the estimated position to a place, not through doors found closed if there is another way. The patience is that of `navigation`.",
-            generate as _,
+            generate,
         ),
         look(
             "belief-maxima",
             "&optional count",
             "Local maxima of the belief: lists (x y heading mass), the heaviest first.",
-            belief_maxima as _,
+            belief_maxima,
         ),
         look(
             "odometry-pose",
             "",
             "Where the robot is by its odometry: x, y in metres, heading in radians, from where it was switched on.",
-            odometry_pose as _,
+            odometry_pose,
         ),
         look(
             "odometry-in-map",
             "pose",
             "Where a pose of the odometry lies in the map by what the robot believes now: x, y, heading.",
-            odometry_in_map as _,
+            odometry_in_map,
         ),
         act(
             "plan-remove-all-goals",
             "",
             "Deletes all target points of the navigation this task or one below it has started.",
-            remove_all_goals as _,
+            remove_all_goals,
         ),
         act(
             "doubt-position",
             "",
             "Discards the whole belief about the position in the next step: for when the estimate leads to a contradiction.",
-            doubt_position as _,
+            doubt_position,
         ),
-        act("read-message", "", "The oldest message nobody has read, a list of symbols, or nil.", read_message as _),
-        act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode as _),
+        act("read-message", "", "The oldest message nobody has read, a list of symbols, or nil.", read_message),
+        act("set-travel-mode", "mode", "Sets how the robot drives: hallway, office or doorway.", set_travel_mode),
     ]
 }
 
@@ -133,18 +129,18 @@ fn estimated_point(call: &mut Call<'_, '_>) -> Result<Point, Raise> {
     Ok(Point::new(read(X)?, read(Y)?))
 }
 
-fn distance_m(call: &mut Call<'_, '_>) -> Result<f64, Raise> {
+fn distance_to_place_m(call: &mut Call<'_, '_>) -> Result<f64, Raise> {
     let here = estimated_point(call)?;
     let place = named_place(call)?.1;
-    Ok(crate::geometry::distance_m(here, place.pose_in_map.point()))
+    Ok(distance_m(here, place.pose_in_map.point()))
 }
 
 fn at_destination(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    Ok(Reply::Value(Value::truth(distance_m(call)? <= AT_DESTINATION_M)))
+    Ok(Reply::Value(Value::truth(distance_to_place_m(call)? <= AT_DESTINATION_M)))
 }
 
 fn distance_to(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    Ok(Reply::Value(Value::Float(distance_m(call)?)))
+    Ok(Reply::Value(Value::Float(distance_to_place_m(call)?)))
 }
 
 fn region_of(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

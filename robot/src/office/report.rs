@@ -6,170 +6,127 @@ use rpl_runtime::state::trace::{Event, EventKind};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Something that happened.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Report {
+/// Makes of a list of reports, each with its name in traces, the reports and their kinds.
+macro_rules! reports {
+    ($($(#[$doc:meta])* $name:ident $({ $($fields:tt)* })? => $in_traces:literal,)+) => {
+        /// Something that happened.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub enum Report {
+            $($(#[$doc])* $name $({ $($fields)* })?,)+
+        }
+
+        /// What kind of thing happened, by which traces are read.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum ReportKind {
+            $(#[doc = concat!("[`Report::", stringify!($name), "`]")] $name,)+
+        }
+
+        impl ReportKind {
+            /// All kinds.
+            pub const ALL: [Self; [$($in_traces),+].len()] = [$(Self::$name),+];
+
+            /// The name in traces.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name => $in_traces,)+
+                }
+            }
+        }
+
+        impl Report {
+            /// Of what kind it is.
+            pub fn kind(&self) -> ReportKind {
+                match self {
+                    $(Self::$name { .. } => ReportKind::$name,)+
+                }
+            }
+        }
+    };
+}
+
+reports! {
     /// A plan has given the estimate up.
-    PositionDoubted,
+    PositionDoubted => "position doubted",
     /// The position does not count as known any more.
     PositionLost {
         /// Of the estimate.
         certainty: f64,
-    },
+    } => "position lost",
     /// The position counts as known again.
     PositionFound {
         /// Of the estimate.
         certainty: f64,
-    },
+    } => "position found",
     /// Active localization has chosen where to go.
     LocalizationAction {
         /// Seen from where the robot was then.
         target_in_base: Point,
-    },
+    } => "localization action",
     /// The scenario turned the robot.
     RotatedByHand {
         /// Counter-clockwise.
         angle_rad: f64,
-    },
+    } => "rotated by hand",
     /// The scenario put the robot down somewhere else.
     CarriedByHand {
         /// There.
         point_in_map: Point,
-    },
+    } => "carried by hand",
     /// The scenario opened a door.
     DoorOpened {
         /// Of this room.
         room: String,
-    },
+    } => "door opened",
     /// The scenario closed a door.
     DoorClosed {
         /// Of this room.
         room: String,
-    },
+    } => "door closed",
     /// The scenario put a thing into the world.
     ObjectAdded {
         /// Its name.
         object: String,
-    },
+    } => "object added",
     /// The scenario took a thing out of the world.
     ObjectRemoved {
         /// Its name.
         object: String,
-    },
+    } => "object removed",
     /// The scenario made the sonars fail.
     SonarsFailed {
         /// For so long.
         seconds: f64,
-    },
+    } => "sonars failed",
     /// The scenario put a thing that can be carried somewhere.
     ItemPlaced {
         /// Its name.
         item: String,
-    },
+    } => "item placed",
     /// The scenario charged or drained the battery.
     BatterySet {
         /// From 0 to 1.
         charge: f64,
-    },
+    } => "battery set",
     /// The scenario sent the robot a message.
     MessageSent {
         /// Its words.
         text: String,
-    },
+    } => "message sent",
     /// The scenario printed or logged a line.
     Scenario {
         /// The line.
         text: String,
-    },
+    } => "scenario",
     /// The scenario ended with a failure.
     ScenarioFailed {
         /// As it is shown.
         failure: String,
         /// Where in its text.
         at: Option<String>,
-    },
-}
-
-/// What kind of thing happened, by which traces are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReportKind {
-    /// [`Report::PositionDoubted`]
-    PositionDoubted,
-    /// [`Report::PositionLost`]
-    PositionLost,
-    /// [`Report::PositionFound`]
-    PositionFound,
-    /// [`Report::LocalizationAction`]
-    LocalizationAction,
-    /// [`Report::RotatedByHand`]
-    RotatedByHand,
-    /// [`Report::CarriedByHand`]
-    CarriedByHand,
-    /// [`Report::DoorOpened`]
-    DoorOpened,
-    /// [`Report::DoorClosed`]
-    DoorClosed,
-    /// [`Report::ObjectAdded`]
-    ObjectAdded,
-    /// [`Report::ObjectRemoved`]
-    ObjectRemoved,
-    /// [`Report::SonarsFailed`]
-    SonarsFailed,
-    /// [`Report::ItemPlaced`]
-    ItemPlaced,
-    /// [`Report::BatterySet`]
-    BatterySet,
-    /// [`Report::MessageSent`]
-    MessageSent,
-    /// [`Report::Scenario`]
-    Scenario,
-    /// [`Report::ScenarioFailed`]
-    ScenarioFailed,
+    } => "scenario failed",
 }
 
 impl ReportKind {
-    /// All kinds.
-    pub const ALL: [Self; 16] = [
-        Self::PositionDoubted,
-        Self::PositionLost,
-        Self::PositionFound,
-        Self::LocalizationAction,
-        Self::RotatedByHand,
-        Self::CarriedByHand,
-        Self::DoorOpened,
-        Self::DoorClosed,
-        Self::ObjectAdded,
-        Self::ObjectRemoved,
-        Self::SonarsFailed,
-        Self::ItemPlaced,
-        Self::BatterySet,
-        Self::MessageSent,
-        Self::Scenario,
-        Self::ScenarioFailed,
-    ];
-
-    /// The name in traces.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PositionDoubted => "position doubted",
-            Self::PositionLost => "position lost",
-            Self::PositionFound => "position found",
-            Self::LocalizationAction => "localization action",
-            Self::RotatedByHand => "rotated by hand",
-            Self::CarriedByHand => "carried by hand",
-            Self::DoorOpened => "door opened",
-            Self::DoorClosed => "door closed",
-            Self::ObjectAdded => "object added",
-            Self::ObjectRemoved => "object removed",
-            Self::SonarsFailed => "sonars failed",
-            Self::ItemPlaced => "item placed",
-            Self::BatterySet => "battery set",
-            Self::MessageSent => "message sent",
-            Self::Scenario => "scenario",
-            Self::ScenarioFailed => "scenario failed",
-        }
-    }
-
     /// What an event of a trace reports, if it is a report.
     pub fn of(event: &Event) -> Option<Self> {
         if event.kind != EventKind::Robot {
@@ -186,28 +143,6 @@ impl ReportKind {
 }
 
 impl Report {
-    /// Of what kind it is.
-    pub fn kind(&self) -> ReportKind {
-        match self {
-            Self::PositionDoubted => ReportKind::PositionDoubted,
-            Self::PositionLost { .. } => ReportKind::PositionLost,
-            Self::PositionFound { .. } => ReportKind::PositionFound,
-            Self::LocalizationAction { .. } => ReportKind::LocalizationAction,
-            Self::RotatedByHand { .. } => ReportKind::RotatedByHand,
-            Self::CarriedByHand { .. } => ReportKind::CarriedByHand,
-            Self::DoorOpened { .. } => ReportKind::DoorOpened,
-            Self::DoorClosed { .. } => ReportKind::DoorClosed,
-            Self::ObjectAdded { .. } => ReportKind::ObjectAdded,
-            Self::ObjectRemoved { .. } => ReportKind::ObjectRemoved,
-            Self::SonarsFailed { .. } => ReportKind::SonarsFailed,
-            Self::ItemPlaced { .. } => ReportKind::ItemPlaced,
-            Self::BatterySet { .. } => ReportKind::BatterySet,
-            Self::MessageSent { .. } => ReportKind::MessageSent,
-            Self::Scenario { .. } => ReportKind::Scenario,
-            Self::ScenarioFailed { .. } => ReportKind::ScenarioFailed,
-        }
-    }
-
     fn details(self) -> Vec<(&'static str, String)> {
         match self {
             Self::PositionDoubted => vec![],

@@ -1,16 +1,18 @@
 //! Scenarios: the experimenter's plan, which alone sees the truth and can meddle with the world.
 
+use super::natives::act;
 use super::report::Report;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::simulator::{SimulatorModel, SimulatorState};
-use crate::world::{Object, Rect, SeenBy, Shape};
+use crate::world::{Object, Rect, SeenBy, Shape, World};
+use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, NativeFunction, Reply};
+use rpl_runtime::step::native::{Call, Native, Reply};
 use std::any::Any;
 use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
@@ -56,13 +58,7 @@ impl Outside for Oracle {
         oracle_tables()
     }
 
-    fn start(
-        &mut self,
-        _: &Machine,
-        _: u16,
-        _: &[(rpl_lang::symbol::Symbol, Value)],
-        _: &mut Outbox,
-    ) -> Result<(), Raise> {
+    fn start(&mut self, _: &Machine, _: u16, _: &[(Symbol, Value)], _: &mut Outbox) -> Result<(), Raise> {
         Err(Raise::new("behaviour-failure", "a scenario has no behaviours"))
     }
 
@@ -93,10 +89,6 @@ fn oracle<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut Oracle, Raise> {
         .as_any()
         .downcast_mut()
         .ok_or_else(|| Raise::new("error", "only a scenario can do this; run it with `--scenario`"))
-}
-
-const fn act(name: &'static str, parameters: &'static str, doc: &'static str, code: NativeFunction) -> Native {
-    Native { name, parameters, doc, effect: Effect::Acts, code: NativeCode::Plain(code) }
 }
 
 /// Functions of scenarios.
@@ -155,16 +147,16 @@ fn teleport(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     Ok(done(oracle, Report::CarriedByHand { point_in_map: pose.point() }))
 }
 
+/// A room's name as the world writes it, by which reports call it; an unknown name as it is.
+fn own_name(world: &World, room: String) -> String {
+    world.room(&room).map_or(room, |known| known.name.clone())
+}
+
 fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
     let room = call.name(0)?;
     let oracle = oracle(call)?;
     let model = oracle.model.clone();
-    let room = model
-        .world
-        .rooms
-        .iter()
-        .find(|known| known.name.eq_ignore_ascii_case(&room))
-        .map_or(room, |known| known.name.clone());
+    let room = own_name(&model.world, room);
     let deed = if open {
         model.open_door(&mut oracle.state, &room).map_err(refused)?;
         Report::DoorOpened { room }
@@ -178,8 +170,8 @@ fn door(call: &mut Call<'_, '_>, open: bool) -> Result<Reply, Raise> {
 fn add_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let name = call.name(0)?;
     let rect = Rect {
-        min: crate::geometry::Point::new(finite(call, 1)?, finite(call, 2)?),
-        max: crate::geometry::Point::new(finite(call, 3)?, finite(call, 4)?),
+        min: Point::new(finite(call, 1)?, finite(call, 2)?),
+        max: Point::new(finite(call, 3)?, finite(call, 4)?),
     };
     let seen_by = SeenBy { sonar: true, laser: true };
     let object = Object { name: name.clone(), shape: Shape::Rect(rect), mapped: false, seen_by };
@@ -205,7 +197,7 @@ fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let name = call.name(0)?;
-    let point = crate::geometry::Point::new(finite(call, 1)?, finite(call, 2)?);
+    let point = Point::new(finite(call, 1)?, finite(call, 2)?);
     let oracle = oracle(call)?;
     oracle.state.place_item(&name, point);
     Ok(done(oracle, Report::ItemPlaced { item: name }))
@@ -224,4 +216,20 @@ fn send_message(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let text = words.join(" ");
     oracle.state.send_message(words);
     Ok(done(oracle, Report::MessageSent { text }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_room_is_called_what_the_world_calls_it_however_it_is_written() {
+        let text = "name = \"small\"\nsize = [4.0, 3.0]\nstart = [2.0, 1.5, 0.0]\n\
+                    [[room]]\nname = \"Küche\"\nrect = [0, 2, 4, 3]\n";
+        let world = World::parse(text, "w.toml").unwrap_or_else(|error| panic!("{error}"));
+        for name in ["Küche", "küche", "KÜCHE"] {
+            assert_eq!(own_name(&world, name.to_string()), "Küche");
+        }
+        assert_eq!(own_name(&world, "Bad".to_string()), "Bad");
+    }
 }

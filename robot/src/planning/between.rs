@@ -64,7 +64,7 @@ impl TopologicalModel {
     }
 
     /// Why the robot does not fit at a point: "the robot does not fit: ...".
-    pub(super) fn why_no_room(&self, at: Point) -> String {
+    fn why_no_room(&self, at: Point) -> String {
         let solids = self.world.solids();
         let mapped = solids.iter().filter(|solid| self.world.is_mapped(solid.origin));
         let away = |solid: &&Solid| solid.outline.distance_m(at);

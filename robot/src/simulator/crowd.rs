@@ -1,4 +1,8 @@
 //! Where the people of a crowd can walk to, and how they get there.
+//!
+//! People find their ways by cost fields, as the robot does: what it costs to cross a floor is neutral
+//! ground, and theirs are of the real floor and for a body of their size. The robot's own planner, which
+//! knows what the robot believes, is not used.
 
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, distance_m};

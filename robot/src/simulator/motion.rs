@@ -9,7 +9,7 @@ use crate::geometry::{Point, Pose};
 use crate::world::{SeenBy, SolidOrigin};
 
 /// How far a body may reach into another: the rounding of the bisection below.
-pub(super) const PENETRATION_M: f64 = 1e-9;
+const PENETRATION_M: f64 = 1e-9;
 
 /// A touch is over when this much air is between.
 const PARTED_M: f64 = 0.01;

@@ -12,8 +12,6 @@ mod parse;
 mod read;
 mod recorded;
 mod ros_map;
-#[cfg(test)]
-mod ros_map_tests;
 mod solid;
 #[cfg(test)]
 mod tests;

@@ -165,7 +165,7 @@ impl<'i> Reader<'i> {
         None
     }
 
-    pub fn number_value(&mut self, value: &TomlValue, key: &str, example: &str) -> Option<f64> {
+    fn number_value(&mut self, value: &TomlValue, key: &str, example: &str) -> Option<f64> {
         let number = match value.get_ref() {
             DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|n| n as f64),
             DeValue::Float(digits) => digits.as_str().parse::<f64>().ok(),

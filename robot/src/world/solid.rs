@@ -211,7 +211,7 @@ pub fn nearest_on_segment(point: Point, a: Point, b: Point) -> Point {
 }
 
 /// Area inside a polygon, negative if its corners run clockwise.
-pub(crate) fn signed_area_m2(corners: &[Point]) -> f64 {
+fn signed_area_m2(corners: &[Point]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(a, b)| a.x * b.y - a.y * b.x).sum::<f64>() / 2.0
 }

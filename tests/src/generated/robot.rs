@@ -1,6 +1,7 @@
 //! The robot and the native functions generated programs use.
 
 use rpl_lang::symbol::Symbol;
+use rpl_mission::libraries::base_natives;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::library::Library;
@@ -197,7 +198,7 @@ const NATIVES: &[Native] = &[
 pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
-        let natives = [crate::natives(), NATIVES.to_vec()].concat();
+        let natives = [base_natives(), NATIVES.to_vec()].concat();
         match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &TABLES, &[]) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),

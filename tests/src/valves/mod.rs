@@ -4,7 +4,7 @@
 pub mod model;
 pub mod program;
 
-use crate::library;
+use crate::{detail, library};
 use model::{Blow, Id, Model, Told, What};
 use program::Program;
 use rpl_lang::compile::NoFiles;
@@ -41,18 +41,17 @@ struct Both<'p> {
 }
 
 fn what(event: &Event) -> Option<What> {
-    let detail = |name: &str| event.details.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str());
-    let valve = if detail("valve") == Some("v0") { 0 } else { 1 };
-    match (event.kind, detail("what"), detail("state")) {
-        (EventKind::Valve, Some("granted"), _) => Some(What::Granted(valve)),
-        (EventKind::Valve, Some("released"), _) => Some(What::Released(valve)),
-        (EventKind::Valve, Some("pre-empted"), _) => Some(What::Taken(valve)),
-        (EventKind::Valve, Some("returned"), _) => Some(What::Returned(valve)),
+    let valve = if detail(event, "valve") == "v0" { 0 } else { 1 };
+    match (event.kind, detail(event, "what"), detail(event, "state")) {
+        (EventKind::Valve, "granted", _) => Some(What::Granted(valve)),
+        (EventKind::Valve, "released", _) => Some(What::Released(valve)),
+        (EventKind::Valve, "pre-empted", _) => Some(What::Taken(valve)),
+        (EventKind::Valve, "returned", _) => Some(What::Returned(valve)),
         (EventKind::Suspended, ..) => Some(What::Suspended),
         (EventKind::Resumed, ..) => Some(What::Resumed),
-        (EventKind::End, _, Some("succeeded")) => Some(What::Succeeded),
-        (EventKind::End, _, Some("failed")) => Some(What::Failed),
-        (EventKind::End, _, Some("evaporated")) => Some(What::Evaporated),
+        (EventKind::End, _, "succeeded") => Some(What::Succeeded),
+        (EventKind::End, _, "failed") => Some(What::Failed),
+        (EventKind::End, _, "evaporated") => Some(What::Evaporated),
         _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! All small programs of tasks that share two valves.
 //!
 //! A program is `(par CHILD...)`. A child begins after 0, 1 or 2 seconds at priority 0, 1 or 2 and has
-//! one of the [`shapes`]. Programs that differ only in the order of their children count once.
+//! one of the `shapes`. Programs that differ only in the order of their children count once.
 
 use std::fmt::Write;
 
@@ -139,7 +139,7 @@ fn protect(acts: Vec<Act>, clean_up: Vec<Act>) -> Vec<Act> {
 }
 
 /// What a child can do with the valves.
-pub fn shapes() -> Vec<Vec<Act>> {
+fn shapes() -> Vec<Vec<Act>> {
     vec![
         with(0, wait(3)),
         with(0, par(vec![with(0, wait(3)), with(0, wait(1))])),

@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub const NEVER_LONGER_US: u64 = 600_000_000;
 
 /// Time between two readings.
-pub const READ_EVERY_US: u64 = 1_000_000;
+const READ_EVERY_US: u64 = 1_000_000;
 
 /// The robot must be certain after this time.
 pub const CERTAIN_WITHIN_S: f64 = 400.0;

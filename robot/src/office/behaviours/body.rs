@@ -3,7 +3,7 @@
 
 use super::fluent_number;
 use super::module::{Module, ModuleSpec, Moment, continuous, fluent};
-use crate::office::behaviours::position::Position;
+use super::position::Position;
 use crate::office::model::OfficeModel;
 use crate::office::words::mode_name;
 use crate::simulator::Commands;
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// The valve of what drives.
-pub(crate) const WHEELS: Cow<'static, str> = Cow::Borrowed("wheels");
+pub(in crate::office) const WHEELS: Cow<'static, str> = Cow::Borrowed("wheels");
 
 /// The valve of what grasps.
 pub(super) const ARM: Cow<'static, str> = Cow::Borrowed("arm");

@@ -60,12 +60,12 @@ impl Navigating {
     }
 
     /// Doors found closed not long ago.
-    pub(crate) fn closed_doors(&self) -> Vec<usize> {
+    pub(in crate::office) fn closed_doors(&self) -> Vec<usize> {
         self.mapped.closed_doors()
     }
 
     /// Bytes of plans of the way that an earlier state does not share.
-    pub(crate) fn bytes_apart(&self, earlier: &Self) -> usize {
+    pub(in crate::office) fn bytes_apart(&self, earlier: &Self) -> usize {
         self.mapped.bytes_apart(&earlier.mapped) + self.mapless.bytes_apart(&earlier.mapless)
     }
 

@@ -19,7 +19,7 @@ pub struct Position {
 
 impl Position {
     /// The position at the start of a run.
-    pub(crate) fn new(model: &OfficeModel) -> Self {
+    pub(in crate::office) fn new(model: &OfficeModel) -> Self {
         let localization = model.map.as_ref().map(|map| {
             if model.settings.start_known {
                 Localization::start_at(&map.localization, model.world.start_in_map, Spread::default())
@@ -49,12 +49,12 @@ impl Position {
     }
 
     /// A plan has reason to think that the estimate is wrong.
-    pub(crate) fn doubt(&mut self) {
+    pub(in crate::office) fn doubt(&mut self) {
         self.is_doubted = true;
     }
 
     /// The robot is told where it is.
-    pub(crate) fn tell(&mut self, map: &MapModel, pose_in_map: Pose, spread: Spread) {
+    pub(in crate::office) fn tell(&mut self, map: &MapModel, pose_in_map: Pose, spread: Spread) {
         self.localization = Some(Localization::start_at(&map.localization, pose_in_map, spread));
     }
 
@@ -64,7 +64,7 @@ impl Position {
     }
 
     /// The step is over.
-    pub(crate) fn end_step(&mut self, odometry_in_odom: Pose) {
+    pub(in crate::office) fn end_step(&mut self, odometry_in_odom: Pose) {
         self.odometry_in_odom = odometry_in_odom;
     }
 }

@@ -1,7 +1,8 @@
 //! Same program, world and seed: the same trace, byte for byte.
 
 use rpl_robot::office::ReportKind;
-use rpl_tests::mission::{Mission, Run, detail, test_room};
+use rpl_tests::detail;
+use rpl_tests::mission::{Mission, Run, test_room};
 
 /// A cup is fetched and brought while somebody turns the robot.
 pub const ERRAND: &str = "(deliver 'cup 'table-side 'corner)";

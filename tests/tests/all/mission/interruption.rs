@@ -4,7 +4,8 @@ use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::Outcome;
 use rpl_runtime::state::trace::EventKind::{Behaviour, End, Fluent, Pulse, Robot, Signal, Valve};
 use rpl_runtime::state::trace::{Event, EventKind};
-use rpl_tests::mission::{Mission, Run, dept, detail, is, lines};
+use rpl_tests::detail;
+use rpl_tests::mission::{Mission, Run, dept, is, lines};
 use std::sync::OnceLock;
 
 const PAPER: &str = include_str!("../../../../examples/paper.rpl");

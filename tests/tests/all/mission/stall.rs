@@ -1,7 +1,8 @@
 //! A run that waits in vain while the world goes on is reported and does not fail.
 
 use rpl_runtime::state::trace::EventKind::Warning;
-use rpl_tests::mission::{Mission, Run, detail, is, test_room};
+use rpl_tests::detail;
+use rpl_tests::mission::{Mission, Run, is, test_room};
 
 fn run(plan: &str, until_s: f64) -> Run {
     Mission::new(test_room(), plan).run(1, until_s)

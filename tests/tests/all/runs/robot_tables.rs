@@ -2,6 +2,7 @@
 
 use rpl_lang::compile::NoFiles;
 use rpl_lang::symbol::Symbol;
+use rpl_mission::libraries::base_natives;
 use rpl_runtime::robot::reading::{MAX_NESTING, Reading, ReadingList, TooNested};
 use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::library::Library;
@@ -52,8 +53,7 @@ impl Outside for Talker {
 }
 
 fn start(robot: Talker, plan: &str) -> System<Talker> {
-    let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
-    let library = Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], robot.tables(), &[])
+    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables(), &[])
         .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let loaded = library.load("plan.rpl", plan, &mut NoFiles).unwrap_or_else(|error| panic!("{}", error.render(false)));
     System::new(Arc::new(library), loaded, robot, 0)

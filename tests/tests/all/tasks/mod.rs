@@ -4,3 +4,4 @@ mod constructs;
 mod failures;
 mod life;
 mod policies;
+mod quorum;

@@ -1,3 +1,7 @@
+//! World files: what they mean, which faults are found in them, and what is drawn of them.
+
+mod ros_map;
+
 use super::*;
 use crate::occupancy::{Cell, OccupancyGrid};
 

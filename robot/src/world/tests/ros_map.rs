@@ -1,9 +1,9 @@
 //! Maps of the ROS map_server, made here.
 
-use super::{GreyImage, Greys, MapMode, RosMap, World};
 use crate::geometry::Point;
 use crate::occupancy::Cell::{Free, Occupied, Unknown};
 use crate::occupancy::OccupancyGrid;
+use crate::world::{GreyImage, Greys, MapMode, RosMap, World};
 
 const YAML: &str = "image: map.pgm\nresolution: 0.5\norigin: [-1.0, 2.0, 0.0]\nnegate: 0\n\
                     occupied_thresh: 0.65\nfree_thresh: 0.196\n";
