@@ -24,7 +24,7 @@ mod transcendental;
 use rpl_runtime::step::native::Native;
 
 /// The library in RPL: macros first, then functions. It uses only natives and special forms.
-pub const PRELUDE: &str = include_str!("prelude.rpl");
+pub const PRELUDE: &str = concat!(include_str!("prelude/constructs.rpl"), "\n", include_str!("prelude/functions.rpl"));
 
 /// All native functions of the library, in a fixed order.
 pub fn natives() -> Vec<Native> {

@@ -109,7 +109,7 @@ fn a_test_that_cannot_be_set_up_has_failed_and_the_others_run() {
     let tests = put(
         &folder,
         "tests.rpl",
-        &format!(
+        format!(
             "; nothing else\n(deftest one (assert (= 1 1)))\n(deftest nowhere :world \"dpt\" (wait-time 1))\n\
              (deftest broken :world {broken:?} (wait-time 1))\n\
              (deftest without :world \"test-room\" :scenario \"none.rpl\" (wait-time 1))\n\

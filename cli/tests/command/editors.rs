@@ -200,7 +200,9 @@ fn expected(token: Token) -> Option<&'static str> {
 #[test]
 fn the_grammar_agrees_with_the_lexer_about_every_plan_of_the_repository() {
     let engine = Engine::new();
-    let mut texts = vec![text_of("stdlib/src/prelude.rpl"), text_of("robot/src/office/plans.rpl")];
+    let libraries =
+        ["stdlib/src/prelude/constructs.rpl", "stdlib/src/prelude/functions.rpl", "robot/src/office/plans.rpl"];
+    let mut texts = libraries.map(text_of).to_vec();
     for path in files_below(&root().join("examples"), &["rpl"]) {
         texts.push(fs::read_to_string(path).expect("an example can be read"));
     }

@@ -49,7 +49,7 @@ fn a_plan_loads_files_beside_it_and_none_outside() {
     assert_eq!(here.out, "(2 3 4)\n");
     let absolute = folder.join("secret.rpl").display().to_string();
     for outside in ["../secret.rpl", "parts/../../secret.rpl", "../nothing-there.rpl", absolute.as_str()] {
-        let bad = put(&folder, "main/bad.rpl", &format!("(load {outside:?})"));
+        let bad = put(&folder, "main/bad.rpl", format!("(load {outside:?})"));
         let found = run(&["run", &bad]);
         assert_eq!((found.out.as_str(), found.status), ("", 2));
         assert!(found.errors.contains("outside the folder of the main file"), "{}", found.errors);
@@ -59,8 +59,8 @@ fn a_plan_loads_files_beside_it_and_none_outside() {
 #[test]
 fn deep_nesting_is_an_error_of_the_text() {
     let folder = folder("nesting");
-    let deep = put(&folder, "deep.rpl", &format!("{}{}", "(".repeat(100_000), ")".repeat(100_000)));
-    let open = put(&folder, "open.rpl", &"(".repeat(100_000));
+    let deep = put(&folder, "deep.rpl", format!("{}{}", "(".repeat(100_000), ")".repeat(100_000)));
+    let open = put(&folder, "open.rpl", "(".repeat(100_000));
     for plan in [deep, open] {
         let found = run(&["run", &plan]);
         assert_eq!(found.status, 2, "{}", found.errors);
@@ -168,9 +168,9 @@ fn a_line_has_one_number_wherever_it_is_told() {
     let plan = put(&folder, "lines.rpl", text);
     let told = run(&["run", &plan]);
     let json = run(&["run", "--json", &plan]);
-    let record: Value = serde_json::from_str(&json.out.lines().last().expect("a record")).expect("it is JSON");
+    let record: Value = serde_json::from_str(json.out.lines().last().expect("a record")).expect("it is JSON");
     assert_eq!((drawn_line(&told.errors), record["failure"]["line"].as_u64()), ("7", Some(7)), "{}", told.errors);
-    let fault = put(&folder, "fault.rpl", &text.replace("(/ x 0)", "(/ y 0)"));
+    let fault = put(&folder, "fault.rpl", text.replace("(/ x 0)", "(/ y 0)"));
     assert_eq!(drawn_line(&run(&["run", &fault]).errors), "7");
     let trace = folder.join("lines.jsonl");
     let trace = trace.to_str().expect("a path");

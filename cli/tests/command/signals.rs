@@ -35,7 +35,7 @@ fn one_signal_stops_a_run_in_the_middle_of_an_instant() {
     let sorting = "(let ((l (range 0 300000))) (loop (sort #'> l)))";
     let choosing = "(loop (sort (lambda (a b) (> a b)) (range 0 1000)))";
     for busy in ["(loop)", "(loop (par (dotimes (i 1000000) i)))", sorting, choosing] {
-        let plan = put(&folder, "plan.rpl", &format!("(unwind-protect (seq (print 'going) {busy}) (print 'clean))"));
+        let plan = put(&folder, "plan.rpl", format!("(unwind-protect (seq (print 'going) {busy}) (print 'clean))"));
         for name in ["-INT", "-TERM"] {
             let (rest, found) = signalled_at_first_line(start(&[&["run", &plan, "--json"], ENDLESS].concat()), name);
             assert_eq!(found.status, 130, "{busy}: {}", found.errors);
@@ -52,7 +52,7 @@ fn one_signal_stops_a_run_in_the_middle_of_an_instant() {
 fn one_signal_ends_a_clean_up_that_computes_without_end() {
     let folder = folder("signal-clean-up");
     for clean_up in ["(loop)", "(loop (wait-time 0))", "(unwind-protect (loop) (loop))", "(loop (par (loop)))"] {
-        let plan = put(&folder, "plan.rpl", &format!("(unwind-protect (seq (print 'going) (loop)) {clean_up})"));
+        let plan = put(&folder, "plan.rpl", format!("(unwind-protect (seq (print 'going) (loop)) {clean_up})"));
         let (_, found) = signalled_at_first_line(start(&[&["run", &plan], ENDLESS].concat()), "-INT");
         assert_eq!(found.status, 130, "{clean_up}: {}", found.errors);
         assert!(found.errors.contains("given up"), "{clean_up}: {}", found.errors);

@@ -119,6 +119,7 @@ const fn fluent_number(name: &str) -> usize {
 }
 
 /// Whether a name is this one; those of the tables here are all borrowed.
+#[expect(clippy::ptr_arg, reason = "a constant cannot be made a text by the trait")]
 const fn is_name(known: &Cow<'static, str>, name: &str) -> bool {
     let Cow::Borrowed(known) = known else { return false };
     let (known, name) = (known.as_bytes(), name.as_bytes());

@@ -1,5 +1,8 @@
 //! What goes into a step and what comes out of it: the one list of the sensors, and what follows from it,
 //! the percept and the stream of each.
+//!
+//! One circle, on purpose: the state of the simulator holds the streams that this list makes, and a look
+//! is taken at the state.
 
 mod laser;
 mod sonar;

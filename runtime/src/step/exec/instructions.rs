@@ -319,7 +319,10 @@ impl Machine {
                             None => fail!(overflow("+")),
                         },
                         &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        &other => fail!(self.wrong_operands("+", other, other)),
+                        other => {
+                            let other = *other;
+                            fail!(self.wrong_operands("+", other, other))
+                        }
                     },
                     Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
