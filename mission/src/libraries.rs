@@ -61,7 +61,7 @@ fn plan_library(
     if let Some(name) = names.into_iter().find(|name| is_defined(&library, name)) {
         return Err(SiteError::NativeTaken(name));
     }
-    Ok(Arc::new(library.without_scenario_names(&office::scenario_names())))
+    Ok(Arc::new(library.refusing_scenario_names(&office::scenario_names())))
 }
 
 /// Whether a name has a meaning that comes before that of a native function: it would never be called.

@@ -209,7 +209,7 @@ fn substitute(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Elements of lists and strings.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("length", "list-or-string", "How many elements or characters there are.", length),
     pure("reverse", "list-or-string", "A new list or string in the opposite order.", reverse),
     pure(

@@ -124,7 +124,7 @@ fn format(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Formatting; `%format` is the same for expansions of macros.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure(
         "format",
         "template &rest values",

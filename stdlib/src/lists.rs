@@ -223,7 +223,7 @@ fn getf(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Building lists and taking them apart.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("cons", "value rest", "A list of a first element and a rest.", cons),
     pure("car", "list", "The first element; nil of the empty list.", |call| path(call, b"a")),
     pure("cdr", "list", "The list without its first element; nil of the empty list.", |call| path(call, b"d")),

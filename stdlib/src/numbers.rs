@@ -229,7 +229,7 @@ fn lcm(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Arithmetic and comparison.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("+", "&rest numbers", "The sum; 0 of nothing.", |call| fold(call, 0, add)),
     pure("-", "number &rest numbers", "The first number less all others; a single number negated.", |call| {
         unfold(call, 0, subtract)

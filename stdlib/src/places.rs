@@ -61,7 +61,7 @@ fn set_elt(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Setters of list places.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     changing("%set-car", "list value", "Sets the first element.", |call| set_half(call, b"", b'a')),
     changing("%set-cdr", "list value", "Sets what follows the first element.", |call| set_half(call, b"", b'd')),
     changing("%set-caar", "list value", "Sets the car of the car.", |call| set_half(call, b"a", b'a')),

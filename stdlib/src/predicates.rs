@@ -19,7 +19,7 @@ fn equal(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Predicates.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("eq", "a b", "Whether both are the same object, symbol or number.", same),
     pure("eql", "a b", "Whether both are the same object, symbol or number.", same),
     pure("equal", "a b", "Whether both have the same structure; an integer is never equal to a float.", equal),

@@ -143,7 +143,7 @@ fn integer_square_root(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// From floats to integers and back.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure(
         "floor",
         "number &optional divisor",

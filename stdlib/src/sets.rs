@@ -114,7 +114,7 @@ fn adjoin(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Lists as sets.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure(
         "remove-duplicates",
         "list",

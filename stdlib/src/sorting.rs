@@ -131,7 +131,7 @@ fn merged(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Sorting.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure(
         "%sorted",
         "less elements count by-pairs",

@@ -171,7 +171,7 @@ fn write_to_string(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Strings.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("string-append", "&rest strings", "The strings one after the other.", string_append),
     pure("concat", "&rest values", "The values, as they are printed, one after the other in a string.", concat),
     pure("string", "value", "The value as a string: the name of a symbol or keyword, else what is printed.", to_string),

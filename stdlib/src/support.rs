@@ -121,7 +121,7 @@ fn malformed(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Support of the prelude.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("%nreverse", "list", "The pairs of a new list in the opposite order.", reverse_in_place),
     pure("%link", "pair list", "Makes the list follow a new pair.", link),
     pure("%cut", "list count", "Cuts a new list behind so many pairs and gives the rest.", cut),

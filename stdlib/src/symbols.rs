@@ -63,7 +63,7 @@ fn gensym(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Symbols and keywords.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("symbol-name", "symbol", "The name of a symbol, or of a keyword without its colon.", symbol_name),
     pure("intern", "name", "The symbol of this name, in lower case.", intern),
     pure("make-keyword", "name", "The keyword of this name, in lower case.", make_keyword),

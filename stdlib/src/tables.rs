@@ -138,7 +138,7 @@ fn to_alist(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 /// Hash tables.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure(
         "make-hash-table",
         "&key test",

@@ -88,7 +88,7 @@ fn normalized(angle: f64) -> f64 {
 }
 
 /// Roots, powers, logarithms, angles.
-pub const NATIVES: &[Native] = &[
+pub(super) const NATIVES: &[Native] = &[
     pure("sqrt", "number", "The square root, a float.", |call| {
         within(call, "real square root: it is negative", 0.0, f64::INFINITY, f64::sqrt)
     }),

@@ -65,8 +65,6 @@ pub struct Child {
     pub code: u32,
     /// The register whose value (or cell) is the tag's task; [`NO_REG`](super::NO_REG) if it has no tag.
     pub tag: Reg,
-    /// Whether the tag's register holds a cell.
-    pub tag_in_cell: bool,
     /// A tag's or process' name, a symbol; else the child is named after the construct.
     pub name: Option<Symbol>,
 }

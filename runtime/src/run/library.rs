@@ -135,7 +135,7 @@ impl Library {
     /// A library of plans that knows which names only scenarios have, so that a scenario that is taken
     /// for a plan gets a helpful error.
     #[must_use]
-    pub fn without_scenario_names(self, scenario_names: &[String]) -> Self {
+    pub fn refusing_scenario_names(self, scenario_names: &[String]) -> Self {
         Self { scenario_names: scenario_names.into(), ..self }
     }
 

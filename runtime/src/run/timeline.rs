@@ -40,7 +40,7 @@ impl TimelinePosition {
 }
 
 #[derive(Clone)]
-struct Copy<O> {
+struct KeptState<O> {
     segment: u64,
     // Forks of the run share their past.
     system: Arc<System<O>>,
@@ -59,7 +59,7 @@ struct Copy<O> {
 pub struct Timeline<O> {
     /// Where the run is.
     pub position: TimelinePosition,
-    copies: Vec<Copy<O>>,
+    copies: Vec<KeptState<O>>,
     /// Computing since the last copy.
     since: Duration,
     /// Bytes of the outside of a state that an earlier state does not share.
@@ -114,7 +114,7 @@ impl<O: Outside + Clone> Timeline<O> {
         let computing = std::mem::take(&mut self.since);
         let segment = self.position.segment;
         let last_active = is_handed_in.then_some(segment);
-        self.copies.push(Copy { segment, system, computing, bytes, is_handed_in, last_active });
+        self.copies.push(KeptState { segment, system, computing, bytes, is_handed_in, last_active });
         self.thin_out();
     }
 
@@ -237,7 +237,7 @@ impl<O: Outside + Clone> Timeline<O> {
     /// raising it ends. None if no replay comes to it, or if `is_given_up` says so on the way.
     pub fn before_failure(&self, failure: &Failure, is_given_up: &dyn Fn() -> bool) -> Option<Past<O>> {
         let has_it = |system: &System<O>| system.machine.heap.failures.iter().any(|(_, other)| is_same(other, failure));
-        let is_before = |copy: &Copy<O>| copy.system.machine.now_us <= failure.time_us && !has_it(&copy.system);
+        let is_before = |copy: &KeptState<O>| copy.system.machine.now_us <= failure.time_us && !has_it(&copy.system);
         let (index, copy) = self.copies.iter().enumerate().rev().find(|(_, copy)| is_before(copy))?;
         // What is handed in from outside is not done again.
         let end = self.copies[index + 1..].iter().find(|copy| copy.is_handed_in).map(|copy| copy.segment);
@@ -290,7 +290,7 @@ impl<O: Outside + Clone> Timeline<O> {
         self.copies.len()
     }
 
-    fn last_copy(&self, fits: impl Fn(&Copy<O>) -> bool) -> &Copy<O> {
+    fn last_copy(&self, fits: impl Fn(&KeptState<O>) -> bool) -> &KeptState<O> {
         self.copies.iter().rev().find(|copy| fits(copy)).unwrap_or(&self.copies[0])
     }
 }
@@ -298,7 +298,7 @@ impl<O: Outside + Clone> Timeline<O> {
 /// Every position between a copy and a later position at which a stepper would stop. None if
 /// `is_given_up` says so on the way.
 fn stops_between<O: Outside + Clone>(
-    copy: &Copy<O>,
+    copy: &KeptState<O>,
     end: TimelinePosition,
     is_shown: &impl Fn(&System<O>, &Stop) -> bool,
     is_given_up: &dyn Fn() -> bool,

@@ -2,6 +2,7 @@
 
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
+use std::hint::black_box;
 
 /// Names one run of a task; a dead task's slot can be used again under a new generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -57,6 +58,28 @@ pub enum Value {
 }
 
 impl Value {
+    /// `nil` or `t`, if it is one of them. Looks at the tag alone: to read the whole of a value that has
+    /// just been written in parts stalls the processor.
+    #[inline]
+    pub fn as_truth(&self) -> Option<Self> {
+        match self {
+            Value::Nil => Some(Value::Nil),
+            Value::True => Some(Value::True),
+            _ => None,
+        }
+    }
+
+    /// A copy made of the parts it was written in: reading the whole of a value whose parts have just
+    /// been written stalls the processor. The black box keeps the parts apart.
+    #[inline(always)]
+    pub fn copied(&self) -> Self {
+        match *self {
+            Value::Int(value) => Value::Int(black_box(value)),
+            Value::Cons(pair) => Value::Cons(black_box(pair)),
+            other => other,
+        }
+    }
+
     /// Whether it counts as true: everything but `nil`.
     #[inline]
     pub fn is_true(self) -> bool {

@@ -21,7 +21,6 @@ impl Emitter<'_, '_> {
             .map(|child| Child {
                 code: self.inner(&child.body),
                 tag: child.tag.and_then(|tag| self.registers.get(&tag).copied()).unwrap_or(NO_REG),
-                tag_in_cell: child.tag.is_some_and(|tag| self.compiler.variables[tag.0 as usize].in_cell()),
                 name: child.name,
             })
             .collect();

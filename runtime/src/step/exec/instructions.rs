@@ -7,22 +7,12 @@ use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use crate::step::exec::arithmetic::{as_floats, overflow};
+use crate::step::exec::plan_instructions::signal_plainly;
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::native::{Reply, Surroundings};
-use rpl_lang::code::{Code, CodeKind, Op};
+use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
 use rpl_lang::kind::Kind;
 use std::hint::black_box;
-
-/// A copy made of the parts it was written in: reading the whole of a value whose parts have just
-/// been written stalls the processor. The black box keeps the parts apart.
-#[inline(always)]
-fn copied(value: &Value) -> Value {
-    match *value {
-        Value::Int(value) => Value::Int(black_box(value)),
-        Value::Cons(pair) => Value::Cons(black_box(pair)),
-        other => other,
-    }
-}
 
 impl Machine {
     /// The loop. Comes back with an exit, or with a failure to raise at `place`.
@@ -330,7 +320,7 @@ impl Machine {
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
                     Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                     Op::Cons(a, b, c) => {
-                        r!(a) = self.heap.cons(copied(&r!(b)), copied(&r!(c)));
+                        r!(a) = self.heap.cons(r!(b).copied(), r!(c).copied());
                         if self.heap.is_full() {
                             collect_if_full!();
                             continue 'frame;
@@ -539,7 +529,7 @@ impl Machine {
                         if self.scratch.frames.len() == entry {
                             let value = r!(a);
                             save!();
-                            if self.current != SCRATCH_TASK && self.waits_for_spawned(around, place) {
+                            if self.current != SCRATCH_TASK && self.end_spawned(around, place) {
                                 return Ok(Exit::Blocked);
                             }
                             return Ok(Exit::Returned(value));
@@ -578,6 +568,8 @@ impl Machine {
                     Op::LeaveScopes(count, distance) => hand_over!(self.leave_scopes(place, count, distance)),
                     Op::Network(a, code) => hand_over!(self.make_network(around, place, a, code)),
                     Op::WaitFor(a, condition, seconds, owned) => {
+                        let condition = std::mem::take(&mut r!(condition));
+                        let seconds = if seconds == NO_REG { None } else { Some(std::mem::take(&mut r!(seconds))) };
                         hand_over!(self.wait_for(place, a, condition, seconds, owned))
                     }
                     Op::Deref(a, b) => match r!(b) {
@@ -585,6 +577,17 @@ impl Machine {
                         value => r!(a) = value,
                     },
                     Op::Assign(a, fluent, value) => {
+                        if let (Some(truth), &Value::Fluent(fluent)) = (r!(value).as_truth(), &r!(fluent))
+                            && self.current != SCRATCH_TASK
+                            && !self.trace.enabled
+                            && let Some(is_awaited) = signal_plainly(&mut self.fluents, fluent, truth)
+                        {
+                            r!(a) = truth;
+                            if is_awaited {
+                                hand_over!(self.serve_signal(fluent));
+                            }
+                            continue;
+                        }
                         let (fluent, value) = (r!(fluent), r!(value));
                         r!(a) = value;
                         hand_over!(self.assign_instruction(around, place, fluent, value))

@@ -1,11 +1,12 @@
 //! Instructions about tasks, scopes, valves, watches and waits, one function each.
 
 use crate::state::failure::Raise;
+use crate::state::fluent::Fluent;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::memory;
 use crate::state::registers::Registers;
 use crate::state::scratch::Cursor;
-use crate::state::slab::NONE;
+use crate::state::slab::{NONE, Slab};
 use crate::state::task::{Leaving, PlanCall, Scope, ScopeKind, State, Task, Then, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
 use crate::step::exec::Proceed;
@@ -16,6 +17,20 @@ use rpl_lang::kind::Kind;
 /// The instruction that lies so far from the next one.
 fn target(place: &Cursor, distance: i32) -> u32 {
     (i64::from(place.frame.pc) + i64::from(distance)) as u32
+}
+
+/// Assigns `nil` or `t` to a fluent nothing is computed from: the common signal, for which nothing but
+/// waiters needs to be looked at. Tells whether there are any that it wakes; nothing, and does nothing,
+/// if the fluent is not so simple.
+#[inline]
+pub(super) fn signal_plainly(fluents: &mut Slab<Fluent>, fluent: u32, truth: Value) -> Option<bool> {
+    let entry = fluents.get_mut(fluent).filter(|entry| entry.is_plain())?;
+    let is_old = entry.value.is_true() == truth.is_true() && matches!(entry.value, Value::Nil | Value::True);
+    if is_old {
+        return Some(false);
+    }
+    entry.value = truth;
+    Some(truth.is_true() && entry.waiters.first != NONE)
 }
 
 impl Machine {
@@ -63,7 +78,7 @@ impl Machine {
         value: Reg,
     ) -> Result<Proceed, Raise> {
         let value = self.register(place, value);
-        if self.waits_for_spawned(around, place) {
+        if self.end_spawned(around, place) {
             return Ok(Proceed::Blocked);
         }
         let task = self.current;
@@ -76,7 +91,7 @@ impl Machine {
 
     /// Evaporates what the innermost plan call spawned; tells whether the task must wait for some of
     /// it. The instruction runs again when it is dead.
-    pub(super) fn waits_for_spawned(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor) -> bool {
+    pub(super) fn end_spawned(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor) -> bool {
         let task = self.current;
         let Some(index) = self.tasks[task].scopes.call_within(usize::MAX) else { return false };
         if self.evaporate_children(around, task, index as u32) == 0 {
@@ -401,30 +416,24 @@ impl Machine {
         Ok(Proceed::On)
     }
 
-    /// Waits for a fluent to be true.
+    /// Waits for a fluent to be true. Its condition and the time have been taken out of their registers:
+    /// they are of no use to anybody else, and a task that waits keeps fewer registers without them.
     pub(super) fn wait_for(
         &mut self,
         place: &Cursor,
         to: Reg,
-        condition: Reg,
-        seconds: Reg,
+        condition: Value,
+        seconds: Option<Value>,
         owned: bool,
     ) -> Result<Proceed, Raise> {
-        let value = self.register(place, condition);
-        let Value::Fluent(fluent) = value else {
-            self.refuse_in_network("nothing can be waited for")?;
-            return Err(self.wrong_type("the condition of `wait-for`", Kind::Fluent.noun(), value));
-        };
-        // The condition and the time are of no use to anybody else: a task that waits keeps fewer
-        // registers without them.
-        self.set_register(place, condition, Value::Nil);
-        let timeout = (seconds != NO_REG).then(|| self.register(place, seconds));
-        if timeout.is_some() {
-            self.set_register(place, seconds, Value::Nil);
-        }
         self.refuse_in_network("nothing can be waited for")?;
-        let due_us =
-            timeout.map(|seconds| self.instant_after(seconds, || "`:timeout` of `wait-for`".into())).transpose()?;
+        let Value::Fluent(fluent) = condition else {
+            return Err(self.wrong_type("the condition of `wait-for`", Kind::Fluent.noun(), condition));
+        };
+        let due_us = match seconds {
+            Some(seconds) => Some(self.instant_after(seconds, || "`:timeout` of `wait-for`".into())?),
+            None => None,
+        };
         let entry = &mut self.fluents[fluent];
         if let Some(failure) = entry.failure {
             return Err(Raise::Again(failure));
@@ -439,12 +448,14 @@ impl Machine {
         }
         let task = self.current;
         self.number_wait(task);
-        self.tasks[task].waiting = Waiting::Fluent { fluent, owned, timed: due_us.is_some() };
         self.fluents[fluent].waiters.push_back(&mut self.tasks, task);
+        let record = &mut self.tasks[task];
+        record.waiting = Waiting::Fluent { fluent, owned, timed: due_us.is_some() };
+        record.wake_register = to;
         if let Some(due_us) = due_us {
             self.set_wake_timer(task, due_us);
         }
-        Ok(self.block_for(to))
+        Ok(Proceed::Blocked)
     }
 
     /// The value of a fluent.
@@ -455,45 +466,7 @@ impl Machine {
     }
 
     /// Assigns a fluent.
-    #[inline]
     pub(super) fn assign_instruction(
-        &mut self,
-        around: &mut Surroundings<'_>,
-        place: &mut Cursor,
-        fluent: Value,
-        value: Value,
-    ) -> Result<Proceed, Raise> {
-        match (fluent, value) {
-            (Value::Fluent(fluent), Value::Nil | Value::True) if self.signals_plainly(fluent) => {
-                Ok(self.signal_plainly(fluent, value))
-            }
-            _ => self.assign_any(around, place, fluent, value),
-        }
-    }
-
-    /// Whether nothing but waiters needs to be looked at when `nil` or `t` is assigned: the common
-    /// signal, to a fluent nothing is computed from.
-    #[inline]
-    fn signals_plainly(&self, fluent: u32) -> bool {
-        self.current != SCRATCH_TASK
-            && !self.trace.enabled
-            && self.fluents.get(fluent).is_some_and(|entry| entry.is_plain())
-    }
-
-    #[inline]
-    fn signal_plainly(&mut self, fluent: u32, truth: Value) -> Proceed {
-        let entry = &mut self.fluents[fluent];
-        let is_new = entry.value != truth;
-        entry.value = truth;
-        if is_new && truth.is_true() && entry.waiters.first != NONE {
-            self.wake_waiters(fluent, Wake::Value(Value::True));
-            return Proceed::Switch;
-        }
-        Proceed::On
-    }
-
-    #[inline(never)]
-    fn assign_any(
         &mut self,
         around: &mut Surroundings<'_>,
         place: &mut Cursor,
@@ -504,6 +477,13 @@ impl Machine {
         self.assign_fluent(around, fluent, value)?;
         place.spend(std::mem::take(&mut self.scratch.burned) as usize);
         self.collect_if_full()?;
+        Ok(Proceed::Switch)
+    }
+
+    /// Wakes who waits for a fluent that has been signalled.
+    #[inline]
+    pub(super) fn serve_signal(&mut self, fluent: u32) -> Result<Proceed, Raise> {
+        self.wake_waiters(fluent, Wake::Value(Value::True));
         Ok(Proceed::Switch)
     }
 

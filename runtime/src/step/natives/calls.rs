@@ -1,4 +1,4 @@
-//! Calls of function values, plans as data, and output.
+//! Calls of function values, plans as data, chance, and output.
 
 use crate::state::failure::Raise;
 use crate::state::output::Channel;
