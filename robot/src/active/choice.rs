@@ -34,13 +34,13 @@ pub struct ActionField {
     pub occupancy: Vec<f32>,
     /// v(a), Eq. (8), in metres of free way; infinite where no way leads.
     pub cost_m: Vec<f64>,
-    /// E_a[H], Eq. (6), in nats; NaN where no way leads.
+    /// E_a\[H\], Eq. (6), in nats; NaN where no way leads.
     pub expected_entropy: Vec<f32>,
-    /// −(E_a[H] + α v(a)), Eq. (9); NaN where no way leads.
+    /// −(E_a\[H\] + α v(a)), Eq. (9); NaN where no way leads.
     pub payoff: Vec<f32>,
 }
 
-/// Chooses a target, argmin of E_a[H] + α v(a); none if there is no maximum or no way anywhere.
+/// Chooses a target, argmin of E_a\[H\] + α v(a); none if there is no maximum or no way anywhere.
 /// `obstacles_in_base` are points found occupied whatever the map says. Takes some 50 ms with ten
 /// maxima.
 pub fn choose(

@@ -46,7 +46,7 @@ impl<'m> SensingModel<'m> {
         &self.directions
     }
 
-    /// U(a) of Eq. (4) with E_a[H] of Eq. (13), in nats.
+    /// U(a) of Eq. (4) with E_a\[H\] of Eq. (13), in nats.
     ///
     /// The two equations together say H(L) − E_a[H(L | s)], which is H(s) − E[H(s | L)]; and a
     /// reading depends on the state through the expected distance alone. So the belief need only be
