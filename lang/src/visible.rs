@@ -187,7 +187,7 @@ const SHOWN_OF_LONG: usize = 24;
 const LONGEST_WORD_BYTES: usize = 240;
 
 /// Writes a character as the escape a string literal has for it.
-pub(crate) fn push_escape(text: &mut String, character: char) {
+fn push_escape(text: &mut String, character: char) {
     match character {
         '\n' => text.push_str("\\n"),
         '\t' => text.push_str("\\t"),

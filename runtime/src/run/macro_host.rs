@@ -152,7 +152,7 @@ impl MacroHost for MacroMachine {
 
 impl Machine {
     /// Calls a function by its code, without a task.
-    pub(crate) fn evaluate_function(
+    fn evaluate_function(
         &mut self,
         around: &mut Surroundings<'_>,
         code: u32,

@@ -32,11 +32,6 @@ impl Cursor {
         let steps = u32::try_from(steps).unwrap_or(u32::MAX);
         *self = Self::new(self.frame, self.steps().saturating_sub(steps), self.fuel.saturating_sub(steps));
     }
-
-    /// The frame that runs.
-    pub(crate) fn frame(&self) -> Frame {
-        self.frame
-    }
 }
 
 /// What exists only while code runs; empty between two steps, and no part of the state.

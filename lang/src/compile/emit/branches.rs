@@ -52,7 +52,7 @@ impl Emitter<'_, '_> {
     }
 
     /// Emits a form whose value ends the function.
-    pub(super) fn returned(&mut self, ir: &Ir, into: Reg) {
+    fn returned(&mut self, ir: &Ir, into: Reg) {
         let mut from = into;
         match ir.kind {
             IrKind::Local(variable) if !self.compiler.variables[variable.0 as usize].in_cell() => {

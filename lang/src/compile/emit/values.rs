@@ -133,7 +133,7 @@ impl Emitter<'_, '_> {
         }
     }
 
-    pub(super) fn set_local(&mut self, variable: VarId, value: &Ir, into: Reg) {
+    fn set_local(&mut self, variable: VarId, value: &Ir, into: Reg) {
         let reg = self.registers.get(&variable).copied().unwrap_or(NO_REG);
         if self.compiler.variables[variable.0 as usize].in_cell() {
             self.value(value, into, false);

@@ -135,7 +135,7 @@ impl Machine {
     /// Calls a native that has found no room once more, when what nobody needs is gone.
     #[cold]
     #[inline(never)]
-    pub(crate) fn call_with_room(
+    fn call_with_room(
         &mut self,
         around: &mut Surroundings<'_>,
         native: u16,
@@ -219,7 +219,7 @@ impl Machine {
 
     /// Calls any function value. On return `place` tells where to go on; an exit if the task stops.
     #[allow(clippy::too_many_arguments, reason = "the calling convention in full")]
-    pub(crate) fn call_value(
+    fn call_value(
         &mut self,
         around: &mut Surroundings<'_>,
         place: &mut Cursor,

@@ -355,7 +355,7 @@ impl Machine {
         Ok(Proceed::On)
     }
 
-    pub(crate) fn innermost_watch(&self, task: u32) -> u32 {
+    fn innermost_watch(&self, task: u32) -> u32 {
         self.tasks[task]
             .scopes
             .iter()
@@ -376,7 +376,7 @@ impl Machine {
     }
 
     /// Leaves the innermost scope, whose body has ended by itself.
-    pub(crate) fn pop_ended_scope(&mut self, around: &mut Surroundings<'_>) {
+    fn pop_ended_scope(&mut self, around: &mut Surroundings<'_>) {
         let task = self.current;
         match self.tasks[task].scopes.pop().map(|scope| scope.kind) {
             Some(ScopeKind::Valve(valve)) => self.release_valve(around, task, valve),

@@ -118,7 +118,7 @@ impl Machine {
             bytes: 0,
             code,
         };
-        let asked = self.scratch.asked.as_ref().map(|(place, _)| place.frame());
+        let asked = self.scratch.asked.as_ref().map(|(place, _)| place.frame);
         self.scratch.frames.iter().chain(asked.as_ref()).for_each(|frame| marker.refer_to(frame.code));
         marker.extend(&self.globals);
         marker.extend(&self.constants);

@@ -38,7 +38,7 @@ impl Machine {
 
     /// The path of a task and of its plan calls among the first scopes. Only the last
     /// [`MAX_SEGMENTS`] names are written.
-    pub(crate) fn path_within(&self, task: u32, scopes: usize) -> String {
+    fn path_within(&self, task: u32, scopes: usize) -> String {
         let mut parts = Vec::new();
         let (mut at, mut upto) = (task, scopes);
         while let Some(record) = self.tasks.get(at) {

@@ -307,7 +307,7 @@ impl Machine {
     }
 
     /// A failure that comes after an outcome is fixed is kept beside it.
-    pub(crate) fn attach_late(&mut self, around: &Surroundings<'_>, leaving: &Leaving, failure: Value) {
+    fn attach_late(&mut self, around: &Surroundings<'_>, leaving: &Leaving, failure: Value) {
         match leaving {
             Leaving::Fail(Value::Failure(first)) | Leaving::FailCall { failure: Value::Failure(first), .. } => {
                 if Value::Failure(*first) != failure {
