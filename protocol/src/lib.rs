@@ -1,0 +1,9 @@
+//! What is said to processes outside the deterministic core, and what they answer: modules written in
+//! other languages, and hosts that move a robot.
+//!
+//! Everything here is a value or a function of values. Who carries the words stands behind the trait
+//! [`line::Line`]; pipes, sockets, threads and clocks are in the crate `link`.
+//!
+//! Read `line` first.
+
+pub mod line;
