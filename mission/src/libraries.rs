@@ -2,7 +2,7 @@
 
 use crate::error::SiteError;
 use rpl_lang::compile::{NoFiles, special_forms};
-use rpl_robot::office;
+use rpl_robot::office::{self, Composition, Module, PlanText, office_modules};
 use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::step::native::Native;
@@ -24,15 +24,24 @@ pub fn natives() -> Vec<Native> {
 /// # Errors
 /// One of them has a name that is taken, or the prelude does not compile.
 pub fn library_without_robot(own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
-    plan_library(base_natives(), own, RobotTables::EMPTY, &[], &office::robot_names())
+    robotless_library(office_modules(), own)
 }
 
-/// What plans can call on the office robot, and these native functions.
+/// The same where the robot, if there were one, would have these modules.
+pub(crate) fn robotless_library<M: Module>(
+    modules: &Composition<M>,
+    own: Vec<Native>,
+) -> Result<Arc<Library>, SiteError> {
+    plan_library(base_natives(), own, RobotTables::EMPTY, &[], &modules.robot_names())
+}
+
+/// What plans can call on a robot of these modules, and these native functions.
 ///
 /// # Errors
 /// One of them has a name that is taken, or the prelude does not compile.
-pub fn robot_library(own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
-    plan_library(natives(), own, office::tables(), &[("robot", office::PLANS)], &office::reserved_names())
+pub fn robot_library<M: Module>(modules: &Composition<M>, own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
+    let natives = [base_natives(), modules.functions.clone()].concat();
+    plan_library(natives, own, &modules.tables, &modules.plans, &modules.reserved_names())
 }
 
 /// What the experimenter's plans can call.
@@ -47,7 +56,7 @@ fn plan_library(
     natives: Vec<Native>,
     own: Vec<Native>,
     tables: &RobotTables,
-    plans: &[(&str, &str)],
+    plans: &[PlanText],
     robot_names: &[String],
 ) -> Result<Arc<Library>, SiteError> {
     let names: Vec<&'static str> = own.iter().map(|native| native.name).collect();
@@ -75,10 +84,11 @@ fn is_defined(library: &Library, name: &str) -> bool {
 fn compile(
     natives: Vec<Native>,
     tables: &RobotTables,
-    plans: &[(&str, &str)],
+    plans: &[PlanText],
     robot_names: &[String],
 ) -> Result<Library, SiteError> {
-    let preludes = [&[("prelude", rpl_stdlib::PRELUDE)], plans].concat();
+    let mut preludes = vec![("prelude", rpl_stdlib::PRELUDE)];
+    preludes.extend(plans.iter().map(|plan| (&*plan.name, &*plan.text)));
     Library::new(natives, &preludes, tables, robot_names).map_err(SiteError::Prelude)
 }
 
@@ -95,8 +105,8 @@ mod tests {
 
     #[test]
     fn a_function_of_the_program_takes_no_name_that_has_a_meaning() {
-        assert!(robot_library(vec![native("of-mine"), native("of-mine-too")]).is_ok());
-        let taken = |natives: Vec<Native>| match robot_library(natives) {
+        assert!(robot_library(office_modules(), vec![native("of-mine"), native("of-mine-too")]).is_ok());
+        let taken = |natives: Vec<Native>| match robot_library(office_modules(), natives) {
             Err(SiteError::NativeTaken(name)) => name,
             Err(other) => panic!("{other}"),
             Ok(_) => panic!("there are two of a name"),

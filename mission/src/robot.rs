@@ -3,25 +3,25 @@
 use crate::sight::{Account, PositionBelief, Sight};
 use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::Vector;
-use rpl_robot::office::{OfficeRobot, Oracle};
+use rpl_robot::office::{Module, OfficeModules, OfficeRobot, Oracle, SimulatedHost};
 use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use std::any::Any;
+use std::any::{Any, TypeId};
 
 /// The robot of a run, if it has one.
 #[derive(Clone)]
-pub enum Robot {
+pub enum Robot<M: Module = OfficeModules> {
     /// No world, no robot.
     Absent(NoRobot),
-    /// The office robot, simulated.
-    Office(Box<OfficeRobot>),
+    /// A robot in its world, simulated.
+    Office(Box<OfficeRobot<SimulatedHost, M>>),
 }
 
-impl Robot {
+impl<M: Module> Robot<M> {
     /// What can be seen of it.
     pub fn sight(&self) -> Option<Sight> {
         match self {
@@ -108,7 +108,7 @@ impl Robot {
     }
 }
 
-impl Outside for Robot {
+impl<M: Module> Outside for Robot<M> {
     fn tables(&self) -> &RobotTables {
         self.outside().tables()
     }
@@ -135,7 +135,7 @@ impl Outside for Robot {
         self.outside_mut().step(phases, outbox);
     }
 
-    fn as_any(&mut self) -> &mut dyn Any {
-        self.outside_mut().as_any()
+    fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
+        self.outside_mut().part(of)
     }
 }

@@ -3,12 +3,14 @@
 
 use crate::cost::{MEMORY_GIB, TooLarge};
 use crate::error::SiteError;
-use crate::libraries::{library_without_robot, robot_library, scenario_library};
+use crate::libraries::{robot_library, robotless_library, scenario_library};
 use crate::robot::Robot;
 use crate::run::silence_continuous_fluents;
 use crate::scenario::Scenario;
 use rpl_lang::compile::Loader;
-use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
+use rpl_robot::office::{
+    Composition, Module, OfficeModel, OfficeModules, OfficeRobot, OfficeSettings, SimulatedHost, office_modules,
+};
 use rpl_robot::world::World;
 use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::library::{Library, Loaded, Rejected};
@@ -37,9 +39,10 @@ impl Default for Setup {
 
 /// Everything that is the same in all runs of a mission. A copy shares what was built.
 #[derive(Clone)]
-pub struct Site {
+pub struct Site<M: Module = OfficeModules> {
     /// What plans can call here.
     pub library: Arc<Library>,
+    modules: Arc<Composition<M>>,
     premises: Premises,
 }
 
@@ -55,30 +58,21 @@ enum Premises {
 }
 
 impl Site {
-    /// A site with the robot in a world; without a world it is one without a robot. Cost: that of
+    /// A site with the office robot in a world; without a world it is one without a robot. Cost: that of
     /// the world's models, which [`crate::cost::LargeWorld`] knows beforehand.
     ///
     /// # Errors
     /// The world is too large or cannot be localized in, or a native function has a name that is
     /// taken.
     pub fn new(setup: Setup) -> Result<Self, SiteError> {
-        let Setup { world, settings, memory_gib, natives } = setup;
-        let Some(world) = world else {
-            return Ok(Self { library: library_without_robot(natives)?, premises: Premises::Robotless });
-        };
-        if let Some(too_large) = TooLarge::of(&world, &settings, memory_gib) {
-            return Err(Box::new(too_large).into());
-        }
-        let name = world.name.clone();
-        let model = OfficeModel::new(world, settings).map_err(|source| SiteError::Unfit { world: name, source })?;
-        let premises = Premises::Office { model: Arc::new(model), scenario: None };
-        Ok(Self { library: robot_library(natives)?, premises })
+        Self::with_modules(setup, office_modules().clone())
     }
 
-    /// A site of a library that [`robot_library`] has made, and of the models of a world: who runs in
-    /// many worlds, or one world in many ways, builds each of them once.
+    /// A site of a library that [`robot_library`] has made for the office robot, and of the models of a world: who
+    /// runs in many worlds, or one world in many ways, builds each of them once.
     pub fn of(library: Arc<Library>, model: Arc<OfficeModel>) -> Self {
-        Self { library, premises: Premises::Office { model, scenario: None } }
+        let premises = Premises::Office { model, scenario: None };
+        Self { library, modules: office_modules().clone(), premises }
     }
 
     /// A site without a robot.
@@ -94,7 +88,8 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn for_checking() -> Result<Self, SiteError> {
-        Ok(Self { library: robot_library(Vec::new())?, premises: Premises::Unbuilt })
+        let modules = office_modules().clone();
+        Ok(Self { library: robot_library(&modules, Vec::new())?, modules, premises: Premises::Unbuilt })
     }
 
     /// A site with what scenarios can call, but with no world to meddle with.
@@ -102,7 +97,29 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn for_checking_scenarios() -> Result<Self, SiteError> {
-        Ok(Self { library: scenario_library()?, premises: Premises::Unbuilt })
+        let modules = office_modules().clone();
+        Ok(Self { library: scenario_library()?, modules, premises: Premises::Unbuilt })
+    }
+}
+
+impl<M: Module> Site<M> {
+    /// A site whose robot has these modules.
+    ///
+    /// # Errors
+    /// As for [`Site::new`].
+    pub fn with_modules(setup: Setup, modules: Arc<Composition<M>>) -> Result<Self, SiteError> {
+        let Setup { world, settings, memory_gib, natives } = setup;
+        let Some(world) = world else {
+            let library = robotless_library(&modules, natives)?;
+            return Ok(Self { library, modules, premises: Premises::Robotless });
+        };
+        if let Some(too_large) = TooLarge::of(&world, &settings, memory_gib) {
+            return Err(Box::new(too_large).into());
+        }
+        let name = world.name.clone();
+        let model = OfficeModel::new(world, settings).map_err(|source| SiteError::Unfit { world: name, source })?;
+        let premises = Premises::Office { model: Arc::new(model), scenario: None };
+        Ok(Self { library: robot_library(&modules, natives)?, modules, premises })
     }
 
     /// The same place with another scenario: the experimenter's plan, which runs beside the plans and
@@ -131,7 +148,7 @@ impl Site {
         };
         let scenario = Some(Scenario::compile(name, text, loader)?);
         let premises = Premises::Office { model: model.clone(), scenario };
-        Ok(Self { library: self.library.clone(), premises })
+        Ok(Self { library: self.library.clone(), modules: self.modules.clone(), premises })
     }
 
     /// Whether plans can name a robot here, and there is none.
@@ -155,17 +172,17 @@ impl Site {
         self.library.load(name, text, loader).map_err(SiteError::Plan)
     }
 
-    /// The office robot at the start of a run, if there is one. Everything that it leaves to chance
+    /// The robot in its world at the start of a run, if there is one. Everything that it leaves to chance
     /// follows from the seed.
-    pub fn office_robot(&self, seed: u64) -> Option<OfficeRobot> {
+    pub fn office_robot(&self, seed: u64) -> Option<OfficeRobot<SimulatedHost, M>> {
         let Premises::Office { model, scenario } = &self.premises else { return None };
         let scenario = scenario.as_ref().map(|scenario| scenario.start(model, seed));
         let host = SimulatedHost::new(model.simulator.clone(), seed, scenario);
-        Some(OfficeRobot::new(model.clone(), host, seed))
+        Some(OfficeRobot::with_modules(self.modules.clone(), model.clone(), host, seed))
     }
 
     /// The robot at the start of a run, if there is one.
-    pub fn robot(&self, seed: u64) -> Robot {
+    pub fn robot(&self, seed: u64) -> Robot<M> {
         match self.office_robot(seed) {
             Some(robot) => Robot::Office(Box::new(robot)),
             None => Robot::Absent(NoRobot),
@@ -173,18 +190,18 @@ impl Site {
     }
 
     /// A run of a plan at its start, which keeps no trace. The same plan and seed give the same run.
-    pub fn start(&self, plan: Loaded, seed: u64) -> System<Robot> {
+    pub fn start(&self, plan: Loaded, seed: u64) -> System<Robot<M>> {
         System::new(self.library.clone(), plan, self.robot(seed), seed)
     }
 
     /// The same run with its trace from the first event on, but for the fluents that change in every
     /// step ([`rpl_runtime::robot::FluentSpec::continuous`]). Who goes on with it takes the events out.
-    pub fn start_traced(&self, plan: Loaded, seed: u64) -> System<Robot> {
+    pub fn start_traced(&self, plan: Loaded, seed: u64) -> System<Robot<M>> {
         self.start_traced_with(self.robot(seed), plan, seed)
     }
 
     /// The same with a robot that was changed, such as one that starts elsewhere.
-    pub fn start_traced_with(&self, robot: Robot, plan: Loaded, seed: u64) -> System<Robot> {
+    pub fn start_traced_with(&self, robot: Robot<M>, plan: Loaded, seed: u64) -> System<Robot<M>> {
         let mut system = System::traced(self.library.clone(), plan, robot, seed);
         silence_continuous_fluents(&mut system);
         system
@@ -194,7 +211,7 @@ impl Site {
     ///
     /// # Errors
     /// The session's own text does not compile.
-    pub fn session(&self, seed: u64) -> Result<System<Robot>, Rejected> {
+    pub fn session(&self, seed: u64) -> Result<System<Robot<M>>, Rejected> {
         let mut system = System::session(&self.library, self.robot(seed), seed)?;
         silence_continuous_fluents(&mut system);
         Ok(system)

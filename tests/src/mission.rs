@@ -6,7 +6,7 @@ use rpl_mission::libraries;
 use rpl_mission::run::{Reached, fluent_value, run_to, silence_continuous_fluents};
 use rpl_mission::site::Site;
 use rpl_robot::localization::LocalizationParameters;
-use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings};
+use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings, office_modules};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
@@ -62,7 +62,7 @@ pub fn test_room() -> Arc<OfficeModel> {
 /// What plans can call on a robot, compiled once.
 pub fn robot_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    let compile = || libraries::robot_library(Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    let compile = || libraries::robot_library(office_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     LIBRARY.get_or_init(compile).clone()
 }
 

@@ -2,8 +2,8 @@
 //! writes the position, through [`Position`]; everything else is put down by the controller, which
 //! gathers what they answer, and by functions that plans call.
 
-use super::behaviours::position::Position;
 use super::model::OfficeModel;
+use super::position::Position;
 use crate::geometry::Velocity;
 use crate::simulator::Percept;
 use crate::world::TravelMode;

@@ -1,11 +1,12 @@
 //! The controller: what runs on the robot itself. Of the world it has percepts, and commands go out; the
 //! truth is the host's.
 
+use super::behaviours::OfficeModules;
 use super::behaviours::body::WHEELS;
-use super::behaviours::module::{Moment, Start};
-use super::behaviours::{Modules, tables};
 use super::board::Board;
+use super::composition::Composition;
 use super::model::OfficeModel;
+use super::module::{Module, Moment, Start, Telling};
 use crate::geometry::Velocity;
 use crate::localization::Estimate;
 use crate::simulator::{Commands, Percept};
@@ -15,22 +16,26 @@ use rpl_runtime::state::activation::{Phase, Phases};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use std::any::{Any, TypeId};
 use std::sync::Arc;
 
 /// What runs on the robot.
 #[derive(Clone)]
-pub struct Controller {
+pub struct Controller<M: Module = OfficeModules> {
     /// What does not change.
     pub model: Arc<OfficeModel>,
+    /// What the modules offer.
+    pub composition: Arc<Composition<M>>,
     /// What the modules share.
     pub board: Board,
     /// The modules.
-    pub modules: Modules,
+    pub modules: M,
 }
 
-impl Controller {
-    pub(super) fn new(model: Arc<OfficeModel>, seed: u64) -> Self {
-        Self { board: Board::new(&model), modules: Modules::new(&model, seed), model }
+impl<M: Module> Controller<M> {
+    pub(super) fn new(model: Arc<OfficeModel>, composition: Arc<Composition<M>>, seed: u64) -> Self {
+        let modules = M::new(&composition.settings, &model, seed);
+        Self { board: Board::new(&model), modules, composition, model }
     }
 
     /// Where the robot believes itself to be, and how certain it is. Without a map: where its odometry
@@ -39,34 +44,33 @@ impl Controller {
         self.board.position.estimate(self.model.map.as_ref())
     }
 
+    fn phases(&self, phases: Phases<'_>) -> Vec<Phase> {
+        (0..self.composition.tables.behaviours.len()).map(|behaviour| phases.of(behaviour as u16)).collect()
+    }
+
     /// What the robot is to do in the next step.
     pub(super) fn take_commands(&mut self, phases: Phases<'_>) -> Commands {
         let Velocity { translation_mps, rotation_radps } = self.board.drive_request;
         let mut commands = Commands { translation_mps, rotation_radps, ..Commands::default() };
-        for (number, module) in self.modules.numbered() {
-            module.command(self.board.mode, phase_of(phases, number), &mut commands);
-        }
+        let phases = self.phases(phases);
+        self.modules.command(self.board.mode, &phases, &mut commands);
         commands
     }
 
     /// One step of all modules; afterwards they tell how things stand.
     pub(super) fn step(&mut self, phases: Phases<'_>, percept: Percept, outbox: &mut Outbox) {
-        let Self { model, board, modules } = self;
-        board.drive_request = Velocity::default();
+        let mut phases = self.phases(phases);
+        let Self { model, board, modules, .. } = self;
         board.inbox.extend(percept.messages.iter().cloned());
-        let mut now =
-            Moment { model, percept: &percept, mode: board.mode, unread: board.inbox.len(), phase: Phase::Inactive };
-        for (number, module) in modules.numbered() {
-            now.phase = phase_of(phases, number);
-            let work = module.step(&now, &mut board.position, &mut outbox.events);
-            board.drive_request = work.velocity.unwrap_or(board.drive_request);
-            outbox.endings.extend(number.zip(work.ending));
+        let (mode, unread) = (board.mode, board.inbox.len());
+        let now = Moment { model, percept: &percept, mode, unread, phases: &phases };
+        let wanted = modules.step(&now, &mut board.position, &mut Telling::of_all(outbox));
+        board.drive_request = wanted.unwrap_or_default();
+        for (behaviour, _) in &outbox.endings {
+            phases[usize::from(*behaviour)] = Phase::Done;
         }
-        for (number, module) in modules.numbered() {
-            let is_over = outbox.endings.iter().any(|(ended, _)| Some(*ended) == number);
-            now.phase = if is_over { Phase::Done } else { phase_of(phases, number) };
-            module.publish(&now, &board.position, outbox);
-        }
+        let now = Moment { model, percept: &percept, mode, unread, phases: &phases };
+        modules.publish(&now, &board.position, &mut Telling::of_all(outbox));
         // Without a map what was told is where the odometry was before this step.
         board.position.end_step(percept.odometry_in_odom);
         board.percept = Some(percept);
@@ -80,26 +84,34 @@ impl Controller {
         arguments: &[(Symbol, Value)],
         outbox: &mut Outbox,
     ) -> Result<(), Raise> {
-        let time_us = self.board.percept.as_ref().map_or(0, |percept| percept.time_us);
-        let start = Start { model: &self.model, machine, arguments, time_us };
-        match self.modules.of(behaviour) {
-            Some(module) => module.start(&start, &mut self.board.position, outbox),
-            None => unreachable!("the tables have no behaviour {behaviour}"),
+        let Self { model, board, modules, .. } = self;
+        let time_us = board.percept.as_ref().map_or(0, |percept| percept.time_us);
+        let start = Start { model, machine, arguments, time_us };
+        let tell = &mut Telling::of_all(outbox);
+        modules.start(usize::from(behaviour), &start, &mut board.position, tell)?;
+        if board.position.take_given_up() {
+            modules.publish_position(model, &board.position, tell);
         }
+        Ok(())
     }
 
     /// Stops a behaviour. If it drives, the robot stands.
-    pub(super) fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox) {
-        if tables().behaviours[usize::from(behaviour)].valve == Some(WHEELS) {
+    pub(super) fn stop(&mut self, behaviour: u16, why: StopReason, outbox: &mut Outbox) {
+        let behaviour = usize::from(behaviour);
+        if self.composition.tables.behaviours[behaviour].valve == Some(WHEELS) {
             self.board.drive_request = Velocity::default();
         }
-        if let Some(module) = self.modules.of(behaviour) {
-            module.stop(how, outbox);
+        self.modules.stop(behaviour, why, &mut Telling::of_all(outbox));
+    }
+
+    /// What functions of plans work on: the model, what the modules share, or a module.
+    pub(super) fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
+        if of == TypeId::of::<Arc<OfficeModel>>() {
+            Some(&mut self.model)
+        } else if of == TypeId::of::<Board>() {
+            Some(&mut self.board)
+        } else {
+            self.modules.part(of)
         }
     }
-}
-
-/// Where a module's behaviour stands; one without a behaviour stands nowhere.
-fn phase_of(phases: Phases<'_>, number: Option<u16>) -> Phase {
-    number.map_or(Phase::Inactive, |number| phases.of(number))
 }

@@ -1,38 +1,55 @@
 //! The office robot behind the seam of the runtime: thin bindings of simulator, localization,
 //! active localization, navigation and gripper to behaviours, fluents and functions of plans.
 //!
-//! One step of 50 ms: the commands of the modules go to the host, and a percept comes back; simulated,
-//! the scenario runs before the robot moves and senses. Then the modules work in the order of their list
+//! One step: the commands of the modules go to the host, and a percept comes back; simulated, the
+//! scenario runs before the robot moves and senses. Then the modules work in the order of their list
 //! (`behaviours`): position tracking takes the percept in, the active behaviours decide. What they found
 //! goes out as one assignment of all fluents.
 //!
-//! Read `behaviours` first, then `controller`, then `robot`.
+//! A robot is a list of modules, made with [`modules!`](crate::modules), and a [`Host`]. Other crates add
+//! modules and hosts of their own: the office robot's are written no other way.
+//!
+//! Read `module` first, then `composition` and `behaviours`, then `controller` and `robot`.
 
 mod behaviours;
 mod board;
+mod composition;
 mod controller;
 mod cost;
+mod functions;
 mod host;
 mod model;
+mod module;
 mod names;
-mod natives;
 mod plan_text;
+mod position;
 mod report;
 mod robot;
 mod save;
 mod scenario;
 mod words;
 
+pub use crate::geometry::Velocity;
+pub use crate::simulator::Commands;
+pub use crate::world::TravelMode;
 pub use behaviours::active_localization::NAME as ACTIVE_LOCALIZATION;
-pub use behaviours::position::Position;
-pub use behaviours::{Modules, tables};
+pub use behaviours::navigation::PLANS;
+pub use behaviours::{OfficeModules, natives, office_modules, tables};
 pub use board::Board;
+pub use composition::{Composition, NameTaken};
 pub use controller::Controller;
 pub use cost::Cost;
+pub use functions::{act, board, look, model};
 pub use host::{Host, SimulatedHost};
 pub use model::{MapModel, OfficeModel, OfficeSettings};
-pub use names::{PLANS, reserved_names, robot_names, scenario_names};
-pub use natives::natives;
+pub use module::{
+    Layout, Module, ModuleSpec, Moment, Part, PlanText, Start, Telling, continuous, fluent, fluent_number,
+};
+pub use names::scenario_names;
+pub use position::Position;
 pub use report::{Report, ReportKind};
 pub use robot::OfficeRobot;
+pub use rpl_runtime::robot::StopReason;
+pub use rpl_runtime::state::activation::Phase;
+pub use rpl_runtime::state::failure::Raise;
 pub use scenario::{Oracle, oracle_natives, oracle_tables};

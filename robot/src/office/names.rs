@@ -1,26 +1,26 @@
 //! The names the robot brings, all taken from where they are defined.
 
-use super::behaviours::tables;
-use super::natives::natives;
+use super::composition::Composition;
+use super::module::Module;
 use super::scenario::{oracle_natives, oracle_tables};
 use rpl_lang::reader::read;
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
 
-/// The robot's own plan library.
-pub const PLANS: &str = include_str!("plans.rpl");
+impl<M: Module> Composition<M> {
+    /// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
+    /// functions are a library like any other.
+    pub fn reserved_names(&self) -> Vec<String> {
+        self.tables.names().map(str::to_string).collect()
+    }
 
-/// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
-/// functions are a library like any other.
-pub fn reserved_names() -> Vec<String> {
-    tables().names().map(str::to_string).collect()
-}
-
-/// Names that exist only with a robot: a plan without one is told that it needs a world.
-pub fn robot_names() -> Vec<String> {
-    let natives = natives().into_iter().map(|native| native.name.to_string());
-    reserved_names().into_iter().chain(natives).chain(definitions(PLANS)).collect()
+    /// Names that exist only with a robot: a plan without one is told that it needs a world.
+    pub fn robot_names(&self) -> Vec<String> {
+        let functions = self.functions.iter().map(|function| function.name.to_string());
+        let plans = self.plans.iter().flat_map(|plan| definitions(&plan.text));
+        self.reserved_names().into_iter().chain(functions).chain(plans).collect()
+    }
 }
 
 /// Names that only a scenario has.
@@ -40,11 +40,12 @@ fn definitions(text: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::office::behaviours::office_modules;
     use std::collections::BTreeSet;
 
     #[test]
     fn no_name_is_given_twice() {
-        for names in [robot_names(), scenario_names()] {
+        for names in [office_modules().robot_names(), scenario_names()] {
             let once: BTreeSet<&String> = names.iter().collect();
             assert_eq!(once.len(), names.len(), "{names:?}");
         }
@@ -52,11 +53,11 @@ mod tests {
 
     #[test]
     fn the_names_are_those_of_tables_functions_and_plans() {
-        let names = robot_names();
+        let names = office_modules().robot_names();
         for name in ["navigation", "wheels", "x*", "belief-maxima", "go-to", "is-spot-at?"] {
             assert!(names.iter().any(|known| known == name), "{name}");
         }
-        assert!(reserved_names().iter().all(|name| names.contains(name)));
-        assert!(!reserved_names().iter().any(|name| name == "go-to"), "a plan may define its own");
+        assert!(office_modules().reserved_names().iter().all(|name| names.contains(name)));
+        assert!(!office_modules().reserved_names().iter().any(|name| name == "go-to"), "a plan may define its own");
     }
 }

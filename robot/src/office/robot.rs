@@ -1,9 +1,11 @@
 //! The robot: its controller and a host, as the runtime steps them.
 
-use super::behaviours::tables;
+use super::behaviours::{OfficeModules, office_modules};
+use super::composition::Composition;
 use super::controller::Controller;
 use super::host::{Host, SimulatedHost};
 use super::model::OfficeModel;
+use super::module::Module;
 use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};
@@ -13,22 +15,29 @@ use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use std::any::Any;
+use std::any::{Any, TypeId};
 use std::sync::Arc;
 
 /// A robot in its world: what the runtime steps.
 #[derive(Clone)]
-pub struct OfficeRobot<H = SimulatedHost> {
+pub struct OfficeRobot<H = SimulatedHost, M: Module = OfficeModules> {
     /// What runs on it.
-    pub controller: Controller,
+    pub controller: Controller<M>,
     /// Who moves it and senses for it.
     pub host: H,
 }
 
 impl<H> OfficeRobot<H> {
-    /// A robot at the start of its world.
+    /// The office robot at the start of its world.
     pub fn new(model: Arc<OfficeModel>, host: H, seed: u64) -> Self {
-        Self { controller: Controller::new(model, seed), host }
+        Self::with_modules(office_modules().clone(), model, host, seed)
+    }
+}
+
+impl<H, M: Module> OfficeRobot<H, M> {
+    /// A robot of these modules at the start of its world.
+    pub fn with_modules(composition: Arc<Composition<M>>, model: Arc<OfficeModel>, host: H, seed: u64) -> Self {
+        Self { controller: Controller::new(model, composition, seed), host }
     }
 
     /// What does not change.
@@ -74,8 +83,7 @@ impl<H> OfficeRobot<H> {
             (Some(now), Some(earlier)) => now.bytes_apart(earlier),
             (Some(_) | None, _) => 0,
         };
-        let (now, earlier) = (&self.controller.modules, &earlier.controller.modules);
-        belief + now.navigation.bytes_apart(&earlier.navigation)
+        belief + self.controller.modules.bytes_apart(&earlier.controller.modules)
     }
 
     /// The percept of the last step.
@@ -85,7 +93,7 @@ impl<H> OfficeRobot<H> {
 }
 
 /// What only an experimenter knows and does.
-impl OfficeRobot<SimulatedHost> {
+impl<M: Module> OfficeRobot<SimulatedHost, M> {
     /// The same robot at the beginning of a run, put down elsewhere and told so.
     ///
     /// # Errors
@@ -112,9 +120,9 @@ impl OfficeRobot<SimulatedHost> {
     }
 }
 
-impl<H: Host + 'static> Outside for OfficeRobot<H> {
+impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
     fn tables(&self) -> &RobotTables {
-        tables()
+        &self.controller.composition.tables
     }
 
     fn start(
@@ -144,7 +152,7 @@ impl<H: Host + 'static> Outside for OfficeRobot<H> {
     }
 
     /// Functions of plans reach the controller, whatever the host, and never the host.
-    fn as_any(&mut self) -> &mut dyn Any {
-        &mut self.controller
+    fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
+        self.controller.part(of)
     }
 }

@@ -1,9 +1,9 @@
 //! The robot's part of a saved run: everything that changes, and beside it what it belongs to.
 
-use super::behaviours::Modules;
 use super::board::Board;
 use super::controller::Controller;
 use super::host::SimulatedHost;
+use super::module::Module;
 use super::report::Report;
 use super::robot::OfficeRobot;
 use super::scenario::Oracle;
@@ -24,16 +24,19 @@ struct Setting {
     localization: LocalizationParameters,
     active: ActiveParameters,
     map_known: bool,
+    /// The names of what the robot's modules offer, in order.
+    names: Vec<String>,
 }
 
 impl Setting {
-    fn of(robot: &OfficeRobot) -> Self {
+    fn of<M: Module>(robot: &OfficeRobot<SimulatedHost, M>) -> Self {
         let settings = &robot.model().settings;
         Self {
             world: World::clone(&robot.model().world),
             localization: settings.localization.clone(),
             active: settings.active.clone(),
             map_known: settings.map_known,
+            names: robot.controller.composition.reserved_names(),
         }
     }
 }
@@ -49,7 +52,7 @@ fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
     postcard::from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
 }
 
-impl SaveOutside for OfficeRobot<SimulatedHost> {
+impl<M: Module> SaveOutside for OfficeRobot<SimulatedHost, M> {
     fn save(&self) -> Vec<u8> {
         let scenario = self.host.scenario.as_ref().map(|scenario| scenario.save());
         let setting = written(&Setting::of(self));
@@ -73,11 +76,15 @@ impl SaveOutside for OfficeRobot<SimulatedHost> {
             let (there, here) = (with(setting.map_known), with(here.map_known));
             return Err(format!("the run was saved {there}, and this one is {here}"));
         }
+        if setting.names != here.names {
+            return Err("the run was saved with other modules".into());
+        }
         if setting != here {
             return Err("the run was saved with other settings of localization".into());
         }
-        type Changing = (Board, Modules, SimulatorState, Option<Vec<u8>>);
-        let (board, modules, state, scenario): Changing = read(rest)?;
+        type Changing<M> = (Board, M, SimulatorState, Option<Vec<u8>>);
+        let (board, mut modules, state, scenario): Changing<M> = read(rest)?;
+        modules.resume(&self.controller.composition.settings)?;
         if board.position.localization().is_some() != here.map_known {
             return Err("its state is damaged: only a robot with a map has a belief".into());
         }

@@ -1,6 +1,6 @@
 //! Scenarios: the experimenter's plan, which alone sees the truth and can meddle with the world.
 
-use super::natives::act;
+use super::functions::act;
 use super::report::Report;
 use crate::geometry::{Point, Pose};
 use crate::simulator::{SimulatorModel, SimulatorState};
@@ -13,7 +13,7 @@ use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native, Reply};
-use std::any::Any;
+use std::any::{Any, TypeId};
 use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
 
@@ -78,17 +78,13 @@ impl Outside for Oracle {
         outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());
     }
 
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
+    fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
+        (of == TypeId::of::<Self>()).then_some(self)
     }
 }
 
 fn oracle<'a>(call: &'a mut Call<'_, '_>) -> Result<&'a mut Oracle, Raise> {
-    call.around
-        .outside
-        .as_any()
-        .downcast_mut()
-        .ok_or_else(|| Raise::new("error", "only a scenario can do this; run it with `--scenario`"))
+    call.part().map_err(|_| Raise::new("error", "only a scenario can do this; run it with `--scenario`"))
 }
 
 /// Functions of scenarios.

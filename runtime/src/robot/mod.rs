@@ -10,7 +10,7 @@ use crate::state::value::Value;
 use rpl_lang::check::BehaviourSignature;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
-use std::any::Any;
+use std::any::{Any, TypeId};
 use std::borrow::Cow;
 
 /// A behaviour, as plans see it.
@@ -143,7 +143,7 @@ pub struct RobotEvent {
 }
 
 /// The robot, as the machine sees it.
-pub trait Outside: Any {
+pub trait Outside: 'static {
     /// What plans see of it: always the same.
     fn tables(&self) -> &RobotTables;
 
@@ -177,8 +177,11 @@ pub trait Outside: Any {
     /// their phases.
     fn step(&mut self, _phases: Phases<'_>, _outbox: &mut Outbox) {}
 
-    /// For native functions of the robot itself.
-    fn as_any(&mut self) -> &mut dyn Any;
+    /// The part of the robot that is of a type, if it has one: what native functions of that part work
+    /// on ([`Call::part`](crate::step::native::Call::part)).
+    fn part(&mut self, _of: TypeId) -> Option<&mut dyn Any> {
+        None
+    }
 }
 
 impl Raise {
@@ -202,8 +205,4 @@ impl Outside for NoRobot {
     }
 
     fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
-    }
 }

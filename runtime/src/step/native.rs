@@ -7,6 +7,7 @@ use crate::state::value::{TaskRef, Value};
 use rpl_lang::code::Program;
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::kind::Kind;
+use std::any::{Any, TypeId};
 use std::sync::Arc;
 
 /// So much text is made, or looked through, in the time of one turn of a loop.
@@ -45,6 +46,15 @@ impl Call<'_, '_> {
     /// The task that calls.
     pub fn task(&self) -> TaskRef {
         self.machine.tasks.reference(self.machine.current)
+    }
+
+    /// The part of the robot that is of a type.
+    ///
+    /// # Errors
+    /// There is no robot, or none with such a part.
+    pub fn part<T: 'static>(&mut self) -> Result<&mut T, Raise> {
+        let part = self.around.outside.part(TypeId::of::<T>());
+        part.and_then(<dyn Any>::downcast_mut).ok_or_else(Raise::no_robot)
     }
 
     /// The argument at a position; `nil` if it was left out.

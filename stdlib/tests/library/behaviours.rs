@@ -9,7 +9,6 @@ use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use std::any::Any;
 use std::sync::{Arc, LazyLock};
 
 /// A behaviour that succeeds after some steps, or strikes a rock.
@@ -59,10 +58,6 @@ impl Outside for Digger {
             let rock = || Ending::failure("blocked", "a rock");
             outbox.endings.push((0, if self.rock { rock() } else { Ending::Success }));
         }
-    }
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
     }
 }
 

@@ -14,7 +14,6 @@ use rpl_runtime::state::task::ScopeKind;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::NativeCode::Plain;
 use rpl_runtime::step::native::{Call, Effect, Native, Reply};
-use std::any::Any;
 use std::sync::{Arc, LazyLock, OnceLock};
 
 /// A robot that does nothing for a reason: each step is a function of how many there were.
@@ -102,10 +101,6 @@ impl Outside for Whim {
             }
         }
         outbox.fluents.push((2, Reading::Truth(self.active[0] || self.active[1])));
-    }
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
     }
 }
 

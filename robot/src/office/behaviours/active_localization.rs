@@ -1,19 +1,18 @@
 //! Active localization: it drives to where the robot learns most about its position.
 
 use super::body::WHEELS;
-use super::module::{Module, ModuleSpec, Moment, Start, Work};
-use super::position::Position;
-use super::position_tracking::POS_CERTAINTY;
 use crate::active::{ActiveLocalization, Exploration, Intent};
+use crate::geometry::Velocity;
 use crate::navigation::{DriveStatus, DriveTask, LocalDrive};
 use crate::office::model::OfficeModel;
+use crate::office::module::{Module, ModuleSpec, Moment, Start, Telling};
+use crate::office::position::Position;
 use crate::office::report::Report;
 use crate::office::words::no_map;
 use crate::simulator::Commands;
 use crate::world::TravelMode;
 use rpl_random::Stream;
-use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
+use rpl_runtime::robot::{BehaviourSpec, Ending, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};
@@ -37,24 +36,6 @@ pub struct Localizing {
 }
 
 impl Localizing {
-    pub(super) const SPEC: ModuleSpec = ModuleSpec {
-        behaviour: Some(BehaviourSpec {
-            name: Cow::Borrowed(NAME),
-            doc: Cow::Borrowed(
-                "Drives to where the robot learns most about its position; gives up the belief first if the certainty is at or below 0.8. Succeeds when the position is known, fails with localization-failure after ten minutes.",
-            ),
-            valve: Some(WHEELS),
-            parameters: Cow::Borrowed(""),
-        }),
-        fluents: &[],
-        valves: &[],
-    };
-
-    pub(super) fn new(_: &OfficeModel, seed: u64) -> Self {
-        let wander = Stream::new(seed, "wander");
-        Self { search: None, drive: LocalDrive::wander(wander.clone()), drive_status: DriveStatus::Driving, wander }
-    }
-
     /// Goes on moving about, or begins to.
     fn explore(&mut self, how: Exploration) {
         let begun = match (how, &self.drive.task) {
@@ -72,7 +53,35 @@ impl Localizing {
 }
 
 impl Module for Localizing {
-    fn start(&mut self, start: &Start<'_>, position: &mut Position, outbox: &mut Outbox) -> Result<(), Raise> {
+    type Settings = ();
+
+    fn specs((): &()) -> Vec<ModuleSpec> {
+        vec![ModuleSpec {
+            name: NAME.into(),
+            behaviours: vec![BehaviourSpec {
+                name: Cow::Borrowed(NAME),
+                doc: Cow::Borrowed(
+                    "Drives to where the robot learns most about its position; gives up the belief first if the certainty is at or below 0.8. Succeeds when the position is known, fails with localization-failure after ten minutes.",
+                ),
+                valve: Some(WHEELS),
+                parameters: Cow::Borrowed(""),
+            }],
+            ..ModuleSpec::default()
+        }]
+    }
+
+    fn new((): &(), _: &OfficeModel, seed: u64) -> Self {
+        let wander = Stream::new(seed, "wander");
+        Self { search: None, drive: LocalDrive::wander(wander.clone()), drive_status: DriveStatus::Driving, wander }
+    }
+
+    fn start(
+        &mut self,
+        _: usize,
+        start: &Start<'_>,
+        position: &mut Position,
+        _: &mut Telling<'_>,
+    ) -> Result<(), Raise> {
         let odometry_in_odom = position.odometry_in_odom();
         let (Some(map), Some(localization)) = (&start.model.map, position.begin_search()) else {
             return Err(no_map("there is nothing to localize in"));
@@ -83,27 +92,24 @@ impl Module for Localizing {
         self.search = Some(search);
         self.drive_status = DriveStatus::Driving;
         self.drive = LocalDrive::wander(self.wander.clone());
-        outbox.fluents.push((POS_CERTAINTY, Reading::Float(position.estimate(Some(map)).certainty)));
         Ok(())
     }
 
-    fn stop(&mut self, how: StopReason, _: &mut Outbox) {
-        match how {
+    fn stop(&mut self, _: usize, why: StopReason, _: &mut Telling<'_>) {
+        match why {
             StopReason::Deactivated => self.search = None,
             StopReason::Interrupted => {}
         }
     }
 
     /// Who does not know where the robot is needs to see.
-    fn command(&mut self, _: TravelMode, phase: Phase, commands: &mut Commands) {
-        commands.sonars_on |= phase == Phase::Active;
+    fn command(&mut self, _: TravelMode, phases: &[Phase], commands: &mut Commands) {
+        commands.sonars_on |= phases == [Phase::Active];
     }
 
-    fn step(&mut self, now: &Moment<'_>, position: &mut Position, events: &mut Vec<RobotEvent>) -> Work {
-        let (Phase::Active, Some(search)) = (now.phase, &mut self.search) else { return Work::default() };
-        let (Some(map), Some(localization)) = (&now.model.map, position.localization()) else {
-            return Work::default();
-        };
+    fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
+        let ([Phase::Active], Some(search)) = (now.phases, &mut self.search) else { return None };
+        let (Some(map), Some(localization)) = (&now.model.map, position.localization()) else { return None };
         let blocked = self.drive_status == DriveStatus::Stuck;
         let chosen_before = search.last_choice().map(|choice| choice.target_in_base);
         let (odometry_in_odom, time_us) = (now.percept.odometry_in_odom, now.percept.time_us);
@@ -112,7 +118,7 @@ impl Module for Localizing {
             && Some(choice.target_in_base) != chosen_before
         {
             self.drive.forget_being_held_up();
-            events.push(Report::LocalizationAction { target_in_base: choice.target_in_base }.into());
+            tell.event(Report::LocalizationAction { target_in_base: choice.target_in_base });
         }
         match intent {
             Intent::Explore(how) => self.explore(how),
@@ -122,14 +128,17 @@ impl Module for Localizing {
                 }
                 self.drive.task = DriveTask::Follow { path_in_odom };
             }
-            Intent::Done => return Work { velocity: None, ending: Some(Ending::Success) },
+            Intent::Done => {
+                tell.end(0, Ending::Success);
+                return None;
+            }
             Intent::Failed => {
-                let ending = Ending::failure("localization-failure", "the position is still not known");
-                return Work { velocity: None, ending: Some(ending) };
+                tell.end(0, Ending::failure("localization-failure", "the position is still not known"));
+                return None;
             }
         }
         let output = self.drive.step(&now.model.limits, &now.input(), LOST_SPEED_MPS);
         self.drive_status = output.status;
-        Work { velocity: Some(output.velocity), ending: None }
+        Some(output.velocity)
     }
 }

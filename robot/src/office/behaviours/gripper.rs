@@ -1,12 +1,13 @@
 //! The gripper: it takes a thing, or lets go.
 
 use super::body::ARM;
-use super::module::{Module, ModuleSpec, Moment, Start, Work};
-use super::position::Position;
+use crate::geometry::Velocity;
 use crate::office::model::OfficeModel;
+use crate::office::module::{Module, ModuleSpec, Moment, Start, Telling};
+use crate::office::position::Position;
 use crate::simulator::{Commands, GripperCommand, GripperMotion};
 use crate::world::TravelMode;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
+use rpl_runtime::robot::{BehaviourSpec, Ending, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -28,31 +29,31 @@ pub struct Gripping {
     command: GripperCommand,
 }
 
-impl Gripping {
-    pub(super) const SPEC: ModuleSpec = ModuleSpec {
-        behaviour: Some(BehaviourSpec {
-            name: Cow::Borrowed("gripper"),
-            doc: Cow::Borrowed(
-                "Takes the thing named by `:grasp`, or lets go with `:release t`; both take time. Fails with grasp-failure.",
-            ),
-            valve: Some(ARM),
-            parameters: Cow::Borrowed(":grasp :release"),
-        }),
-        fluents: &[],
-        valves: &[],
-    };
+impl Module for Gripping {
+    type Settings = ();
 
-    pub(super) fn new(_: &OfficeModel, _: u64) -> Self {
+    fn specs((): &()) -> Vec<ModuleSpec> {
+        vec![ModuleSpec {
+            name: "gripper".into(),
+            behaviours: vec![BehaviourSpec {
+                name: Cow::Borrowed("gripper"),
+                doc: Cow::Borrowed(
+                    "Takes the thing named by `:grasp`, or lets go with `:release t`; both take time. Fails with grasp-failure.",
+                ),
+                valve: Some(ARM),
+                parameters: Cow::Borrowed(":grasp :release"),
+            }],
+            ..ModuleSpec::default()
+        }]
+    }
+
+    fn new((): &(), _: &OfficeModel, _: u64) -> Self {
         Self::default()
     }
-}
 
-impl Module for Gripping {
-    fn start(&mut self, start: &Start<'_>, _: &mut Position, _: &mut Outbox) -> Result<(), Raise> {
+    fn start(&mut self, _: usize, start: &Start<'_>, _: &mut Position, _: &mut Telling<'_>) -> Result<(), Raise> {
         let symbols = &start.machine.symbols;
-        let argument =
-            |name: &str| start.arguments.iter().find(|(key, _)| symbols.name(*key) == name).map(|&(_, value)| value);
-        let (task, command) = match (argument("grasp"), argument("release")) {
+        let (task, command) = match (start.argument("grasp"), start.argument("release")) {
             (Some(Value::Symbol(item)), None) => {
                 let item = symbols.name(item).to_string();
                 (GripperTask::Grasp(item.clone()), GripperCommand::Grasp(item))
@@ -65,19 +66,19 @@ impl Module for Gripping {
     }
 
     /// What was commanded goes out: a hand that has begun to close closes.
-    fn stop(&mut self, _: StopReason, _: &mut Outbox) {
+    fn stop(&mut self, _: usize, _: StopReason, _: &mut Telling<'_>) {
         self.task = None;
     }
 
-    fn command(&mut self, _: TravelMode, _: Phase, commands: &mut Commands) {
+    fn command(&mut self, _: TravelMode, _: &[Phase], commands: &mut Commands) {
         commands.gripper = std::mem::take(&mut self.command);
     }
 
-    fn step(&mut self, now: &Moment<'_>, _: &mut Position, _: &mut Vec<RobotEvent>) -> Work {
-        let Some(task) = &self.task else { return Work::default() };
+    fn step(&mut self, now: &Moment<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
+        let task = self.task.as_ref()?;
         let gripper = &now.percept.gripper;
         let ending = match (task, gripper.motion, &gripper.holding) {
-            (_, GripperMotion::Moving, _) => return Work::default(),
+            (_, GripperMotion::Moving, _) => return None,
             (GripperTask::Grasp(wanted), GripperMotion::Closed, Some(held)) if wanted == held => Ending::Success,
             (GripperTask::Release, GripperMotion::Open, _) => Ending::Success,
             (GripperTask::Grasp(wanted), ..) => {
@@ -86,6 +87,7 @@ impl Module for Gripping {
             (GripperTask::Release, ..) => Ending::failure("grasp-failure", "the gripper did not open"),
         };
         self.task = None;
-        Work { velocity: None, ending: Some(ending) }
+        tell.end(0, ending);
+        None
     }
 }

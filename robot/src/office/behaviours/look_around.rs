@@ -1,11 +1,12 @@
 //! Looking around: it turns a little to both sides, so that the sensors see more.
 
 use super::body::WHEELS;
-use super::module::{Module, ModuleSpec, Moment, Start, Work};
-use super::position::Position;
+use crate::geometry::Velocity;
 use crate::navigation::LookAround;
 use crate::office::model::OfficeModel;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
+use crate::office::module::{Module, ModuleSpec, Moment, Start, Telling};
+use crate::office::position::Position;
+use rpl_runtime::robot::{BehaviourSpec, Ending, StopReason};
 use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -16,42 +17,44 @@ pub struct LookingAround {
     look: Option<LookAround>,
 }
 
-impl LookingAround {
-    pub(super) const SPEC: ModuleSpec = ModuleSpec {
-        behaviour: Some(BehaviourSpec {
-            name: Cow::Borrowed("look-around"),
-            doc: Cow::Borrowed(
-                "Turns a little to the left, to the right, and back, so that the sensors see more. Succeeds after that.",
-            ),
-            valve: Some(WHEELS),
-            parameters: Cow::Borrowed(""),
-        }),
-        fluents: &[],
-        valves: &[],
-    };
+impl Module for LookingAround {
+    type Settings = ();
 
-    pub(super) fn new(_: &OfficeModel, _: u64) -> Self {
+    fn specs((): &()) -> Vec<ModuleSpec> {
+        vec![ModuleSpec {
+            name: "look-around".into(),
+            behaviours: vec![BehaviourSpec {
+                name: Cow::Borrowed("look-around"),
+                doc: Cow::Borrowed(
+                    "Turns a little to the left, to the right, and back, so that the sensors see more. Succeeds after that.",
+                ),
+                valve: Some(WHEELS),
+                parameters: Cow::Borrowed(""),
+            }],
+            ..ModuleSpec::default()
+        }]
+    }
+
+    fn new((): &(), _: &OfficeModel, _: u64) -> Self {
         Self::default()
     }
-}
 
-impl Module for LookingAround {
-    fn start(&mut self, _: &Start<'_>, position: &mut Position, _: &mut Outbox) -> Result<(), Raise> {
+    fn start(&mut self, _: usize, _: &Start<'_>, position: &mut Position, _: &mut Telling<'_>) -> Result<(), Raise> {
         self.look = Some(LookAround::from(position.odometry_in_odom()));
         Ok(())
     }
 
-    fn stop(&mut self, _: StopReason, _: &mut Outbox) {
+    fn stop(&mut self, _: usize, _: StopReason, _: &mut Telling<'_>) {
         self.look = None;
     }
 
-    fn step(&mut self, now: &Moment<'_>, _: &mut Position, _: &mut Vec<RobotEvent>) -> Work {
-        let Some(look) = &mut self.look else { return Work::default() };
+    fn step(&mut self, now: &Moment<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
+        let look = self.look.as_mut()?;
         let velocity = look.step(&now.model.limits, now.percept.odometry_in_odom, now.input().velocity);
-        let ending = velocity.is_none().then(|| {
+        if velocity.is_none() {
             self.look = None;
-            Ending::Success
-        });
-        Work { velocity, ending }
+            tell.end(0, Ending::Success);
+        }
+        velocity
     }
 }

@@ -1,31 +1,43 @@
 //! Navigation: it drives to the points of a plan, on a map or without one.
 
 use super::body::WHEELS;
-use super::module::{Module, ModuleSpec, Moment, Start, Work, fluent};
-use super::position::Position;
-use super::{behaviour_number, fluent_number};
+use super::places::named_place;
 use crate::geometry::{Point, Pose, Velocity};
 use crate::navigation::{MaplessNavigation, MappedNavigation, NavigationEvent, NavigationOutput, Obstruction};
+use crate::office::functions::{act, board, look};
 use crate::office::model::OfficeModel;
+use crate::office::module::{Module, ModuleSpec, Moment, PlanText, Start, Telling, fluent, fluent_number};
+use crate::office::plan_text;
+use crate::office::position::Position;
+use crate::office::words::no_map;
 use crate::planning::Target;
 use crate::sensors::RangeSensor;
 use crate::simulator::Commands;
 use crate::world::{Door, TravelMode, World};
-use rpl_lang::symbol::Symbol;
+use rpl_lang::symbol::{Symbol, fold_name};
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{BehaviourSpec, Ending, Outbox, RobotEvent, StopReason};
+use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Reply};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Its number.
-pub const NUMBER: u16 = behaviour_number("navigation");
+/// Its name.
+const NAME: &str = "navigation";
 
-const NAVIGATION_ACTIVE: usize = fluent_number("navigation-active?*");
-const NR_OF_NAV_GOALS: usize = fluent_number("nr-of-nav-goals*");
+/// The robot's own plan library.
+pub const PLANS: &str = include_str!("../plans.rpl");
+
+const FLUENTS: &[FluentSpec] = &[
+    fluent("navigation-active?*", "True while a navigation plan is executed."),
+    fluent("nr-of-nav-goals*", "Target points not yet reached."),
+];
+
+const NAVIGATION_ACTIVE: usize = fluent_number(FLUENTS, "navigation-active?*");
+const NR_OF_NAV_GOALS: usize = fluent_number(FLUENTS, "nr-of-nav-goals*");
 
 /// The state of navigation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,35 +50,9 @@ pub struct Navigating {
 }
 
 impl Navigating {
-    pub(super) const SPEC: ModuleSpec = ModuleSpec {
-        behaviour: Some(BehaviourSpec {
-            name: Cow::Borrowed("navigation"),
-            doc: Cow::Borrowed(
-                "Drives to the points of `:targets`, lists (x y) or, for the last, (x y heading). Succeeds close to the last one; fails with unreachable, or with blocked if for the time of `:patience`, without it two minutes, the robot gets no nearer.",
-            ),
-            valve: Some(WHEELS),
-            parameters: Cow::Borrowed(":targets :patience"),
-        }),
-        fluents: &[
-            fluent("navigation-active?*", "True while a navigation plan is executed."),
-            fluent("nr-of-nav-goals*", "Target points not yet reached."),
-        ],
-        valves: &[],
-    };
-
-    pub(super) fn new(model: &OfficeModel, _: u64) -> Self {
-        let sensor = if model.settings.simulator.laser { RangeSensor::Laser } else { RangeSensor::Sonar };
-        Self { mapped: MappedNavigation::default(), mapless: MaplessNavigation::new(sensor), needs_sonars: true }
-    }
-
     /// Doors found closed not long ago.
-    pub(in crate::office) fn closed_doors(&self) -> Vec<usize> {
+    fn closed_doors(&self) -> Vec<usize> {
         self.mapped.closed_doors()
-    }
-
-    /// Bytes of plans of the way that an earlier state does not share.
-    pub(in crate::office) fn bytes_apart(&self, earlier: &Self) -> usize {
-        self.mapped.bytes_apart(&earlier.mapped) + self.mapless.bytes_apart(&earlier.mapless)
     }
 
     fn remove_all_targets(&mut self) {
@@ -79,11 +65,11 @@ impl Navigating {
         self.mapped.remaining_targets().len() + self.mapless.remaining_targets().len()
     }
 
-    fn publish_goals(&self, phase: Phase, outbox: &mut Outbox) {
+    fn publish_goals(&self, phase: Phase, tell: &mut Telling<'_>) {
         let active = matches!(phase, Phase::Active | Phase::Interrupted);
         let goals = if active { self.remaining_targets() } else { 0 };
-        outbox.fluents.push((NAVIGATION_ACTIVE, Reading::Truth(active)));
-        outbox.fluents.push((NR_OF_NAV_GOALS, Reading::Int(goals as i64)));
+        tell.fluent(NAVIGATION_ACTIVE, Reading::Truth(active));
+        tell.fluent(NR_OF_NAV_GOALS, Reading::Int(goals as i64));
     }
 
     fn drive(&mut self, now: &Moment<'_>, position: &Position) -> NavigationOutput {
@@ -121,51 +107,92 @@ impl Navigating {
 }
 
 impl Module for Navigating {
-    fn start(&mut self, start: &Start<'_>, _: &mut Position, outbox: &mut Outbox) -> Result<(), Raise> {
+    type Settings = ();
+
+    fn specs((): &()) -> Vec<ModuleSpec> {
+        vec![ModuleSpec {
+            name: NAME.into(),
+            behaviours: vec![BehaviourSpec {
+                name: Cow::Borrowed(NAME),
+                doc: Cow::Borrowed(
+                    "Drives to the points of `:targets`, lists (x y) or, for the last, (x y heading). Succeeds close to the last one; fails with unreachable, or with blocked if for the time of `:patience`, without it two minutes, the robot gets no nearer.",
+                ),
+                valve: Some(WHEELS),
+                parameters: Cow::Borrowed(":targets :patience"),
+            }],
+            fluents: FLUENTS.to_vec(),
+            functions: vec![
+                look(
+                    "generate-navigation-plan",
+                    "place &optional patience",
+                    "A plan, as data, that drives from the estimated position to a place, not through doors found closed if there is another way. The patience is that of `navigation`.",
+                    generate,
+                ),
+                act(
+                    "plan-remove-all-goals",
+                    "",
+                    "Deletes all target points of the navigation this task or one below it has started.",
+                    remove_all_goals,
+                ),
+            ],
+            plans: vec![PlanText { name: "robot".into(), text: PLANS.into() }],
+            ..ModuleSpec::default()
+        }]
+    }
+
+    fn new((): &(), model: &OfficeModel, _: u64) -> Self {
+        let sensor = if model.settings.simulator.laser { RangeSensor::Laser } else { RangeSensor::Sonar };
+        Self { mapped: MappedNavigation::default(), mapless: MaplessNavigation::new(sensor), needs_sonars: true }
+    }
+
+    fn start(&mut self, _: usize, start: &Start<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Result<(), Raise> {
         let (targets, patience_s) = arguments(start.machine, start.arguments)?;
         match start.model.map {
             Some(_) => self.mapped.start(targets, patience_s.unwrap_or(MappedNavigation::PATIENCE_S)),
             None => self.mapless.start(targets, patience_s.unwrap_or(MaplessNavigation::PATIENCE_S)),
         }
-        self.publish_goals(Phase::Active, outbox);
+        self.publish_goals(Phase::Active, tell);
         Ok(())
     }
 
-    fn stop(&mut self, how: StopReason, outbox: &mut Outbox) {
+    fn stop(&mut self, _: usize, why: StopReason, tell: &mut Telling<'_>) {
         self.remove_all_targets();
-        let phase = match how {
+        let phase = match why {
             StopReason::Deactivated => Phase::Inactive,
             StopReason::Interrupted => Phase::Interrupted,
         };
-        self.publish_goals(phase, outbox);
+        self.publish_goals(phase, tell);
     }
 
     /// Sonars may only rest in doorways while it drives and does not need them.
-    fn command(&mut self, _: TravelMode, phase: Phase, commands: &mut Commands) {
-        commands.sonars_on |= self.needs_sonars || phase != Phase::Active;
+    fn command(&mut self, _: TravelMode, phases: &[Phase], commands: &mut Commands) {
+        commands.sonars_on |= self.needs_sonars || phases != [Phase::Active];
     }
 
     /// It remembers what is in the way also while it does not drive.
-    fn step(&mut self, now: &Moment<'_>, position: &mut Position, _: &mut Vec<RobotEvent>) -> Work {
+    fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
         let output = self.drive(now, position);
         self.needs_sonars = output.needs_sonars;
-        if now.phase != Phase::Active {
-            return Work::default();
+        if now.phases != [Phase::Active] {
+            return None;
         }
         let ending = match output.event {
             Some(NavigationEvent::Arrived) => Ending::Success,
             Some(NavigationEvent::Unreachable) => self.unreachable(now.model, position),
             Some(NavigationEvent::Blocked) => self.blocked(now, position),
-            Some(NavigationEvent::TargetReached) | None => {
-                return Work { velocity: Some(output.velocity), ending: None };
-            }
+            Some(NavigationEvent::TargetReached) | None => return Some(output.velocity),
         };
         self.remove_all_targets();
-        Work { velocity: Some(Velocity::default()), ending: Some(ending) }
+        tell.end(0, ending);
+        Some(Velocity::default())
     }
 
-    fn publish(&mut self, now: &Moment<'_>, _: &Position, outbox: &mut Outbox) {
-        self.publish_goals(now.phase, outbox);
+    fn publish(&mut self, now: &Moment<'_>, _: &Position, tell: &mut Telling<'_>) {
+        self.publish_goals(now.phases[0], tell);
+    }
+
+    fn bytes_apart(&self, earlier: &Self) -> usize {
+        self.mapped.bytes_apart(&earlier.mapped) + self.mapless.bytes_apart(&earlier.mapless)
     }
 }
 
@@ -231,10 +258,34 @@ fn targets_argument(machine: &Machine, points: Value) -> Result<Vec<Target>, Rai
 }
 
 /// How long the robot is to wait where it gets no nearer: seconds, at least 0; nil is the usual.
-pub(crate) fn patience_argument(value: Value) -> Result<Option<f64>, Raise> {
+fn patience_argument(value: Value) -> Result<Option<f64>, Raise> {
     let wrong = || Raise::type_error("a patience is a time in seconds, at least 0, such as `:patience 2min`, or nil");
     match value {
         Value::Nil => Ok(None),
         value => value.as_f64().filter(|patience_s| *patience_s >= 0.0).map(Some).ok_or_else(wrong),
     }
+}
+
+fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let (model, place) = named_place(call)?;
+    let patience_s = if call.arguments.len() > 1 { patience_argument(call.argument(1))? } else { None };
+    let start_in_map = board(call)?.position.estimate(model.map.as_ref()).pose_in_map;
+    let closed_doors = call.part::<Navigating>()?.closed_doors();
+    let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
+    let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors, patience_s);
+    plan.map(Reply::Value).map_err(|unreachable| {
+        let destination = Value::Symbol(call.machine.symbols.intern(&fold_name(&place.name)));
+        Raise::New {
+            class: "unreachable",
+            message: format!("no way to `{}`: {}", place.name, unreachable.reason),
+            slots: vec![("destination", destination)],
+        }
+    })
+}
+
+fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let behaviours = &call.around.outside.tables().behaviours;
+    let number = behaviours.iter().position(|behaviour| behaviour.name == NAME).ok_or_else(Raise::no_robot)?;
+    call.machine.remove_goals(call.around, number as u16);
+    Ok(Reply::Value(Value::Nil))
 }

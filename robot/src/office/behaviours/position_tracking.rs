@@ -1,27 +1,39 @@
 //! Position tracking: it takes each percept into the belief, and tells where the robot is and whether
 //! that is known.
 
-use super::fluent_number;
-use super::module::{Module, ModuleSpec, Moment, Work, continuous};
-use super::position::Position;
+use crate::geometry::{Pose, Velocity};
 use crate::localization::Estimate;
+use crate::office::functions::{act, board, look, model, pose_list};
 use crate::office::model::OfficeModel;
+use crate::office::module::{Module, ModuleSpec, Moment, Telling, continuous, fluent_number};
+use crate::office::position::Position;
 use crate::office::report::Report;
+use crate::office::words::no_map;
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{BehaviourSpec, Outbox, RobotEvent};
+use rpl_runtime::robot::{BehaviourSpec, FluentSpec};
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Reply};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// The number of the estimated x.
-pub const X: usize = fluent_number("x*");
+/// The estimated x.
+pub(in crate::office) const X: &str = "x*";
 
-/// The number of the estimated y.
-pub const Y: usize = fluent_number("y*");
+/// The estimated y.
+pub(in crate::office) const Y: &str = "y*";
 
-const O: usize = fluent_number("o*");
+const FLUENTS: &[FluentSpec] = &[
+    continuous(X, "Estimated x, in metres, map frame."),
+    continuous(Y, "Estimated y, in metres, map frame."),
+    continuous("o*", "Estimated heading, in radians counter-clockwise from the map's x axis."),
+    continuous(
+        "pos-certainty*",
+        "Probability that the position is within 0.5 m and 15° of the estimate; calibrated, so that 0.8 is right four times in five.",
+    ),
+];
 
-/// The number of the certainty.
-pub(super) const POS_CERTAINTY: usize = fluent_number("pos-certainty*");
+const POS_CERTAINTY: usize = fluent_number(FLUENTS, "pos-certainty*");
 
 /// The state of position tracking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,63 +42,125 @@ pub struct PositionTracking {
     was_certain: bool,
 }
 
-impl PositionTracking {
-    pub(super) const SPEC: ModuleSpec = ModuleSpec {
-        behaviour: Some(BehaviourSpec {
-            name: Cow::Borrowed("position-tracking"),
-            doc: Cow::Borrowed(
-                "Keeps the belief about the position up to date; active from the start, needs no valve.",
-            ),
-            valve: None,
-            parameters: Cow::Borrowed(""),
-        }),
-        fluents: &[
-            continuous("x*", "Estimated x, in metres, map frame."),
-            continuous("y*", "Estimated y, in metres, map frame."),
-            continuous("o*", "Estimated heading, in radians counter-clockwise from the map's x axis."),
-            continuous(
-                "pos-certainty*",
-                "Probability that the position is within 0.5 m and 15° of the estimate; calibrated, so that 0.8 is right four times in five.",
-            ),
-        ],
-        valves: &[],
-    };
+impl Module for PositionTracking {
+    type Settings = ();
 
-    pub(super) fn new(model: &OfficeModel, _: u64) -> Self {
+    fn specs((): &()) -> Vec<ModuleSpec> {
+        vec![ModuleSpec {
+            name: "position-tracking".into(),
+            behaviours: vec![BehaviourSpec {
+                name: Cow::Borrowed("position-tracking"),
+                doc: Cow::Borrowed(
+                    "Keeps the belief about the position up to date; active from the start, needs no valve.",
+                ),
+                valve: None,
+                parameters: Cow::Borrowed(""),
+            }],
+            fluents: FLUENTS.to_vec(),
+            functions: vec![
+                look(
+                    "belief-maxima",
+                    "&optional count",
+                    "Local maxima of the belief: lists (x y heading mass), the heaviest first.",
+                    belief_maxima,
+                ),
+                look(
+                    "odometry-pose",
+                    "",
+                    "Where the robot is by its odometry: x, y in metres, heading in radians, from where it was switched on.",
+                    odometry_pose,
+                ),
+                look(
+                    "odometry-in-map",
+                    "pose",
+                    "Where a pose of the odometry lies in the map by what the robot believes now: x, y, heading.",
+                    odometry_in_map,
+                ),
+                act(
+                    "doubt-position",
+                    "",
+                    "Discards the whole belief about the position in the next step: for when the estimate leads to a contradiction.",
+                    doubt_position,
+                ),
+            ],
+            ..ModuleSpec::default()
+        }]
+    }
+
+    fn new((): &(), model: &OfficeModel, _: u64) -> Self {
         Self { was_certain: model.settings.start_known || model.map.is_none() }
     }
-}
 
-impl Module for PositionTracking {
     /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
     /// again before anybody has seen it uncertain.
-    fn step(&mut self, now: &Moment<'_>, position: &mut Position, events: &mut Vec<RobotEvent>) -> Work {
-        let (Some(map), Some(localization)) = (&now.model.map, &mut position.localization) else {
-            return Work::default();
-        };
+    fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
+        let (Some(map), Some(localization)) = (&now.model.map, &mut position.localization) else { return None };
         let ranges_m = now.percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice());
         localization.observe(&map.localization, now.percept.odometry_in_odom, ranges_m);
         if std::mem::take(&mut position.is_doubted) {
             localization.refute(&map.localization);
-            events.push(Report::PositionDoubted.into());
+            tell.event(Report::PositionDoubted);
         }
-        Work::default()
+        None
     }
 
-    fn publish(&mut self, now: &Moment<'_>, position: &Position, outbox: &mut Outbox) {
+    fn publish(&mut self, now: &Moment<'_>, position: &Position, tell: &mut Telling<'_>) {
         let Estimate { pose_in_map, certainty } = position.estimate(now.model.map.as_ref());
         let active = &now.model.settings.active;
         let certain = certainty > if self.was_certain { active.certainty } else { active.found_certainty };
         if certain != self.was_certain {
             self.was_certain = certain;
-            let report = if certain { Report::PositionFound { certainty } } else { Report::PositionLost { certainty } };
-            outbox.events.push(report.into());
+            tell.event(if certain { Report::PositionFound { certainty } } else { Report::PositionLost { certainty } });
         }
-        outbox.fluents.extend([
-            (X, Reading::Float(pose_in_map.x_m)),
-            (Y, Reading::Float(pose_in_map.y_m)),
-            (O, Reading::Float(pose_in_map.heading_rad)),
-            (POS_CERTAINTY, Reading::Float(certainty)),
-        ]);
+        let values = [pose_in_map.x_m, pose_in_map.y_m, pose_in_map.heading_rad, certainty];
+        values.into_iter().map(Reading::Float).enumerate().for_each(|(fluent, value)| tell.fluent(fluent, value));
     }
+
+    fn publish_position(&mut self, model: &OfficeModel, position: &Position, tell: &mut Telling<'_>) {
+        tell.fluent(POS_CERTAINTY, Reading::Float(position.estimate(model.map.as_ref()).certainty));
+    }
+}
+
+fn belief_maxima(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let count = if call.arguments.is_empty() { 10 } else { call.integer(0)?.clamp(1, 100) as usize };
+    let model = model(call)?;
+    let position = &board(call)?.position;
+    let maxima: Vec<(Pose, f64)> = match (&model.map, position.localization()) {
+        (Some(map), Some(localization)) => {
+            let maxima = localization.maxima(&map.localization, count, 0.001);
+            maxima.iter().map(|maximum| (maximum.pose_in_map, maximum.mass)).collect()
+        }
+        _ => vec![(position.estimate(model.map.as_ref()).pose_in_map, 1.0)],
+    };
+    let lists: Vec<Value> = maxima
+        .iter()
+        .map(|(pose, mass)| call.machine.heap.list(&[pose.x_m, pose.y_m, pose.heading_rad, *mass].map(Value::Float)))
+        .collect();
+    Ok(Reply::Value(call.machine.heap.list(&lists)))
+}
+
+fn odometry_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let odometry_in_odom = board(call)?.position.odometry_in_odom();
+    Ok(pose_list(call, odometry_in_odom))
+}
+
+fn odometry_in_map(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let expected =
+        || Raise::type_error("`odometry-in-map` takes a pose `(x y heading)`, as `(odometry-pose)` gives it");
+    let elements = call.machine.heap.elements(call.argument(0)).map_err(|_| expected())?;
+    let numbers: Option<Vec<f64>> = elements.into_iter().map(Value::as_f64).collect();
+    let Some(&[x_m, y_m, heading_rad]) = numbers.as_deref() else { return Err(expected()) };
+    let model = model(call)?;
+    let position = &board(call)?.position;
+    let robot_in_map = position.estimate(model.map.as_ref()).pose_in_map;
+    let odom_in_map = robot_in_map.compose(position.odometry_in_odom().inverse());
+    Ok(pose_list(call, odom_in_map.compose(Pose::new(x_m, y_m, heading_rad))))
+}
+
+fn doubt_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    if model(call)?.map.is_none() {
+        return Err(no_map("there is no belief to give up"));
+    }
+    board(call)?.position.doubt();
+    Ok(Reply::Value(Value::Nil))
 }

@@ -11,7 +11,6 @@ use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use std::any::Any;
 use std::sync::Arc;
 
 /// Says something in every step.
@@ -45,10 +44,6 @@ impl Outside for Talker {
 
     fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
         outbox.fluents.push((0, self.says.clone()));
-    }
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
     }
 }
 
