@@ -172,12 +172,17 @@ impl<M: Module> Site<M> {
         self.library.load(name, text, loader).map_err(SiteError::Plan)
     }
 
-    /// The robot in its world at the start of a run, if there is one. Everything that it leaves to chance
-    /// follows from the seed.
+    /// The simulated robot in its world at the start of a run, if there is one. Everything that it leaves to
+    /// chance follows from the seed.
     pub fn office_robot(&self, seed: u64) -> Option<OfficeRobot<SimulatedHost, M>> {
         let Premises::Office { model, scenario } = &self.premises else { return None };
         let scenario = scenario.as_ref().map(|scenario| scenario.start(model, seed));
-        let host = SimulatedHost::new(model.simulator.clone(), seed, scenario);
+        self.robot_on(SimulatedHost::new(model.simulator.clone(), seed, scenario), seed)
+    }
+
+    /// The robot at the start of a run, moved by a host of your own, if there is a robot here.
+    pub fn robot_on<H>(&self, host: H, seed: u64) -> Option<OfficeRobot<H, M>> {
+        let Premises::Office { model, .. } = &self.premises else { return None };
         Some(OfficeRobot::with_modules(self.modules.clone(), model.clone(), host, seed))
     }
 

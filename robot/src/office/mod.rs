@@ -53,3 +53,4 @@ pub use rpl_runtime::robot::StopReason;
 pub use rpl_runtime::state::activation::Phase;
 pub use rpl_runtime::state::failure::Raise;
 pub use scenario::{Oracle, oracle_natives, oracle_tables};
+pub use words::signal_reading;

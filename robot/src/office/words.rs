@@ -1,6 +1,9 @@
-//! What plans are told in words: names of travel modes, and that there is no map.
+//! What plans are told in words: names of travel modes, that there is no map, and signals of sensors that
+//! this crate does not know.
 
+use crate::sensors::Signal;
 use crate::world::TravelMode;
+use rpl_runtime::robot::reading::{Reading, ReadingList, TooNested};
 use rpl_runtime::state::failure::Raise;
 
 /// What needs a map fails, and says what to do instead.
@@ -15,4 +18,19 @@ pub(super) fn mode_name(mode: TravelMode) -> &'static str {
         TravelMode::Office => "office",
         TravelMode::Doorway => "doorway",
     }
+}
+
+/// What a signal says to plans; its texts are names.
+///
+/// # Errors
+/// It is nested too deep.
+pub fn signal_reading(signal: &Signal) -> Result<Reading, TooNested> {
+    Ok(match signal {
+        Signal::Truth(truth) => Reading::Truth(*truth),
+        Signal::Number(number) => Reading::Float(*number),
+        Signal::Text(name) => Reading::Symbol(name.clone()),
+        Signal::List(items) => {
+            Reading::List(ReadingList::new(items.iter().map(signal_reading).collect::<Result<_, _>>()?)?)
+        }
+    })
 }

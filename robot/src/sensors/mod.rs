@@ -5,9 +5,11 @@
 //! likelihood, the memory's doubts.
 
 mod laser;
+mod signal;
 mod sonar;
 
 pub use laser::{LASER_READINGS, laser_direction_rad};
+pub use signal::{Signal, Signals};
 pub use sonar::{SONAR_CONE_RAD, SONAR_RANGE_M, SONARS, sonar_direction_rad, sonar_ring_deg};
 
 use serde::{Deserialize, Serialize};

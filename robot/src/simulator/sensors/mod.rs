@@ -11,7 +11,7 @@ use super::gripper::{GripperCommand, GripperStatus};
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
 use crate::geometry::Pose;
-use crate::sensors::SONARS;
+use crate::sensors::{SONARS, Signals};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,8 @@ pub struct Commands {
     pub sonars_on: bool,
     /// What the gripper is to begin.
     pub gripper: GripperCommand,
+    /// What is asked of what the simulator does not know; a host that knows it takes it from here.
+    pub others: Signals,
 }
 
 /// Makes of a list of sensors the percept, their streams, and the look that all of them take.
@@ -51,6 +53,9 @@ macro_rules! compose {
             pub battery: f64,
             /// What people have sent since the last step, word by word.
             pub messages: Vec<Vec<String>>,
+            /// What is perceived by sensors that the simulator does not know; a host that has them puts it
+            /// here.
+            pub others: Signals,
         }
 
         /// The random stream of each sensor.
@@ -79,6 +84,7 @@ macro_rules! compose {
                     gripper: state.gripper.status(),
                     battery: state.battery,
                     messages: state.unread_messages(),
+                    others: Signals::new(),
                 };
                 state.streams.sensors = streams;
                 percept

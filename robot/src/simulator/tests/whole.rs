@@ -16,7 +16,13 @@ fn command(step: usize) -> Commands {
         _ => GripperCommand::None,
     };
     let turn_radps = if step % 80 < 40 { 0.4 } else { -0.4 };
-    Commands { translation_mps: 0.5, rotation_radps: turn_radps, sonars_on: !step.is_multiple_of(7), gripper }
+    Commands {
+        translation_mps: 0.5,
+        rotation_radps: turn_radps,
+        sonars_on: !step.is_multiple_of(7),
+        gripper,
+        ..Commands::default()
+    }
 }
 
 fn started(model: &SimulatorModel, seed: u64) -> SimulatorState {

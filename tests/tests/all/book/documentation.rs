@@ -188,6 +188,20 @@ fn warnings_of_worlds_are_shown() {
 }
 
 #[test]
+fn what_is_shown_of_a_file_stands_in_it() {
+    let mut shown = 0;
+    for document in documents() {
+        for block in blocks(&document) {
+            let Some((_, file)) = block.info.split_once(" from ") else { continue };
+            let there = read(file).text;
+            assert!(there.contains(&block.text), "{}:{} is not in {file}", document.name, block.line);
+            shown += 1;
+        }
+    }
+    assert!(shown > 0, "no document shows a part of a file");
+}
+
+#[test]
 fn every_block_is_of_a_kind_that_is_checked() {
     // The sessions at the prompt and in the terminal are typed by the tests of the command.
     let known = [
@@ -209,6 +223,7 @@ fn every_block_is_of_a_kind_that_is_checked() {
     for document in documents() {
         for block in blocks(&document) {
             let kind = if block.info.starts_with("session ") { "session" } else { block.info.as_str() };
+            let kind = kind.split_once(" from ").map_or(kind, |(language, _)| language);
             assert!(known.contains(&kind), "{}:{}: `{}`", document.name, block.line, block.info);
         }
     }
