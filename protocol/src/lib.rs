@@ -4,6 +4,9 @@
 //! Everything here is a value or a function of values. Who carries the words stands behind the trait
 //! [`line::Line`]; pipes, sockets, threads and clocks are in the crate `link`.
 //!
-//! Read `line` first.
+//! Read `line` first, then `host`.
 
+pub mod guard;
+pub mod host;
 pub mod line;
+pub mod remote_host;

@@ -6,8 +6,8 @@ use rpl_mission::site::{Setup, Site};
 use rpl_robot::geometry::Velocity;
 use rpl_robot::occupancy::DistanceField;
 use rpl_robot::office::{
-    Commands, Composition, Host, Module, ModuleSpec, Moment, OfficeModel, OfficeModules, OfficeRobot, Phase, Position,
-    Raise, Report, SimulatedHost, Start, StopReason, Telling, TravelMode, fluent, signal_reading,
+    Commands, Composition, Host, HostLost, Module, ModuleSpec, Moment, OfficeModel, OfficeModules, OfficeRobot, Phase,
+    Position, Raise, Report, SimulatedHost, Start, StopReason, Telling, TravelMode, fluent, signal_reading,
 };
 use rpl_robot::sensors::Signal;
 use rpl_robot::simulator::{ItemPlace, Percept};
@@ -105,12 +105,12 @@ impl CameraHost {
 }
 
 impl Host for CameraHost {
-    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Percept {
+    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost> {
         let target_rad = commands.others.get("pan").and_then(Signal::number).unwrap_or_default();
         self.pan_rad += (target_rad - self.pan_rad).clamp(-STEP_RAD, STEP_RAD);
-        let mut percept = self.simulated.step(commands, reports);
+        let mut percept = self.simulated.step(commands, reports)?;
         percept.others = [("pan".into(), Signal::Number(self.pan_rad)), ("seen".into(), self.seen())].into();
-        percept
+        Ok(percept)
     }
 }
 

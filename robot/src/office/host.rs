@@ -6,14 +6,23 @@ use super::scenario::Oracle;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::value::Value;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Who moves the robot and senses for it: the simulator, or a replay of what was once perceived.
+/// Who moves the robot and senses for it: the simulator, another process, or a replay of what was once
+/// perceived.
 pub trait Host {
     /// One step: the commands take effect, and at its end the robot perceives. What else happened goes
     /// into the reports.
-    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Percept;
+    ///
+    /// # Errors
+    /// The host is gone: no step can follow.
+    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost>;
 }
+
+/// Why nobody moves the robot any more: one sentence that names the host.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HostLost(pub String);
 
 /// A simulated robot, and the experimenter's plan that runs beside it.
 #[derive(Clone)]
@@ -50,9 +59,9 @@ impl SimulatedHost {
 
 impl Host for SimulatedHost {
     /// The scenario acts, then the robot moves and senses.
-    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Percept {
+    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost> {
         self.step_scenario(reports);
-        self.model.step(&mut self.state, commands)
+        Ok(self.model.step(&mut self.state, commands))
     }
 }
 

@@ -62,6 +62,26 @@ reports! {
         /// Seen from where the robot was then.
         target_in_base: Point,
     } => "localization action",
+    /// The host is gone.
+    HostLost {
+        /// One sentence.
+        why: String,
+    } => "host lost",
+    /// What the robot perceived came late.
+    PerceptLate {
+        /// By so much.
+        late_s: f64,
+    } => "percept late",
+    /// What the robot perceived never came.
+    PerceptsMissing {
+        /// So many steps of the host.
+        count: u64,
+    } => "percepts missing",
+    /// To take a percept in and to decide took longer than the period of the host.
+    DecisionLong {
+        /// So long.
+        took_s: f64,
+    } => "decision long",
     /// The scenario turned the robot.
     RotatedByHand {
         /// Counter-clockwise.
@@ -152,6 +172,10 @@ impl Report {
             Self::LocalizationAction { target_in_base } => {
                 vec![("ahead", format!("{:.1}", target_in_base.x)), ("left", format!("{:.1}", target_in_base.y))]
             }
+            Self::HostLost { why } => vec![("why", why)],
+            Self::PerceptLate { late_s } => vec![("seconds", format!("{late_s:.3}"))],
+            Self::PerceptsMissing { count } => vec![("count", format!("{count}"))],
+            Self::DecisionLong { took_s } => vec![("seconds", format!("{took_s:.3}"))],
             Self::RotatedByHand { angle_rad } => vec![("degrees", format!("{:.0}", angle_rad.to_degrees()))],
             Self::CarriedByHand { point_in_map } => {
                 vec![("x", format!("{:.2}", point_in_map.x)), ("y", format!("{:.2}", point_in_map.y))]

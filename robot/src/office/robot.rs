@@ -3,9 +3,10 @@
 use super::behaviours::{OfficeModules, office_modules};
 use super::composition::Composition;
 use super::controller::Controller;
-use super::host::{Host, SimulatedHost};
+use super::host::{Host, HostLost, SimulatedHost};
 use super::model::OfficeModel;
 use super::module::Module;
+use super::report::Report;
 use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};
@@ -25,6 +26,8 @@ pub struct OfficeRobot<H = SimulatedHost, M: Module = OfficeModules> {
     pub controller: Controller<M>,
     /// Who moves it and senses for it.
     pub host: H,
+    /// Why the host is gone, once it is: nothing starts any more.
+    lost: Option<HostLost>,
 }
 
 impl<H> OfficeRobot<H> {
@@ -37,7 +40,7 @@ impl<H> OfficeRobot<H> {
 impl<H, M: Module> OfficeRobot<H, M> {
     /// A robot of these modules at the start of its world.
     pub fn with_modules(composition: Arc<Composition<M>>, model: Arc<OfficeModel>, host: H, seed: u64) -> Self {
-        Self { controller: Controller::new(model, composition, seed), host }
+        Self { controller: Controller::new(model, composition, seed), host, lost: None }
     }
 
     /// What does not change.
@@ -132,7 +135,10 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
         arguments: &[(Symbol, Value)],
         outbox: &mut Outbox,
     ) -> Result<(), Raise> {
-        self.controller.start(machine, behaviour, arguments, outbox)
+        match &self.lost {
+            None => self.controller.start(machine, behaviour, arguments, outbox),
+            Some(HostLost(why)) => Err(Raise::robot_lost(why)),
+        }
     }
 
     fn stop(&mut self, behaviour: u16, how: StopReason, outbox: &mut Outbox) {
@@ -140,15 +146,24 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
     }
 
     fn period_us(&self) -> Option<u64> {
-        Some(self.model().settings.simulator.step_us)
+        self.lost.is_none().then(|| self.model().settings.simulator.step_us)
     }
 
     fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
         let commands = self.controller.take_commands(phases);
         let mut reports = Vec::new();
-        let percept = self.host.step(&commands, &mut reports);
+        let stepped = self.host.step(&commands, &mut reports);
+        if let Err(HostLost(why)) = &stepped {
+            reports.push(Report::HostLost { why: why.clone() });
+        }
         outbox.events.extend(reports.into_iter().map(RobotEvent::from));
-        self.controller.step(phases, percept, outbox);
+        match stepped {
+            Ok(percept) => self.controller.step(phases, percept, outbox),
+            Err(lost) => {
+                outbox.lost = Some(lost.0.clone());
+                self.lost = Some(lost);
+            }
+        }
     }
 
     /// Functions of plans reach the controller, whatever the host, and never the host.

@@ -35,6 +35,11 @@ impl SimulatorModel {
     pub(super) fn accelerate(&self, state: &mut SimulatorState, commands: &Commands) {
         let settings = &self.settings;
         let step_s = settings.step_s();
+        if commands.motors_off {
+            state.translation_mps = towards(state.translation_mps, 0.0, settings.halt_deceleration_mps2 * step_s);
+            state.rotation_radps = towards(state.rotation_radps, 0.0, settings.halt_deceleration_radps2 * step_s);
+            return;
+        }
         let has_power = state.battery > 0.0;
         let limited =
             |wanted: f64, limit: f64| if wanted.is_finite() && has_power { wanted.clamp(-limit, limit) } else { 0.0 };

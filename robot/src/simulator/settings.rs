@@ -22,6 +22,11 @@ pub struct SimulatorSettings {
     pub translation_deceleration_mps2: f64,
     /// How fast rotation picks up and slows down.
     pub rotation_acceleration_radps2: f64,
+    /// How fast translation slows down when the motors are cut and the brakes close: harder than one
+    /// drives, so that the robot stands within half a second from its top speed.
+    pub halt_deceleration_mps2: f64,
+    /// The same for rotation.
+    pub halt_deceleration_radps2: f64,
 
     /// Readings reach no farther; also the reading of a sonar without an echo.
     pub sonar_max_range_m: f64,
@@ -109,6 +114,8 @@ impl Default for SimulatorSettings {
             translation_acceleration_mps2: 0.5,
             translation_deceleration_mps2: 1.0,
             rotation_acceleration_radps2: 90.0_f64.to_radians(),
+            halt_deceleration_mps2: 2.5,
+            halt_deceleration_radps2: 180.0_f64.to_radians(),
             sonar_max_range_m: SONAR_RANGE_M,
             sonar_noise_m: 0.015,
             sonar_noise_per_m: 0.01,

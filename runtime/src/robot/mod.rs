@@ -130,6 +130,9 @@ pub struct Outbox {
     pub endings: Vec<(u16, Ending)>,
     /// Things worth a line in the trace.
     pub events: Vec<RobotEvent>,
+    /// The robot is gone, told once: one sentence that says why. It makes no step any more
+    /// ([`Outside::period_us`]), and the main task fails.
+    pub lost: Option<String>,
 }
 
 /// Something that happened to the robot or around it, as the trace tells it. What can happen is the
@@ -168,7 +171,7 @@ pub trait Outside: 'static {
         "plan"
     }
 
-    /// Microseconds between two steps; none if there is no robot.
+    /// Microseconds between two steps; none if there is no robot, or if it is gone.
     fn period_us(&self) -> Option<u64> {
         None
     }
@@ -188,6 +191,11 @@ impl Raise {
     /// Something of a robot is asked for, and there is none.
     pub fn no_robot() -> Self {
         Raise::new("no-robot", "there is no robot; add `--world dept`")
+    }
+
+    /// The robot is gone, and this is why.
+    pub fn robot_lost(why: impl Into<String>) -> Self {
+        Raise::new("host-failure", why)
     }
 }
 

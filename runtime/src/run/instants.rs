@@ -56,7 +56,8 @@ impl<O: Outside> System<O> {
             self.machine.now_us = time_us;
         }
         if self.outside.period_us().is_some() && self.next_step_us <= time_us {
-            self.step_robot();
+            let lost = self.step_robot();
+            self.end_without_robot(lost);
         }
         self.fire_timers();
         self.with_machine(Machine::flush_status);

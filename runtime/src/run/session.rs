@@ -232,6 +232,12 @@ impl<O: Outside> System<O> {
 
     /// Leaves the form that runs: its clean-ups still run, and the main task waits for the next one.
     pub fn give_up_form(&mut self) {
+        let value = Value::Symbol(self.machine.symbols.intern("given-up"));
+        self.leave_form(value);
+    }
+
+    /// The same, with what it leaves in `%outcome`.
+    pub(crate) fn leave_form(&mut self, value: Value) {
         let main = self.machine.main;
         let is_form = |kind: &ScopeKind| matches!(kind, ScopeKind::Block { .. });
         let form = self.machine.tasks[main].scopes.iter().find(|scope| is_form(&scope.kind));
@@ -239,8 +245,12 @@ impl<O: Outside> System<O> {
         if self.machine.tasks[main].is_leaving() {
             return;
         }
-        let value = Value::Symbol(self.machine.symbols.intern("given-up"));
         self.with_machine(|machine, around| machine.depart(around, main, Leaving::Block { identity, value }));
+    }
+
+    /// Whether it is a session.
+    pub(crate) fn is_session(&self) -> bool {
+        self.session_global("%form?").is_some()
     }
 
     pub(crate) fn session_global(&self, name: &str) -> Option<usize> {

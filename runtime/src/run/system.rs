@@ -6,6 +6,7 @@ use crate::run::library::Rejected;
 use crate::run::library::{Library, Loaded};
 use crate::run::macro_host::Macros;
 use crate::run::units::Units;
+use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::task::State;
 use crate::state::value::Value;
@@ -119,8 +120,9 @@ impl<O: Outside> System<O> {
             slice_left: SLICE_STEPS,
             macros: Macros::default(),
         };
-        system.step_robot();
+        let lost = system.step_robot();
         system.machine.start_main(main);
+        system.end_without_robot(lost);
         system
     }
 
@@ -140,16 +142,34 @@ impl<O: Outside> System<O> {
         answer
     }
 
-    pub(crate) fn step_robot(&mut self) {
-        let Some(period) = self.outside.period_us() else { return };
+    /// Lets the robot make a step; why there is none any more, if this was its last.
+    pub(crate) fn step_robot(&mut self) -> Option<String> {
+        let period = self.outside.period_us()?;
         let mut outbox = Outbox::default();
         self.outside.step(self.machine.phases(), &mut outbox);
         self.machine.make_room_for(&outbox);
         self.next_step_us = self.machine.now_us + period;
+        let lost = outbox.lost.take();
         self.with_machine(|machine, around| {
             machine.apply_outbox(around, outbox);
             machine.look_for_stall(around);
         });
+        lost
+    }
+
+    /// The run cannot go on where the robot is lost: it fails, and its clean-ups run. A session gives up
+    /// the form that runs, and lives on.
+    pub(crate) fn end_without_robot(&mut self, lost: Option<String>) {
+        let Some(why) = lost else { return };
+        let main = self.machine.main;
+        let failure = self.machine.failure_of(main, Raise::robot_lost(why));
+        self.with_machine(|machine, around| machine.trace_failed(around.program, main, failure));
+        match self.is_session() {
+            true => self.leave_form(failure),
+            false => {
+                self.with_machine(|machine, around| machine.fail_call(around, main, 0, failure));
+            }
+        }
     }
 
     /// A second run from here on. The two share code and nothing else: each goes on as if it were

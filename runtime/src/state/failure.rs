@@ -98,6 +98,7 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
     ),
     ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
     ("localization-failure", "behaviour-failure", &[], "The position was not found."),
+    ("host-failure", "failure", &[], "Who moves the robot is gone: the run ends, and no handler keeps it."),
     ("grasp-failure", "behaviour-failure", &[], "The gripper did not take the thing, or did not let go of it."),
 ];
 

@@ -202,22 +202,8 @@ impl Machine {
 
     /// A spawned child has ended: its failure is that of the plan call it belongs to.
     fn spawned_ended(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, state: State, result: Value) {
-        if state == State::Failed {
-            let record = &self.tasks[owner];
-            let clean_up = record.scopes.last_clean_up();
-            if record.is_leaving() || record.is_committed() || clean_up.is_some_and(|clean_up| clean_up >= scope) {
-                // It takes effect when the clean-up is over, or is attached to what is under way.
-                self.tasks[owner].rare().failure_pending = true;
-                if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope as usize].kind {
-                    match call.failure {
-                        None => call.failure = Some(result),
-                        Some(first) => self.attach_failure(around, Decision::Fail(first), result),
-                    }
-                }
-            } else {
-                self.depart(around, owner, Leaving::FailCall { scope, failure: result });
-                return;
-            }
+        if state == State::Failed && self.fail_call(around, owner, scope, result) {
+            return;
         }
         let record = &self.tasks[owner];
         let none_left = matches!(&record.scopes[scope as usize].kind, ScopeKind::Call(call) if call.spawned == 0);
@@ -228,6 +214,28 @@ impl Machine {
                 self.wake(owner, Wake::Nothing);
             }
         }
+    }
+
+    /// A plan call fails with what did not happen in its own task; no handler within it is asked. Tells
+    /// whether the task departs at once.
+    pub(crate) fn fail_call(&mut self, around: &mut Surroundings<'_>, owner: u32, scope: u32, failure: Value) -> bool {
+        let record = &self.tasks[owner];
+        let clean_up = record.scopes.last_clean_up();
+        if !record.is_leaving() && !record.is_committed() && clean_up.is_none_or(|clean_up| clean_up < scope) {
+            self.depart(around, owner, Leaving::FailCall { scope, failure });
+            return true;
+        }
+        // It takes effect when the clean-up is over, or is attached to what is under way.
+        self.tasks[owner].rare().failure_pending = true;
+        if let Some(ScopeKind::Call(call)) =
+            self.tasks[owner].scopes.get_mut(scope as usize).map(|scope| &mut scope.kind)
+        {
+            match call.failure {
+                None => call.failure = Some(failure),
+                Some(first) => self.attach_failure(around, Decision::Fail(first), failure),
+            }
+        }
+        false
     }
 }
 

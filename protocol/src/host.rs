@@ -1,0 +1,384 @@
+//! What a mission and a host in another process say to each other, one JSON object a line.
+//!
+//! The mission greets ([`ToHost::Hello`]), the host greets ([`FromHost::Hello`]); the first commands begin
+//! the mission. From then on the host says what the robot perceives once a period, and the mission what the
+//! robot is to do as soon as it has decided. Either says `bye` before it goes, with a reason if there is one.
+
+use rpl_robot::geometry::Pose;
+use rpl_robot::sensors::{LASER_READINGS, SONARS, Signal, Signals};
+use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, GripperStatus, Percept};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The version of the messages.
+pub const PROTOCOL: u32 = 1;
+
+/// The robot that missions are for.
+pub const ROBOT: &str = "b21";
+
+/// Bytes of a line, at most; a longer one is a fault of whoever sent it.
+pub const LONGEST_LINE: usize = 1 << 20;
+
+/// A host that hears nothing for so long stops the motors, by the clock on the wall.
+pub const SILENCE_US: u64 = 300_000;
+
+/// What a mission says to a host.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "lowercase")]
+pub enum ToHost {
+    /// The first message.
+    Hello(MissionHello),
+    /// What the robot is to do from now on.
+    Commands(CommandsMessage),
+    /// The last message.
+    Bye(Bye),
+}
+
+/// What a host says to a mission.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "lowercase")]
+pub enum FromHost {
+    /// The first message, an answer to the mission's.
+    Hello(HostHello),
+    /// What the robot perceives, once a period.
+    Percept(Box<PerceptMessage>),
+    /// The last message.
+    Bye(Bye),
+}
+
+/// How a mission greets.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MissionHello {
+    /// The version of the messages it speaks: 1.
+    pub protocol: u32,
+    /// The version of the program.
+    pub rpl: String,
+    /// The robot it is for.
+    pub robot: String,
+}
+
+/// How a host greets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HostHello {
+    /// The version of the messages it speaks: 1.
+    pub protocol: u32,
+    /// The robot that it moves.
+    pub robot: String,
+    /// Time of the robot between two percepts.
+    pub period_us: u64,
+    /// Seconds of the robot for each second on the wall; a real robot has 1.
+    pub factor: f64,
+    /// Whether the robot stands where the world says it starts. If not, the mission begins without knowing
+    /// where it is.
+    pub start_known: bool,
+}
+
+/// What the robot is to do until other commands come.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CommandsMessage {
+    /// Counts the decisions from 0: how many percepts the mission had taken in. The same number again is
+    /// the same decision, repeated as a sign of life.
+    pub number: u64,
+    /// Wanted speed ahead, negative backwards.
+    pub translation_mps: f64,
+    /// Wanted turning speed, counter-clockwise.
+    pub rotation_radps: f64,
+    /// Whether the sonars fire.
+    pub sonars_on: bool,
+    /// What the gripper is to begin, if anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<GripperOrder>,
+    /// What is asked of actuators that are not in this list, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub others: BTreeMap<String, SignalMessage>,
+}
+
+/// What the gripper is to begin.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum GripperOrder {
+    /// Take the thing of this name.
+    Grasp(String),
+    /// Let go.
+    Release,
+}
+
+/// What the robot perceives at the end of a period.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PerceptMessage {
+    /// Counts the percepts of the mission from 0.
+    pub number: u64,
+    /// Time of the robot since the mission began.
+    pub time_us: u64,
+    /// The number of the newest commands that had taken effect; none before the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commands: Option<u64>,
+    /// Where dead reckoning says the robot is; where the mission began is the origin.
+    pub odometry_in_odom: PoseMessage,
+    /// Speed ahead, from the wheels.
+    pub translation_mps: f64,
+    /// Turning speed, from the wheels.
+    pub rotation_radps: f64,
+    /// Of each sonar, the distance from the middle of the robot; the maximum range where there was no echo.
+    /// None if the sonars are off or have failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sonar_m: Option<Vec<f32>>,
+    /// The same of each reading of the laser, from right to left. None if there is no laser.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laser_m: Option<Vec<f32>>,
+    /// Whether something presses against the body.
+    pub bumped: bool,
+    /// How the gripper stands.
+    pub gripper: GripperMotionMessage,
+    /// The thing in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holding: Option<String>,
+    /// Charge of the battery, from 0 to 1.
+    pub battery: f64,
+    /// What people have sent since the last percept, word by word.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub messages: Vec<Vec<String>>,
+    /// What sensors perceive that are not in this list, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub others: BTreeMap<String, SignalMessage>,
+}
+
+/// What a sensor perceives, or an actuator is told, that only a module knows: true or false, a number, a
+/// text, or a list of these.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum SignalMessage {
+    /// Yes or no.
+    Truth(bool),
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// Signals, one after the other.
+    List(Vec<SignalMessage>),
+}
+
+impl From<&Signal> for SignalMessage {
+    fn from(signal: &Signal) -> Self {
+        match signal {
+            Signal::Truth(truth) => Self::Truth(*truth),
+            // JSON has no other numbers.
+            Signal::Number(number) => Self::Number(if number.is_finite() { *number } else { 0.0 }),
+            Signal::Text(text) => Self::Text(text.clone()),
+            Signal::List(items) => Self::List(items.iter().map(Self::from).collect()),
+        }
+    }
+}
+
+impl From<&SignalMessage> for Signal {
+    fn from(message: &SignalMessage) -> Self {
+        match message {
+            SignalMessage::Truth(truth) => Self::Truth(*truth),
+            SignalMessage::Number(number) => Self::Number(*number),
+            SignalMessage::Text(text) => Self::Text(text.clone()),
+            SignalMessage::List(items) => Self::List(items.iter().map(Self::from).collect()),
+        }
+    }
+}
+
+fn messages_of(signals: &Signals) -> BTreeMap<String, SignalMessage> {
+    signals.iter().map(|(name, signal)| (name.clone(), signal.into())).collect()
+}
+
+fn signals_of(messages: &BTreeMap<String, SignalMessage>) -> Signals {
+    messages.iter().map(|(name, message)| (name.clone(), message.into())).collect()
+}
+
+/// Position and heading in the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PoseMessage {
+    /// Metres.
+    pub x_m: f64,
+    /// Metres.
+    pub y_m: f64,
+    /// Counter-clockwise from the x axis.
+    pub heading_rad: f64,
+}
+
+/// How a gripper stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum GripperMotionMessage {
+    /// Open and at rest; also of a robot without one.
+    Open,
+    /// Closing or opening.
+    Moving,
+    /// Closed.
+    Closed,
+}
+
+/// A farewell.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Bye {
+    /// One clause that says why, if it is not because all is done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// What a mission heard at a turn: a percept, and how it came.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HostAnswer {
+    /// The percept.
+    pub percept: PerceptMessage,
+    /// By how much it came late, if that is more than a period.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub late_s: Option<f64>,
+    /// Percepts before it that never came.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub missing: u64,
+    /// How long the decision before it took, if that is more than a period.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decided_in_s: Option<f64>,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
+impl CommandsMessage {
+    /// The commands of a robot, as the decision of a number.
+    pub fn new(number: u64, commands: &Commands) -> Self {
+        // JSON has no other numbers, and a robot stands still for them.
+        let finite = |speed: f64| if speed.is_finite() { speed } else { 0.0 };
+        Self {
+            number,
+            translation_mps: finite(commands.translation_mps),
+            rotation_radps: finite(commands.rotation_radps),
+            sonars_on: commands.sonars_on,
+            gripper: match &commands.gripper {
+                GripperCommand::None => None,
+                GripperCommand::Grasp(item) => Some(GripperOrder::Grasp(item.clone())),
+                GripperCommand::Release => Some(GripperOrder::Release),
+            },
+            others: messages_of(&commands.others),
+        }
+    }
+
+    /// What the robot is to do.
+    pub fn commands(&self) -> Commands {
+        Commands {
+            translation_mps: self.translation_mps,
+            rotation_radps: self.rotation_radps,
+            sonars_on: self.sonars_on,
+            gripper: match &self.gripper {
+                None => GripperCommand::None,
+                Some(GripperOrder::Grasp(item)) => GripperCommand::Grasp(item.clone()),
+                Some(GripperOrder::Release) => GripperCommand::Release,
+            },
+            others: signals_of(&self.others),
+            ..Commands::default()
+        }
+    }
+}
+
+impl PerceptMessage {
+    /// What a robot perceived, as the percept of a number.
+    pub fn new(number: u64, commands: Option<u64>, percept: &Percept) -> Self {
+        let Pose { x_m, y_m, heading_rad } = percept.odometry_in_odom;
+        Self {
+            number,
+            time_us: percept.time_us,
+            commands,
+            odometry_in_odom: PoseMessage { x_m, y_m, heading_rad },
+            translation_mps: percept.translation_mps,
+            rotation_radps: percept.rotation_radps,
+            sonar_m: percept.sonar_m.as_ref().map(|readings| readings.to_vec()),
+            laser_m: percept.laser_m.clone(),
+            bumped: percept.bumped,
+            gripper: match percept.gripper.motion {
+                GripperMotion::Open => GripperMotionMessage::Open,
+                GripperMotion::Moving => GripperMotionMessage::Moving,
+                GripperMotion::Closed => GripperMotionMessage::Closed,
+            },
+            holding: percept.gripper.holding.clone(),
+            battery: percept.battery,
+            messages: percept.messages.clone(),
+            others: messages_of(&percept.others),
+        }
+    }
+
+    /// The percept.
+    ///
+    /// # Errors
+    /// One clause that says what no robot of this kind can have perceived.
+    pub fn percept(&self) -> Result<Percept, String> {
+        let PoseMessage { x_m, y_m, heading_rad } = self.odometry_in_odom;
+        let numbers = [
+            ("odometry_in_odom.x_m", x_m),
+            ("odometry_in_odom.y_m", y_m),
+            ("odometry_in_odom.heading_rad", heading_rad),
+            ("translation_mps", self.translation_mps),
+            ("rotation_radps", self.rotation_radps),
+        ];
+        // What is out of all proportion would be infinite a few sums later.
+        if let Some((name, value)) = numbers.into_iter().find(|(_, value)| value.abs() > MOST) {
+            return Err(format!("`{name}` is {value}, and at most {MOST} makes sense"));
+        }
+        if !(0.0..=1.0).contains(&self.battery) {
+            return Err(format!("`battery` is {}, and 0 to 1 is expected", self.battery));
+        }
+        let sonar_m = self.sonar_m.as_deref().map(|readings| ranges("sonar_m", readings, SONARS)).transpose()?;
+        let laser_m =
+            self.laser_m.as_deref().map(|readings| ranges("laser_m", readings, LASER_READINGS)).transpose()?;
+        let motion = match self.gripper {
+            GripperMotionMessage::Open => GripperMotion::Open,
+            GripperMotionMessage::Moving => GripperMotion::Moving,
+            GripperMotionMessage::Closed => GripperMotion::Closed,
+        };
+        Ok(Percept {
+            time_us: self.time_us,
+            odometry_in_odom: Pose::new(x_m, y_m, heading_rad),
+            translation_mps: self.translation_mps,
+            rotation_radps: self.rotation_radps,
+            sonar_m: sonar_m.and_then(|readings| readings.try_into().ok()),
+            laser_m: laser_m.map(<[f32]>::to_vec),
+            bumped: self.bumped,
+            gripper: GripperStatus { motion, holding: self.holding.clone() },
+            battery: self.battery,
+            messages: self.messages.clone(),
+            others: signals_of(&self.others),
+        })
+    }
+}
+
+/// Metres, metres a second or radians that no robot comes to.
+const MOST: f64 = 1e6;
+
+fn ranges<'a>(name: &str, readings: &'a [f32], expected: usize) -> Result<&'a [f32], String> {
+    if readings.len() != expected {
+        return Err(format!("`{name}` has {} readings, and {expected} are expected", readings.len()));
+    }
+    match readings.iter().position(|reading| !(0.0..=MOST as f32).contains(reading)) {
+        Some(at) => Err(format!("`{name}[{at}]` is {}, and no distance", readings[at])),
+        None => Ok(readings),
+    }
+}
+
+/// A message of one line.
+///
+/// # Errors
+/// One clause that says what is wrong with it.
+pub fn read<'t, M: Deserialize<'t>>(line: &'t str) -> Result<M, String> {
+    serde_json::from_str(line).map_err(|error| error.to_string().replace(" at line 1 column ", ", at column "))
+}
+
+/// A message as a line, with its end.
+pub fn written(message: &impl Serialize) -> String {
+    match serde_json::to_string(message) {
+        Ok(text) => text + "\n",
+        Err(error) => unreachable!("every message can be written: {error}"),
+    }
+}

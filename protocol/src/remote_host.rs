@@ -1,0 +1,114 @@
+//! A host in another process, as a run has it: where the run stands in the conversation with it.
+
+use crate::host::{CommandsMessage, HostAnswer, PerceptMessage};
+use crate::line::{Conversation, Line, LineFault};
+use rpl_robot::geometry::Pose;
+use rpl_robot::office::{Host, HostLost, Report};
+use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, Percept};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// A host in another process. A copy shares the line, and hears what was said already.
+#[derive(Clone, Debug)]
+pub struct RemoteHost {
+    /// What messages call it: `the host "127.0.0.1:7300"`.
+    name: String,
+    conversation: Conversation<CommandsMessage, HostAnswer>,
+    period_us: u64,
+    /// The decision that told the gripper something, until the host has heard of it.
+    gripper_told: Option<u64>,
+    /// Where its odometry was at the last percept, and whether its bumper was pressed.
+    last: (Pose, bool),
+    /// How it went.
+    pub record: HostRecord,
+}
+
+/// How the conversation with a host went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct HostRecord {
+    /// Percepts that were taken in.
+    pub percepts: u64,
+    /// Those that came late by more than a period.
+    pub percepts_late: u64,
+    /// Those that never came.
+    pub percepts_missing: u64,
+    /// Decisions that took longer than a period.
+    pub decisions_long: u64,
+    /// How long the longest of them took.
+    pub longest_decision_s: f64,
+    /// How often the bumper was pressed.
+    pub bumps: u64,
+    /// Way by the odometry.
+    pub distance_m: f64,
+}
+
+impl RemoteHost {
+    /// A host at the start of a mission, called by its address.
+    pub fn new(address: &str, line: Arc<dyn Line<CommandsMessage, HostAnswer>>, period_us: u64) -> Self {
+        Self {
+            name: address.to_string(),
+            conversation: Conversation::new(line),
+            period_us,
+            gripper_told: None,
+            last: (Pose::default(), false),
+            record: HostRecord::default(),
+        }
+    }
+
+    /// Where the robot is by what it has heard, as the run counts time: a host may have gone on while the
+    /// run stood still.
+    fn percept(&mut self, message: &PerceptMessage) -> Result<Percept, String> {
+        let mut percept = message.percept()?;
+        percept.time_us = self.conversation.turn() * self.period_us;
+        // A hand that was told to move, by commands that had not arrived, is about to.
+        if self.gripper_told.is_some_and(|told| message.commands < Some(told)) {
+            percept.gripper.motion = GripperMotion::Moving;
+        } else {
+            self.gripper_told = None;
+        }
+        Ok(percept)
+    }
+
+    /// What a percept adds to the record.
+    fn follow(&mut self, percept: &Percept) {
+        let (pose, was_bumped) = self.last;
+        self.record.distance_m += pose.distance_m(percept.odometry_in_odom);
+        self.record.bumps += u64::from(percept.bumped && !was_bumped);
+        self.last = (percept.odometry_in_odom, percept.bumped);
+    }
+
+    fn note(&mut self, answer: &HostAnswer, reports: &mut Vec<Report>) {
+        let record = &mut self.record;
+        record.percepts += 1;
+        if let Some(took_s) = answer.decided_in_s {
+            record.decisions_long += 1;
+            record.longest_decision_s = record.longest_decision_s.max(took_s);
+            reports.push(Report::DecisionLong { took_s });
+        }
+        if answer.missing > 0 {
+            record.percepts_missing += answer.missing;
+            reports.push(Report::PerceptsMissing { count: answer.missing });
+        }
+        if let Some(late_s) = answer.late_s {
+            record.percepts_late += 1;
+            reports.push(Report::PerceptLate { late_s });
+        }
+    }
+}
+
+impl Host for RemoteHost {
+    fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost> {
+        let words = CommandsMessage::new(self.conversation.turn(), commands);
+        if commands.gripper != GripperCommand::None {
+            self.gripper_told = Some(words.number);
+        }
+        let answer = self.conversation.say(&words).map_err(|LineFault(why)| HostLost(why))?;
+        self.note(&answer, reports);
+        let number = answer.percept.number;
+        let percept = self.percept(&answer.percept).map_err(|why| {
+            HostLost(format!("the host `{}` says what cannot be, in percept {number}: {why}", self.name))
+        })?;
+        self.follow(&percept);
+        Ok(percept)
+    }
+}
