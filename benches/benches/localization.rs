@@ -6,7 +6,9 @@
 use rpl_benches::{Question, Report, least_ms};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
-use rpl_robot::localization::{Belief, Instructions, LocalizationModel, LocalizationParameters, Spread, State};
+use rpl_robot::localization::{
+    Belief, Instructions, LocalizationModel, LocalizationParameters, ScanModel, ScanParameters, Spread, State,
+};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::sensors::SONARS;
 use std::hint::black_box;
@@ -61,8 +63,8 @@ fn model(activity_threshold: f64) -> LocalizationModel {
 /// What the robot measures at a pose, with 3 cm of noise.
 fn scan_at(model: &LocalizationModel, pose: Pose, noise: &mut Stream) -> Ranges {
     let Some(state) = model.state_at(pose) else { panic!("{pose:?} is not on the map") };
-    let noisy = |bin| (model.sensor.range_m(bin) + 0.03 * noise.normal()) as f32;
-    model.expected_scan(state).into_iter().map(noisy).collect()
+    let noisy = |bin| (model.sensors[0].likelihood.range_m(bin) + 0.03 * noise.normal()) as f32;
+    model.expected_scan(0, state).into_iter().map(noisy).collect()
 }
 
 /// A drive up the corridor: the motion of each step and the scan after it.
@@ -200,7 +202,7 @@ fn full_updates(report: &Report, model: &LocalizationModel, names: Names, two_ms
 fn sense(model: &LocalizationModel, belief: &mut Belief, steps: &[(Pose, Ranges)], threads: usize, alone: bool) -> f64 {
     let mut scans = steps.iter().cycle();
     let mut next = || scans.next().map_or(&[][..], |(_, scan)| scan.as_slice());
-    let ms = on(threads, || least_ms(RUNS, alone, || (), || belief.sense_ranges(model, next())));
+    let ms = on(threads, || least_ms(RUNS, alone, || (), || belief.sense_ranges(model, &[Some(next())])));
     assert_eq!(belief.active_planes(), model.grid.headings);
     assert_sums_to_one(model, belief);
     ms
@@ -210,13 +212,13 @@ fn motion(model: &LocalizationModel, belief: &mut Belief) -> f64 {
     *belief = Belief::uniform(model);
     let step = Pose::new(0.3, 0.0, 0.035);
     let moved = std::cell::RefCell::new(belief);
-    let normalize = || moved.borrow_mut().sense_ranges(model, &[f32::NAN; SONARS]);
+    let normalize = || moved.borrow_mut().sense_ranges(model, &[None]);
     let ms = least_ms(RUNS, true, normalize, || moved.borrow_mut().advance(model, step));
     let belief = moved.into_inner();
     // Only what has gone into walls is lost.
     let mass: f64 = states().map(|state| belief.probability(model, state)).sum();
     assert!((0.8..=1.0).contains(&mass), "{mass}");
-    belief.sense_ranges(model, &[f32::NAN; SONARS]);
+    belief.sense_ranges(model, &[None]);
     assert_sums_to_one(model, belief);
     ms
 }
@@ -232,7 +234,7 @@ fn cycle(model: &LocalizationModel, belief: &mut Belief, steps: &[(Pose, Ranges)
         || {
             let Some((motion, scan)) = steps.next() else { return };
             belief.advance(model, *motion);
-            belief.sense_ranges(model, scan);
+            belief.sense_ranges(model, &[Some(scan)]);
             black_box((belief.entropy(model), belief.mode(model)));
         },
     );
@@ -264,7 +266,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
                 || {
                     let Some((motion, scan)) = remaining.next() else { return };
                     belief.advance(&selective, *motion);
-                    belief.sense_ranges(&selective, scan);
+                    belief.sense_ranges(&selective, &[Some(scan)]);
                     pose = pose.compose(*motion);
                     worst_error_m = worst_error_m.max(belief.mode(&selective).pose_in_map.distance_m(pose));
                 },
@@ -283,7 +285,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
             other.mix(full, 0.0);
             for (model, belief) in [(&selective, &mut belief), (full, &mut other), (full, &mut always)] {
                 belief.advance(model, *motion);
-                belief.sense_ranges(model, scan);
+                belief.sense_ranges(model, &[Some(scan)]);
             }
             assert_eq!(other.active_planes(), full.grid.headings);
             apart.0 = apart.0.max(total_variation(full, &belief, &other));
@@ -304,12 +306,12 @@ struct TwoLookUps {
 
 impl TwoLookUps {
     fn new(model: &LocalizationModel) -> Self {
-        let directions = model.grid.directions;
+        let directions = model.sensors[0].bearings.directions;
         let mut expected = vec![0; model.grid.cells() * directions];
         for state in states() {
             let cell = state.row * model.grid.columns + state.column;
-            for (sonar, bin) in model.expected_scan(state).into_iter().enumerate().take(2) {
-                expected[cell * directions + model.grid.direction(state.heading, sonar)] = bin;
+            for (sonar, bin) in model.expected_scan(0, state).into_iter().enumerate().take(2) {
+                expected[cell * directions + model.sensors[0].bearings.direction(state.heading, sonar)] = bin;
             }
         }
         Self { belief: vec![0.0; STATES], expected, directions }
@@ -339,13 +341,13 @@ impl TwoLookUps {
     fn least_ms(&mut self, model: &LocalizationModel) -> f64 {
         let (_, steps) = drive(model, 1);
         let Some((_, scan)) = steps.first() else { return f64::NAN };
-        let tempering = model.parameters.tempering;
+        let ScanModel { parameters: ScanParameters { tempering, .. }, likelihood: sensor, .. } = &model.sensors[0];
         let likelihood = |range_m: &f32| {
-            let costs = model.sensor.costs(model.sensor.bin(f64::from(*range_m)));
+            let costs = sensor.costs(sensor.bin(f64::from(*range_m)));
             costs.map(|cost| (-tempering * f64::from(cost) / 32.0).exp() as f32)
         };
         let likelihoods: Vec<[f32; 256]> = scan.iter().map(likelihood).collect();
-        let bearings: Vec<usize> = (0..SONARS).map(|sonar| model.grid.direction(0, sonar)).collect();
+        let bearings: Vec<usize> = (0..SONARS).map(|sonar| model.sensors[0].bearings.direction(0, sonar)).collect();
         let mut uniform = vec![0f32; STATES];
         for state in states().filter(|state| model.is_admissible(state.column, state.row)) {
             let cell = state.row * model.grid.columns + state.column;
@@ -355,7 +357,7 @@ impl TwoLookUps {
         let fill = || papers.borrow_mut().belief.copy_from_slice(&uniform);
         let ms = least_ms(RUNS / 3, true, fill, || papers.borrow_mut().sense(model, &likelihoods, &bearings));
         let mut belief = Belief::uniform(model);
-        belief.sense_ranges(model, scan);
+        belief.sense_ranges(model, &[Some(scan)]);
         let mixed = model.parameters.mixing;
         let papers = &papers.borrow().belief;
         let apart = states().map(|state| {

@@ -27,7 +27,7 @@ impl Grid {
     /// Settings of a robot with this grid.
     pub fn settings(self) -> OfficeSettings {
         let localization = match self {
-            Grid::Coarse => LocalizationParameters::coarse(),
+            Grid::Coarse => LocalizationParameters::default().coarse(),
             Grid::Full => LocalizationParameters::default(),
         };
         OfficeSettings { localization, ..OfficeSettings::default() }

@@ -89,7 +89,7 @@ impl SiteArguments {
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
         let localization = match self.grid {
             GridArgument::Fine => LocalizationParameters::default(),
-            GridArgument::Coarse => LocalizationParameters::coarse(),
+            GridArgument::Coarse => LocalizationParameters::default().coarse(),
         };
         let settings =
             OfficeSettings { map_known: self.map == MapArgument::World, localization, ..OfficeSettings::default() };

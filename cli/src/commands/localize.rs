@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let recording = read_log(arguments)?;
     check_on_map(&recording, &map, arguments)?;
     let beams = BeamChoice::spread(&recording.geometry, arguments.beams)?;
-    let parameters = LocalizationParameters { beams_deg: beams.bearings_deg.clone(), ..parameters(arguments)? };
+    let parameters = parameters(arguments, beams.bearings_deg.clone())?;
     parameters.check().map_err(|error| anyhow!("{error}"))?;
     let size_m = Vector::new(map.columns as f64, map.rows as f64) * map.resolution_m;
     let needed = LocalizationModel::needed_bytes(size_m, &parameters);
@@ -116,12 +116,18 @@ fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Argument
     )
 }
 
-fn parameters(arguments: &Arguments) -> Result<LocalizationParameters> {
-    let Some(path) = &arguments.parameters else { return Ok(LocalizationParameters::laser()) };
+/// The parameters, for scans of these beams.
+fn parameters(arguments: &Arguments, beams_deg: Vec<i32>) -> Result<LocalizationParameters> {
+    let Some(path) = &arguments.parameters else { return Ok(LocalizationParameters::recorded(beams_deg)) };
     let name = path.display();
     let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the parameters `{name}`: {reason}"))?;
-    serde_json::from_str(&text)
-        .with_context(|| format!("`{name}` is no file of parameters; write one with `rpl localize --fit {name}`"))
+    let mut parameters: LocalizationParameters = serde_json::from_str(&text)
+        .with_context(|| format!("`{name}` is no file of parameters; write one with `rpl localize --fit {name}`"))?;
+    let [laser] = parameters.sensors.as_mut_slice() else {
+        bail!("the parameters `{name}` have {} `sensors`; a recorded drive has one", parameters.sensors.len());
+    };
+    laser.beams_deg = beams_deg;
+    Ok(parameters)
 }
 
 fn start(arguments: &Arguments) -> TrialStart {
@@ -147,10 +153,11 @@ fn fit(
     beams: &BeamChoice,
     console: &mut Console,
 ) -> Result<Status> {
-    let sensor = fit_sensor(&model, recording, beams)?;
+    let beam = fit_sensor(&model, recording, beams)?;
     let odometry = fit_odometry(recording)?;
-    console.print(&table::fitted(&sensor, &odometry))?;
-    let parameters = LocalizationParameters { sensor, odometry, ..model.parameters };
+    console.print(&table::fitted(&beam, &odometry))?;
+    let mut parameters = LocalizationParameters { odometry, ..model.parameters };
+    parameters.sensors[0].beam = beam;
     let text = serde_json::to_string_pretty(&parameters)?;
     file.write((text + "\n").as_bytes())?;
     Ok(Status::Succeeded)

@@ -158,8 +158,47 @@ pub struct Reliability {
     wrong_recoveries: Proportion,
     /// How far a right estimate is off, on average.
     right_off_m: f64,
+    /// How far one is off of which the robot is sure.
+    tracking: Option<Tracking>,
     /// Share of the belief and how often it is right, fitted to these samples.
     fitted: Vec<[f64; 2]>,
+}
+
+/// How far right estimates are off of which the robot is sure: the middle one, and what 95 % do not
+/// exceed.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Tracking {
+    median_m: f64,
+    most_m: f64,
+    median_deg: f64,
+    most_deg: f64,
+}
+
+impl Tracking {
+    /// None if no estimate is right.
+    fn of(sure: &[&Sample]) -> Option<Self> {
+        let sorted = |off: fn(&Sample) -> f32| {
+            let mut off: Vec<f32> = sure.iter().filter(|sample| sample.is_right).map(|sample| off(sample)).collect();
+            off.sort_by(f32::total_cmp);
+            off
+        };
+        let at = |off: &[f32], share: f64| off.get((off.len() as f64 * share) as usize).copied().map(f64::from);
+        let (off_m, off_deg) = (sorted(|sample| sample.off_m), sorted(|sample| sample.off_rad.to_degrees()));
+        Some(Self {
+            median_m: at(&off_m, 0.5)?,
+            most_m: at(&off_m, 0.95)?,
+            median_deg: at(&off_deg, 0.5)?,
+            most_deg: at(&off_deg, 0.95)?,
+        })
+    }
+
+    fn sentence(&self) -> String {
+        let Self { median_m, most_m, median_deg, most_deg } = self;
+        format!(
+            "at {SURE} and above a right one is off by {median_m:.3} m and {median_deg:.2}° in the median, by at most \
+             {most_m:.3} m and {most_deg:.2}° in 95 %"
+        )
+    }
 }
 
 /// Moments at which the robot is sure; neighbours depend on each other, so there is no interval.
@@ -186,6 +225,7 @@ impl Reliability {
             bins,
             sure: Sure { samples: sure.len(), right: sure.iter().filter(|sample| sample.is_right).count() },
             wrong_recoveries: Proportion::new(wrong, recovered.len()),
+            tracking: Tracking::of(&sure),
             right_off_m: right_m.iter().sum::<f64>() / right_m.len().max(1) as f64,
             fitted: fitted(trials, used),
         }
@@ -218,8 +258,9 @@ impl Reliability {
                 100.0 * high
             ),
             format!("a right estimate is off by {:.3} m on average", self.right_off_m),
-            "share of the belief and how often it is right, fitted to these samples:".to_string(),
         ];
+        lines.extend(self.tracking.as_ref().map(Tracking::sentence));
+        lines.push("share of the belief and how often it is right, fitted to these samples:".to_string());
         let knots: Vec<String> = self.fitted.iter().map(|[share, rate]| format!("[{share:.5}, {rate:.4}]")).collect();
         lines.extend(knots.chunks(4).map(|knots| format!("    {},", knots.join(", "))));
         let head = format!(
@@ -237,7 +278,8 @@ mod tests {
     use super::*;
 
     fn trial(samples: impl Iterator<Item = (f64, bool)>) -> MissionTrial {
-        let samples = samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, is_right }).collect();
+        let samples =
+            samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, off_rad: 0.01, is_right }).collect();
         MissionTrial { seed: 1, fault: None, unmeasured: None, measures: vec![], samples }
     }
 

@@ -1,7 +1,6 @@
 //! The experiments with a name, row by row.
 
 use rpl_robot::active::Exploration;
-use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::OfficeSettings;
 
 /// An experiment with a name: a mission, and what it is compared with.
@@ -171,9 +170,9 @@ pub const EXPERIMENTS: &[Experiment] = &[
         subject: ExperimentSubject::Comparison,
         rows: &[
             ROTATED,
-            without("– tempering", |settings| settings.localization.tempering = 1.0),
+            without("– tempering", untempered),
             without("– mixing", |settings| settings.localization.mixing = 0.0),
-            without("– gating", |settings| settings.localization.gating = None),
+            without("– gating", ungated),
             without("– update spacing", unspaced),
             without("– coarse watch", |settings| settings.localization.watch = None),
             without("– calibration", |settings| settings.localization.calibration = None),
@@ -182,8 +181,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
             without("– centred grid", |settings| settings.localization.centred = false),
             without("all literal", literal),
             FURNISHED,
-            furnished_without("– gating", |settings| settings.localization.gating = None),
-            furnished_without("– tempering", |settings| settings.localization.tempering = 1.0),
+            furnished_without("– gating", ungated),
+            furnished_without("– tempering", untempered),
         ],
     },
     Experiment {
@@ -200,7 +199,15 @@ pub const EXPERIMENTS: &[Experiment] = &[
 ];
 
 fn literal(settings: &mut OfficeSettings) {
-    settings.localization = LocalizationParameters::literal();
+    settings.localization = settings.localization.clone().literal();
+}
+
+fn untempered(settings: &mut OfficeSettings) {
+    settings.localization.sensors.iter_mut().for_each(|sensor| sensor.tempering = 1.0);
+}
+
+fn ungated(settings: &mut OfficeSettings) {
+    settings.localization.sensors.iter_mut().for_each(|sensor| sensor.gating = None);
 }
 
 /// Found at the same certainty at which the position is lost, at the first update.

@@ -218,7 +218,10 @@ mod tests {
     #[test]
     fn an_ended_run_keeps_its_last_error() {
         let samples = |errors: &[f32]| {
-            errors.iter().map(|&off_m| Sample { certainty: 1.0, off_m, is_right: true }).collect::<Vec<_>>()
+            errors
+                .iter()
+                .map(|&off_m| Sample { certainty: 1.0, off_m, off_rad: 0.0, is_right: true })
+                .collect::<Vec<_>>()
         };
         let trial = |errors: &[f32]| MissionTrial {
             seed: 1,

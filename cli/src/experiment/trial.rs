@@ -55,6 +55,8 @@ pub struct Sample {
     pub certainty: f64,
     /// Distance from the estimate to the truth.
     pub off_m: f32,
+    /// Angle between the estimated and the true heading, at least 0.
+    pub off_rad: f32,
     /// Whether the estimate was right.
     pub is_right: bool,
 }
@@ -77,8 +79,12 @@ impl MissionTrial {
 }
 
 fn is_right(sight: &Sight) -> bool {
-    let (estimate, truth) = (sight.estimate_in_map, sight.robot_in_map);
-    estimate.distance_m(truth) <= RIGHT_M && wrap_angle_rad(estimate.heading_rad - truth.heading_rad).abs() <= RIGHT_RAD
+    sight.estimate_in_map.distance_m(sight.robot_in_map) <= RIGHT_M && off_rad(sight) <= RIGHT_RAD
+}
+
+/// Angle between the estimated and the true heading, at least 0.
+fn off_rad(sight: &Sight) -> f64 {
+    wrap_angle_rad(sight.estimate_in_map.heading_rad - sight.robot_in_map.heading_rad).abs()
 }
 
 /// Where a run is to end.
@@ -148,6 +154,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     let sample = |sight: &Sight| Sample {
         certainty: sight.certainty,
         off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
+        off_rad: off_rad(sight) as f32,
         is_right: is_right(sight),
     };
     Ok(MissionTrial { seed, fault, unmeasured: None, measures, samples: records.track.iter().map(sample).collect() })

@@ -36,11 +36,12 @@ pub fn run_all<T: Send>(seeds: &[u64], jobs: usize, run: impl Fn(u64) -> T + Syn
 
 /// Every sample of every run, ten a second, as lines of comma-separated values.
 pub fn sample_rows(rows: &[(&str, Vec<MissionTrial>)]) -> String {
-    let mut text = String::from("row,seed,sample,certainty,off_m,right\n");
+    let mut text = String::from("row,seed,sample,certainty,off_m,off_deg,right\n");
     for (row, trials) in rows {
         for trial in trials {
-            for (at, Sample { certainty, off_m, is_right }) in trial.samples.iter().enumerate() {
-                text += &format!("\"{row}\",{},{at},{certainty:.4},{off_m:.3},{}\n", trial.seed, u8::from(*is_right));
+            for (at, Sample { certainty, off_m, off_rad, is_right }) in trial.samples.iter().enumerate() {
+                let (off_deg, right) = (off_rad.to_degrees(), u8::from(*is_right));
+                text += &format!("\"{row}\",{},{at},{certainty:.4},{off_m:.3},{off_deg:.2},{right}\n", trial.seed);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::parameters::ActiveParameters;
 use crate::geometry::{Point, Pose};
-use crate::localization::{LocalizationModel, Maximum};
+use crate::localization::{LocalizationModel, Maximum, ScanModel};
 
 /// How likely the robot gets to a point the map shows as occupied, or the other way round.
 const MAP_IS_WRONG: f64 = 0.02;
@@ -28,15 +28,15 @@ pub(super) struct EntropyForecast<'m> {
     truths: &'m [Maximum],
     /// ... and their shares.
     truth_shares: Vec<f64>,
-    /// `[measured][expected]` in units of the sensor model, forgiving small differences.
-    costs: Vec<u8>,
+    /// For each sensor `[measured][expected]` in units of its model, forgiving small differences.
+    costs: Vec<Vec<u8>>,
 }
 
 impl<'m> EntropyForecast<'m> {
     /// With maxima as hypotheses; poses are known no better than the tolerance.
     pub fn new(model: &'m LocalizationModel, maxima: &'m [Maximum], parameters: &'m ActiveParameters) -> Self {
-        let tolerance = usize::from(model.sensor.bin(parameters.tolerance_m));
-        Self { costs: forgiving_costs(model, tolerance), ..Self::over(model, maxima, maxima, parameters) }
+        let costs = model.sensors.iter().map(|sensor| forgiving_costs(sensor, parameters.tolerance_m)).collect();
+        Self { costs, ..Self::over(model, maxima, maxima, parameters) }
     }
 
     /// With any hypotheses, and sensings of some of them.
@@ -53,7 +53,7 @@ impl<'m> EntropyForecast<'m> {
             shares: shares(hypotheses),
             truths,
             truth_shares: shares(truths),
-            costs: forgiving_costs(model, 0),
+            costs: model.sensors.iter().map(|sensor| forgiving_costs(sensor, 0.0)).collect(),
         }
     }
 
@@ -71,10 +71,9 @@ impl<'m> EntropyForecast<'m> {
             posterior_entropy(self.shares.iter().zip(&views).map(|(share, view)| share * (1.0 - view.reach)));
         let after = |truth: &Maximum| {
             let truth = view(truth);
-            let weights =
-                self.shares.iter().zip(&views).map(|(share, view)| {
-                    share * view.reach * self.likelihood(truth.scan.as_deref(), view.scan.as_deref())
-                });
+            let weights = self.shares.iter().zip(&views).map(|(share, view)| {
+                share * view.reach * self.likelihood(truth.scans.as_deref(), view.scans.as_deref())
+            });
             truth.reach * posterior_entropy(weights) + (1.0 - truth.reach) * unreached
         };
         self.truths.iter().zip(&self.truth_shares).map(|(truth, share)| share * after(truth)).sum()
@@ -89,14 +88,20 @@ impl<'m> EntropyForecast<'m> {
         let reach = (0.5 + (clearance_m - radius_m) / (2.0 * self.parameters.tolerance_m))
             .clamp(MAP_IS_WRONG, 1.0 - MAP_IS_WRONG);
         let state = self.model.state_at(pose).filter(|state| self.model.is_admissible(state.column, state.row));
-        View { reach, scan: state.map(|state| self.model.expected_scan(state)) }
+        let scans =
+            |state| (0..self.model.sensors.len()).map(|sensor| self.model.expected_scan(sensor, state)).collect();
+        View { reach, scans: state.map(scans) }
     }
 
-    /// How likely a scan is where another one is expected; a place without scans tells nothing.
-    fn likelihood(&self, sensed: Option<&[u8]>, expected: Option<&[u8]>) -> f64 {
+    /// How likely scans of all sensors are where others are expected; a place without scans tells nothing.
+    fn likelihood(&self, sensed: Option<&[Vec<u8>]>, expected: Option<&[Vec<u8>]>) -> f64 {
         let (Some(sensed), Some(expected)) = (sensed, expected) else { return 1.0 };
-        let cost = |(s, o): (&u8, &u8)| usize::from(self.costs[usize::from(*s) * BINS + usize::from(*o)]);
-        let once = self.model.sensor.weight(sensed.iter().zip(expected).map(cost).sum());
+        let weights = self.model.sensors.iter().zip(&self.costs).zip(sensed.iter().zip(expected));
+        let weights = weights.map(|((sensor, costs), (sensed, expected))| {
+            let cost = |(s, o): (&u8, &u8)| usize::from(costs[usize::from(*s) * BINS + usize::from(*o)]);
+            sensor.likelihood.weight(sensed.iter().zip(expected).map(cost).sum())
+        });
+        let once: f64 = weights.product();
         (1..self.parameters.scans).fold(once, |product, _| product * once)
     }
 }
@@ -111,16 +116,16 @@ fn shares(hypotheses: &[Maximum]) -> Vec<f64> {
 struct View {
     /// How probably the robot gets there: maxima are known to the tolerance, and so is the clearance.
     reach: f64,
-    /// The noise-free scan there; none where the robot cannot stand.
-    scan: Option<Vec<u8>>,
+    /// The noise-free scan of each sensor there; none where the robot cannot stand.
+    scans: Option<Vec<Vec<u8>>>,
 }
 
-/// The sensor model's costs, each the least within `tolerance` bins of the expected one, less what
-/// measuring exactly the expected distance costs.
-fn forgiving_costs(model: &LocalizationModel, tolerance: usize) -> Vec<u8> {
+/// The costs of a sensor's readings, each the least within a tolerance of the expected one.
+fn forgiving_costs(sensor: &ScanModel, tolerance_m: f64) -> Vec<u8> {
+    let tolerance = usize::from(sensor.likelihood.bin(tolerance_m));
     let mut costs = vec![0; BINS * BINS];
     for (measured, row) in costs.chunks_exact_mut(BINS).enumerate() {
-        let exact = model.sensor.costs(measured as u8);
+        let exact = sensor.likelihood.costs(measured as u8);
         for (expected, cost) in row.iter_mut().enumerate() {
             let window = &exact[expected.saturating_sub(tolerance)..=(expected + tolerance).min(BINS - 1)];
             *cost = window.iter().copied().fold(u8::MAX, u8::min);

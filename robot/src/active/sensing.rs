@@ -3,20 +3,22 @@
 use crate::localization::{LocalizationModel, ReadingModel, StateShare};
 use rayon::prelude::*;
 
-/// The sensors that can be pointed: models over the same cells, each with its directions as beams.
+/// The sensors of a model that can be pointed, each with its beams as directions.
 #[derive(Debug)]
 pub struct SensingModel<'m> {
-    sensors: Vec<(&'m LocalizationModel, ReadingModel)>,
-    /// Sensor and beam of every direction.
+    model: &'m LocalizationModel,
+    /// Of each sensor of the model.
+    readings: Vec<ReadingModel>,
+    /// Every direction that can be read.
     directions: Vec<Direction>,
 }
 
 /// A direction of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Direction {
-    /// Index of the sensor.
+    /// Index of the sensor in the model.
     pub sensor: usize,
-    /// Index of the beam of its model.
+    /// Index of its beam.
     pub beam: usize,
 }
 
@@ -30,14 +32,14 @@ pub struct SensingChoice {
 }
 
 impl<'m> SensingModel<'m> {
-    /// For sensors over the same cells.
-    pub fn new(models: &[&'m LocalizationModel]) -> Self {
-        let directions_of = |(sensor, model): (usize, &&LocalizationModel)| {
-            (0..model.grid.beams()).map(move |beam| Direction { sensor, beam })
-        };
+    /// For these sensors of a model.
+    pub fn new(model: &'m LocalizationModel, sensors: &[usize]) -> Self {
+        let directions_of =
+            |&sensor: &usize| (0..model.sensors[sensor].bearings.beams()).map(move |beam| Direction { sensor, beam });
         Self {
-            sensors: models.iter().map(|&model| (model, ReadingModel::new(model))).collect(),
-            directions: models.iter().enumerate().flat_map(directions_of).collect(),
+            readings: model.sensors.iter().map(|sensor| ReadingModel::new(&sensor.parameters.beam)).collect(),
+            directions: sensors.iter().flat_map(directions_of).collect(),
+            model,
         }
     }
 
@@ -53,8 +55,8 @@ impl<'m> SensingModel<'m> {
     /// summed up by expected distance: O(states + distances²) in place of O(states · distances),
     /// and exact.
     pub fn utility(&self, direction: Direction, states: &[StateShare]) -> f64 {
-        let (model, readings) = &self.sensors[direction.sensor];
-        readings.information(&model.expected_shares(direction.beam, states))
+        let shares = self.model.expected_shares(direction.sensor, direction.beam, states);
+        self.readings[direction.sensor].information(&shares)
     }
 
     /// The direction of the greatest utility, the first of equals; none if there is none. All
@@ -70,8 +72,9 @@ impl<'m> SensingModel<'m> {
 mod tests {
     use super::*;
     use crate::geometry::Point;
-    use crate::localization::{Belief, LocalizationParameters, ReadingModel, SensorParameters, State};
+    use crate::localization::{BeamParameters, Belief, LocalizationParameters, ReadingModel, ScanParameters, State};
     use crate::occupancy::{Cell, OccupancyGrid};
+    use crate::sensors::RangeSensor;
 
     /// A room of 8 x 4 m, the same after half a turn, with or without a box at its upper wall.
     fn room(boxed: bool) -> OccupancyGrid {
@@ -88,19 +91,26 @@ mod tests {
         map
     }
 
+    const SONARS: usize = 0;
+    const LASER: usize = 1;
+
     /// Sonars that see the box, and a laser that does not.
-    fn sensors() -> [LocalizationModel; 2] {
+    fn model() -> LocalizationModel {
+        let laser = ScanParameters {
+            source: RangeSensor::Laser,
+            beams_deg: (-90..=90).step_by(10).collect(),
+            beam: BeamParameters::laser(),
+            ..ScanParameters::default()
+        };
         let parameters = LocalizationParameters {
             cell_m: 0.4,
             angle_step_deg: 30,
             activity_threshold: 0.0,
-            ..LocalizationParameters::literal()
+            sensors: vec![ScanParameters::default(), laser],
+            ..LocalizationParameters::default()
         };
-        let sonars = LocalizationModel::new(&room(true), parameters).expect("the room is a map");
-        let laser = sonars
-            .with_sensor(&room(false), SensorParameters::laser(), (-90..=90).step_by(10).collect())
-            .expect("there are beams");
-        [sonars, laser]
+        let (boxed, bare) = (room(true), room(false));
+        LocalizationModel::seeing(&boxed, &[&boxed, &bare], parameters.literal()).expect("the room is a map")
     }
 
     fn choices(sensing: &SensingModel<'_>, states: &[StateShare]) -> Vec<SensingChoice> {
@@ -120,10 +130,10 @@ mod tests {
     }
 
     /// Eq. (13), term by term.
-    fn expected_entropy(model: &LocalizationModel, beam: usize, states: &[StateShare]) -> f64 {
-        let readings = ReadingModel::new(model);
+    fn expected_entropy(model: &LocalizationModel, sensor: usize, beam: usize, states: &[StateShare]) -> f64 {
+        let readings = ReadingModel::new(&model.parameters.sensors[sensor].beam);
         let likelihood =
-            |state: State, measured: usize| readings.likelihood(model.expected_scan(state)[beam])[measured];
+            |state: State, measured: usize| readings.likelihood(model.expected_scan(sensor, state)[beam])[measured];
         let mut sum = 0.0;
         for measured in 0..256 {
             let sensed: f64 = states.iter().map(|at| likelihood(at.state, measured) * at.share).sum();
@@ -137,70 +147,70 @@ mod tests {
 
     #[test]
     fn the_utility_is_the_entropy_less_equation_13_term_by_term() {
-        let [sonars, laser] = sensors();
-        let mut belief = Belief::uniform(&sonars);
-        belief.sense_reading(&sonars, 3, 1.7);
-        belief.sense_reading(&laser, 9, 3.1);
-        let states = belief.all_states(&sonars);
+        let model = model();
+        let mut belief = Belief::uniform(&model);
+        belief.sense_reading(&model, SONARS, 3, 1.7);
+        belief.sense_reading(&model, LASER, 9, 3.1);
+        let states = belief.all_states(&model);
         let entropy: f64 = -states.iter().map(|at| at.share * libm::log(at.share)).sum::<f64>();
-        let sensing = SensingModel::new(&[&sonars, &laser]);
-        for (sensor, model, beam) in [(0, &sonars, 0), (0, &sonars, 17), (1, &laser, 4)] {
+        let sensing = SensingModel::new(&model, &[SONARS, LASER]);
+        for (sensor, beam) in [(SONARS, 0), (SONARS, 17), (LASER, 4)] {
             let utility = sensing.utility(Direction { sensor, beam }, &states);
-            let exact = entropy - expected_entropy(model, beam, &states);
+            let exact = entropy - expected_entropy(&model, sensor, beam, &states);
             assert!((utility - exact).abs() < 1e-6, "{sensor} {beam}: {utility} {exact}");
         }
     }
 
     #[test]
     fn what_tells_two_mirror_poses_apart_is_read() {
-        let [sonars, laser] = sensors();
-        let states = two_mirror_states(&sonars);
-        let sensing = SensingModel::new(&[&sonars, &laser]);
+        let model = model();
+        let states = two_mirror_states(&model);
+        let sensing = SensingModel::new(&model, &[SONARS, LASER]);
         let choice = sensing.choose(&states).expect("there are directions");
-        let expected = states.map(|at| sonars.expected_scan(at.state));
+        let expected = states.map(|at| model.expected_scan(SONARS, at.state));
         let beam = choice.direction.beam;
-        assert!(choice.direction.sensor == 0 && expected[0][beam] != expected[1][beam], "{choice:?}");
+        assert!(choice.direction.sensor == SONARS && expected[0][beam] != expected[1][beam], "{choice:?}");
         assert!(choice.utility > 0.3 && choice.utility < std::f64::consts::LN_2, "{choice:?}");
         for other in choices(&sensing, &states) {
             let Direction { sensor, beam } = other.direction;
-            let is_blind = sensor == 1 || expected[0][beam] == expected[1][beam];
+            let is_blind = sensor == LASER || expected[0][beam] == expected[1][beam];
             assert_eq!(is_blind, other.utility < 1e-9, "{other:?}");
         }
     }
 
     #[test]
     fn a_laser_that_does_not_see_the_box_leaves_two_mirror_poses_alone() {
-        let [sonars, laser] = sensors();
-        let mut belief = Belief::uniform(&sonars);
-        let expected = laser.expected_scan(two_mirror_states(&sonars)[0].state);
+        let model = model();
+        let mut belief = Belief::uniform(&model);
+        let expected = model.expected_scan(LASER, two_mirror_states(&model)[0].state);
         for beam in [9, 0, 18, 12] {
-            belief.sense_reading(&laser, beam, laser.sensor.range_m(expected[beam]));
+            belief.sense_reading(&model, LASER, beam, model.sensors[LASER].likelihood.range_m(expected[beam]));
         }
-        let [here, there] = two_mirror_states(&sonars).map(|at| belief.probability(&sonars, at.state));
-        assert!(here > sonars.prior() && here == there, "{here} {there}");
-        let seen = two_mirror_states(&sonars).map(|at| sonars.expected_scan(at.state));
+        let [here, there] = two_mirror_states(&model).map(|at| belief.probability(&model, at.state));
+        assert!(here > model.prior() && here == there, "{here} {there}");
+        let seen = two_mirror_states(&model).map(|at| model.expected_scan(SONARS, at.state));
         let beam =
             (0..seen[0].len()).find(|&beam| seen[0][beam].abs_diff(seen[1][beam]) > 20).expect("the box is seen");
-        belief.sense_reading(&sonars, beam, sonars.sensor.range_m(seen[0][beam]));
-        let [here, there] = two_mirror_states(&sonars).map(|at| belief.probability(&sonars, at.state));
+        belief.sense_reading(&model, SONARS, beam, model.sensors[SONARS].likelihood.range_m(seen[0][beam]));
+        let [here, there] = two_mirror_states(&model).map(|at| belief.probability(&model, at.state));
         assert!(here > 2.0 * there, "{here} {there}");
     }
 
     #[test]
     fn drawn_states_choose_as_well_as_all_of_them() {
-        let [sonars, laser] = sensors();
-        let sensing = SensingModel::new(&[&sonars, &laser]);
-        let mut belief = Belief::uniform(&sonars);
+        let model = model();
+        let sensing = SensingModel::new(&model, &[SONARS, LASER]);
+        let mut belief = Belief::uniform(&model);
         for (beam, range_m) in [(0, 3.0), (6, 1.2), (19, 1.9), (12, 4.1)] {
-            let all = choices(&sensing, &belief.all_states(&sonars));
-            let drawn = belief.drawn_states(&sonars, 300);
+            let all = choices(&sensing, &belief.all_states(&model));
+            let drawn = belief.drawn_states(&model, 300);
             assert!((drawn.iter().map(|at| at.share).sum::<f64>() - 1.0).abs() < 1e-12);
             let choice = sensing.choose(&drawn).expect("there are directions");
             assert_eq!(sensing.choose(&drawn), Some(choice));
             let worth = all.iter().find(|other| other.direction == choice.direction).map_or(0.0, |other| other.utility);
             let best = all.iter().map(|other| other.utility).fold(0.0, f64::max);
             assert!(worth > best - 0.03, "{worth} of {best}");
-            belief.sense_reading(&sonars, beam, range_m);
+            belief.sense_reading(&model, SONARS, beam, range_m);
         }
     }
 }

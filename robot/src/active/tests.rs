@@ -151,7 +151,7 @@ fn a_robot_that_knows_keeps_its_belief_and_is_done_when_that_is_confirmed() {
     for _ in 0..12 {
         odometry = odometry.compose(Pose::new(0.15, 0.0, 0.0));
         let scan = scan_at(&model, START.compose(odometry));
-        localization.observe(&model, odometry, Some(&scan));
+        localization.observe(&model, odometry, &[Some(&scan)]);
         intents.push(active.step(&model, &localization, odometry, false, 0));
     }
     assert_eq!(intents[0], Intent::Explore(Exploration::Wander));
@@ -175,7 +175,7 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
     let mut active = start(&model, &mut localization);
     let scan = scan_at(&model, START);
     // Two scans, so that there are maxima to choose by.
-    (0..25).for_each(|_| _ = localization.observe(&model, Pose::default(), Some(&scan)));
+    (0..25).for_each(|_| _ = localization.observe(&model, Pose::default(), &[Some(&scan)]));
     assert_eq!(
         active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0),
         Intent::Explore(Exploration::Wander)
@@ -190,5 +190,5 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
 
 fn scan_at(model: &LocalizationModel, pose_in_map: Pose) -> Vec<f32> {
     let state = model.state_at(pose_in_map).expect("a pose on the map");
-    model.expected_scan(state).into_iter().map(|bin| model.sensor.range_m(bin) as f32).collect()
+    model.expected_scan(0, state).into_iter().map(|bin| model.sensors[0].likelihood.range_m(bin) as f32).collect()
 }

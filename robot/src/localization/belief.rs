@@ -5,6 +5,8 @@ use super::kernel::{self, LIFT, Share};
 use super::model::LocalizationModel;
 use super::parameters::Spread;
 use super::plane::{Activity, Plane};
+use super::scan::ScanModel;
+use super::sensor::BinnedScan;
 use super::weigh::{PLANES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
 use rayon::prelude::*;
@@ -224,19 +226,34 @@ impl Belief {
         }
     }
 
-    /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes; missing readings count for nothing.
+    /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes: takes in a scan of each sensor of the
+    /// model, one after the other. Missing readings and scans count for nothing.
     ///
     /// # Deviation
-    /// After a scan a share of the uniform distribution is mixed in.
-    pub(super) fn sense(&mut self, model: &LocalizationModel, scan: &[Option<u8>]) {
-        let readings: Vec<(usize, u8)> =
-            scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect();
-        let average = if readings.is_empty() { 1.0 } else { model.average_weight(&readings) };
-        weigh_planes(&mut self.planes, model, &readings, average);
+    /// After the scans a share of the uniform distribution is mixed in.
+    pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) {
+        let readings = |scan: &BinnedScan| -> Vec<(usize, u8)> {
+            scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect()
+        };
+        let mut heard: Vec<(&ScanModel, Vec<(usize, u8)>)> =
+            model.sensors.iter().zip(scans.iter().map(readings)).collect();
+        heard.retain(|(_, readings)| !readings.is_empty());
+        let Some((last, readings)) = heard.pop() else {
+            return self.sense_scan(model, &model.sensors[0], &[], 0.0);
+        };
+        for (sensor, readings) in heard {
+            self.sense_scan(model, sensor, &readings, 0.0);
+        }
+        self.sense_scan(model, last, &readings, model.parameters.mixing);
+    }
+
+    /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.
+    fn sense_scan(&mut self, model: &LocalizationModel, sensor: &ScanModel, readings: &[(usize, u8)], mixed: f64) {
+        let average = if readings.is_empty() { 1.0 } else { sensor.average_weight(readings) };
+        weigh_planes(&mut self.planes, model, sensor, readings, average);
         let lifted = average * f64::from(LIFT);
         let evidence: f64 =
             self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { lifted }).sum();
-        let mixed = if readings.is_empty() { 0.0 } else { model.parameters.mixing };
         if evidence > LEAST_EVIDENCE {
             self.normalize(model, evidence, lifted, mixed);
         } else {
@@ -244,9 +261,9 @@ impl Belief {
         }
     }
 
-    /// Eq. (2) for a scan in metres, every finite reading of it.
-    pub fn sense_ranges(&mut self, model: &LocalizationModel, ranges_m: &[f32]) {
-        self.sense(model, &model.sensor.scan(ranges_m));
+    /// Eq. (2) for a scan of each sensor in metres, every finite reading of it.
+    pub fn sense_ranges(&mut self, model: &LocalizationModel, scans_m: &[Option<&[f32]>]) {
+        self.sense(model, &model.binned(scans_m));
     }
 
     /// Mixes a share of the uniform distribution into the belief.

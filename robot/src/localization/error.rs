@@ -14,6 +14,9 @@ pub enum ModelError {
     /// A scan without beams, or with more than a sum of byte costs holds.
     #[error("a scan has 1 to {MAX_BEAMS} beams, found {0}")]
     Beams(usize),
+    /// Nothing to localize with.
+    #[error("at least one range sensor is needed")]
+    NoSensor,
     /// The robot fits nowhere.
     #[error("the map has no free cell the robot could stand in")]
     NoFreeCell,

@@ -2,7 +2,8 @@
 
 use super::belief::Belief;
 use super::model::LocalizationModel;
-use super::parameters::{LocalizationParameters, Spread};
+use super::parameters::{Gating, LocalizationParameters, Spread};
+use super::scan::ScanModel;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
@@ -20,8 +21,8 @@ pub struct Estimate {
 /// A reading that differs by more than this has changed; far beyond the noise.
 const CHANGED_M: f32 = 0.5;
 
-/// Changed readings that make a changed scan; a person walking by changes fewer.
-const CHANGED_READINGS: usize = 8;
+/// Changed readings that make a changed scan, one in so many; a person walking by changes fewer.
+const CHANGED_ONE_IN: usize = 3;
 
 /// What was taken in since the robot last moved.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,9 +33,24 @@ struct Rest {
     scans: u32,
 }
 
-fn has_changed(before_m: &[f32], now_m: &[f32]) -> bool {
+/// Whether a scan of a sensor is another one than the last that was used; one that is missing is not.
+fn has_changed(before_m: Option<&[f32]>, now_m: Option<&[f32]>) -> bool {
+    let (Some(before_m), Some(now_m)) = (before_m, now_m) else { return now_m.is_some() };
     let changed = |(before, now): &(&f32, &f32)| (**before - **now).abs() > CHANGED_M;
-    before_m.iter().zip(now_m).filter(changed).count() >= CHANGED_READINGS
+    before_m.iter().zip(now_m).filter(changed).count() * CHANGED_ONE_IN >= now_m.len()
+}
+
+/// Leaves out what is clearly shorter than expected.
+fn gate(gating: &Gating, sensor: &ScanModel, expected: &[u8], ranges_m: &[f32], scan: &mut BinnedScan) {
+    let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
+    let beyond_m = |beam: &usize| f64::from(ranges_m[*beam]) - sensor.likelihood.range_m(expected[*beam]);
+    let echoes = |beam: &&usize| f64::from(ranges_m[**beam]) < sensor.parameters.beam.max_range_m;
+    let short = || read.iter().filter(|beam| beyond_m(beam) < -gating.margin_m);
+    let fitting = read.iter().filter(|beam| beyond_m(beam).abs() <= gating.margin_m).count();
+    let farther = read.iter().filter(echoes).filter(|beam| beyond_m(beam) > gating.margin_m).count();
+    if short().count() <= gating.max_readings || gating.is_crowd(fitting, farther) {
+        short().for_each(|&beam| scan[beam] = None);
+    }
 }
 
 /// The coarse belief takes in every so many-th beam, beginning with the next one at each update.
@@ -51,8 +67,8 @@ pub struct Localization {
     updated_at_in_odom: Option<Pose>,
     /// Odometry at the last observation.
     observed_at_in_odom: Option<Pose>,
-    /// The last scan that was used.
-    last_scan_m: Option<Vec<f32>>,
+    /// The last scan of each sensor that was used.
+    last_scans_m: Vec<Option<Vec<f32>>>,
     rest: Rest,
     /// The coarse belief that watches over the fine one, if there is one.
     watch: Option<Belief>,
@@ -86,7 +102,7 @@ impl Localization {
             belief,
             updated_at_in_odom: None,
             observed_at_in_odom: None,
-            last_scan_m: None,
+            last_scans_m: vec![None; model.sensors.len()],
             rest: Rest::default(),
             watch,
             mode,
@@ -138,44 +154,49 @@ impl Localization {
         Self::from_beliefs(model, self.belief.merged(model, &other.belief), watch)
     }
 
-    /// Takes in odometry and, if there is one, a scan, a reading for each beam of the model;
-    /// readings that are not finite are missing.
+    /// Takes in odometry and what each sensor of the model has read, a reading for each of its beams; none
+    /// from a sensor that is off. Readings that are not finite are missing.
     /// Returns whether the belief was updated.
     ///
     /// # Deviation
     /// The belief is updated only after some motion, by `update_distance_m` and
     /// `update_angle_rad`: scans from one place repeat the same evidence. A robot at rest takes a
-    /// few scans and no more, unless the scan changes: somebody may have turned it.
-    pub fn observe(&mut self, model: &LocalizationModel, odometry_in_odom: Pose, ranges_m: Option<&[f32]>) -> bool {
+    /// few scans and no more, unless a scan changes: somebody may have turned it.
+    pub fn observe(&mut self, model: &LocalizationModel, odometry_in_odom: Pose, scans_m: &[Option<&[f32]>]) -> bool {
         self.observed_at_in_odom = Some(odometry_in_odom);
         let since = odometry_in_odom.relative_to(*self.updated_at_in_odom.get_or_insert(odometry_in_odom));
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
-        if !moved && !ranges_m.is_some_and(|ranges_m| self.is_due_at_rest(&model.parameters, ranges_m)) {
+        let is_scanned = scans_m.iter().any(Option::is_some);
+        if !moved && !(is_scanned && self.is_due_at_rest(&model.parameters, scans_m)) {
             return false;
         }
         self.belief.advance(model, since);
-        let scan = self.scan(model, self.mode.pose_in_map.compose(since), ranges_m);
-        self.belief.sense(model, &scan);
+        let scans = self.scans(model, self.mode.pose_in_map.compose(since), scans_m);
+        self.belief.sense(model, &scans);
         self.mode = self.belief.mode(model);
-        self.watch_over(model, since, &scan);
+        self.watch_over(model, since, &scans);
+        self.mode.pose_in_map = model.matched(self.mode.pose_in_map, scans_m);
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.updates += 1;
         if moved {
             self.rest = Rest::default();
         }
         self.rest.waited = 0;
-        if let Some(ranges_m) = ranges_m {
-            self.rest.scans += 1;
-            self.last_scan_m = Some(ranges_m.to_vec());
+        self.rest.scans += u32::from(is_scanned);
+        for (last_m, scan_m) in self.last_scans_m.iter_mut().zip(scans_m) {
+            if let Some(scan_m) = scan_m {
+                *last_m = Some(scan_m.to_vec());
+            }
         }
         true
     }
 
     /// Counts an observation at rest and tells whether it is to be used.
-    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, ranges_m: &[f32]) -> bool {
+    fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, scans_m: &[Option<&[f32]>]) -> bool {
         self.rest.waited += 1;
-        let changed = self.last_scan_m.as_deref().is_none_or(|last_m| has_changed(last_m, ranges_m));
+        let mut pairs = self.last_scans_m.iter().zip(scans_m);
+        let changed = pairs.any(|(last_m, scan_m)| has_changed(last_m.as_deref(), *scan_m));
         if changed {
             self.rest.scans = 0;
         }
@@ -184,7 +205,7 @@ impl Localization {
     }
 
     /// Updates the coarse belief, and makes the fine one anew if they disagree.
-    fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scan: &[Option<u8>]) {
+    fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan]) {
         let (Some(watch), Some(coarse), Some(parameters)) = (&mut self.watch, &model.watch, &model.parameters.watch)
         else {
             return;
@@ -192,9 +213,9 @@ impl Localization {
         // Beams far apart in turn: their evidence overlaps less, and they cost less.
         let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
         let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
-        let scan: BinnedScan = scan.iter().enumerate().map(beam).collect();
+        let scans: Vec<BinnedScan> = scans.iter().map(|scan| scan.iter().enumerate().map(beam).collect()).collect();
         watch.advance(coarse, motion);
-        watch.sense(coarse, &scan);
+        watch.sense(coarse, &scans);
         self.agreed = watch.mass_within(coarse, self.mode.pose_in_map, parameters.near_m, parameters.near_rad);
         if self.agreed < parameters.agreement * self.mode.mass {
             self.belief = Belief::resampled(model, watch, coarse);
@@ -203,26 +224,20 @@ impl Localization {
         }
     }
 
-    /// The bins of a scan, without the readings that gating leaves out.
-    fn scan(&self, model: &LocalizationModel, predicted_in_map: Pose, ranges_m: Option<&[f32]>) -> BinnedScan {
-        let Some(ranges_m) = ranges_m else { return BinnedScan::new() };
-        let mut scan = model.sensor.scan(ranges_m);
-        let Some(gating) = &model.parameters.gating else { return scan };
-        let Some(state) = model.state_at(predicted_in_map) else { return scan };
-        if self.mode.mass < gating.min_certainty || !model.is_admissible(state.column, state.row) {
-            return scan;
+    /// The bins of the scans, without the readings that gating leaves out.
+    fn scans(&self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<BinnedScan> {
+        let mut scans = model.binned(scans_m);
+        let state = model.state_at(predicted_in_map).filter(|state| model.is_admissible(state.column, state.row));
+        let Some(state) = state else { return scans };
+        for (sensor, (scan, ranges_m)) in scans.iter_mut().zip(scans_m).enumerate() {
+            let gating = model.sensors[sensor].parameters.gating.as_ref();
+            let gating = gating.filter(|gating| self.mode.mass >= gating.min_certainty);
+            if let (Some(gating), Some(ranges_m)) = (gating, ranges_m) {
+                let expected = model.expected_scan(sensor, state);
+                gate(gating, &model.sensors[sensor], &expected, ranges_m, scan);
+            }
         }
-        let expected = model.expected_scan(state);
-        let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
-        let beyond_m = |beam: &usize| f64::from(ranges_m[*beam]) - model.sensor.range_m(expected[*beam]);
-        let echoes = |beam: &&usize| f64::from(ranges_m[**beam]) < model.parameters.sensor.max_range_m;
-        let short = || read.iter().filter(|beam| beyond_m(beam) < -gating.margin_m);
-        let fitting = read.iter().filter(|beam| beyond_m(beam).abs() <= gating.margin_m).count();
-        let farther = read.iter().filter(echoes).filter(|beam| beyond_m(beam) > gating.margin_m).count();
-        if short().count() <= gating.max_readings || gating.is_crowd(fitting, farther) {
-            short().for_each(|&beam| scan[beam] = None);
-        }
-        scan
+        scans
     }
 
     /// Where the robot is; costs nothing, the mode is found at each update.

@@ -36,22 +36,11 @@ pub struct BeliefGrid {
     pub rows: usize,
     /// Heading planes; plane `k` has heading `k · angle_step`.
     pub headings: usize,
-    /// Directions of the table of expected distances: the coarsest step that meets every beam at
-    /// every heading.
-    pub directions: usize,
-    /// Bearing of each beam, in steps of the table.
-    bearings: Vec<usize>,
 }
 
 impl BeliefGrid {
     /// The grid over a map; `angle_step_deg` must divide 360.
-    pub(super) fn over(
-        map: &OccupancyGrid,
-        cell_m: f64,
-        angle_step_deg: u32,
-        centred: bool,
-        beams_deg: &[i32],
-    ) -> Self {
+    pub(super) fn over(map: &OccupancyGrid, cell_m: f64, angle_step_deg: u32, centred: bool) -> Self {
         let cells_along = |map_cells: usize| {
             let exact = map_cells as f64 * map.resolution_m / cell_m;
             libm::ceil(exact - 1e-9).max(1.0) as usize
@@ -61,7 +50,7 @@ impl BeliefGrid {
         let first = |origin: f64, middle: f64, count: usize| {
             if centred { middle - (count as f64 - 1.0) / 2.0 * cell_m } else { origin + cell_m / 2.0 }
         };
-        let cells = Self {
+        Self {
             cell_m,
             origin_in_map: Point::new(
                 first(map.origin_in_frame.x, middle(map.origin_in_frame.x, map.columns), columns),
@@ -70,20 +59,6 @@ impl BeliefGrid {
             columns,
             rows,
             headings: (360 / angle_step_deg) as usize,
-            directions: 0,
-            bearings: Vec::new(),
-        };
-        cells.with_beams(beams_deg)
-    }
-
-    /// The same cells for scans of these beams.
-    pub(super) fn with_beams(&self, beams_deg: &[i32]) -> Self {
-        let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
-        let step_deg = beams_deg.iter().copied().fold(360 / self.headings as u32, greatest_common_divisor);
-        Self {
-            directions: (360 / step_deg) as usize,
-            bearings: beams_deg.iter().map(|bearing| (bearing / step_deg) as usize).collect(),
-            ..self.clone()
         }
     }
 
@@ -135,6 +110,36 @@ impl BeliefGrid {
         (libm::round(heading_rad / self.angle_step_rad()) as i64).rem_euclid(self.headings as i64) as usize
     }
 
+    /// Index of a state's cell in its plane.
+    pub(super) fn cell_of(&self, state: State) -> usize {
+        state.row * self.columns + state.column
+    }
+}
+
+/// Where the beams of a sensor look, in the directions of its table of expected distances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bearings {
+    /// Directions of the table: the coarsest step that meets every beam at every heading.
+    pub directions: usize,
+    /// By how many directions a heading differs from the next.
+    heading_step: usize,
+    /// Bearing of each beam, in directions.
+    bearings: Vec<usize>,
+}
+
+impl Bearings {
+    /// Of beams with these bearings, on a grid with so many headings.
+    pub(super) fn new(headings: usize, beams_deg: &[i32]) -> Self {
+        let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
+        let step_deg = beams_deg.iter().copied().fold(360 / headings as u32, greatest_common_divisor);
+        let directions = (360 / step_deg) as usize;
+        Self {
+            directions,
+            heading_step: directions / headings,
+            bearings: beams_deg.iter().map(|bearing| (bearing / step_deg) as usize).collect(),
+        }
+    }
+
     /// Beams of one scan.
     pub fn beams(&self) -> usize {
         self.bearings.len()
@@ -142,7 +147,7 @@ impl BeliefGrid {
 
     /// Which direction of the table beam `beam` reads at heading `heading`.
     pub fn direction(&self, heading: usize, beam: usize) -> usize {
-        (heading * (self.directions / self.headings) + self.bearings[beam]) % self.directions
+        (heading * self.heading_step + self.bearings[beam]) % self.directions
     }
 }
 
@@ -155,14 +160,14 @@ mod tests {
     use super::*;
     use crate::occupancy::Cell;
 
-    fn grid(step_deg: u32, beams_deg: &[i32]) -> BeliefGrid {
+    fn grid(step_deg: u32) -> BeliefGrid {
         let map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.05, 540, 401, Cell::Free);
-        BeliefGrid::over(&map, 0.15, step_deg, true, beams_deg)
+        BeliefGrid::over(&map, 0.15, step_deg, true)
     }
 
     #[test]
     fn a_mirror_pose_falls_on_a_cell() {
-        let grid = grid(2, &[0]);
+        let grid = grid(2);
         let (a, b) = (grid.centre(3, 5), grid.centre(grid.columns - 4, grid.rows - 6));
         assert!((a.x + b.x - 27.0).abs() < 1e-9 && (a.y + b.y - 20.05).abs() < 1e-9);
         assert_eq!(grid.headings % 2, 0);
@@ -175,10 +180,11 @@ mod tests {
         for (beams_deg, step_deg) in
             [&ring, &fan].into_iter().flat_map(|beams| [1, 2, 6, 8, 15].map(|step| (beams, step)))
         {
-            let grid = grid(step_deg, beams_deg);
-            for heading in 0..grid.headings {
+            let headings = grid(step_deg).headings;
+            let bearings = Bearings::new(headings, beams_deg);
+            for heading in 0..headings {
                 for (beam, bearing_deg) in beams_deg.iter().enumerate() {
-                    let degrees = grid.direction(heading, beam) * 360 / grid.directions;
+                    let degrees = bearings.direction(heading, beam) * 360 / bearings.directions;
                     let exact = (heading as i32 * step_deg as i32 + bearing_deg).rem_euclid(360);
                     assert_eq!(degrees, exact as usize);
                 }

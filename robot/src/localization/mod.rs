@@ -6,9 +6,9 @@
 //! is the state: the belief, and the odometry at its last update. It never reads a clock and never
 //! moves the robot.
 //!
-//! Read in this order: `parameters`, `grid`, `sensor`, `model` (what never changes), then
-//! `plane`, `belief`, `weigh`, `summary` (the belief), `calibration`, `filter` (the state others use),
-//! and `reading` (one belief read by several sensors, beam by beam).
+//! Read in this order: `parameters`, `grid`, `sensor`, `scan`, `model` (what never changes), then
+//! `plane`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `calibration`, `filter` (the state others use),
+//! and `reading` (a belief read beam by beam).
 
 mod belief;
 mod calibration;
@@ -21,6 +21,8 @@ mod model;
 mod parameters;
 mod plane;
 mod reading;
+mod scan;
+mod scan_match;
 mod sensor;
 mod simd;
 mod summary;
@@ -32,12 +34,13 @@ pub use belief::Belief;
 pub use calibration::Calibration;
 pub use error::ModelError;
 pub use filter::{Estimate, Localization};
-pub use grid::{BeliefGrid, State};
+pub use grid::{Bearings, BeliefGrid, State};
 pub use kernel::MAX_BEAMS;
 pub use model::LocalizationModel;
-pub use parameters::{Gating, LocalizationParameters, OdometryError, SensorParameters, Spread, Watch};
+pub use parameters::{BeamParameters, Gating, LocalizationParameters, OdometryError, ScanParameters, Spread, Watch};
 pub use plane::{Activity, Plane};
 pub use reading::{Offness, ReadingModel, StateShare};
+pub use scan::ScanModel;
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{NO_ECHO, SensorModel};
 pub use simd::Instructions;

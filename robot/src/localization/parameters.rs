@@ -2,7 +2,7 @@
 
 use super::calibration::Calibration;
 use super::error::ModelError;
-use crate::sensors::{SONAR_RANGE_M, sonar_ring_deg};
+use crate::sensors::{RangeSensor, SONAR_RANGE_M, sonar_ring_deg};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set about the filter.
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// that no hypothesis is beyond recall; and readings clearly shorter than expected are *gated*,
 /// because they are usually people and furniture outside the map; θ is lower; a coarse
 /// belief in which nothing sleeps watches over the fine one; and the certainty is calibrated.
-/// [`LocalizationParameters::literal`] has none of them.
+/// [`LocalizationParameters::literal`] takes them back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LocalizationParameters {
     /// Edge of a belief cell.
@@ -27,18 +27,12 @@ pub struct LocalizationParameters {
     pub centred: bool,
     /// Positions nearer than this to anything occupied carry no mass: the robot is a disc.
     pub clearance_m: f64,
-    /// Bearings of the beams of one scan, from straight ahead to the left, in whole degrees.
-    pub beams_deg: Vec<i32>,
-    /// The model of one beam.
-    pub sensor: SensorParameters,
+    /// What measures distances, at least one.
+    pub sensors: Vec<ScanParameters>,
     /// The error model of the odometry.
     pub odometry: OdometryError,
-    /// Exponent of a scan's likelihood; 1 takes the beams as independent.
-    pub tempering: f64,
     /// Share of the uniform distribution mixed in after an update; 0 is none.
     pub mixing: f64,
-    /// Readings to leave out; none leaves out none.
-    pub gating: Option<Gating>,
     /// The watch over the whole map; none does not watch.
     pub watch: Option<Watch>,
     /// What the share of the belief around the mode is worth; none takes the share itself.
@@ -85,12 +79,9 @@ impl Default for LocalizationParameters {
             angle_step_deg: 2,
             centred: true,
             clearance_m: 0.15,
-            beams_deg: sonar_ring_deg(),
-            sensor: SensorParameters::default(),
+            sensors: vec![ScanParameters::default()],
             odometry: OdometryError::default(),
-            tempering: 0.15,
             mixing: 5e-4,
-            gating: Some(Gating::default()),
             watch: Some(Watch::default()),
             calibration: Some(Calibration::new(&CALIBRATED)),
             activity_threshold: 0.003,
@@ -104,17 +95,17 @@ impl Default for LocalizationParameters {
 
 impl LocalizationParameters {
     /// The equations as printed: every scan counts in full, at every step, and nothing is mixed in.
-    pub fn literal() -> Self {
+    pub fn literal(self) -> Self {
+        let in_full = |sensor| ScanParameters { tempering: 1.0, gating: None, ..sensor };
         Self {
-            tempering: 1.0,
+            sensors: self.sensors.into_iter().map(in_full).collect(),
             mixing: 0.0,
-            gating: None,
             watch: None,
             calibration: None,
             activity_threshold: 0.01,
             update_distance_m: 0.0,
             update_angle_rad: 0.0,
-            ..Self::default()
+            ..self
         }
     }
 
@@ -123,40 +114,23 @@ impl LocalizationParameters {
     /// # Errors
     /// The first that is not.
     pub fn check(&self) -> Result<(), ModelError> {
-        let (sensor, odometry) = (&self.sensor, &self.odometry);
+        let odometry = &self.odometry;
         let mut ranges = vec![
             ("cell_m", self.cell_m, 0.01, 100.0),
             ("clearance_m", self.clearance_m, 0.0, 10.0),
-            ("tempering", self.tempering, 1e-6, 1.0),
             ("mixing", self.mixing, 0.0, 1.0),
             ("activity_threshold", self.activity_threshold, 0.0, 1.0),
             ("update_distance_m", self.update_distance_m, 0.0, 100.0),
             ("update_angle_rad", self.update_angle_rad, 0.0, 7.0),
-            ("sensor.max_range_m", sensor.max_range_m, 0.1, 1000.0),
-            ("sensor.mount_radius_m", sensor.mount_radius_m, 0.0, 10.0),
-            ("sensor.cone_deg", f64::from(sensor.cone_deg), 0.0, 180.0),
-            ("sensor.wall_depth_m", sensor.wall_depth_m, -10.0, 10.0),
-            ("sensor.sigma_m", sensor.sigma_m, 1e-4, 100.0),
-            ("sensor.sigma_per_m", sensor.sigma_per_m, 0.0, 10.0),
-            ("sensor.hit", sensor.hit, 0.0, 1.0),
-            ("sensor.uniform", sensor.uniform, 1e-6, 1.0),
-            ("sensor.short", sensor.short, 0.0, 1.0),
-            ("sensor.short_mean_m", sensor.short_mean_m, 1e-3, 1000.0),
-            ("sensor.missed", sensor.missed, 1e-6, 1.0),
             ("odometry.forward_m", odometry.forward_m, 0.0, 10.0),
             ("odometry.sideward_m", odometry.sideward_m, 0.0, 10.0),
             ("odometry.turn_per_metre_rad", odometry.turn_per_metre_rad, 0.0, 7.0),
             ("odometry.turn_per_radian_rad", odometry.turn_per_radian_rad, 0.0, 7.0),
         ];
-        if let Some(gating) = &self.gating {
-            ranges.push(("gating.margin_m", gating.margin_m, 0.0, 1000.0));
-            ranges.push(("gating.min_certainty", gating.min_certainty, 0.0, 1.0));
-        }
+        ranges.extend(self.sensors.iter().flat_map(ScanParameters::ranges));
         if let Some(watch) = &self.watch {
             ranges.extend([
                 ("watch.cell_m", watch.cell_m, 0.01, 100.0),
-                ("watch.sigma_m", watch.sigma_m, 1e-4, 100.0),
-                ("watch.tempering", watch.tempering, 1e-6, 1.0),
                 ("watch.mixing", watch.mixing, 0.0, 1.0),
                 ("watch.near_m", watch.near_m, 0.0, 1000.0),
                 ("watch.near_rad", watch.near_rad, 0.0, 7.0),
@@ -180,8 +154,7 @@ impl LocalizationParameters {
         Some(Self {
             cell_m: watch.cell_m.max(self.cell_m),
             angle_step_deg: watch.angle_step_deg,
-            sensor: SensorParameters { sigma_m: watch.sigma_m, ..self.sensor.clone() },
-            tempering: watch.tempering,
+            sensors: self.sensors.iter().map(ScanParameters::of_watch).collect(),
             mixing: watch.mixing,
             activity_threshold: 0.0,
             watch: None,
@@ -190,26 +163,32 @@ impl LocalizationParameters {
         })
     }
 
-    /// For a laser range finder: rays and no cones, a finer grid, and odometry as in recorded drives;
-    /// sensor and odometry are what a fit to such drives gives, rounded.
+    /// For recorded drives with a laser range finder, whose scans have these beams: rays and no cones, a
+    /// finer grid, and odometry as in recorded drives; sensor and odometry are what a fit to such drives
+    /// gives, rounded.
     ///
     /// # Deviation
     /// As for the sonars, but nothing watches: a recorded drive is not disturbed. The certainty is the
     /// share of the belief; there are too few drives to calibrate it.
-    pub fn laser() -> Self {
+    pub fn recorded(beams_deg: Vec<i32>) -> Self {
         Self {
             cell_m: 0.1,
             clearance_m: 0.0,
-            sensor: SensorParameters::laser(),
+            sensors: vec![ScanParameters {
+                source: RangeSensor::Laser,
+                beams_deg,
+                beam: BeamParameters::laser(),
+                tempering: 0.2,
+                gating: None,
+                ..ScanParameters::default()
+            }],
             odometry: OdometryError {
                 forward_m: 0.14,
                 sideward_m: 0.09,
                 turn_per_metre_rad: 4.2f64.to_radians(),
                 turn_per_radian_rad: 6.5f64.to_radians(),
             },
-            tempering: 0.2,
             mixing: 1e-4,
-            gating: None,
             watch: None,
             calibration: None,
             ..Self::default()
@@ -217,8 +196,90 @@ impl LocalizationParameters {
     }
 
     /// A coarse grid (30 cm, 6°) for tests and for saving often.
-    pub fn coarse() -> Self {
-        Self { cell_m: 0.3, angle_step_deg: 6, ..Self::default() }
+    pub fn coarse(self) -> Self {
+        Self { cell_m: 0.3, angle_step_deg: 6, ..self }
+    }
+}
+
+/// A sensor that measures distances along several beams at a time, and how its scans are taken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScanParameters {
+    /// Whose readings they are.
+    pub source: RangeSensor,
+    /// Bearings of the beams of one scan, from straight ahead to the left, in whole degrees.
+    pub beams_deg: Vec<i32>,
+    /// The model of one beam.
+    pub beam: BeamParameters,
+    /// Exponent of a scan's likelihood; 1 takes the beams as independent.
+    pub tempering: f64,
+    /// Readings to leave out; none leaves out none.
+    pub gating: Option<Gating>,
+    /// Standard deviation of the Gaussian where the coarse belief reads it: it must cover half a coarse
+    /// cell.
+    pub watch_sigma_m: f64,
+    /// Exponent of a scan's likelihood in the coarse belief.
+    pub watch_tempering: f64,
+}
+
+impl Default for ScanParameters {
+    /// The ring of sonars.
+    fn default() -> Self {
+        Self {
+            source: RangeSensor::Sonar,
+            beams_deg: sonar_ring_deg(),
+            beam: BeamParameters::default(),
+            tempering: 0.15,
+            gating: Some(Gating::default()),
+            watch_sigma_m: 0.2,
+            watch_tempering: 0.2,
+        }
+    }
+}
+
+impl ScanParameters {
+    /// A laser range finder in a mission, of the beams given.
+    pub fn laser(beams_deg: Vec<i32>, max_range_m: f64) -> Self {
+        Self {
+            source: RangeSensor::Laser,
+            beams_deg,
+            beam: BeamParameters { max_range_m, ..MISSION_RAY },
+            ..Self::default()
+        }
+    }
+
+    /// As the coarse belief reads it.
+    fn of_watch(&self) -> Self {
+        Self {
+            beam: BeamParameters { sigma_m: self.watch_sigma_m, ..self.beam.clone() },
+            tempering: self.watch_tempering,
+            ..self.clone()
+        }
+    }
+
+    /// Each number with its name, and the least and the most it may be.
+    fn ranges(&self) -> Vec<(&'static str, f64, f64, f64)> {
+        let beam = &self.beam;
+        let mut ranges = vec![
+            ("sensors.beam.max_range_m", beam.max_range_m, 0.1, 1000.0),
+            ("sensors.beam.mount_radius_m", beam.mount_radius_m, 0.0, 10.0),
+            ("sensors.beam.cone_deg", f64::from(beam.cone_deg), 0.0, 180.0),
+            ("sensors.beam.wall_depth_m", beam.wall_depth_m, -10.0, 10.0),
+            ("sensors.beam.sigma_m", beam.sigma_m, 1e-4, 100.0),
+            ("sensors.beam.sigma_per_m", beam.sigma_per_m, 0.0, 10.0),
+            ("sensors.beam.hit", beam.hit, 0.0, 1.0),
+            ("sensors.beam.uniform", beam.uniform, 1e-6, 1.0),
+            ("sensors.beam.short", beam.short, 0.0, 1.0),
+            ("sensors.beam.short_mean_m", beam.short_mean_m, 1e-3, 1000.0),
+            ("sensors.beam.missed", beam.missed, 1e-6, 1.0),
+            ("sensors.tempering", self.tempering, 1e-6, 1.0),
+            ("sensors.watch_sigma_m", self.watch_sigma_m, 1e-4, 100.0),
+            ("sensors.watch_tempering", self.watch_tempering, 1e-6, 1.0),
+        ];
+        if let Some(gating) = &self.gating {
+            ranges.push(("sensors.gating.margin_m", gating.margin_m, 0.0, 1000.0));
+            ranges.push(("sensors.gating.min_certainty", gating.min_certainty, 0.0, 1.0));
+        }
+        ranges
     }
 }
 
@@ -226,7 +287,7 @@ impl LocalizationParameters {
 /// distance, a uniform and a geometric density (Fox, Burgard, Thrun §3.2), and the echo that never
 /// comes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SensorParameters {
+pub struct BeamParameters {
     /// Readings at or beyond this are "no echo".
     pub max_range_m: f64,
     /// Readings are measured from this far in front of the robot's middle.
@@ -255,7 +316,7 @@ pub struct SensorParameters {
     pub fades: bool,
 }
 
-impl Default for SensorParameters {
+impl Default for BeamParameters {
     fn default() -> Self {
         Self {
             max_range_m: SONAR_RANGE_M,
@@ -274,7 +335,7 @@ impl Default for SensorParameters {
     }
 }
 
-impl SensorParameters {
+impl BeamParameters {
     /// The beam of a laser range finder.
     pub fn laser() -> Self {
         Self {
@@ -298,6 +359,22 @@ impl SensorParameters {
         [self.hit, self.uniform, self.short, self.missed]
     }
 }
+
+/// What half a belief cell and half an angle step add to a laser's errors where missions drive.
+const MISSION_RAY: BeamParameters = BeamParameters {
+    max_range_m: 8.0,
+    mount_radius_m: 0.0,
+    cone_deg: 0,
+    wall_depth_m: 0.0,
+    sigma_m: 0.08,
+    sigma_per_m: 0.02,
+    hit: 0.75,
+    uniform: 0.1,
+    short: 0.1,
+    short_mean_m: 2.0,
+    missed: 0.05,
+    fades: true,
+};
 
 /// How far odometry strays: variances grow in proportion to the way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -371,10 +448,6 @@ pub struct Watch {
     pub cell_m: f64,
     /// Whole degrees between two headings; must divide 360.
     pub angle_step_deg: u32,
-    /// Standard deviation of the sensor's Gaussian, which must cover half a coarse cell.
-    pub sigma_m: f64,
-    /// Exponent of a scan's likelihood.
-    pub tempering: f64,
     /// Share of the uniform distribution mixed in after an update.
     pub mixing: f64,
     /// The coarse belief agrees with a pose by what it gives the poses within this distance ...
@@ -389,16 +462,7 @@ pub struct Watch {
 
 impl Default for Watch {
     fn default() -> Self {
-        Self {
-            cell_m: 0.3,
-            angle_step_deg: 6,
-            sigma_m: 0.2,
-            tempering: 0.2,
-            mixing: 5e-4,
-            near_m: 1.2,
-            near_rad: 40f64.to_radians(),
-            agreement: 0.5,
-        }
+        Self { cell_m: 0.3, angle_step_deg: 6, mixing: 5e-4, near_m: 1.2, near_rad: 40f64.to_radians(), agreement: 0.5 }
     }
 }
 

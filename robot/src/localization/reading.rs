@@ -1,10 +1,12 @@
-//! Single readings: one belief read by several sensors, one beam at a time.
+//! Single readings: a belief read one beam of one sensor at a time.
 
 use super::belief::Belief;
 use super::grid::State;
 use super::model::LocalizationModel;
+use super::parameters::BeamParameters;
 use super::plane::Plane;
-use super::sensor::{BINS, mixture};
+use super::scan::ScanModel;
+use super::sensor::{BINS, BinnedScan, mixture};
 use crate::geometry::{Point, Pose};
 use rayon::prelude::*;
 
@@ -36,10 +38,10 @@ pub struct ReadingModel {
 }
 
 impl ReadingModel {
-    /// Of the sensor of a model.
-    pub fn new(model: &LocalizationModel) -> Self {
+    /// Of a beam of a sensor.
+    pub fn new(beam: &BeamParameters) -> Self {
         let row = |expected| {
-            let density = mixture(&model.parameters.sensor, expected);
+            let density = mixture(beam, expected);
             std::array::from_fn(|measured| density[measured])
         };
         let likelihood: Vec<[f64; BINS]> = (0..BINS).map(row).collect();
@@ -73,12 +75,11 @@ fn entropy(density: &[f64]) -> f64 {
 }
 
 impl LocalizationModel {
-    /// Shares of the bins that a beam is expected to measure.
-    pub fn expected_shares(&self, beam: usize, states: &[StateShare]) -> [f64; BINS] {
+    /// Shares of the bins that a beam of a sensor is expected to measure.
+    pub fn expected_shares(&self, sensor: usize, beam: usize, states: &[StateShare]) -> [f64; BINS] {
         let mut shares = [0.0; BINS];
         for StateShare { state, share } in states {
-            let cell = state.row * self.grid.columns + state.column;
-            let bin = self.expected_bin(self.grid.direction(state.heading, beam), cell);
+            let bin = self.sensors[sensor].expected_bin(state.heading, self.grid.cell_of(*state), beam);
             shares[usize::from(bin)] += share;
         }
         shares
@@ -93,11 +94,13 @@ impl Belief {
         self.sense(model, &[]);
     }
 
-    /// Eq. (2) for one reading of one beam of a model.
-    pub fn sense_reading(&mut self, model: &LocalizationModel, beam: usize, range_m: f64) {
-        let mut scan = vec![None; model.grid.beams()];
-        scan[beam] = range_m.is_finite().then(|| model.sensor.bin(range_m));
-        self.sense(model, &scan);
+    /// Eq. (2) for one reading of one beam of a sensor.
+    pub fn sense_reading(&mut self, model: &LocalizationModel, sensor: usize, beam: usize, range_m: f64) {
+        let mut scans = vec![BinnedScan::new(); model.sensors.len()];
+        let ScanModel { likelihood, bearings, .. } = &model.sensors[sensor];
+        scans[sensor] = vec![None; bearings.beams()];
+        scans[sensor][beam] = range_m.is_finite().then(|| likelihood.bin(range_m));
+        self.sense(model, &scans);
     }
 
     /// At most so many states, drawn evenly: along the cells of the belief, plane by plane and row by
@@ -182,7 +185,7 @@ mod tests {
             cell_m: 0.5,
             angle_step_deg: 45,
             activity_threshold: 0.0,
-            ..LocalizationParameters::literal()
+            ..LocalizationParameters::default().literal()
         };
         LocalizationModel::new(&map, parameters).expect("it is a map")
     }
@@ -190,12 +193,12 @@ mod tests {
     #[test]
     fn a_reading_weighs_each_state_by_its_likelihood() {
         let model = model();
-        let readings = ReadingModel::new(&model);
+        let readings = ReadingModel::new(&model.parameters.sensors[0].beam);
         let mut belief = Belief::uniform(&model);
-        belief.sense_reading(&model, 5, 1.3);
+        belief.sense_reading(&model, 0, 5, 1.3);
         let likelihood = |state: &StateShare| {
-            let expected = model.expected_scan(state.state)[5];
-            readings.likelihood(expected)[usize::from(model.sensor.bin(1.3))]
+            let expected = model.expected_scan(0, state.state)[5];
+            readings.likelihood(expected)[usize::from(model.sensors[0].likelihood.bin(1.3))]
         };
         let states = belief.all_states(&model);
         let total: f64 = states.iter().map(likelihood).sum();
@@ -204,7 +207,7 @@ mod tests {
             assert!((state.share / (likelihood(state) / total) - 1.0).abs() < 0.04, "{state:?}");
         }
         let before = belief.clone();
-        belief.sense_reading(&model, 5, f64::NAN);
+        belief.sense_reading(&model, 0, 5, f64::NAN);
         assert!((belief.entropy(&model) - before.entropy(&model)).abs() < 1e-6);
     }
 
@@ -212,7 +215,7 @@ mod tests {
     fn distance_from_a_point_is_the_mean_over_all_states() {
         let model = model();
         let mut belief = Belief::uniform(&model);
-        belief.sense_reading(&model, 2, 1.3);
+        belief.sense_reading(&model, 0, 2, 1.3);
         belief.moved(&model, Pose::new(0.1, 0.0, 0.0));
         let point = Point::new(2.0, 1.0);
         let (mut l1_m, mut near) = (0.0, 0.0);

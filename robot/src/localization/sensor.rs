@@ -1,7 +1,7 @@
 //! P(s | o): how likely a reading is where a distance is expected, as byte tables.
 
 use super::kernel;
-use super::parameters::SensorParameters;
+use super::parameters::BeamParameters;
 
 /// The bin of a reading, or an expected distance, without an echo in range.
 pub const NO_ECHO: u8 = 255;
@@ -28,7 +28,7 @@ pub struct SensorModel {
 
 impl SensorModel {
     /// Tables for a mixture; `tempering` is the exponent of a scan's likelihood.
-    pub fn new(parameters: &SensorParameters, tempering: f64) -> Self {
+    pub fn new(parameters: &BeamParameters, tempering: f64) -> Self {
         let likelihood: Vec<Vec<f64>> = (0..BINS).map(|expected| mixture(parameters, expected)).collect();
         let costs = (0..BINS)
             .map(|measured| {
@@ -81,7 +81,7 @@ pub(super) fn bin(range_m: f64, max_range_m: f64) -> u8 {
 }
 
 /// P(measured | expected) over the measured bins; sums to 1.
-pub(super) fn mixture(parameters: &SensorParameters, expected: usize) -> Vec<f64> {
+pub(super) fn mixture(parameters: &BeamParameters, expected: usize) -> Vec<f64> {
     let mut density = vec![0.0; BINS];
     for (part, weight) in components(parameters, expected).iter().zip(parameters.weights()) {
         for (sum, value) in density.iter_mut().zip(part) {
@@ -93,9 +93,9 @@ pub(super) fn mixture(parameters: &SensorParameters, expected: usize) -> Vec<f64
 }
 
 /// The densities of the mixture over the measured bins, in the order of
-/// [`SensorParameters::weights`]: the expected surface, anything, something before it, no echo.
+/// [`BeamParameters::weights`]: the expected surface, anything, something before it, no echo.
 /// Each sums to 1, or is 0 where there is no room for it.
-pub(crate) fn components(parameters: &SensorParameters, expected: usize) -> [Vec<f64>; 4] {
+pub(crate) fn components(parameters: &BeamParameters, expected: usize) -> [Vec<f64>; 4] {
     let width_m = parameters.max_range_m / 255.0;
     let centre_m = |bin: usize| (bin as f64 + 0.5) * width_m;
     let no_echo = usize::from(NO_ECHO);
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn every_expected_distance_gives_a_distribution_with_its_peak_there() {
-        let parameters = SensorParameters { missed: 0.01, ..SensorParameters::default() };
+        let parameters = BeamParameters { missed: 0.01, ..BeamParameters::default() };
         for expected in [20, 100, 200] {
             let density = mixture(&parameters, expected);
             assert!((density.iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn half_of_what_lies_at_the_end_of_a_range_that_fades_is_not_seen() {
-        let parameters = SensorParameters { fades: true, ..SensorParameters::default() };
+        let parameters = BeamParameters { fades: true, ..BeamParameters::default() };
         let [hit, ..] = components(&parameters, 254);
         assert!((hit.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((0.4..0.6).contains(&hit[usize::from(NO_ECHO)]), "{}", hit[usize::from(NO_ECHO)]);
@@ -161,13 +161,13 @@ mod tests {
 
     #[test]
     fn a_short_reading_is_likelier_than_a_long_one() {
-        let density = mixture(&SensorParameters::default(), 128);
+        let density = mixture(&BeamParameters::default(), 128);
         assert!(density[64] > density[192]);
     }
 
     #[test]
     fn bytes_err_by_at_most_half_a_unit() {
-        let parameters = SensorParameters::default();
+        let parameters = BeamParameters::default();
         let model = SensorModel::new(&parameters, 1.0);
         for measured in [0u8, 77, 254, 255] {
             let exact: Vec<f64> =
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn bins_cover_the_range_in_order() {
-        let model = SensorModel::new(&SensorParameters::default(), 0.1);
+        let model = SensorModel::new(&BeamParameters::default(), 0.1);
         assert_eq!(model.bin(5.0), NO_ECHO);
         assert_eq!(model.bin(-0.1), 0);
         for bin in 0..NO_ECHO {

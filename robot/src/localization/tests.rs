@@ -41,7 +41,8 @@ fn corridor() -> OccupancyGrid {
 }
 
 fn parameters() -> LocalizationParameters {
-    LocalizationParameters { cell_m: 0.3, angle_step_deg: 15, gating: None, ..LocalizationParameters::default() }
+    let sensors = vec![ScanParameters { gating: None, ..ScanParameters::default() }];
+    LocalizationParameters { cell_m: 0.3, angle_step_deg: 15, sensors, ..LocalizationParameters::default() }
 }
 
 fn fine() -> LocalizationParameters {
@@ -55,7 +56,7 @@ fn model(parameters: LocalizationParameters) -> LocalizationModel {
 /// What a noise-free robot at a pose measures.
 fn scan_at(model: &LocalizationModel, pose_in_map: Pose) -> Vec<f32> {
     let state = model.state_at(pose_in_map).expect("a pose on the map");
-    model.expected_scan(state).into_iter().map(|bin| model.sensor.range_m(bin) as f32).collect()
+    model.expected_scan(0, state).into_iter().map(|bin| model.sensors[0].likelihood.range_m(bin) as f32).collect()
 }
 
 fn states(model: &LocalizationModel) -> Vec<State> {
@@ -103,7 +104,7 @@ fn the_belief_sums_to_one_after_every_operation() {
     check(&Localization::start_uniform(&model));
     for (step, (odometry, scan_m)) in drive(&model, 10_000, 40).iter().enumerate() {
         let sonar_m = (step % 5 != 0).then_some(scan_m.as_slice());
-        localization.observe(&model, *odometry, sonar_m);
+        localization.observe(&model, *odometry, &[sonar_m]);
         check(&localization);
         if step == 20 {
             localization.reset_for_relocalization(&model);
@@ -215,19 +216,20 @@ fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
 #[test]
 fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
     let tempering = 0.7;
-    let full = LocalizationParameters { tempering, mixing: 0.0, activity_threshold: 0.0, ..parameters() };
+    let sensors = vec![ScanParameters { tempering, ..ScanParameters::default() }];
+    let full = LocalizationParameters { sensors, mixing: 0.0, activity_threshold: 0.0, ..parameters() };
     let model = model(full);
     let mut belief = Belief::around(&model, Pose::new(2.5, 2.0, 1.0), Spread { position_m: 1.0, heading_rad: 1.0 });
     let mut posterior = probabilities(&model, &belief);
     let mut scan_m = scan_at(&model, Pose::new(2.4, 2.1, 0.8));
     let used = 10;
     scan_m[used..].fill(f32::NAN);
-    belief.sense_ranges(&model, &scan_m);
-    let likelihoods: Vec<Vec<f64>> = (0..256).map(|bin| mixture(&model.parameters.sensor, bin)).collect();
+    belief.sense_ranges(&model, &[Some(&scan_m)]);
+    let likelihoods: Vec<Vec<f64>> = (0..256).map(|bin| mixture(&model.parameters.sensors[0].beam, bin)).collect();
     for (state, probability) in states(&model).into_iter().zip(&mut posterior) {
-        let expected = model.expected_scan(state);
+        let expected = model.expected_scan(0, state);
         for sonar in 0..used {
-            let measured = usize::from(model.sensor.bin(f64::from(scan_m[sonar])));
+            let measured = usize::from(model.sensors[0].likelihood.bin(f64::from(scan_m[sonar])));
             *probability *= libm::pow(likelihoods[usize::from(expected[sonar])][measured], tempering);
         }
     }
@@ -237,6 +239,36 @@ fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
     for (found, exact) in probabilities(&model, &belief).iter().zip(posterior.iter().map(|p| p / evidence)) {
         assert!(exact < 1e-20 || libm::fabs(libm::log(found / exact)) <= bound, "{found} {exact}");
     }
+}
+
+#[test]
+fn scans_of_two_sensors_weigh_each_state_by_both() {
+    let laser = ScanParameters::laser((-90..=90).step_by(15).collect(), 8.0);
+    let model = model(LocalizationParameters {
+        sensors: vec![ScanParameters::default(), laser],
+        mixing: 0.0,
+        activity_threshold: 0.0,
+        ..parameters()
+    });
+    let truth = model.state_at(Pose::new(2.4, 2.1, 0.8)).expect("a pose on the map");
+    let scans_m: Vec<Vec<f32>> = (model.sensors.iter().enumerate())
+        .map(|(sensor, tables)| {
+            let expected = model.expected_scan(sensor, truth).into_iter();
+            expected.map(|bin| tables.likelihood.range_m(bin) as f32).collect()
+        })
+        .collect();
+    let [sonar_m, laser_m] = [&scans_m[0], &scans_m[1]].map(|scan_m| Some(scan_m.as_slice()));
+    let after = |heard: &[[Option<&[f32]>; 2]]| {
+        let mut belief = Belief::uniform(&model);
+        heard.iter().for_each(|scans_m| belief.sense_ranges(&model, scans_m));
+        probabilities(&model, &belief)
+    };
+    let both = after(&[[sonar_m, laser_m]]);
+    assert!(total_variation(&both, &after(&[[sonar_m, None], [None, laser_m]])) < 1e-5);
+    for one in [after(&[[sonar_m, None]]), after(&[[None, laser_m]])] {
+        assert!(total_variation(&both, &one) > 0.05);
+    }
+    assert_eq!(after(&[[None, None]]), after(&[]));
 }
 
 #[test]
@@ -287,7 +319,7 @@ fn a_selective_update_stays_close_to_the_full_one() {
         }
         for (model, belief) in [(&selective, &mut belief), (&full, &mut other)] {
             belief.advance(model, odometry.relative_to(before));
-            belief.sense_ranges(model, &scan_m);
+            belief.sense_ranges(model, &[Some(&scan_m)]);
         }
         let apart = total_variation(&probabilities(&selective, &belief), &probabilities(&full, &other));
         assert!(apart < 1e-3, "{apart}");
@@ -309,7 +341,7 @@ fn planes_that_slept_come_back_when_the_robot_was_turned() {
     for step in 0..30 {
         let motion = if step < 10 { Pose::new(0.0, 0.0, FRAC_PI_2 / 10.0) } else { Pose::new(0.15, 0.0, 0.0) };
         (truth, odometry) = (truth.compose(motion), odometry.compose(motion));
-        localization.observe(&model, odometry, Some(&scan_at(&model, truth)));
+        localization.observe(&model, odometry, &[Some(&scan_at(&model, truth))]);
     }
     let estimate = localization.estimate(&model);
     assert!(estimate.pose_in_map.distance_m(truth) < 0.5 && estimate.certainty > 0.8, "{estimate:?} {truth:?}");
@@ -327,7 +359,7 @@ fn a_turn_by_hand_is_noticed_soon_and_a_turn_by_wheel_is_not() {
             let motion = Pose::new(0.0, 0.0, f64::from(step) * 0.2);
             let turned = if step >= 2 { motion.compose(turn) } else { motion };
             let odometry = if by_hand { motion } else { turned };
-            localization.observe(&model, odometry, Some(&scan_at(&model, start.compose(turned))));
+            localization.observe(&model, odometry, &[Some(&scan_at(&model, start.compose(turned)))]);
             *lowest = lowest.min(localization.estimate(&model).certainty);
         }
     }
@@ -338,7 +370,7 @@ fn a_turn_by_hand_is_noticed_soon_and_a_turn_by_wheel_is_not() {
 /// Half of the robot's sonars hear somebody who stands around it and walks with it; the others hear
 /// what the pose explains, or what it does not.
 fn certainty_in_a_crowd(others_fit: bool) -> f64 {
-    let model = model(LocalizationParameters { gating: Some(Gating::default()), ..fine() });
+    let model = model(LocalizationParameters { sensors: vec![ScanParameters::default()], ..fine() });
     let start = Pose::new(2.0, 2.0, 0.0);
     let mut localization = Localization::start_at(&model, start, Spread::default());
     for (step, (odometry, scan_m)) in drive(&model, 10_001, 60).iter().enumerate() {
@@ -348,7 +380,7 @@ fn certainty_in_a_crowd(others_fit: bool) -> f64 {
             _ => range_m + 1.0,
         };
         let scan_m: Vec<f32> = scan_m.iter().enumerate().map(heard).collect();
-        localization.observe(&model, *odometry, Some(&scan_m));
+        localization.observe(&model, *odometry, &[Some(&scan_m)]);
     }
     let (estimate, right) = (localization.estimate(&model), start.compose(drive(&model, 10_001, 60)[59].0));
     if others_fit {
@@ -387,7 +419,7 @@ fn a_robot_turned_half_round_in_a_symmetric_corridor_takes_both_poses_for_possib
     for _ in 0..20 {
         odometry = odometry.compose(Pose::new(0.15, 0.0, 0.0));
         let truth = Pose::new(8.0, 1.5, PI).compose(odometry);
-        localization.observe(&model, odometry, Some(&scan_at(&model, truth)));
+        localization.observe(&model, odometry, &[Some(&scan_at(&model, truth))]);
     }
     let truth = Pose::new(8.0, 1.5, PI).compose(odometry);
     let twin = Pose::new(12.0 - truth.x_m, 3.0 - truth.y_m, truth.heading_rad + PI);
@@ -407,7 +439,7 @@ fn a_refuted_belief_is_uniform() {
     let mut odometry = Pose::default();
     for _ in 0..40 {
         odometry = odometry.compose(Pose::new(0.02, 0.0, 0.2));
-        localization.observe(&model, odometry, None);
+        localization.observe(&model, odometry, &[None]);
         assert!((localization.belief().mass(&model) - 1.0).abs() < 1e-3, "{}", localization.belief().mass(&model));
     }
 }
@@ -450,8 +482,8 @@ fn a_saved_filter_goes_on_like_the_one_it_was_saved_from() {
         let bytes = postcard::to_allocvec(&localization).expect("it can be written");
         let mut loaded: Localization = postcard::from_bytes(&bytes).expect("and read");
         assert_eq!(loaded, localization);
-        localization.observe(&model, odometry, Some(&scan_m));
-        loaded.observe(&model, odometry, Some(&scan_m));
+        localization.observe(&model, odometry, &[Some(&scan_m)]);
+        loaded.observe(&model, odometry, &[Some(&scan_m)]);
         assert_eq!(postcard::to_allocvec(&loaded), postcard::to_allocvec(&localization));
     }
 }
@@ -467,7 +499,7 @@ fn forks_share_planes_until_one_writes() {
     };
     assert_eq!(shared(&localization, &fork), model.grid.headings);
     let before = fork.clone();
-    localization.observe(&model, Pose::default(), Some(&scan_at(&model, Pose::new(2.0, 2.0, 0.0))));
+    localization.observe(&model, Pose::default(), &[Some(&scan_at(&model, Pose::new(2.0, 2.0, 0.0)))]);
     assert!(shared(&localization, &fork) < model.grid.headings);
     assert_eq!(fork, before);
 }
@@ -481,7 +513,7 @@ fn the_number_of_threads_changes_no_bit() {
             let mut localization = Localization::start_uniform(&model);
             let mut bytes = Vec::new();
             for (odometry, scan_m) in drive(&model, 10_003, 12) {
-                localization.observe(&model, odometry, Some(&scan_m));
+                localization.observe(&model, odometry, &[Some(&scan_m)]);
                 bytes.push(postcard::to_allocvec(&localization).expect("it can be written"));
                 bytes.push(localization.entropy(&model).to_bits().to_le_bytes().to_vec());
             }
@@ -500,7 +532,7 @@ fn all_instructions_give_the_same_bits() {
         for (step, (odometry, mut scan_m)) in drive(&model, 10_004, 16).into_iter().enumerate() {
             // Any number of readings, also one that is no multiple of what is looked up together.
             scan_m[SONARS - step % SONARS..].fill(f32::NAN);
-            localization.observe(&model, odometry, Some(&scan_m));
+            localization.observe(&model, odometry, &[Some(&scan_m)]);
             bytes.push(postcard::to_allocvec(&localization).expect("it can be written"));
             bytes.push(localization.entropy(&model).to_bits().to_le_bytes().to_vec());
         }
@@ -517,6 +549,7 @@ fn parameters_that_describe_no_grid_are_errors() {
     let error = |parameters| LocalizationModel::new(&room(), parameters).err();
     assert_eq!(error(LocalizationParameters { angle_step_deg: 7, ..parameters() }), Some(ModelError::AngleStep(7)));
     assert!(matches!(error(LocalizationParameters { cell_m: 0.05, ..parameters() }), Some(ModelError::CellSize(_))));
+    assert_eq!(error(LocalizationParameters { sensors: Vec::new(), ..parameters() }), Some(ModelError::NoSensor));
     assert_eq!(error(LocalizationParameters { clearance_m: 3.0, ..parameters() }), Some(ModelError::NoFreeCell));
 }
 
@@ -527,8 +560,8 @@ fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
     let mirrored = |pose: Pose| Pose::new(2.0 * centre.x - pose.x_m, 2.0 * centre.y - pose.y_m, pose.heading_rad + PI);
     let simulator = SimulatorModel::new(world.clone(), SimulatorSettings::default());
     let runs = [
-        (LocalizationParameters::coarse(), 10_000),
-        (LocalizationParameters::coarse(), 10_001),
+        (LocalizationParameters::default().coarse(), 10_000),
+        (LocalizationParameters::default().coarse(), 10_001),
         (LocalizationParameters::default(), 10_002),
     ];
     for (parameters, seed) in runs {
@@ -555,11 +588,8 @@ fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
                 ..Commands::default()
             };
             let percept = simulator.step(&mut state, &commands);
-            if localization.observe(
-                &model,
-                percept.odometry_in_odom,
-                percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice()),
-            ) {
+            let sonar_m = percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice());
+            if localization.observe(&model, percept.odometry_in_odom, &[sonar_m]) {
                 for pose in [state.true_pose(), mirrored(state.true_pose())] {
                     let mass = localization.belief().mass_near(&model, pose);
                     assert!((0.2..=0.8).contains(&mass), "{mass} after {:.1} m", state.distance_driven_m());

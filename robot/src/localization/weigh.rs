@@ -3,6 +3,7 @@
 use super::kernel::{Beam, Extent, TILE, TOGETHER, TilePart};
 use super::model::LocalizationModel;
 use super::plane::Plane;
+use super::scan::ScanModel;
 use rayon::prelude::*;
 
 /// With fewer active planes than this, handing them to other threads costs more than it gains.
@@ -14,6 +15,7 @@ const SILENT: [u8; 256] = [0; 256];
 /// A scan to be weighed.
 struct Evidence<'m> {
     model: &'m LocalizationModel,
+    sensor: &'m ScanModel,
     /// Costs of each reading, by expected bin.
     costs: Vec<&'m [u8; 256]>,
     /// The average weight of such a scan.
@@ -28,17 +30,23 @@ struct PlanePart<'p> {
     directions: &'p [usize],
 }
 
-/// Multiplies the active planes by the weights of a scan, bringing in their factor and floor, and
+/// Multiplies the active planes by the weights of a scan of a sensor, bringing in their factor and floor, and
 /// sums them.
 ///
 /// The cells are visited tile by tile and within a tile plane by plane: neighbouring headings look
 /// into the same directions of the table, whose part for one tile stays in the cache. Tiles share
 /// nothing, and their sums are added in order, whatever the number of threads.
-pub(super) fn weigh_planes(planes: &mut [Plane], model: &LocalizationModel, readings: &[(usize, u8)], average: f64) {
-    let costs = readings.iter().map(|&(_, bin)| model.sensor.costs(bin)).collect();
-    let evidence = Evidence { model, costs, average };
+pub(super) fn weigh_planes(
+    planes: &mut [Plane],
+    model: &LocalizationModel,
+    sensor: &ScanModel,
+    readings: &[(usize, u8)],
+    average: f64,
+) {
+    let costs = readings.iter().map(|&(_, bin)| sensor.likelihood.costs(bin)).collect();
+    let evidence = Evidence { model, sensor, costs, average };
     let directions: Vec<Vec<usize>> = (0..planes.len())
-        .map(|heading| readings.iter().map(|&(beam, _)| model.grid.direction(heading, beam)).collect())
+        .map(|heading| readings.iter().map(|&(beam, _)| sensor.bearings.direction(heading, beam)).collect())
         .collect();
     let mut tiles: Vec<Vec<PlanePart>> = Vec::new();
     tiles.resize_with(model.grid.plane_len().div_ceil(TILE), Vec::new);
@@ -64,7 +72,7 @@ impl Evidence<'_> {
     /// Sum and maximum of the planes' parts in one tile.
     fn weigh_tile(&self, index: usize, tile: Vec<PlanePart>) -> Vec<Extent> {
         let model = self.model;
-        let expected = model.expected_tile(index);
+        let expected = self.sensor.expected_tile(index);
         let admissible = &model.admissible[index * TILE..];
         let silent = Beam { expected: &expected[0], costs: &SILENT };
         let mut beams = vec![[silent; TOGETHER]; self.costs.len().div_ceil(TOGETHER)];
@@ -78,7 +86,7 @@ impl Evidence<'_> {
                 cells: part.cells,
                 terms: part.terms,
                 beams: &beams,
-                log2_per_cost: model.sensor.log2_per_cost(),
+                log2_per_cost: self.sensor.likelihood.log2_per_cost(),
                 average: self.average as f32,
                 threshold: model.threshold() as f32,
             })

@@ -2,11 +2,13 @@
 
 use crate::active::ActiveParameters;
 use crate::avoidance::DriveLimits;
-use crate::localization::{LocalizationModel, LocalizationParameters, ModelError};
+use crate::localization::{LocalizationModel, LocalizationParameters, ModelError, ScanParameters};
 use crate::navigation::NavigationModel;
+use crate::occupancy::OccupancyGrid;
 use crate::planning::{Concern, TopologicalModel};
+use crate::sensors::RangeSensor;
 use crate::simulator::{SimulatorModel, SimulatorSettings};
-use crate::world::World;
+use crate::world::{SeenBy, World};
 use std::sync::Arc;
 
 /// Edge of a cell of the map the expected distances are cast in.
@@ -68,12 +70,30 @@ pub struct MapModel {
 
 impl MapModel {
     fn new(world: &Arc<World>, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
-        let sensor_map =
-            if settings.localization.centred { World::map_centred } else { World::map }(world, SENSOR_MAP_CELL_M);
-        let localization = LocalizationModel::new(&sensor_map, settings.localization.clone())?;
+        let parameters = settings.localization.clone();
+        let map_of = |seen: &dyn Fn(SeenBy) -> bool| match parameters.centred {
+            true => world.map_centred_seen(SENSOR_MAP_CELL_M, seen),
+            false => world.map_seen(SENSOR_MAP_CELL_M, seen),
+        };
+        let sensor_map = map_of(&|_| true);
+        let own_map = |sensor: &ScanParameters| {
+            let sees = |seen_by| is_seen(seen_by, sensor.source);
+            let sees_all = world.objects.iter().all(|object| sees(object.seen_by));
+            (!sees_all).then(|| map_of(&sees))
+        };
+        let seen: Vec<Option<OccupancyGrid>> = parameters.sensors.iter().map(own_map).collect();
+        let seen: Vec<&OccupancyGrid> = seen.iter().map(|seen| seen.as_ref().unwrap_or(&sensor_map)).collect();
+        let localization = LocalizationModel::seeing(&sensor_map, &seen, parameters)?;
         let navigation = NavigationModel::new(world, limits);
         let topology = TopologicalModel::new(world, &navigation.planner);
         Ok(Self { localization, navigation, topology })
+    }
+}
+
+fn is_seen(seen_by: SeenBy, sensor: RangeSensor) -> bool {
+    match sensor {
+        RangeSensor::Sonar => seen_by.sonar,
+        RangeSensor::Laser => seen_by.laser,
     }
 }
 

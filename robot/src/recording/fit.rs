@@ -4,7 +4,7 @@
 use super::beams::BeamChoice;
 use super::carmen::Recording;
 use crate::geometry::{Pose, wrap_angle_rad};
-use crate::localization::{BINS, LocalizationModel, NO_ECHO, OdometryError, SensorParameters, components};
+use crate::localization::{BINS, BeamParameters, LocalizationModel, NO_ECHO, OdometryError, ScanModel, components};
 
 /// Readings that a fit needs at least.
 const FEWEST_READINGS: u64 = 200;
@@ -33,19 +33,25 @@ pub enum FitError {
     Motions(usize),
 }
 
+/// The sensor of a recorded drive: its first, and usually its only one.
+fn laser(model: &LocalizationModel) -> &ScanModel {
+    &model.sensors[0]
+}
+
 /// How often a bin was measured where another one was expected, `[expected][measured]`.
 struct Pairs(Vec<[u64; BINS]>);
 
 impl Pairs {
     fn of(model: &LocalizationModel, recording: &Recording, beams: &BeamChoice) -> Self {
+        let sensor = laser(model);
         let mut pairs = vec![[0; BINS]; BINS];
         for scan in &recording.scans {
             let Some(state) = model.state_at(scan.laser_in_map) else { continue };
             if !model.is_admissible(state.column, state.row) {
                 continue;
             }
-            for (expected, range_m) in model.expected_scan(state).into_iter().zip(beams.ranges_m(scan)) {
-                pairs[usize::from(expected)][usize::from(model.sensor.bin(f64::from(range_m)))] += 1;
+            for (expected, range_m) in model.expected_scan(0, state).into_iter().zip(beams.ranges_m(scan)) {
+                pairs[usize::from(expected)][usize::from(sensor.likelihood.bin(f64::from(range_m)))] += 1;
             }
         }
         Self(pairs)
@@ -80,17 +86,17 @@ pub fn fit_sensor(
     model: &LocalizationModel,
     recording: &Recording,
     beams: &BeamChoice,
-) -> Result<SensorParameters, FitError> {
+) -> Result<BeamParameters, FitError> {
     let pairs = Pairs::of(model, recording, beams);
     if pairs.count() < FEWEST_READINGS {
         return Err(FitError::Readings(pairs.count()));
     }
-    let start = model.parameters.sensor.clone();
+    let start = laser(model).parameters.beam.clone();
     Ok((0..ITERATIONS).fold(start, |parameters, _| improved(&parameters, &pairs)))
 }
 
 /// One round of expectation and maximization.
-fn improved(parameters: &SensorParameters, pairs: &Pairs) -> SensorParameters {
+fn improved(parameters: &BeamParameters, pairs: &Pairs) -> BeamParameters {
     let width_m = parameters.max_range_m / 255.0;
     let centre_m = |bin: usize| (bin as f64 + 0.5) * width_m;
     let densities: Vec<[Vec<f64>; 4]> = (0..BINS).map(|expected| components(parameters, expected)).collect();
@@ -120,7 +126,7 @@ fn improved(parameters: &SensorParameters, pairs: &Pairs) -> SensorParameters {
     let total: f64 = masses.iter().sum();
     let [hit, uniform, short, missed] = masses.map(|mass| (mass / total).max(SMALLEST_WEIGHT));
     let (sigma_m, sigma_per_m) = line.fitted();
-    SensorParameters {
+    BeamParameters {
         wall_depth_m: if away_weight > 0.0 { away_sum_m / away_weight } else { parameters.wall_depth_m },
         sigma_m: sigma_m.max(width_m / 2.0),
         sigma_per_m,

@@ -66,8 +66,7 @@ fn model(recording: &Recording, beams: usize) -> (LocalizationModel, BeamChoice)
     let parameters = LocalizationParameters {
         cell_m: 0.1,
         angle_step_deg: 4,
-        beams_deg: beams.bearings_deg.clone(),
-        ..LocalizationParameters::laser()
+        ..LocalizationParameters::recorded(beams.bearings_deg.clone())
     };
     (LocalizationModel::new(&room(), parameters).expect("the room is a map"), beams)
 }

@@ -92,7 +92,7 @@ pub fn localize(
     for scan in scans {
         travelled_m += last.distance_m(scan.laser_in_map);
         last = scan.laser_in_map;
-        localization.observe(model, scan.laser_in_odom, Some(&beams.ranges_m(scan)));
+        localization.observe(model, scan.laser_in_odom, &[Some(&beams.ranges_m(scan))]);
         let estimate = localization.estimate(model);
         errors.push(PoseError {
             travelled_m,

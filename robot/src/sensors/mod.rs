@@ -8,7 +8,7 @@ mod laser;
 mod signal;
 mod sonar;
 
-pub use laser::{LASER_READINGS, laser_direction_rad};
+pub use laser::{LASER_READINGS, laser_direction_rad, laser_reading};
 pub use signal::{Signal, Signals};
 pub use sonar::{SONAR_CONE_RAD, SONAR_RANGE_M, SONARS, sonar_direction_rad, sonar_ring_deg};
 

@@ -14,7 +14,12 @@ impl World {
     /// a mapped object or a door mapped as closed reaches into are occupied, those that cannot be
     /// reached from the start, a room or a place are unknown. Cost: cells + outline length.
     pub fn map(&self, resolution_m: f64) -> OccupancyGrid {
-        self.draw(self.origin_in_map, resolution_m, |solid| self.is_mapped(solid.origin))
+        self.map_seen(resolution_m, |_| true)
+    }
+
+    /// The map of what some sensor sees: mapped objects that are not `seen` are left out.
+    pub fn map_seen(&self, resolution_m: f64, seen: impl Fn(SeenBy) -> bool) -> OccupancyGrid {
+        self.draw(self.origin_in_map, resolution_m, |solid| self.is_mapped(solid.origin) && seen(solid.seen_by))
     }
 
     /// What really stands there, whatever the map says, on the grid of [`World::map`]: walls, all

@@ -41,7 +41,7 @@ fn localized(kind: &'static str, log: Vec<u8>, parameters: Vec<u8>, dice: &mut D
 }
 
 fn laser() -> String {
-    serde_json::to_string(&LocalizationParameters::laser()).unwrap_or_default()
+    serde_json::to_string(&LocalizationParameters::recorded(vec![0])).unwrap_or_default()
 }
 
 /// A log somebody damaged.

@@ -4,7 +4,7 @@ use super::Timed;
 use crate::experiment::statistics::{Dispersion, Proportion};
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
-use rpl_robot::localization::{OdometryError, SensorParameters};
+use rpl_robot::localization::{BeamParameters, OdometryError};
 use rpl_robot::recording::{PoseError, TrialStart};
 use serde_json::{Value, json};
 
@@ -91,7 +91,7 @@ pub fn json(trials: &[Timed]) -> String {
 }
 
 /// Fitted parameters.
-pub fn fitted(sensor: &SensorParameters, odometry: &OdometryError) -> String {
+pub fn fitted(sensor: &BeamParameters, odometry: &OdometryError) -> String {
     let row = |name: &str, value: f64, unit: &str| format!("{name:28} {value:>8.4} {unit}");
     [
         row("Gaussian", sensor.hit, ""),

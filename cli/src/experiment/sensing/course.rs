@@ -1,13 +1,15 @@
 //! One run: the robot is moved, reads one direction at a time, and is compared with the truth.
 
-use super::settings::{Policy, SensingSetting, Sensors};
+use super::settings::{Policy, SensingSetting};
 use super::shuttle::Shuttle;
 use anyhow::{Context, Result};
 use rpl_random::Stream;
 use rpl_robot::active::{Direction, SensingModel};
 use rpl_robot::geometry::{Point, Pose};
-use rpl_robot::localization::{Belief, LocalizationModel, LocalizationParameters, OdometryError, SensorParameters};
-use rpl_robot::sensors::{LASER_READINGS, laser_direction_rad, sonar_direction_rad};
+use rpl_robot::localization::{
+    BeamParameters, Belief, LocalizationModel, LocalizationParameters, OdometryError, ScanParameters,
+};
+use rpl_robot::sensors::{LASER_READINGS, RangeSensor, laser_direction_rad, sonar_direction_rad};
 use rpl_robot::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings};
 use rpl_robot::world::{SeenBy, World};
 use std::sync::Arc;
@@ -42,8 +44,7 @@ const SENSOR_MAP_CELL_M: f64 = 0.05;
 pub struct Hall {
     pub world: Arc<World>,
     simulator: SimulatorModel,
-    sonar: LocalizationModel,
-    laser: LocalizationModel,
+    localization: LocalizationModel,
     /// The ends of the lane.
     ends_in_map: [Point; 2],
 }
@@ -95,7 +96,7 @@ impl SensingRun {
 /// count in full. θ alone is the default's, below the printed one, so that neither of two mirror poses
 /// falls behind. Odometry errs by what the simulated one does, its constant errors over some metres
 /// included.
-fn parameters() -> LocalizationParameters {
+fn parameters(sensors: Vec<ScanParameters>) -> LocalizationParameters {
     LocalizationParameters {
         activity_threshold: LocalizationParameters::default().activity_threshold,
         odometry: OdometryError {
@@ -104,20 +105,20 @@ fn parameters() -> LocalizationParameters {
             turn_per_metre_rad: 0.75_f64.to_radians(),
             turn_per_radian_rad: 1.5_f64.to_radians(),
         },
-        ..LocalizationParameters::literal()
+        ..LocalizationParameters { sensors, ..LocalizationParameters::default() }.literal()
     }
 }
 
 /// The laser in a map of outlines: the Gaussian covers half a cell, and half a step of the heading
 /// where the ray meets a wall at a small angle.
-fn laser_sensor(max_range_m: f64) -> SensorParameters {
-    SensorParameters {
+fn laser_beam(max_range_m: f64) -> BeamParameters {
+    BeamParameters {
         max_range_m,
         wall_depth_m: 0.0,
         sigma_m: 0.05,
         sigma_per_m: 0.03,
         fades: true,
-        ..SensorParameters::laser()
+        ..BeamParameters::laser()
     }
 }
 
@@ -132,39 +133,34 @@ impl Hall {
         let ends_in_map = [end("west-end")?, end("east-end")?];
         let settings = SimulatorSettings { laser: true, ..SimulatorSettings::default() };
         let map = |seen: fn(SeenBy) -> bool| world.map_centred_seen(SENSOR_MAP_CELL_M, seen);
-        let sonar_sensor =
-            SensorParameters { max_range_m: settings.sonar_max_range_m, fades: true, ..SensorParameters::default() };
-        let standing = LocalizationModel::new(&map(|_| true).around_free(), parameters())
-            .context("the robot cannot be localized in this world")?;
-        let sonar =
-            standing.with_sensor(&map(|seen| seen.sonar), sonar_sensor, standing.parameters.beams_deg.clone())?;
+        let beam = BeamParameters { max_range_m: settings.sonar_max_range_m, fades: true, ..BeamParameters::default() };
+        let sonars = ScanParameters { beam, ..ScanParameters::default() };
         let bearings =
             (0..LASER_READINGS).map(|beam| laser_direction_rad(LASER_READINGS, beam).to_degrees().round() as i32);
-        let laser = standing.with_sensor(
-            &map(|seen| seen.laser),
-            laser_sensor(settings.laser_max_range_m),
-            bearings.collect(),
-        )?;
-        Ok(Self { simulator: SimulatorModel::new(world.clone(), settings), world, sonar, laser, ends_in_map })
-    }
-
-    fn models(&self, sensors: Sensors) -> Vec<&LocalizationModel> {
-        match sensors {
-            Sensors::Sonars => vec![&self.sonar],
-            Sensors::Laser => vec![&self.laser],
-            Sensors::Both => vec![&self.sonar, &self.laser],
-        }
+        let laser = ScanParameters {
+            source: RangeSensor::Laser,
+            beams_deg: bearings.collect(),
+            beam: laser_beam(settings.laser_max_range_m),
+            ..ScanParameters::default()
+        };
+        let seen = [map(|seen| seen.sonar), map(|seen| seen.laser)];
+        let localization = LocalizationModel::seeing(
+            &map(|_| true).around_free(),
+            &[&seen[0], &seen[1]],
+            parameters(vec![sonars, laser]),
+        )
+        .context("the robot cannot be localized in this world")?;
+        Ok(Self { simulator: SimulatorModel::new(world.clone(), settings), world, localization, ends_in_map })
     }
 
     /// What a direction of a sensor measures.
     fn read(
         &self,
-        model: &LocalizationModel,
-        beam: usize,
+        Direction { sensor, beam }: Direction,
         percept: &Percept,
         truth_in_map: Pose,
     ) -> Option<(f64, EndPoint)> {
-        let is_sonar = std::ptr::eq(model, &self.sonar);
+        let is_sonar = self.localization.sensors[sensor].parameters.source == RangeSensor::Sonar;
         let (range_m, bearing_rad) = if is_sonar {
             (percept.sonar_m?[beam], sonar_direction_rad(beam))
         } else {
@@ -177,13 +173,13 @@ impl Hall {
 
     /// Moves the robot, from a place on the lane that is drawn from the seed.
     pub fn run(&self, setting: &SensingSetting, seed: u64, until_us: u64) -> SensingRun {
-        let models = self.models(setting.sensors);
-        let sensing = SensingModel::new(&models);
+        let model = &self.localization;
+        let sensing = SensingModel::new(model, setting.sensors.numbers());
         let mut chance = Stream::new(seed, "sensing");
         let (mut shuttle, start_in_map) = Shuttle::start(self.ends_in_map, &mut Stream::new(seed, "shuttle"));
         let mut state = self.simulator.start(seed);
         state.robot_in_map = start_in_map;
-        let mut belief = Belief::uniform(models[0]);
+        let mut belief = Belief::uniform(model);
         let mut odometry_in_odom = state.odometry_in_odom;
         let mut course = SensingRun { seed, moments: Vec::new(), readings: Vec::new(), mirrored: 0.0 };
         while state.time_us < until_us {
@@ -192,15 +188,14 @@ impl Hall {
             if !percept.time_us.is_multiple_of(READ_EVERY_US) {
                 continue;
             }
-            belief.moved(models[0], percept.odometry_in_odom.relative_to(odometry_in_odom));
+            belief.moved(model, percept.odometry_in_odom.relative_to(odometry_in_odom));
             odometry_in_odom = percept.odometry_in_odom;
-            let direction = choose(setting.policy, &sensing, &belief, models[0], &mut chance);
-            let model = models[direction.sensor];
-            if let Some((range_m, end)) = self.read(model, direction.beam, &percept, state.robot_in_map) {
-                belief.sense_reading(model, direction.beam, range_m);
+            let direction = choose(setting.policy, &sensing, &belief, model, &mut chance);
+            if let Some((range_m, end)) = self.read(direction, &percept, state.robot_in_map) {
+                belief.sense_reading(model, direction.sensor, direction.beam, range_m);
                 course.readings.push(end);
             }
-            let off = belief.off_from(models[0], state.robot_in_map.point(), NEAR_M);
+            let off = belief.off_from(model, state.robot_in_map.point(), NEAR_M);
             course.moments.push(SensingMoment {
                 time_s: percept.time_us as f64 / 1e6,
                 error_m: off.l1_m,
@@ -209,7 +204,7 @@ impl Hall {
         }
         let middle = self.world.bounds().centre();
         let mirrored = middle + (middle - state.robot_in_map.point());
-        course.mirrored = belief.off_from(models[0], mirrored, NEAR_M).near;
+        course.mirrored = belief.off_from(model, mirrored, NEAR_M).near;
         course
     }
 }

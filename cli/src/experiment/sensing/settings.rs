@@ -11,6 +11,17 @@ pub enum Sensors {
     Both,
 }
 
+impl Sensors {
+    /// Their numbers in the model, which has the sonars first.
+    pub fn numbers(self) -> &'static [usize] {
+        match self {
+            Sensors::Sonars => &[0],
+            Sensors::Laser => &[1],
+            Sensors::Both => &[0, 1],
+        }
+    }
+}
+
 /// How the next direction is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {

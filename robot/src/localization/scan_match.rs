@@ -1,0 +1,193 @@
+//! The pose below the size of a cell: where a scan of rays fits the map best.
+
+use super::model::LocalizationModel;
+use super::parameters::Spread;
+use super::scan::ScanModel;
+use crate::geometry::{Pose, wrap_angle_rad};
+use nalgebra::{Matrix3, Vector3};
+
+/// Standard deviation of a ray across the surface it meets: the noise of a laser, and half a cell of
+/// the map the surface is drawn in.
+const RAY_SIGMA_M: f64 = 0.03;
+
+/// Differences well beyond this count for little, step by step: at first the pose is known to a cell
+/// and the heading to a step.
+const SCALES_M: [f64; 4] = [0.3, 0.15, 0.1, 0.1];
+
+/// How far beside a ray its neighbours are cast.
+const BESIDE_RAD: f64 = 1.0 / 180.0 * std::f64::consts::PI;
+
+/// A ray whose neighbours are off the line through its end by more than this ends at an edge.
+const EDGE_M: f64 = 0.1;
+
+/// A pose farther than this from where the belief has its mode is another one.
+const FARTHEST_M: f64 = 0.35;
+const FARTHEST_RAD: f64 = 8.0 / 180.0 * std::f64::consts::PI;
+
+/// What the rays say about x, y and heading: the matrix and the vector of the normal equations.
+struct Evidence {
+    information: Matrix3<f64>,
+    pull: Vector3<f64>,
+}
+
+impl LocalizationModel {
+    /// The pose near the mode of a belief that explains the scans of rays best. A cone does not say from
+    /// where in it an echo comes, so without rays the mode stays.
+    ///
+    /// # Deviation
+    /// The papers take the likeliest cell. Gauss and Newton's method on the differences between
+    /// measured and expected ranges (as Kohlbrecher et al., "A flexible and scalable SLAM system with
+    /// full 3D motion estimation", 2011, match scans to a grid map) finds where inside it the robot is.
+    /// Each difference is taken across the surface and weighted by Geman and McClure's kernel, so that
+    /// people and furniture count for little; the mode, known to half a cell, is the prior, so that along
+    /// a bare wall the pose stays. Costs twelve rays for each beam.
+    pub(super) fn matched(&self, mode_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Pose {
+        let rays = |(sensor, scan_m): (&'_ ScanModel, &Option<&'_ [f32]>)| {
+            scan_m.filter(|_| sensor.parameters.beam.cone_deg == 0).is_some()
+        };
+        if !self.sensors.iter().zip(scans_m).any(rays) {
+            return mode_in_map;
+        }
+        let prior = Spread { position_m: self.grid.cell_m / 2.0, heading_rad: self.grid.angle_step_rad() / 2.0 };
+        let mut pose = mode_in_map;
+        for scale_m in SCALES_M {
+            let mut evidence = Evidence::of_prior(prior, mode_in_map, pose);
+            for (sensor, scan_m) in self.sensors.iter().zip(scans_m) {
+                let Some(scan_m) = scan_m.filter(|_| sensor.parameters.beam.cone_deg == 0) else { continue };
+                evidence.add_scan(sensor, scan_m, pose, scale_m);
+            }
+            let Some(factors) = evidence.information.cholesky() else { return mode_in_map };
+            let step = factors.solve(&evidence.pull);
+            pose = Pose::new(pose.x_m + step.x, pose.y_m + step.y, pose.heading_rad + step.z);
+        }
+        let turned_rad = libm::fabs(wrap_angle_rad(pose.heading_rad - mode_in_map.heading_rad));
+        let is_near = pose.distance_m(mode_in_map) <= FARTHEST_M && turned_rad <= FARTHEST_RAD;
+        if is_near { pose } else { mode_in_map }
+    }
+}
+
+impl Evidence {
+    fn of_prior(spread: Spread, mean_in_map: Pose, pose: Pose) -> Self {
+        let off = Vector3::new(
+            mean_in_map.x_m - pose.x_m,
+            mean_in_map.y_m - pose.y_m,
+            wrap_angle_rad(mean_in_map.heading_rad - pose.heading_rad),
+        );
+        let place = 1.0 / (spread.position_m * spread.position_m);
+        let heading = 1.0 / (spread.heading_rad * spread.heading_rad);
+        let information = Matrix3::from_diagonal(&Vector3::new(place, place, heading));
+        Self { information, pull: information * off }
+    }
+
+    fn add_scan(&mut self, sensor: &ScanModel, scan_m: &[f32], pose: Pose, scale_m: f64) {
+        let max_m = sensor.parameters.beam.max_range_m;
+        for (bearing_deg, &range_m) in sensor.parameters.beams_deg.iter().zip(scan_m) {
+            let range_m = f64::from(range_m);
+            if range_m < max_m {
+                self.add_ray(sensor, pose, f64::from(*bearing_deg).to_radians(), range_m, scale_m);
+            }
+        }
+    }
+
+    /// Adds what a ray says whose end lies on a surface.
+    fn add_ray(&mut self, sensor: &ScanModel, pose: Pose, bearing_rad: f64, range_m: f64, scale_m: f64) {
+        let beam = &sensor.parameters.beam;
+        let most_m = beam.max_range_m + beam.mount_radius_m;
+        let direction_rad = pose.heading_rad + bearing_rad;
+        let cast = |beside_rad: f64| {
+            let (sin, cos) = libm::sincos(direction_rad + beside_rad);
+            sensor.distances.cast_m(pose.point(), (cos, sin), most_m)
+        };
+        let [right_m, way_m, left_m] = [-BESIDE_RAD, 0.0, BESIDE_RAD].map(cast);
+        let is_edge = libm::fabs(right_m + left_m - 2.0 * way_m) > EDGE_M;
+        if is_edge || way_m >= most_m || way_m <= 0.0 {
+            return;
+        }
+        let (sin, cos) = libm::sincos(direction_rad);
+        // How the way changes with the direction, by its length: the tangent of the incidence.
+        let slope = (left_m - right_m) / (2.0 * BESIDE_RAD * way_m);
+        let gradient = Vector3::new(-cos - slope * sin, -sin + slope * cos, slope * way_m);
+        let beyond_m = range_m + beam.mount_radius_m - beam.wall_depth_m - way_m;
+        let across = 1.0 / (1.0 + slope * slope);
+        let kernel = 1.0 / (1.0 + across * beyond_m * beyond_m / (scale_m * scale_m));
+        let weight = kernel * kernel * across / (RAY_SIGMA_M * RAY_SIGMA_M);
+        self.information += gradient * gradient.transpose() * weight;
+        self.pull += gradient * (beyond_m * weight);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::localization::{LocalizationParameters, ScanParameters};
+    use crate::occupancy::{Cell, OccupancyGrid};
+    use rpl_random::Stream;
+
+    /// A walled room, `length_m` × 4 m, in cells of 5 cm.
+    fn room(length_m: f64) -> OccupancyGrid {
+        let (columns, rows) = ((length_m / 0.05) as usize, 80);
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.05, columns, rows, Cell::Free);
+        for column in 0..columns {
+            (0..rows).for_each(|row| {
+                if column < 2 || row < 2 || column + 2 >= columns || row + 2 >= rows {
+                    map.set(column, row, Cell::Occupied);
+                }
+            });
+        }
+        map
+    }
+
+    fn model(map: &OccupancyGrid, sensor: ScanParameters) -> LocalizationModel {
+        let parameters = LocalizationParameters { sensors: vec![sensor], ..LocalizationParameters::default() };
+        LocalizationModel::new(map, parameters).expect("the room is a map")
+    }
+
+    fn laser() -> ScanParameters {
+        ScanParameters::laser((-90..=90).step_by(6).collect(), 8.0)
+    }
+
+    /// What a laser measures at a pose, with noise of so much.
+    fn scan_m(model: &LocalizationModel, pose: Pose, sigma_m: f64, noise: &mut Stream) -> Vec<f32> {
+        let ray = |bearing_deg: &i32| {
+            let (sin, cos) = libm::sincos(pose.heading_rad + f64::from(*bearing_deg).to_radians());
+            (model.distances.cast_m(pose.point(), (cos, sin), 8.0) + sigma_m * noise.normal()).min(8.0) as f32
+        };
+        model.sensors[0].parameters.beams_deg.iter().map(ray).collect()
+    }
+
+    #[test]
+    fn inside_a_cell_the_pose_is_found_by_its_scan() {
+        let model = model(&room(6.0), laser());
+        let mut noise = Stream::new(10_300, "noise");
+        for _ in 0..50 {
+            let truth = Pose::new(noise.uniform_in(1.0, 5.0), noise.uniform_in(1.0, 3.0), noise.uniform_in(-3.0, 3.0));
+            let [x, y, turn] = [0.1, 0.1, 0.03].map(|most| noise.uniform_in(-most, most));
+            let mode = Pose::new(truth.x_m + x, truth.y_m + y, truth.heading_rad + turn);
+            let mut scan_m = scan_m(&model, truth, 0.02, &mut noise);
+            // Somebody stands to the left.
+            scan_m[22..26].fill(0.6);
+            let found = model.matched(mode, &[Some(&scan_m)]);
+            let turned_rad = wrap_angle_rad(found.heading_rad - truth.heading_rad).abs();
+            assert!(found.distance_m(truth) < 0.04 && turned_rad < 1f64.to_radians(), "{truth:?} {mode:?} {found:?}");
+        }
+    }
+
+    #[test]
+    fn along_a_bare_wall_the_pose_stays() {
+        let model = model(&room(40.0), laser());
+        let (truth, mode) = (Pose::new(20.0, 1.7, 0.0), Pose::new(20.1, 1.76, 0.02));
+        let scan_m = scan_m(&model, truth, 0.0, &mut Stream::new(10_301, "noise"));
+        let found = model.matched(mode, &[Some(&scan_m)]);
+        assert!((found.x_m - mode.x_m).abs() < 0.02 && (found.y_m - truth.y_m).abs() < 0.01, "{found:?}");
+    }
+
+    #[test]
+    fn cones_and_missing_scans_leave_the_mode_where_it_is() {
+        let mode = Pose::new(3.07, 2.01, 0.4);
+        let rays = model(&room(6.0), laser());
+        assert_eq!(rays.matched(mode, &[None]), mode);
+        let cones = model(&room(6.0), ScanParameters::default());
+        assert_eq!(cones.matched(mode, &[Some(&[1.0; 24])]), mode);
+    }
+}
