@@ -6,6 +6,7 @@ use crate::run::datum::{MAX_NODES, Origins, Unfit};
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::value::Value;
+use crate::step::exec::budget::EVALUATION_SHARE;
 use crate::step::native::{Native, Surroundings};
 use rpl_lang::code::Program;
 use rpl_lang::compile::{MacroHost, NativeSignature};
@@ -45,15 +46,16 @@ impl Clone for Macros {
 impl MacroMachine {
     /// A machine for the macros of a program.
     pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
-        let mut machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"));
-        machine.limits.steps = MAX_STEPS;
-        Self { machine, steps: 0, natives, signatures }
+        let machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"));
+        let mut host = Self { machine, steps: 0, natives, signatures };
+        host.begin();
+        host
     }
 
     /// Begins another text: it has a budget of its own.
     pub(crate) fn begin(&mut self) {
         self.steps = 0;
-        self.machine.limits.steps = MAX_STEPS;
+        self.machine.limits.steps = MAX_STEPS * EVALUATION_SHARE;
     }
 
     fn run(
@@ -82,7 +84,7 @@ impl MacroMachine {
         let result = self.machine.evaluate_function(&mut around, code, &arguments);
         self.steps += u64::from(self.machine.scratch.burned);
         if self.steps > MAX_STEPS_OF_A_TEXT {
-            self.machine.limits.steps = MAX_STEPS / 100;
+            self.machine.limits.steps = MAX_STEPS / 100 * EVALUATION_SHARE;
         }
         result
     }

@@ -6,12 +6,20 @@ use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::step::native::Surroundings;
 
+/// A network or a macro gets this part of the budget of a task.
+pub(crate) const EVALUATION_SHARE: u32 = 10;
+
 impl Machine {
+    /// Steps that what runs now may take in one instant.
+    pub(crate) fn budget(&self) -> u32 {
+        if self.current == SCRATCH_TASK { self.limits.steps / EVALUATION_SHARE } else { self.limits.steps }
+    }
+
     /// The place of a task that has spent its budget and gets it once more. What is evaluated without
     /// a task is not cut.
     pub(crate) fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Cursor {
         let slice = if self.current == SCRATCH_TASK { u32::MAX } else { around.slice_steps };
-        Cursor::new(frame, self.limits.steps, slice)
+        Cursor::new(frame, self.budget(), slice)
     }
 
     /// The running task has spent its budget, and begins a new one.
@@ -19,7 +27,7 @@ impl Machine {
     #[inline(never)]
     pub(crate) fn runaway(&mut self) -> Raise {
         if self.current == SCRATCH_TASK {
-            self.scratch.burned = self.scratch.burned.saturating_add(self.limits.steps / 10);
+            self.scratch.burned = self.scratch.burned.saturating_add(self.budget());
         }
         let task = self.current;
         let strikes = self.tasks[task].strikes.saturating_add(1);
@@ -28,7 +36,7 @@ impl Machine {
             "runaway",
             format!(
                 "{} steps in one instant without blocking; let it wait, as with `(wait-time 0.1)`, or end it, as with `until`",
-                self.limits.steps
+                self.budget()
             ),
         )
     }

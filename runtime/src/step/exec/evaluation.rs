@@ -44,10 +44,10 @@ impl Machine {
         self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
         let entry = self.scratch.frames.len();
         let frame = Frame { code, pc: 0, base: base as u32 };
-        let mut place = Cursor::new(frame, self.limits.steps / 10, u32::MAX);
+        let budget = self.budget();
+        let mut place = Cursor::new(frame, budget, u32::MAX);
         let exit = self.execute(around, &mut place, entry);
-        self.scratch.burned =
-            self.scratch.burned.saturating_add((self.limits.steps / 10).saturating_sub(place.steps()));
+        self.scratch.burned = self.scratch.burned.saturating_add(budget.saturating_sub(place.steps()));
         self.scratch.evaluations -= 1;
         self.scratch.frames.truncate(entry);
         self.scratch.top = outer_top;

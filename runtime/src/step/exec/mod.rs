@@ -1,7 +1,7 @@
 //! The stepper: executes register code of one task until it blocks, ends or is switched out.
 
 mod arithmetic;
-mod budget;
+pub(crate) mod budget;
 mod calls;
 mod evaluation;
 mod instructions;

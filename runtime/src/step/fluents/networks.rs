@@ -1,5 +1,6 @@
 //! Networks brought up to date in the order of dependency; then waiters are served.
 
+use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::Machine;
 use crate::state::memory;
@@ -12,8 +13,12 @@ use std::collections::BTreeSet;
 /// When a network is brought up to date: its height, its number; and its slot.
 type EvaluationOrder = (u32, u64, u32);
 
-/// A network that computes itself from itself is cut after this many evaluations.
+/// After so many evaluations for one change, or so many for each fluent if there are more of these,
+/// networks count as computed from themselves.
 const MAX_EVALUATIONS: usize = 1_000_000;
+
+/// Evaluations of a network for one change, where there are many networks.
+const MAX_EVALUATIONS_OF_ONE: usize = 16;
 
 impl Machine {
     pub(crate) fn propagate(&mut self, around: &mut Surroundings<'_>, roots: Vec<u32>) {
@@ -25,12 +30,14 @@ impl Machine {
         for &root in &touched {
             self.mark_dependents(root, &mut dirty);
         }
-        let mut evaluations = 0;
+        let mut evaluations_left = self.most_evaluations();
         while let Some((_, _, network)) = dirty.pop_first() {
-            evaluations += 1;
-            if evaluations > MAX_EVALUATIONS {
+            if evaluations_left == 0 {
+                let circle = std::iter::once(network).chain(dirty.iter().map(|&(_, _, network)| network)).collect();
+                touched.extend(self.fail_circle(around, circle));
                 break;
             }
+            evaluations_left -= 1;
             let before = (self.fluents[network].value, self.fluents[network].failure);
             self.evaluate(around, network);
             let inputs_wait = self.fluents[network].inputs.iter().any(|&input| dirty.contains(&self.turn(input)));
@@ -54,6 +61,22 @@ impl Machine {
         self.serve(&touched, is_pulse);
         self.trace_rereading(around.program, &rereading);
         self.settle(around, touched);
+    }
+
+    fn most_evaluations(&self) -> usize {
+        MAX_EVALUATIONS.max(MAX_EVALUATIONS_OF_ONE * self.fluents.slots())
+    }
+
+    /// Networks that come to no end fail, with all that is computed from them; gives them back.
+    fn fail_circle(&mut self, around: &Surroundings<'_>, circle: Vec<u32>) -> Vec<u32> {
+        let message = "this network is computed from itself, and its value never settles";
+        let failure = self.failure_from(Raise::new("network-error", message));
+        for &network in &circle {
+            let fluent = &mut self.fluents[network];
+            (fluent.value, fluent.failure, fluent.is_changed) = (Value::Nil, Some(failure), true);
+            self.trace_fluent(around.program, network);
+        }
+        circle
     }
 
     fn turn(&self, network: u32) -> EvaluationOrder {
@@ -132,7 +155,14 @@ impl Machine {
                 }
             });
         }
+        let mut evaluations_left = self.most_evaluations();
         while let Some((_, _, network)) = again.pop_first() {
+            if evaluations_left == 0 {
+                let circle = std::iter::once(network).chain(again.iter().map(|&(_, _, network)| network)).collect();
+                self.fail_circle(around, circle);
+                break;
+            }
+            evaluations_left -= 1;
             let before = self.fluents[network].value;
             self.evaluate(around, network);
             self.fluents[network].is_changed = false;

@@ -184,6 +184,24 @@ fn a_runaway_is_told_with_its_place_and_what_to_do() {
     assert!(result.contains("(wait-time 0.1)"), "{result}");
 }
 
+/// r[limit.network]
+#[test]
+fn a_macro_that_runs_away_has_the_steps_it_is_told_to_have() {
+    let result = run("(defmacro spin () (loop)) (spin)");
+    assert!(result.contains("runaway: 20000000 steps in one instant"), "{result}");
+}
+
+/// r[network.circle]
+#[test]
+fn a_network_computed_from_itself_fails() {
+    let plan = "(def-fluent level 0) (defvar own nil)
+                (defvar net (fluent (+ (value level) (if own (value own) 0) 1)))
+                (setq own net)
+                (setf (value level) 1)
+                (with-failure-handling ((network-error () 'circle)) (value net))";
+    assert_eq!(run(plan), "=> circle");
+}
+
 /// r[limit.frames], r[limit.memory]
 #[test]
 fn a_limit_can_be_handled() {
