@@ -10,12 +10,11 @@ use rpl_robot::localization::{
     Belief, Instructions, LocalizationModel, LocalizationParameters, ScanModel, ScanParameters, Spread, State,
 };
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
-use rpl_robot::sensors::SONARS;
 use std::hint::black_box;
 
 const RUNS: usize = 25;
 const STATES: usize = 7_200_000;
-const BEAMS: f64 = SONARS as f64;
+const BEAMS: f64 = 24.0;
 
 type Ranges = Vec<f32>;
 
@@ -347,7 +346,8 @@ impl TwoLookUps {
             costs.map(|cost| (-tempering * f64::from(cost) / 32.0).exp() as f32)
         };
         let likelihoods: Vec<[f32; 256]> = scan.iter().map(likelihood).collect();
-        let bearings: Vec<usize> = (0..SONARS).map(|sonar| model.sensors[0].bearings.direction(0, sonar)).collect();
+        let bearings: Vec<usize> =
+            (0..BEAMS as usize).map(|sonar| model.sensors[0].bearings.direction(0, sonar)).collect();
         let mut uniform = vec![0f32; STATES];
         for state in states().filter(|state| model.is_admissible(state.column, state.row)) {
             let cell = state.row * model.grid.columns + state.column;

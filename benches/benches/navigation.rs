@@ -15,6 +15,7 @@ use rpl_robot::navigation::{MappedNavigation, NavigationEvent, NavigationInput, 
 use rpl_robot::obstacles::ObstacleMemory;
 use rpl_robot::occupancy::{Cell, DistanceField, OccupancyGrid};
 use rpl_robot::planning::{Inflation, PlannerModel, TopologicalModel};
+use rpl_robot::sensors::SonarScan;
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState, drive_arc};
 use rpl_robot::world::{TravelMode, World};
 use rpl_runtime::run::system::Outcome;
@@ -120,7 +121,7 @@ struct Floor {
 impl Floor {
     fn new(resolution_m: f64) -> Self {
         let map = department(resolution_m);
-        let planner = PlannerModel::new(&map, Inflation::default());
+        let planner = PlannerModel::new(&map, Inflation::of_robot(0.265));
         let stride = map.columns + 2;
         let mut prices = vec![0.0; stride * (map.rows + 2)];
         for row in 0..map.rows {
@@ -420,11 +421,15 @@ impl Errand {
         let mut commands = Commands { sonars_on: true, ..Commands::default() };
         loop {
             let percept = self.simulator.step(state, &commands);
+            let sonars = &self.simulator.sensors.sonars;
             let input = NavigationInput {
                 odometry_in_odom: percept.odometry_in_odom,
                 velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-                sonar_m: percept.sonar_m.as_ref(),
-                laser_m: percept.laser_m.as_deref(),
+                sonar: sonars
+                    .as_ref()
+                    .zip(percept.sonar_m.as_deref())
+                    .map(|(sonars, ranges_m)| SonarScan { sonars, ranges_m }),
+                laser: None,
                 bumped: percept.bumped,
             };
             let here = state.robot_in_map;

@@ -11,6 +11,7 @@ pub mod fmt;
 pub mod localize;
 pub mod man;
 pub mod repl;
+pub mod robots;
 pub mod run;
 pub mod test;
 pub mod trace;
@@ -61,6 +62,7 @@ pub enum Command {
     Fmt(fmt::Arguments),
     Eval(eval::Arguments),
     Worlds(worlds::Arguments),
+    Robots(robots::Arguments),
     Examples(examples::Arguments),
     Doc(doc::Arguments),
     Experiment(experiment::Arguments),
@@ -85,6 +87,7 @@ impl Command {
             Command::Fmt(arguments) => fmt::run(arguments, console),
             Command::Eval(arguments) => eval::run(arguments, console),
             Command::Worlds(arguments) => worlds::run(arguments, console),
+            Command::Robots(arguments) => robots::run(arguments, console),
             Command::Examples(arguments) => examples::run(arguments, console),
             Command::Doc(arguments) => doc::run(arguments, console),
             Command::Experiment(arguments) => experiment::run(arguments, console),

@@ -5,4 +5,5 @@ pub mod inputs;
 pub mod maps;
 pub mod outputs;
 pub mod plans;
+pub mod robot_files;
 pub mod world_files;

@@ -59,7 +59,7 @@ pub struct TooLarge {
 /// The memory that a world takes with other settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Savings {
-    /// With a belief on a coarse grid ([`LocalizationParameters::coarse`](rpl_robot::localization::LocalizationParameters::coarse)).
+    /// With a belief on a coarse grid ([`LocalizationParameters::coarsened`](rpl_robot::localization::LocalizationParameters::coarsened)).
     pub coarse_gib: f64,
     /// Without a map (`map_known` false in [`OfficeSettings`]).
     pub mapless_gib: f64,
@@ -72,7 +72,7 @@ impl TooLarge {
         if gib(cost) <= allowed_gib {
             return None;
         }
-        let coarse = OfficeSettings { localization: settings.localization.clone().coarse(), ..settings.clone() };
+        let coarse = OfficeSettings { localization: settings.localization.clone().coarsened(), ..settings.clone() };
         let mapless = OfficeSettings { map_known: false, ..settings.clone() };
         let takes_gib = |settings: &OfficeSettings| gib(OfficeModel::cost(world, settings));
         let savings = || Savings { coarse_gib: takes_gib(&coarse), mapless_gib: takes_gib(&mapless) };

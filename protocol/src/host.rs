@@ -5,7 +5,7 @@
 //! robot is to do as soon as it has decided. Either says `bye` before it goes, with a reason if there is one.
 
 use rpl_robot::geometry::Pose;
-use rpl_robot::sensors::{LASER_READINGS, SONARS, Signal, Signals};
+use rpl_robot::sensors::{RangeSensors, Signal, Signals};
 use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, GripperStatus, Percept};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -310,11 +310,11 @@ impl PerceptMessage {
         }
     }
 
-    /// The percept.
+    /// The percept of a robot with these range sensors.
     ///
     /// # Errors
     /// One clause that says what no robot of this kind can have perceived.
-    pub fn percept(&self) -> Result<Percept, String> {
+    pub fn percept(&self, sensors: &RangeSensors) -> Result<Percept, String> {
         let PoseMessage { x_m, y_m, heading_rad } = self.odometry_in_odom;
         let numbers = [
             ("odometry_in_odom.x_m", x_m),
@@ -330,9 +330,10 @@ impl PerceptMessage {
         if !(0.0..=1.0).contains(&self.battery) {
             return Err(format!("`battery` is {}, and 0 to 1 is expected", self.battery));
         }
-        let sonar_m = self.sonar_m.as_deref().map(|readings| ranges("sonar_m", readings, SONARS)).transpose()?;
-        let laser_m =
-            self.laser_m.as_deref().map(|readings| ranges("laser_m", readings, LASER_READINGS)).transpose()?;
+        let sonars = sensors.sonars.as_ref().map_or(0, |sonars| sonars.mounts.len());
+        let sonar_m = self.sonar_m.as_deref().map(|readings| ranges("sonar_m", readings, sonars)).transpose()?;
+        let readings = sensors.laser.map_or(0, |laser| laser.readings);
+        let laser_m = self.laser_m.as_deref().map(|found| ranges("laser_m", found, readings)).transpose()?;
         let motion = match self.gripper {
             GripperMotionMessage::Open => GripperMotion::Open,
             GripperMotionMessage::Moving => GripperMotion::Moving,
@@ -343,7 +344,7 @@ impl PerceptMessage {
             odometry_in_odom: Pose::new(x_m, y_m, heading_rad),
             translation_mps: self.translation_mps,
             rotation_radps: self.rotation_radps,
-            sonar_m: sonar_m.and_then(|readings| readings.try_into().ok()),
+            sonar_m: sonar_m.map(<[f32]>::to_vec),
             laser_m: laser_m.map(<[f32]>::to_vec),
             bumped: self.bumped,
             gripper: GripperStatus { motion, holding: self.holding.clone() },

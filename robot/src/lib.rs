@@ -13,6 +13,8 @@
 
 pub mod active;
 pub mod avoidance;
+pub mod description;
+pub mod file_text;
 pub mod geometry;
 pub mod localization;
 pub mod navigation;

@@ -27,7 +27,7 @@ impl Grid {
     /// Settings of a robot with this grid.
     pub fn settings(self) -> OfficeSettings {
         let localization = match self {
-            Grid::Coarse => LocalizationParameters::default().coarse(),
+            Grid::Coarse => LocalizationParameters::coarse(),
             Grid::Full => LocalizationParameters::default(),
         };
         OfficeSettings { localization, ..OfficeSettings::default() }

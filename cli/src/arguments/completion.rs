@@ -7,6 +7,7 @@ use crate::files::examples;
 use crate::files::plans;
 use clap::builder::StyledStr;
 use clap_complete::engine::{CompletionCandidate, PathCompleter, ValueCompleter};
+use rpl_robot::description::RobotDescription;
 use rpl_robot::world::World;
 use std::env;
 use std::ffi::OsStr;
@@ -41,6 +42,14 @@ pub fn worlds(typed: &OsStr) -> Offers {
         World::builtin_names().map(|name| (name, World::builtin_purpose(name).unwrap_or_default())).collect();
     let mut found = beginning_with(typed, purposes.iter().map(|(name, purpose)| (*name, purpose.as_str())));
     found.extend(files(typed, &["toml", "yaml", "yml"]));
+    found
+}
+
+/// Robots: built-in ones, and files.
+pub fn robots(typed: &OsStr) -> Offers {
+    let robots: Vec<_> = RobotDescription::builtin_names().filter_map(RobotDescription::builtin).collect();
+    let mut found = beginning_with(typed, robots.iter().map(|robot| (&*robot.name, &*robot.purpose)));
+    found.extend(files(typed, &["toml"]));
     found
 }
 

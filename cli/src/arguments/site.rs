@@ -3,13 +3,13 @@
 use crate::arguments::completion;
 use crate::arguments::numbers::positive;
 use crate::files::plans;
+use crate::files::robot_files;
 use crate::files::world_files;
 use crate::sites;
 use anyhow::Result;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_mission::cost::MEMORY_GIB;
 use rpl_mission::site::{Setup, Site};
-use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 
@@ -19,6 +19,9 @@ pub struct SiteArguments {
     /// The world the robot is in: a built-in name, or a .toml file
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     pub world: Option<String>,
+    /// The robot: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", requires = "world", add = ArgValueCompleter::new(completion::robots))]
+    pub robot: Option<String>,
     /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
     #[arg(
         long,
@@ -85,14 +88,15 @@ impl SiteArguments {
     /// # Errors
     /// There is no such world or scenario, or it has faults.
     pub fn build(&self) -> Result<(Site, Option<World>)> {
-        let world = self.world.as_deref().map(world_files::named).transpose()?;
+        let robot = robot_files::named(self.robot.as_deref())?;
+        let world = self.world.as_deref().map(|name| world_files::named(name, &robot)).transpose()?;
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
+        let usual = OfficeSettings::of(robot);
         let localization = match self.grid {
-            GridArgument::Fine => LocalizationParameters::default(),
-            GridArgument::Coarse => LocalizationParameters::default().coarse(),
+            GridArgument::Fine => usual.localization,
+            GridArgument::Coarse => usual.localization.coarsened(),
         };
-        let settings =
-            OfficeSettings { map_known: self.map == MapArgument::World, localization, ..OfficeSettings::default() };
+        let settings = OfficeSettings { map_known: self.map == MapArgument::World, localization, ..usual };
         let site = sites::build(
             Setup { world: world.clone(), settings, memory_gib: self.memory, natives: Vec::new() },
             scenario,

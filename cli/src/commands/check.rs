@@ -4,6 +4,7 @@ use crate::arguments::completion;
 use crate::arguments::plan_files;
 use crate::files::plans;
 use crate::files::plans::PlanText;
+use crate::files::robot_files;
 use crate::files::world_files;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -174,7 +175,8 @@ impl PlaceRecord {
 }
 
 fn places_of(world: &str) -> Result<KnownPlaces> {
-    let world = world_files::named(world)?;
+    let robot = robot_files::named(None)?;
+    let world = world_files::named(world, &robot)?;
     Ok(KnownPlaces { names: world.places.iter().map(|place| place.name.clone()).collect(), world: world.name })
 }
 

@@ -3,6 +3,7 @@
 use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
 use crate::experiment::{self, ExperimentRequest};
+use crate::files::robot_files;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::Result;
@@ -32,6 +33,9 @@ pub struct Arguments {
     /// The world, for a plan of your own
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
+    /// The robot: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
+    robot: Option<String>,
     /// What happens on the way: a plan with hands in the world
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     scenario: Option<String>,
@@ -69,7 +73,7 @@ fn jobs_at_a_time(text: &str) -> Result<NonZero<usize>, String> {
 /// # Errors
 /// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let request = arguments.request();
+    let request = arguments.request()?;
     // Nobody waits for results that cannot be kept.
     request.results_folder()?;
     let findings = experiment::run(&request, console)?;
@@ -82,19 +86,20 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 }
 
 impl Arguments {
-    fn request(&self) -> ExperimentRequest {
+    fn request(&self) -> Result<ExperimentRequest> {
         let as_many_as_cores = || std::thread::available_parallelism().ok();
-        ExperimentRequest {
+        Ok(ExperimentRequest {
             name: self.name.clone(),
             runs: self.runs.get(),
             jobs: self.jobs.or_else(as_many_as_cores).map_or(1, NonZero::get),
             first_seed: self.seed,
             world: self.world.clone(),
+            robot: robot_files::named(self.robot.as_deref())?,
             scenario: self.scenario.clone(),
             row: self.row.clone(),
             results: self.results.clone(),
             until_us: self.until,
-        }
+        })
     }
 }
 

@@ -111,7 +111,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         trace.finish().context("the trace cannot be written")?;
     }
     if let (Some(mut folder), Some(world)) = (figures, &world) {
-        figures::write_mission(&mut folder, world, &records, system.outside.belief().as_ref())?;
+        let radius_m = site.office().map_or(0.0, |office| office.limits.robot_radius_m);
+        figures::write_mission(&mut folder, world, radius_m, &records, system.outside.belief().as_ref())?;
     }
     let summary = summarize(&system, ending, &records, arguments.site.seed, began);
     report(&system, ending, &summary, console);
@@ -154,6 +155,7 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
         rpl: Some(env!("CARGO_PKG_VERSION").to_string()),
         plan: arguments.file.clone(),
         world: arguments.site.world.clone(),
+        robot: arguments.site.robot.clone(),
         map: arguments.site.world.is_some().then(|| arguments.site.map.name().to_string()),
         scenario: arguments.site.scenario.clone(),
         seed: arguments.site.seed,

@@ -8,6 +8,7 @@ use crate::arguments::plan_files;
 use crate::drive::{Pace, drive};
 use crate::files::outputs::OutputFile;
 use crate::files::plans::{self, PlanText};
+use crate::files::robot_files;
 use crate::files::world_files;
 use crate::interrupt;
 use crate::run_record::{Records, RunEnd};
@@ -22,12 +23,15 @@ use rpl_lang::compile::Test;
 use rpl_lang::diagnostic::render;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::{Setup, Site};
+use rpl_robot::description::RobotDescription;
+use rpl_robot::office::OfficeSettings;
 use rpl_runtime::run::library::{Loaded, Rejected};
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::time::{LAST_INSTANT_US, microseconds};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Runs the tests in plans
@@ -42,6 +46,9 @@ pub struct Arguments {
     /// The world of the tests that name none
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
+    /// The robot: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
+    robot: Option<String>,
     /// The seed of the tests that name none
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -110,8 +117,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let files = plan_files::named(&arguments.files);
     let colour = console.out_colour();
+    let robot = robot_files::named(arguments.robot.as_deref())?;
     let mut session = TestSession {
         arguments,
+        robot,
         colour,
         is_one: files.len() == 1,
         sites: BTreeMap::new(),
@@ -184,6 +193,7 @@ type TestPlace = (Option<String>, Option<String>);
 
 struct TestSession<'a> {
     arguments: &'a Arguments,
+    robot: Arc<RobotDescription>,
     colour: bool,
     /// The name of a single file need not be told.
     is_one: bool,
@@ -278,9 +288,12 @@ impl TestSession<'_> {
             return Ok(site.clone());
         }
         let (world, scenario) = &place;
-        let world = world.as_deref().map(world_files::named).transpose()?;
+        let world = world.as_deref().map(|name| world_files::named(name, &self.robot)).transpose()?;
         let scenario = scenario.as_deref().map(plans::scenario).transpose()?;
-        let site = sites::build(Setup { world, ..Setup::default() }, scenario)?;
+        let site = sites::build(
+            Setup { world, settings: OfficeSettings::of(self.robot.clone()), ..Setup::default() },
+            scenario,
+        )?;
         self.sites.insert(place, site.clone());
         Ok(site)
     }

@@ -4,6 +4,7 @@ mod diff;
 mod filter;
 mod named;
 
+use crate::files::robot_files;
 use crate::files::world_files;
 use crate::show::event_line::event_line;
 use crate::show::figures;
@@ -120,7 +121,11 @@ fn draw(reader: &mut TraceReader, folder: &Path, filter: &Filter) -> Result<()> 
     let Some(world) = reader.header.as_ref().and_then(|header| header.world.clone()) else {
         bail!("the trace `{name}` names no world to draw the paths in");
     };
-    let world = world_files::named(&world).with_context(|| format!("the world of the trace `{name}` is missing"))?;
+    let robot = reader.header.as_ref().and_then(|header| header.robot.clone());
+    let robot =
+        robot_files::named(robot.as_deref()).with_context(|| format!("the robot of the trace `{name}` is missing"))?;
+    let world =
+        world_files::named(&world, &robot).with_context(|| format!("the world of the trace `{name}` is missing"))?;
     let mut folder = figures::open_folder(folder)?;
     reader.by_ref().for_each(drop);
     let is_wanted = |seen: &&TracedPose| {
@@ -132,7 +137,7 @@ fn draw(reader: &mut TraceReader, folder: &Path, filter: &Filter) -> Result<()> 
             "the trace `{name}` has no poses there; `rpl run FILE --world W --trace {name} --trace-poses 5` records some"
         );
     }
-    figures::write_paths(&mut folder, &world, &poses)
+    figures::write_paths(&mut folder, &world, robot.radius_m, &poses)
 }
 
 fn explain(reader: &mut TraceReader, path: &str, filter: &Filter, console: &mut Console) -> Result<()> {

@@ -2,6 +2,7 @@
 
 use crate::arguments::completion;
 use crate::files::outputs::OutputFile;
+use crate::files::robot_files;
 use crate::files::world_files;
 use crate::show::figures::{self, Figure};
 use crate::sites;
@@ -11,11 +12,12 @@ use anyhow::{Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_mission::cost::{MEMORY_GIB, TooLarge};
+use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::simulator::PERSON_RADIUS_M;
-use rpl_robot::world::{ROBOT_RADIUS_M, World};
+use rpl_robot::world::World;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,6 +36,9 @@ pub struct Arguments {
     /// A built-in world, or a .toml file
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::worlds))]
     name: Option<String>,
+    /// The robot that is to drive there: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", requires = "name", add = ArgValueCompleter::new(completion::robots))]
+    robot: Option<String>,
     /// Draws the robot's map of the world into this file
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     svg: Option<PathBuf>,
@@ -55,20 +60,21 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         return Ok(Status::Succeeded);
     };
-    let world = world_files::named(name)?;
+    let robot = robot_files::named(arguments.robot.as_deref())?;
+    let world = world_files::named(name, &robot)?;
     let open = |path: &PathBuf| OutputFile::open(path, "the drawing");
     let (svg, png) = (arguments.svg.as_ref().map(open).transpose()?, arguments.png.as_ref().map(open).transpose()?);
     console.explain(&describe(&world))?;
-    for warning in warnings(name, &world)? {
+    for warning in warnings(name, &world, &robot)? {
         console.note(&format!("warning: {warning}"));
     }
     if svg.is_some() || png.is_some() {
-        draw(&world, svg, png)?;
+        draw(&world, robot.radius_m, svg, png)?;
     }
     Ok(Status::Succeeded)
 }
 
-fn draw(world: &World, svg: Option<OutputFile>, png: Option<OutputFile>) -> Result<()> {
+fn draw(world: &World, robot_radius_m: f64, svg: Option<OutputFile>, png: Option<OutputFile>) -> Result<()> {
     let pixels = world.size_m.x * world.size_m.y / (RESOLUTION_M * RESOLUTION_M);
     if pixels > MOST_PIXELS {
         bail!(
@@ -84,14 +90,14 @@ fn draw(world: &World, svg: Option<OutputFile>, png: Option<OutputFile>) -> Resu
         svg.write(figures::draw(&Figure::of_map(&world.name, &map, &world.rooms)).as_bytes())?;
     }
     if let Some(png) = png {
-        png.write(&png_bytes(world, &map)?)?;
+        png.write(&png_bytes(world, &map, robot_radius_m)?)?;
     }
     Ok(())
 }
 
 /// What is probably not meant as it stands in a world, with its place in the file if there is one.
-fn warnings(name: &str, world: &World) -> Result<Vec<String>> {
-    let settings = OfficeSettings::default();
+fn warnings(name: &str, world: &World, robot: &Arc<RobotDescription>) -> Result<Vec<String>> {
+    let settings = OfficeSettings::of(robot.clone());
     if let Some(too_large) = TooLarge::of(world, &settings, MEMORY_GIB) {
         let unseen = "it has not been looked over for places the robot cannot get to";
         return Ok(vec![format!("{}\n{unseen}", sites::refusal(&too_large))]);
@@ -104,13 +110,13 @@ fn warnings(name: &str, world: &World) -> Result<Vec<String>> {
     Ok(concerns.iter().map(|concern| concern.in_file(&file, &text).to_string()).collect())
 }
 
-fn png_bytes(world: &World, map: &OccupancyGrid) -> Result<Vec<u8>> {
+fn png_bytes(world: &World, map: &OccupancyGrid, robot_radius_m: f64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, u32::try_from(map.columns)?, u32::try_from(map.rows)?);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels(world, map))?;
+    writer.write_image_data(&pixels(world, map, robot_radius_m))?;
     writer.finish()?;
     Ok(bytes)
 }
@@ -127,13 +133,13 @@ const PERSON: Colour = [30, 90, 220];
 const ROBOT: Colour = [200, 0, 60];
 
 /// Three bytes for each cell, the top row of the image first, which is the last of the grid.
-fn pixels(world: &World, map: &OccupancyGrid) -> Vec<u8> {
+fn pixels(world: &World, map: &OccupancyGrid, robot_radius_m: f64) -> Vec<u8> {
     let floor = world.floor(map.resolution_m, |door| world.doors[door].open);
     let is_on = |centre: Point, reach_m: f64, at: Point| distance_m(centre, at) <= reach_m;
     let shade = |column: usize, row: usize| -> Colour {
         let centre = map.centre(column, row);
         let is_there = floor.get(column, row) == Cell::Occupied;
-        if is_on(centre, ROBOT_RADIUS_M, world.start_in_map.point()) {
+        if is_on(centre, robot_radius_m, world.start_in_map.point()) {
             return ROBOT;
         }
         if world.people.iter().any(|person| is_on(centre, PERSON_RADIUS_M, person.path[0])) {
@@ -216,7 +222,7 @@ mod tests {
                     [[person]]\npath = [[3, 0.5], [3, 1]]\nspeed = 1\n";
         let world = World::parse(text, "w.toml").expect("no faults");
         let map = world.map(0.05);
-        let image = pixels(&world, &map);
+        let image = pixels(&world, &map, 0.265);
         let at = |x: f64, y: f64| {
             let (column, row) = map.cell_at(Point::new(x, y)).expect("inside");
             let pixel = ((map.rows - 1 - row) * map.columns + column) * 3;

@@ -13,12 +13,13 @@ use crate::terminal::page::Block;
 use crate::terminal::progress;
 use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, bail};
-use course::{COURSES, Course};
+use course::{COURSES, Course, RADIUS_M};
 use rpl_robot::avoidance::DriveLimits;
+use rpl_robot::description::{Driving, Laser, Motors, RobotDescription};
 use rpl_robot::geometry::{Point, Velocity};
 use rpl_robot::navigation::{DriveStatus, LocalDrive, MaplessNavigation, NavigationEvent, NavigationInput};
 use rpl_robot::planning::Target;
-use rpl_robot::sensors::RangeSensor;
+use rpl_robot::sensors::{LaserScan, LaserScanner, RangeSensor};
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use serde::Serialize;
 use serde_json::json;
@@ -155,33 +156,35 @@ fn blocks(rows: &[BarnRow]) -> Vec<Block> {
     vec![Block::Table(table), Block::Lines(score.into())]
 }
 
-/// A disc with the area of the Jackal's 51 × 43 cm, its speed, and less acceleration than its
-/// controller allows, with a laser and no sonars.
-fn settings() -> SimulatorSettings {
-    SimulatorSettings {
+/// A disc of the Jackal's size with its speed, and less acceleration than its controller allows, with the
+/// laser of a B21 and no sonars.
+fn jackal() -> RobotDescription {
+    let motors = Motors {
         max_translation_mps: SPEED_MPS,
         max_rotation_radps: 3.0,
         translation_acceleration_mps2: 5.0,
         translation_deceleration_mps2: 6.0,
         rotation_acceleration_radps2: 12.0,
-        laser: true,
-        laser_noise_m: 0.01,
-        ..SimulatorSettings::default()
-    }
+        halt_deceleration_mps2: 6.0,
+        halt_deceleration_radps2: 12.0,
+    };
+    let b21 = RobotDescription::clone(&RobotDescription::papers());
+    let driving = Driving {
+        max_rotation_radps: motors.max_rotation_radps,
+        translation_deceleration_mps2: 0.9 * motors.translation_deceleration_mps2,
+        rotation_acceleration_radps2: 0.5 * motors.rotation_acceleration_radps2,
+        ..b21.driving
+    };
+    let scanner = LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 };
+    let laser = Laser { scanner, noise_m: 0.01, dropout_probability: 0.002 };
+    RobotDescription { radius_m: RADIUS_M, motors, driving, sonar: None, laser: Some(laser), ..b21 }
 }
 
 fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
-    let settings = settings();
-    let limits = DriveLimits {
-        robot_radius_m: settings.robot_radius_m,
-        max_rotation_radps: settings.max_rotation_radps,
-        translation_acceleration_mps2: settings.translation_acceleration_mps2,
-        translation_deceleration_mps2: 0.9 * settings.translation_deceleration_mps2,
-        rotation_acceleration_radps2: 0.5 * settings.rotation_acceleration_radps2,
-        ..DriveLimits::default()
-    };
+    let robot = jackal();
+    let limits = DriveLimits::of(&robot);
     let goal_in_odom = course.world.start_in_map.inverse().transform(course.goal_in_map);
-    let simulator = SimulatorModel::new(Arc::new(course.world.clone()), settings);
+    let simulator = SimulatorModel::new(Arc::new(course.world.clone()), SimulatorSettings::of(robot));
     let mut state = simulator.start(seed.wrapping_add(number));
     let mut pilot = Pilot::new(method, goal_in_odom);
     let mut commands = Commands::default();
@@ -201,8 +204,13 @@ fn drive(course: &Course, method: Method, number: u64, seed: u64) -> Drove {
         let input = NavigationInput {
             odometry_in_odom: percept.odometry_in_odom,
             velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-            sonar_m: None,
-            laser_m: percept.laser_m.as_deref(),
+            sonar: None,
+            laser: simulator
+                .sensors
+                .laser
+                .as_ref()
+                .zip(percept.laser_m.as_deref())
+                .map(|(laser, ranges_m)| LaserScan { laser, ranges_m }),
             bumped: percept.bumped,
         };
         let Some(velocity) = pilot.step(&limits, &input) else { break CourseEnd::GaveUp };

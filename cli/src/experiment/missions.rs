@@ -53,12 +53,12 @@ fn trials_of(request: &ExperimentRequest, console: &mut Console, row: &Row) -> R
 
 /// Where a row takes place, and where its robot must be at the end.
 pub(super) fn site_of(request: &ExperimentRequest, row: &Row) -> Result<(Site, Option<Goal<'static>>)> {
-    let world = world_files::named(request.world.as_deref().unwrap_or(row.world))?;
+    let world = world_files::named(request.world.as_deref().unwrap_or(row.world), &request.robot)?;
     let place = row.goal.map(|goal| world.place(goal)).transpose()?;
     let goal = place.map(|place| Goal { pose_in_map: place.pose_in_map, item: row.item });
     let scenario_name = row.scenario.map(|scenario| request.scenario.as_deref().unwrap_or(scenario));
     let scenario = scenario_name.map(plans::scenario).transpose()?;
-    let mut settings = OfficeSettings::default();
+    let mut settings = OfficeSettings::of(request.robot.clone());
     (row.change)(&mut settings);
     Ok((sites::build(Setup { world: Some(world), settings, ..Setup::default() }, scenario)?, goal))
 }
@@ -99,9 +99,10 @@ pub(super) fn own_plan(request: &ExperimentRequest, console: &mut Console) -> Re
             None => error,
         }
     })?;
-    let world = request.world.as_deref().map(world_files::named).transpose()?;
+    let world = request.world.as_deref().map(|name| world_files::named(name, &request.robot)).transpose()?;
     let scenario = request.scenario.as_deref().map(plans::scenario).transpose()?;
-    let site = sites::build(Setup { world, ..Setup::default() }, scenario)?;
+    let settings = OfficeSettings::of(request.robot.clone());
+    let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario)?;
     let trials = all_trials(request, console, &site, &plan, None, &request.name)?;
     let result = RowResult::of(&request.name, &trials);
     let (status, blocks) = (status(&trials), result.blocks());

@@ -3,7 +3,9 @@
 use crate::files::outputs::OutputFolder;
 use anyhow::Result;
 use rpl_lang::suggest::suggest;
+use rpl_robot::description::RobotDescription;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What is asked of an experiment, the same whatever it is about.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub struct ExperimentRequest {
     pub first_seed: u64,
     /// Another world than that of the experiment.
     pub world: Option<String>,
+    /// The robot.
+    pub robot: Arc<RobotDescription>,
     /// Another scenario than that of the experiment.
     pub scenario: Option<String>,
     /// The only row of the table.

@@ -232,10 +232,11 @@ mod tests {
     use super::*;
     use crate::files::world_files;
     use rpl_mission::site::{Setup, Site};
+    use rpl_robot::description::RobotDescription;
 
     #[test]
     fn a_thing_is_as_far_off_as_it_lies_and_not_as_far_as_the_robot() {
-        let world = world_files::named("test-room").expect("built in");
+        let world = world_files::named("test-room", &RobotDescription::papers()).expect("built in");
         let site = Site::new(Setup { world: Some(world), ..Setup::default() }).expect("a site");
         let Robot::Office(robot) = site.robot(1) else { panic!("a world has a robot") };
         let off_m = item_off_m(&robot, "cup", Point::new(3.0, 4.1)).expect("it lies on the table");

@@ -20,17 +20,20 @@ use rpl_lang::compile::NoFiles;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::{Setup, Site};
 use rpl_random::Stream;
+use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::office::OfficeRobot;
+use rpl_robot::office::OfficeSettings;
 use rpl_robot::planning::{Inflation, PlannerModel, path_length_m};
-use rpl_robot::world::{Place, ROBOT_RADIUS_M, World};
+use rpl_robot::world::{Place, World};
 use serde_json::json;
+use std::sync::Arc;
 
 /// Edge of a cell of the floor that the shortest ways are found on.
 const CELL_M: f64 = 0.05;
 
 /// Nobody starts nearer to a wall, so that every start can be left.
-const START_CLEARANCE_M: f64 = ROBOT_RADIUS_M + 0.1;
+const START_AIR_M: f64 = 0.1;
 
 /// What cannot be drawn by then is not there.
 pub(super) const DRAWS: u32 = 2000;
@@ -50,12 +53,18 @@ pub(super) struct TestGround {
 }
 
 impl TestGround {
-    fn new(name: &str) -> Result<Self> {
-        let world = world_files::named(name)?;
-        let inflation =
-            Inflation { comfortable_distance_m: ROBOT_RADIUS_M, closeness_weight: 0.0, ..Inflation::default() };
+    fn new(name: &str, robot: &Arc<RobotDescription>) -> Result<Self> {
+        let world = world_files::named(name, robot)?;
+        let inflation = Inflation {
+            comfortable_distance_m: robot.radius_m,
+            closeness_weight: 0.0,
+            ..Inflation::of_robot(robot.radius_m)
+        };
         Ok(Self {
-            site: sites::build(Setup { world: Some(world.clone()), ..Setup::default() }, None)?,
+            site: sites::build(
+                Setup { world: Some(world.clone()), settings: OfficeSettings::of(robot.clone()), ..Setup::default() },
+                None,
+            )?,
             floor: PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), inflation),
             world,
         })
@@ -96,7 +105,7 @@ pub(super) fn run_in(
     };
     let mut rows = Vec::new();
     for name in worlds {
-        let ground = TestGround::new(name)?;
+        let ground = TestGround::new(name, &request.robot)?;
         let seeds = request.seeds();
         let bar = progress::runs(seeds.len() as u64, name, console);
         let trials = run_all(&seeds, request.jobs, |seed| run(&ground, request, seed), || bar.inc(1));
@@ -157,7 +166,7 @@ pub(super) fn draw_start(ground: &TestGround, destination: &Place, stream: &mut 
     let start =
         Point::new(stream.uniform_in(bounds.min.x, bounds.max.x), stream.uniform_in(bounds.min.y, bounds.max.y));
     let heading_rad = stream.uniform_in(-std::f64::consts::PI, std::f64::consts::PI);
-    if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < START_CLEARANCE_M {
+    if distance_m(start, goal) < APART_M || floor.obstacle_distance_m(start) < floor.robot_radius_m() + START_AIR_M {
         return None;
     }
     let path = floor.cost_to_go(goal).path(start)?;

@@ -5,15 +5,25 @@ use super::maps::{MAP_FILE, MapFile, ros_map};
 use crate::terminal::console;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::suggest::suggest;
+use rpl_robot::description::RobotDescription;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::world::World;
 use std::path::Path;
 
-/// A world by its name, or from a file.
+/// A world by its name, or from a file, for a robot that is to start in it.
 ///
 /// # Errors
-/// No world has the name, or the file has faults.
-pub fn named(name: &str) -> Result<World> {
+/// No world has the name, the file has faults, or the robot has no room at the start.
+pub fn named(name: &str, robot: &RobotDescription) -> Result<World> {
+    let world = read(name, robot)?;
+    let Err(taken) = world.room_at_start(robot.radius_m) else { return Ok(world) };
+    match file_name(name) {
+        Some(file) => bail!("the world `{name}` has faults\n{}", taken.in_file(&file, &text(name)?)),
+        None => bail!("the world `{name}` has faults\n{taken}"),
+    }
+}
+
+fn read(name: &str, robot: &RobotDescription) -> Result<World> {
     if let Some(world) = World::builtin(name) {
         return Ok(world);
     }
@@ -21,7 +31,7 @@ pub fn named(name: &str) -> Result<World> {
     if is_map(path) {
         let title = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
         let map = read_map(path)?;
-        return World::from_map(&title, map).with_context(|| format!("the map `{name}` is no world"));
+        return World::from_map(&title, map, robot.radius_m).with_context(|| format!("the map `{name}` is no world"));
     }
     let is_there = path.metadata().is_ok_and(|known| !known.is_dir());
     if path.extension().is_some_and(|extension| extension == "toml") || is_there {

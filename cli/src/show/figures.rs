@@ -8,7 +8,7 @@ use anyhow::Result;
 use rpl_mission::sight::{PositionBelief, Sight};
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
-use rpl_robot::world::{ROBOT_RADIUS_M, Room, World};
+use rpl_robot::world::{Room, World};
 use std::path::Path;
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Text};
@@ -33,6 +33,8 @@ const SHADES: usize = 8;
 pub struct RobotMarker<'a> {
     /// Where.
     pub pose_in_map: Pose,
+    /// Of its body.
+    pub radius_m: f64,
     /// What is written beside it.
     pub label: &'a str,
     /// Whether the robot really was there; else it only believed so.
@@ -76,11 +78,11 @@ impl<'a> Figure<'a> {
     }
 
     /// Marks the robot and its estimate; two labels in one place could not be read.
-    fn mark(&mut self, sight: &Sight) {
+    fn mark(&mut self, sight: &Sight, radius_m: f64) {
         let is_apart = sight.robot_in_map.distance_m(sight.estimate_in_map) > 1.0;
         let label = if is_apart { "estimate" } else { "" };
-        self.markers.push(RobotMarker { pose_in_map: sight.robot_in_map, label: "robot", is_true: true });
-        self.markers.push(RobotMarker { pose_in_map: sight.estimate_in_map, label, is_true: false });
+        self.markers.push(RobotMarker { pose_in_map: sight.robot_in_map, radius_m, label: "robot", is_true: true });
+        self.markers.push(RobotMarker { pose_in_map: sight.estimate_in_map, radius_m, label, is_true: false });
     }
 }
 
@@ -96,22 +98,22 @@ pub fn open_folder(path: &Path) -> Result<OutputFolder> {
 ///
 /// # Errors
 /// It cannot be written.
-pub fn write_paths(folder: &mut OutputFolder, world: &World, poses: &[TracedPose]) -> Result<()> {
+pub fn write_paths(folder: &mut OutputFolder, world: &World, robot_radius_m: f64, poses: &[TracedPose]) -> Result<()> {
     let track: Vec<Sight> = poses.iter().map(|seen| seen.sight).collect();
     let longest_us = poses.windows(2).map(|pair| pair[1].time_us - pair[0].time_us).max().unwrap_or(0);
     let jump_m = JUMP_M + MAX_SPEED_M_PER_S * longest_us as f64 / 1e6;
-    folder.draw(PATHS, &draw(&paths(&world.map(RESOLUTION_M), world, &track, jump_m)))
+    folder.draw(PATHS, &draw(&paths(&world.map(RESOLUTION_M), world, robot_radius_m, &track, jump_m)))
 }
 
 /// The true and the estimated path, which breaks where the estimate jumps further than this.
-fn paths<'a>(map: &'a OccupancyGrid, world: &'a World, track: &[Sight], jump_m: f64) -> Figure<'a> {
+fn paths<'a>(map: &'a OccupancyGrid, world: &'a World, radius_m: f64, track: &[Sight], jump_m: f64) -> Figure<'a> {
     let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", map, &world.rooms);
     figure.true_paths_in_map.push(track.iter().map(|sight| sight.robot_in_map.point()).collect());
     let estimated: Vec<Point> = track.iter().map(|sight| sight.estimate_in_map.point()).collect();
     figure.estimated_paths_in_map = without_jumps(&estimated, jump_m);
     if let (Some(first), Some(last)) = (track.first(), track.last()) {
-        figure.markers.push(RobotMarker { pose_in_map: first.robot_in_map, label: "start", is_true: true });
-        figure.markers.push(RobotMarker { pose_in_map: last.robot_in_map, label: "end", is_true: true });
+        figure.markers.push(RobotMarker { pose_in_map: first.robot_in_map, radius_m, label: "start", is_true: true });
+        figure.markers.push(RobotMarker { pose_in_map: last.robot_in_map, radius_m, label: "end", is_true: true });
     }
     figure
 }
@@ -123,17 +125,18 @@ fn paths<'a>(map: &'a OccupancyGrid, world: &'a World, track: &[Sight], jump_m: 
 pub fn write_mission(
     folder: &mut OutputFolder,
     world: &World,
+    robot_radius_m: f64,
     records: &Records,
     belief: Option<&PositionBelief>,
 ) -> Result<()> {
     let track = &records.track;
     let map = world.map(RESOLUTION_M);
-    folder.draw(PATHS, &draw(&paths(&map, world, track, JUMP_M)))?;
+    folder.draw(PATHS, &draw(&paths(&map, world, robot_radius_m, track, JUMP_M)))?;
     if belief.is_some() {
         let mut figure = Figure::of_map("belief at the end, and the robot", &map, &world.rooms);
         figure.belief = belief;
         if let Some(last) = track.last() {
-            figure.mark(last);
+            figure.mark(last, robot_radius_m);
         }
         folder.draw(BELIEF, &draw(&figure))?;
     }
@@ -143,7 +146,7 @@ pub fn write_mission(
         figure.belief = Some(&scene.belief);
         let before = &track[..scene.track_length];
         figure.true_paths_in_map.push(before.iter().map(|sight| sight.robot_in_map.point()).collect());
-        figure.mark(&scene.sight);
+        figure.mark(&scene.sight, robot_radius_m);
         let name = format!("belief-{:02}-{}.svg", number + 1, scene.what.name().replace(' ', "-"));
         folder.draw(&name, &draw(&figure))?;
     }
@@ -295,16 +298,16 @@ fn path(points_in_map: &[Point], sheet: Sheet, class: &str) -> Polyline {
 /// where it only believes itself to be.
 fn robot(marker: &RobotMarker<'_>, sheet: Sheet) -> Group {
     let pose = marker.pose_in_map;
-    let nose = pose.transform(Point::new(ROBOT_RADIUS_M, 0.0));
+    let nose = pose.transform(Point::new(marker.radius_m, 0.0));
     let (x, y) = (sheet.x(pose.x_m), sheet.y(pose.y_m));
     let disc = Circle::new()
         .set("cx", x)
         .set("cy", y)
-        .set("r", ROBOT_RADIUS_M)
+        .set("r", marker.radius_m)
         .set("fill", if marker.is_true { "white" } else { "none" });
     let disc = if marker.is_true { disc } else { disc.set("stroke-dasharray", "0.1 0.06") };
     let heading = Line::new().set("x1", x).set("y1", y).set("x2", sheet.x(nose.x)).set("y2", sheet.y(nose.y));
-    let label = text(marker.label, x, rounded(y - ROBOT_RADIUS_M - 0.12), 0.4).set("stroke", "none");
+    let label = text(marker.label, x, rounded(y - marker.radius_m - 0.12), 0.4).set("stroke", "none");
     Group::new().set("stroke", "black").set("stroke-width", 0.06).add(disc).add(heading).add(label)
 }
 
@@ -369,7 +372,12 @@ mod tests {
         let map = world.map(RESOLUTION_M);
         let mut figure = Figure::of_map("a <title>", &map, &world.rooms);
         figure.true_paths_in_map.push(vec![Point::new(1.0, 1.0), Point::new(2.0, 1.0)]);
-        figure.markers.push(RobotMarker { pose_in_map: world.start_in_map, label: "start", is_true: true });
+        figure.markers.push(RobotMarker {
+            pose_in_map: world.start_in_map,
+            radius_m: 0.265,
+            label: "start",
+            is_true: true,
+        });
         let drawn = draw(&figure);
         for part in ["a &lt;title&gt;", "west", "east", "start", "5 m", "class=\"true-path\"", "points=\"1,6.2 2,6.2\""]
         {

@@ -157,10 +157,11 @@ mod tests {
     use super::*;
     use crate::files::world_files;
     use rpl_mission::site::{Setup, Site};
+    use rpl_robot::description::RobotDescription;
 
     /// What the map of a world looks like in so many characters.
     fn drawn(world: &str, width: usize, height: usize) -> Vec<String> {
-        let world = world_files::named(world).expect("there is such a world");
+        let world = world_files::named(world, &RobotDescription::papers()).expect("there is such a world");
         let map = world.map(0.1);
         let site = Site::new(Setup { world: Some(world), ..Setup::default() }).expect("a site");
         super::map(&map, &site.robot(1), width, height, false).expect("there is a robot")

@@ -27,6 +27,9 @@ pub struct Header {
     /// The world, if there is one.
     #[serde(default)]
     pub world: Option<String>,
+    /// The robot, if one is named.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
     /// What the robot knows of the world, if there is one: `world` or `none`.
     #[serde(default)]
     pub map: Option<String>,

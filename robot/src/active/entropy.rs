@@ -14,8 +14,9 @@ const BINS: usize = 256;
 /// # Deviation
 /// Eq. (6) sums over all sensings; with few maxima the noise-free scans at the target, one for
 /// each maximum, stand for them. The whole tempered scan is one sensing: entropies of single beams
-/// cannot be added, they would go below 0. A target keeps the heading the robot has now: turning by
-/// 15° only renames the sonars, for all maxima alike. If the target is occupied as seen from some
+/// cannot be added, they would go below 0. Sensors all around are read at the heading the robot has now:
+/// turning by 15° only renames the sonars, for all maxima alike. Those that look ahead are read as the
+/// robot arrives, looking the way it came from where it is now. If the target is occupied as seen from some
 /// maxima and free from others, finding out whether it can be reached is a sensing as well.
 pub(super) struct EntropyForecast<'m> {
     model: &'m LocalizationModel,
@@ -28,6 +29,8 @@ pub(super) struct EntropyForecast<'m> {
     truths: &'m [Maximum],
     /// ... and their shares.
     truth_shares: Vec<f64>,
+    /// Whether each sensor looks all around.
+    look_around: Vec<bool>,
     /// For each sensor `[measured][expected]` in units of its model, forgiving small differences.
     costs: Vec<Vec<u8>>,
 }
@@ -53,6 +56,7 @@ impl<'m> EntropyForecast<'m> {
             shares: shares(hypotheses),
             truths,
             truth_shares: shares(truths),
+            look_around: model.sensors.iter().map(|sensor| sensor.parameters.looks_around()).collect(),
             costs: model.sensors.iter().map(|sensor| forgiving_costs(sensor, 0.0)).collect(),
         }
     }
@@ -82,15 +86,18 @@ impl<'m> EntropyForecast<'m> {
     /// The target as seen from a maximum.
     fn view(&self, robot_in_map: Pose, target_in_base: Point) -> View {
         let target_in_map = robot_in_map.transform(target_in_base);
-        let pose = Pose::new(target_in_map.x, target_in_map.y, robot_in_map.heading_rad);
         let radius_m = self.parameters.robot_radius_m;
         let clearance_m = self.model.distances.clearance_m(target_in_map);
         let reach = (0.5 + (clearance_m - radius_m) / (2.0 * self.parameters.tolerance_m))
             .clamp(MAP_IS_WRONG, 1.0 - MAP_IS_WRONG);
-        let state = self.model.state_at(pose).filter(|state| self.model.is_admissible(state.column, state.row));
-        let scans =
-            |state| (0..self.model.sensors.len()).map(|sensor| self.model.expected_scan(sensor, state)).collect();
-        View { reach, scans: state.map(scans) }
+        let on_arrival_rad = libm::atan2(target_in_base.y, target_in_base.x);
+        let scan = |sensor: usize| {
+            let turned_rad = if self.look_around[sensor] { 0.0 } else { on_arrival_rad };
+            let pose = Pose::new(target_in_map.x, target_in_map.y, robot_in_map.heading_rad + turned_rad);
+            let state = self.model.state_at(pose).filter(|state| self.model.is_admissible(state.column, state.row));
+            state.map(|state| self.model.expected_scan(sensor, state))
+        };
+        View { reach, scans: (0..self.model.sensors.len()).map(scan).collect() }
     }
 
     /// How likely scans of all sensors are where others are expected; a place without scans tells nothing.

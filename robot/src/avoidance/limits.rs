@@ -1,8 +1,8 @@
 //! What the robot can do, and what it is allowed to.
 
+use crate::description::RobotDescription;
 use crate::geometry::Velocity;
-use crate::sensors::SONAR_RANGE_M;
-use crate::world::{ROBOT_RADIUS_M, TravelMode};
+use crate::world::TravelMode;
 
 /// Steps until a command has taken effect: it is given after one percept, and the next one shows it.
 const COMMAND_STEPS: f64 = 2.0;
@@ -28,8 +28,6 @@ pub struct DriveLimits {
     pub rotation_acceleration_radps2: f64,
     /// From one command to the next.
     pub step_s: f64,
-    /// A sonar reading of so much saw nothing.
-    pub sonar_max_range_m: f64,
     /// Air kept between the robot's disc and an obstacle point when it stands.
     pub margin_m: f64,
     /// Air kept besides for each metre per second.
@@ -43,25 +41,31 @@ pub struct DriveLimits {
 }
 
 impl Default for DriveLimits {
+    /// Those of the papers' robot.
     fn default() -> Self {
-        Self {
-            robot_radius_m: ROBOT_RADIUS_M,
-            max_rotation_radps: 1.0,
-            translation_acceleration_mps2: 0.5,
-            translation_deceleration_mps2: 0.9,
-            rotation_acceleration_radps2: 1.5,
-            step_s: 0.05,
-            sonar_max_range_m: SONAR_RANGE_M,
-            margin_m: 0.02,
-            margin_s: 0.1,
-            hallway_mps: 0.7,
-            office_mps: 0.35,
-            doorway_mps: 0.3,
-        }
+        Self::of(&RobotDescription::papers())
     }
 }
 
 impl DriveLimits {
+    /// Those of a robot.
+    pub fn of(robot: &RobotDescription) -> Self {
+        let RobotDescription { motors, driving, .. } = robot;
+        Self {
+            robot_radius_m: robot.radius_m,
+            max_rotation_radps: driving.max_rotation_radps,
+            translation_acceleration_mps2: motors.translation_acceleration_mps2,
+            translation_deceleration_mps2: driving.translation_deceleration_mps2,
+            rotation_acceleration_radps2: driving.rotation_acceleration_radps2,
+            step_s: robot.step_us as f64 / 1e6,
+            margin_m: 0.02,
+            margin_s: 0.1,
+            hallway_mps: driving.hallway_mps,
+            office_mps: driving.office_mps,
+            doorway_mps: driving.doorway_mps,
+        }
+    }
+
     /// The speed allowed in a travel mode.
     pub fn speed_limit_mps(&self, mode: TravelMode) -> f64 {
         match mode {

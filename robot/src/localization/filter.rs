@@ -4,6 +4,7 @@ use super::belief::Belief;
 use super::model::LocalizationModel;
 use super::parameters::{Gating, LocalizationParameters, Spread};
 use super::scan::ScanModel;
+use super::scan_match::Fix;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
@@ -72,8 +73,10 @@ pub struct Localization {
     rest: Rest,
     /// The coarse belief that watches over the fine one, if there is one.
     watch: Option<Belief>,
-    /// The mode at the last update.
+    /// The mode at the last update; where it was found by its scans, their pose.
     mode: Maximum,
+    /// The pose found by the last scans, if one was.
+    fix: Option<Fix>,
     /// What the coarse belief gave it; 1 if none watches.
     agreed: f64,
     /// Updates so far.
@@ -106,6 +109,7 @@ impl Localization {
             rest: Rest::default(),
             watch,
             mode,
+            fix: None,
             agreed: 1.0,
             updates: 0,
         };
@@ -176,7 +180,9 @@ impl Localization {
         self.belief.sense(model, &scans);
         self.mode = self.belief.mode(model);
         self.watch_over(model, since, &scans);
-        self.mode.pose_in_map = model.matched(self.mode.pose_in_map, scans_m);
+        let last = self.fix.map(|fix| fix.advanced(since, &model.parameters.odometry));
+        self.fix = model.matched(self.mode.pose_in_map, last, scans_m);
+        self.mode.pose_in_map = self.fix.map_or(self.mode.pose_in_map, |fix| fix.pose_in_map);
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.updates += 1;
         if moved {

@@ -2,7 +2,8 @@
 
 use super::calibration::Calibration;
 use super::error::ModelError;
-use crate::sensors::{RangeSensor, SONAR_RANGE_M, sonar_ring_deg};
+use crate::description::{RobotDescription, Sonar};
+use crate::sensors::{LaserScanner, RangeSensor, SonarMount};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set about the filter.
@@ -73,13 +74,21 @@ const CALIBRATED: [[f64; 2]; 17] = [
 ];
 
 impl Default for LocalizationParameters {
+    /// Those of the papers' robot.
     fn default() -> Self {
+        Self::of(&RobotDescription::papers())
+    }
+}
+
+impl LocalizationParameters {
+    /// Those of a robot, which localizes with the sensors it has.
+    pub fn of(robot: &RobotDescription) -> Self {
         Self {
             cell_m: 0.15,
             angle_step_deg: 2,
             centred: true,
             clearance_m: 0.15,
-            sensors: vec![ScanParameters::default()],
+            sensors: ScanParameters::of(robot),
             odometry: OdometryError::default(),
             mixing: 5e-4,
             watch: Some(Watch::default()),
@@ -91,9 +100,7 @@ impl Default for LocalizationParameters {
             standing_updates: 5,
         }
     }
-}
 
-impl LocalizationParameters {
     /// The equations as printed: every scan counts in full, at every step, and nothing is mixed in.
     pub fn literal(self) -> Self {
         let in_full = |sensor| ScanParameters { tempering: 1.0, gating: None, ..sensor };
@@ -180,7 +187,8 @@ impl LocalizationParameters {
                 beam: BeamParameters::laser(),
                 tempering: 0.2,
                 gating: None,
-                ..ScanParameters::default()
+                watch_sigma_m: 0.2,
+                watch_tempering: 0.2,
             }],
             odometry: OdometryError {
                 forward_m: 0.14,
@@ -195,8 +203,14 @@ impl LocalizationParameters {
         }
     }
 
-    /// A coarse grid (30 cm, 6°) for tests and for saving often.
-    pub fn coarse(self) -> Self {
+    /// Those of the papers' robot on a coarse grid, for tests and for saving often.
+    pub fn coarse() -> Self {
+        Self::default().coarsened()
+    }
+
+    /// The same on a coarse grid (30 cm, 6°).
+    #[must_use]
+    pub fn coarsened(self) -> Self {
         Self { cell_m: 0.3, angle_step_deg: 6, ..self }
     }
 }
@@ -222,29 +236,61 @@ pub struct ScanParameters {
 }
 
 impl Default for ScanParameters {
-    /// The ring of sonars.
+    /// The sonars of the papers' robot.
     fn default() -> Self {
+        Self::of(&RobotDescription::papers()).swap_remove(0)
+    }
+}
+
+/// Readings of a laser that the filter is given, about.
+const LASER_BEAMS: usize = 30;
+
+impl ScanParameters {
+    /// How the sensors of a robot are read: the laser alone if it has one, else the sonars.
+    pub fn of(robot: &RobotDescription) -> Vec<Self> {
+        match (robot.range_sensors().laser, &robot.sonar) {
+            (Some(laser), _) => vec![Self::laser(&laser)],
+            (None, Some(sonar)) => vec![Self::sonars(sonar)],
+            (None, None) => Vec::new(),
+        }
+    }
+
+    /// Sonars: each is a beam.
+    pub fn sonars(sonar: &Sonar) -> Self {
+        let bearing_deg = |mount: &SonarMount| libm::round(mount.heading_rad.to_degrees()) as i32;
         Self {
             source: RangeSensor::Sonar,
-            beams_deg: sonar_ring_deg(),
-            beam: BeamParameters::default(),
+            beams_deg: sonar.layout.mounts().iter().map(bearing_deg).collect(),
+            beam: BeamParameters::sonar(sonar),
             tempering: 0.15,
             gating: Some(Gating::default()),
             watch_sigma_m: 0.2,
             watch_tempering: 0.2,
         }
     }
-}
 
-impl ScanParameters {
-    /// A laser range finder in a mission, of the beams given.
-    pub fn laser(beams_deg: Vec<i32>, max_range_m: f64) -> Self {
+    /// A laser range finder in a mission: some [`LASER_BEAMS`] of its readings, evenly spread.
+    pub fn laser(laser: &LaserScanner) -> Self {
+        let bearing_deg = |reading: usize| libm::round(laser.direction_rad(reading).to_degrees()) as i32;
+        let stride = (laser.readings / LASER_BEAMS).max(1);
         Self {
             source: RangeSensor::Laser,
-            beams_deg,
-            beam: BeamParameters { max_range_m, ..MISSION_RAY },
-            ..Self::default()
+            beams_deg: (0..laser.readings).step_by(stride).map(bearing_deg).collect(),
+            beam: BeamParameters { max_range_m: laser.range_m, ..MISSION_RAY },
+            // Rays side by side meet the same wall, and what is missing in the map.
+            tempering: 0.08,
+            gating: Some(Gating::default()),
+            watch_sigma_m: 0.2,
+            watch_tempering: 0.2,
         }
+    }
+
+    /// Whether no neighbouring beams are a quarter of a turn apart or more.
+    pub fn looks_around(&self) -> bool {
+        let mut beams_deg: Vec<i32> = self.beams_deg.iter().map(|bearing| bearing.rem_euclid(360)).collect();
+        beams_deg.sort_unstable();
+        beams_deg.extend(beams_deg.first().map(|first| first + 360));
+        beams_deg.windows(2).all(|pair| pair[1] - pair[0] < 90)
     }
 
     /// As the coarse belief reads it.
@@ -317,11 +363,21 @@ pub struct BeamParameters {
 }
 
 impl Default for BeamParameters {
+    /// A sonar of the papers' robot.
     fn default() -> Self {
+        ScanParameters::default().beam
+    }
+}
+
+impl BeamParameters {
+    /// The beam of a sonar: range and opening are its own, the rest is fitted to the papers' robot; of its
+    /// errors the map and the cells make the most.
+    pub fn sonar(sonar: &Sonar) -> Self {
+        let ahead_m = sonar.layout.mounts().iter().map(SonarMount::ahead_m).fold(0.0, f64::max);
         Self {
-            max_range_m: SONAR_RANGE_M,
+            max_range_m: sonar.range_m + ahead_m,
             mount_radius_m: 0.0,
-            cone_deg: 15,
+            cone_deg: libm::round(sonar.cone_rad.to_degrees()) as u32,
             wall_depth_m: 0.0,
             sigma_m: 0.12,
             sigma_per_m: 0.02,
@@ -333,9 +389,7 @@ impl Default for BeamParameters {
             fades: false,
         }
     }
-}
 
-impl BeamParameters {
     /// The beam of a laser range finder.
     pub fn laser() -> Self {
         Self {

@@ -1,10 +1,11 @@
 //! The pose below the size of a cell: where a scan of rays fits the map best.
 
 use super::model::LocalizationModel;
-use super::parameters::Spread;
+use super::parameters::OdometryError;
 use super::scan::ScanModel;
 use crate::geometry::{Pose, wrap_angle_rad};
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Standard deviation of a ray across the surface it meets: the noise of a laser, and half a cell of
 /// the map the surface is drawn in.
@@ -24,58 +25,98 @@ const EDGE_M: f64 = 0.1;
 const FARTHEST_M: f64 = 0.35;
 const FARTHEST_RAD: f64 = 8.0 / 180.0 * std::f64::consts::PI;
 
-/// What the rays say about x, y and heading: the matrix and the vector of the normal equations.
-struct Evidence {
-    information: Matrix3<f64>,
-    pull: Vector3<f64>,
+/// A pose that was found by its scans, and how well it is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Fix {
+    /// The pose.
+    pub pose_in_map: Pose,
+    /// Covariance of x, y and heading, in m and rad.
+    covariance: [[f64; 3]; 3],
+}
+
+impl Fix {
+    /// Carried on by a motion, whose error adds to its own.
+    pub(super) fn advanced(self, motion: Pose, error: &OdometryError) -> Self {
+        let before = self.pose_in_map;
+        let pose_in_map = before.compose(motion);
+        let (dx_m, dy_m) = (pose_in_map.x_m - before.x_m, pose_in_map.y_m - before.y_m);
+        let distance_m = libm::hypot(motion.x_m, motion.y_m);
+        let (sin, cos) = libm::sincos(before.heading_rad);
+        let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+        let square = |error: f64| error * error;
+        let heading = square(error.turn_per_metre_rad) * distance_m
+            + square(error.turn_per_radian_rad) * libm::fabs(motion.heading_rad);
+        let noise = Vector3::new(square(error.forward_m) * distance_m, square(error.sideward_m) * distance_m, heading);
+        let carried = Matrix3::new(1.0, 0.0, -dy_m, 0.0, 1.0, dx_m, 0.0, 0.0, 1.0);
+        let covariance = carried * Matrix3::from(self.covariance) * carried.transpose()
+            + turned * Matrix3::from_diagonal(&noise) * turned.transpose();
+        Self { pose_in_map, covariance: covariance.into() }
+    }
+
+    /// Whether it may be the pose that a belief has its mode at.
+    fn is_near(&self, mode_in_map: Pose) -> bool {
+        let turned_rad = libm::fabs(wrap_angle_rad(self.pose_in_map.heading_rad - mode_in_map.heading_rad));
+        self.pose_in_map.distance_m(mode_in_map) <= FARTHEST_M && turned_rad <= FARTHEST_RAD
+    }
 }
 
 impl LocalizationModel {
-    /// The pose near the mode of a belief that explains the scans of rays best. A cone does not say from
-    /// where in it an echo comes, so without rays the mode stays.
+    /// The pose near the mode of a belief that explains the scans of rays best, beginning from what the
+    /// last one says of it. None if no rays are read, because a cone does not say from where in it an
+    /// echo comes; or if it is not near the mode.
     ///
     /// # Deviation
     /// The papers take the likeliest cell. Gauss and Newton's method on the differences between
     /// measured and expected ranges (as Kohlbrecher et al., "A flexible and scalable SLAM system with
     /// full 3D motion estimation", 2011, match scans to a grid map) finds where inside it the robot is.
     /// Each difference is taken across the surface and weighted by Geman and McClure's kernel, so that
-    /// people and furniture count for little; the mode, known to half a cell, is the prior, so that along
-    /// a bare wall the pose stays. Costs twelve rays for each beam.
-    pub(super) fn matched(&self, mode_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Pose {
-        let rays = |(sensor, scan_m): (&'_ ScanModel, &Option<&'_ [f32]>)| {
-            scan_m.filter(|_| sensor.parameters.beam.cone_deg == 0).is_some()
-        };
-        if !self.sensors.iter().zip(scans_m).any(rays) {
-            return mode_in_map;
+    /// people and furniture count for little, and tempered as the scan is. The prior is the last pose found
+    /// this way, carried on by odometry, as long as the mode is near it; else the mode. Along a bare wall
+    /// it alone tells. Costs twelve rays for each beam.
+    pub(super) fn matched(&self, mode_in_map: Pose, last: Option<Fix>, scans_m: &[Option<&[f32]>]) -> Option<Fix> {
+        let scans = self.sensors.iter().zip(scans_m);
+        let scans: Vec<(&ScanModel, &[f32])> = scans
+            .filter(|(sensor, _)| sensor.parameters.beam.cone_deg == 0)
+            .filter_map(|(sensor, scan_m)| scan_m.map(|scan_m| (sensor, scan_m)))
+            .collect();
+        if scans.is_empty() {
+            return None;
         }
-        let prior = Spread { position_m: self.grid.cell_m / 2.0, heading_rad: self.grid.angle_step_rad() / 2.0 };
-        let mut pose = mode_in_map;
+        let known = last.filter(|last| last.is_near(mode_in_map)).unwrap_or_else(|| self.mode_fix(mode_in_map));
+        let prior = Matrix3::from(known.covariance).try_inverse()?;
+        let mut fix = known;
         for scale_m in SCALES_M {
-            let mut evidence = Evidence::of_prior(prior, mode_in_map, pose);
-            for (sensor, scan_m) in self.sensors.iter().zip(scans_m) {
-                let Some(scan_m) = scan_m.filter(|_| sensor.parameters.beam.cone_deg == 0) else { continue };
-                evidence.add_scan(sensor, scan_m, pose, scale_m);
-            }
-            let Some(factors) = evidence.information.cholesky() else { return mode_in_map };
-            let step = factors.solve(&evidence.pull);
-            pose = Pose::new(pose.x_m + step.x, pose.y_m + step.y, pose.heading_rad + step.z);
+            let mut evidence = Evidence::of_pose(prior, known.pose_in_map, fix.pose_in_map);
+            scans.iter().for_each(|(sensor, scan_m)| evidence.add_scan(sensor, scan_m, fix.pose_in_map, scale_m));
+            let factors = evidence.information.cholesky()?;
+            let (step, pose) = (factors.solve(&evidence.pull), fix.pose_in_map);
+            fix.pose_in_map = Pose::new(pose.x_m + step.x, pose.y_m + step.y, pose.heading_rad + step.z);
+            fix.covariance = factors.inverse().into();
         }
-        let turned_rad = libm::fabs(wrap_angle_rad(pose.heading_rad - mode_in_map.heading_rad));
-        let is_near = pose.distance_m(mode_in_map) <= FARTHEST_M && turned_rad <= FARTHEST_RAD;
-        if is_near { pose } else { mode_in_map }
+        Some(fix).filter(|fix| fix.is_near(mode_in_map))
+    }
+
+    /// What is known before the scans: the mode, to half a cell.
+    fn mode_fix(&self, mode_in_map: Pose) -> Fix {
+        let [place, heading] = [self.grid.cell_m / 2.0, self.grid.angle_step_rad() / 2.0];
+        let variances = Vector3::new(place * place, place * place, heading * heading);
+        Fix { pose_in_map: mode_in_map, covariance: Matrix3::from_diagonal(&variances).into() }
     }
 }
 
+/// What is known of x, y and heading around a pose: the matrix and the vector of the normal equations.
+struct Evidence {
+    information: Matrix3<f64>,
+    pull: Vector3<f64>,
+}
+
 impl Evidence {
-    fn of_prior(spread: Spread, mean_in_map: Pose, pose: Pose) -> Self {
+    fn of_pose(information: Matrix3<f64>, known_in_map: Pose, pose: Pose) -> Self {
         let off = Vector3::new(
-            mean_in_map.x_m - pose.x_m,
-            mean_in_map.y_m - pose.y_m,
-            wrap_angle_rad(mean_in_map.heading_rad - pose.heading_rad),
+            known_in_map.x_m - pose.x_m,
+            known_in_map.y_m - pose.y_m,
+            wrap_angle_rad(known_in_map.heading_rad - pose.heading_rad),
         );
-        let place = 1.0 / (spread.position_m * spread.position_m);
-        let heading = 1.0 / (spread.heading_rad * spread.heading_rad);
-        let information = Matrix3::from_diagonal(&Vector3::new(place, place, heading));
         Self { information, pull: information * off }
     }
 
@@ -110,7 +151,7 @@ impl Evidence {
         let beyond_m = range_m + beam.mount_radius_m - beam.wall_depth_m - way_m;
         let across = 1.0 / (1.0 + slope * slope);
         let kernel = 1.0 / (1.0 + across * beyond_m * beyond_m / (scale_m * scale_m));
-        let weight = kernel * kernel * across / (RAY_SIGMA_M * RAY_SIGMA_M);
+        let weight = sensor.parameters.tempering * kernel * kernel * across / (RAY_SIGMA_M * RAY_SIGMA_M);
         self.information += gradient * gradient.transpose() * weight;
         self.pull += gradient * (beyond_m * weight);
     }
@@ -122,6 +163,7 @@ mod tests {
     use crate::geometry::Point;
     use crate::localization::{LocalizationParameters, ScanParameters};
     use crate::occupancy::{Cell, OccupancyGrid};
+    use crate::sensors::LaserScanner;
     use rpl_random::Stream;
 
     /// A walled room, `length_m` × 4 m, in cells of 5 cm.
@@ -144,7 +186,7 @@ mod tests {
     }
 
     fn laser() -> ScanParameters {
-        ScanParameters::laser((-90..=90).step_by(6).collect(), 8.0)
+        ScanParameters::laser(&LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 })
     }
 
     /// What a laser measures at a pose, with noise of so much.
@@ -167,7 +209,7 @@ mod tests {
             let mut scan_m = scan_m(&model, truth, 0.02, &mut noise);
             // Somebody stands to the left.
             scan_m[22..26].fill(0.6);
-            let found = model.matched(mode, &[Some(&scan_m)]);
+            let found = model.matched(mode, None, &[Some(&scan_m)]).expect("a fix").pose_in_map;
             let turned_rad = wrap_angle_rad(found.heading_rad - truth.heading_rad).abs();
             assert!(found.distance_m(truth) < 0.04 && turned_rad < 1f64.to_radians(), "{truth:?} {mode:?} {found:?}");
         }
@@ -178,16 +220,16 @@ mod tests {
         let model = model(&room(40.0), laser());
         let (truth, mode) = (Pose::new(20.0, 1.7, 0.0), Pose::new(20.1, 1.76, 0.02));
         let scan_m = scan_m(&model, truth, 0.0, &mut Stream::new(10_301, "noise"));
-        let found = model.matched(mode, &[Some(&scan_m)]);
+        let found = model.matched(mode, None, &[Some(&scan_m)]).expect("a fix").pose_in_map;
         assert!((found.x_m - mode.x_m).abs() < 0.02 && (found.y_m - truth.y_m).abs() < 0.01, "{found:?}");
     }
 
     #[test]
-    fn cones_and_missing_scans_leave_the_mode_where_it_is() {
+    fn cones_and_missing_scans_give_no_fix() {
         let mode = Pose::new(3.07, 2.01, 0.4);
         let rays = model(&room(6.0), laser());
-        assert_eq!(rays.matched(mode, &[None]), mode);
+        assert_eq!(rays.matched(mode, None, &[None]), None);
         let cones = model(&room(6.0), ScanParameters::default());
-        assert_eq!(cones.matched(mode, &[Some(&[1.0; 24])]), mode);
+        assert_eq!(cones.matched(mode, None, &[Some(&[1.0; 24])]), None);
     }
 }

@@ -1,7 +1,7 @@
 //! What a step of driving gets to know.
 
 use crate::geometry::{Pose, Velocity};
-use crate::sensors::SONARS;
+use crate::sensors::{LaserScan, SonarScan};
 
 /// What one step gets to know.
 #[derive(Clone, Copy, Debug)]
@@ -10,16 +10,23 @@ pub struct NavigationInput<'a> {
     pub odometry_in_odom: Pose,
     /// As measured.
     pub velocity: Velocity,
-    /// Distances from the robot's centre, in the order of [`sonar_direction_rad`]; `None` while the
-    /// sonars are off.
-    ///
-    /// [`sonar_direction_rad`]: crate::sensors::sonar_direction_rad
-    pub sonar_m: Option<&'a [f32; SONARS]>,
-    /// Distances from the robot's centre, in the order of [`laser_direction_rad`]; `None` without a
-    /// laser.
-    ///
-    /// [`laser_direction_rad`]: crate::sensors::laser_direction_rad
-    pub laser_m: Option<&'a [f32]>,
+    /// What the sonars heard; `None` without sonars, or while they are off.
+    pub sonar: Option<SonarScan<'a>>,
+    /// What the laser saw; `None` without a laser.
+    pub laser: Option<LaserScan<'a>>,
     /// Whether something touches the robot.
     pub bumped: bool,
+}
+
+impl NavigationInput<'_> {
+    /// Whether the robot measures distances just now, in any direction.
+    pub fn sees(&self) -> bool {
+        self.sonar.is_some() || self.laser.is_some()
+    }
+
+    /// Whether it does in this one.
+    pub fn sees_towards(&self, direction_rad: f64) -> bool {
+        self.sonar.is_some_and(|scan| scan.sonars.looks(direction_rad))
+            || self.laser.is_some_and(|scan| scan.laser.looks(direction_rad))
+    }
 }

@@ -5,7 +5,6 @@ use super::input::NavigationInput;
 use crate::avoidance::{AvoidanceStatus, CollisionAvoidance, DriveLimits, WindowInput, open_distance_m};
 use crate::geometry::{Point, Pose, Transform, Velocity, distance_m, wrap_angle_rad};
 use crate::obstacles::ObstacleMemory;
-use crate::sensors::{SONAR_CONE_RAD, SONARS, sonar_direction_rad};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -79,7 +78,10 @@ const WANDER_S: (f64, f64) = (5.0, 15.0);
 const WALL_NEAR_M: f64 = 1.2;
 /// A wall is followed in the rightmost direction with this much room.
 const WALL_ROOM_M: f64 = 0.9;
-/// The directions a robot at a wall tries, in steps of a sonar, from the right to the left.
+/// So many directions all around are tried, and of these a robot at a wall tries those from the right to
+/// the left.
+const DIRECTIONS: u32 = 24;
+const DIRECTION_RAD: f64 = std::f64::consts::TAU / DIRECTIONS as f64;
 const WALL_DIRECTIONS: std::ops::RangeInclusive<i32> = -5..=11;
 /// A round of spinning and backing up: until when it spins, backs up, and waits.
 const SPIN_S: f64 = std::f64::consts::FRAC_PI_2;
@@ -111,14 +113,13 @@ impl LocalDrive {
 
     /// One step of `limits.step_s`.
     pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, speed_limit_mps: f64) -> DriveOutput {
-        let (sonar_m, laser_m) = (input.sonar_m, input.laser_m);
-        self.memory.update(input.odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, |_| None);
+        self.memory.update(input.odometry_in_odom, input.sonar, input.laser, limits.step_s, |_| None);
         self.memory.feel(input.odometry_in_odom, limits.robot_radius_m, input.bumped);
         let mut obstacles_in_base = Vec::new();
         self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
         if let DriveTask::SpinAndBackUp { elapsed_s } = &mut self.task {
             *elapsed_s = (*elapsed_s + limits.step_s) % ROUND_S;
-            let velocity = spin_or_back_up(*elapsed_s, limits, &obstacles_in_base);
+            let velocity = spin_or_back_up(*elapsed_s, limits, input, &obstacles_in_base);
             return DriveOutput { velocity, status: DriveStatus::Driving };
         }
         let Some((target_in_odom, remaining_m)) = self.target(limits, input, &obstacles_in_base) else {
@@ -190,16 +191,22 @@ fn along_wall_rad(obstacles_in_base: &[Point], room_m: impl Fn(f64) -> f64) -> f
         return 0.0;
     }
     WALL_DIRECTIONS
-        .map(|step| f64::from(step) * SONAR_CONE_RAD)
+        .map(|step| f64::from(step) * DIRECTION_RAD)
         .find(|&direction_rad| room_m(direction_rad) > WALL_ROOM_M)
         .unwrap_or(std::f64::consts::PI)
 }
 
-fn spin_or_back_up(elapsed_s: f64, limits: &DriveLimits, obstacles_in_base: &[Point]) -> Velocity {
+/// A robot that does not see what is behind it does not back up.
+fn spin_or_back_up(
+    elapsed_s: f64,
+    limits: &DriveLimits,
+    input: &NavigationInput<'_>,
+    obstacles_in_base: &[Point],
+) -> Velocity {
     let behind_m = open_distance_m(limits, obstacles_in_base, std::f64::consts::PI, WANDER_HORIZON_M);
     if elapsed_s < SPIN_S {
         Velocity { translation_mps: 0.0, rotation_radps: 1.0 }
-    } else if elapsed_s < BACK_UP_S && behind_m > BACK_UP_ROOM_M {
+    } else if elapsed_s < BACK_UP_S && behind_m > BACK_UP_ROOM_M && input.sees_towards(std::f64::consts::PI) {
         Velocity { translation_mps: -BACK_UP_MPS, rotation_radps: 0.0 }
     } else {
         Velocity::default()
@@ -223,11 +230,11 @@ fn next_on_path(path_in_odom: &mut Vec<Point>, here: Point) -> Option<(Point, f6
     path_in_odom.first().map(|&point| (point, remaining_m))
 }
 
-/// The most open of the sonars' directions, chance deciding among nearly equal ones.
+/// The most open of the directions all around, chance deciding among nearly equal ones.
 fn open_heading_rad(stream: &mut Stream, here: Pose, room_m: impl Fn(f64) -> f64) -> f64 {
     let mut best = (f64::NEG_INFINITY, here.heading_rad);
-    for sonar in 0..SONARS {
-        let heading_rad = wrap_angle_rad(here.heading_rad + sonar_direction_rad(sonar));
+    for direction in 0..DIRECTIONS {
+        let heading_rad = wrap_angle_rad(here.heading_rad + f64::from(direction) * DIRECTION_RAD);
         let score = room_m(heading_rad) + stream.uniform();
         if score > best.0 {
             best = (score, heading_rad);

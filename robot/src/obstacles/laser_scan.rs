@@ -1,7 +1,7 @@
 //! What a laser scan shows of the surfaces it meets.
 
 use crate::geometry::Point;
-use crate::sensors::laser_direction_rad;
+use crate::sensors::LaserScan;
 
 /// Readings to each side that a reading is averaged with.
 const ASIDE: usize = 2;
@@ -19,15 +19,16 @@ const NEAR_M: f64 = 2.5;
 /// differ little from it: the noise of a reading is more than the air in a narrow gap. In pairs,
 /// because then a plane stays where it is, however it is hit. A post of 15 cm seen from half a metre
 /// is drawn 1 mm too far away, the edges of things not at all.
-pub fn smoothed(laser_m: &[f32]) -> Vec<f32> {
-    (0..laser_m.len()).map(|beam| smoothed_reading_m(laser_m, beam)).collect()
+pub fn smoothed(scan: LaserScan<'_>) -> Vec<f32> {
+    (0..scan.ranges_m.len()).map(|beam| smoothed_reading_m(scan, beam)).collect()
 }
 
-fn smoothed_reading_m(laser_m: &[f32], beam: usize) -> f32 {
-    let reading_m = laser_m[beam];
+fn smoothed_reading_m(scan: LaserScan<'_>, beam: usize) -> f32 {
+    let reading_m = scan.ranges_m[beam];
     let (mut sum_m, mut count) = (reading_m, 1.0);
-    for aside in 1..=ASIDE.min(beam).min(laser_m.len() - 1 - beam) {
-        let pair_m = [laser_m[beam - aside], laser_m[beam + aside]];
+    for aside in 1..=ASIDE {
+        let Some(pair) = scan.laser.to_both_sides(beam, aside) else { break };
+        let pair_m = pair.map(|beside| scan.ranges_m[beside]);
         if pair_m.iter().any(|neighbour_m| (neighbour_m - reading_m).abs() > STEP_M) {
             break;
         }
@@ -38,29 +39,34 @@ fn smoothed_reading_m(laser_m: &[f32], beam: usize) -> f32 {
 }
 
 /// Whether the beam through a point, or one beside it, ends on the surface the point is of.
-pub fn is_seen(laser_m: &[f32], point_in_base: Point) -> bool {
+pub fn is_seen(scan: LaserScan<'_>, point_in_base: Point) -> bool {
     let away_m = point_in_base.coords.norm();
     let bearing_rad = libm::atan2(point_in_base.y, point_in_base.x);
-    let beam = libm::round(bearing_rad.to_degrees() + (laser_m.len() as f64 - 1.0) / 2.0);
-    if beam < 1.0 || beam + 1.0 >= laser_m.len() as f64 {
-        return false;
-    }
-    laser_m[beam as usize - 1..][..3].iter().any(|&reading_m| (f64::from(reading_m) - away_m).abs() < SURFACE_M)
+    let Some(beams) = scan.laser.with_neighbours(bearing_rad) else { return false };
+    beams.iter().any(|&beam| (f64::from(scan.ranges_m[beam]) - away_m).abs() < SURFACE_M)
 }
 
 /// Where the beams end that end near the robot.
-pub fn points_in_base(laser_m: &[f32]) -> impl Iterator<Item = Point> {
-    laser_m.iter().enumerate().filter_map(|(beam, &reading_m)| {
+pub fn points_in_base(scan: LaserScan<'_>) -> impl Iterator<Item = Point> {
+    let near_m = scan.laser.range_m.min(NEAR_M);
+    scan.ranges_m.iter().enumerate().filter_map(move |(beam, &reading_m)| {
         let reading_m = f64::from(reading_m);
-        let (sin, cos) = libm::sincos(laser_direction_rad(laser_m.len(), beam));
-        (reading_m > 0.0 && reading_m < NEAR_M).then(|| Point::new(reading_m * cos, reading_m * sin))
+        let (sin, cos) = libm::sincos(scan.laser.direction_rad(beam));
+        (reading_m > 0.0 && reading_m < near_m).then(|| Point::new(reading_m * cos, reading_m * sin))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensors::LaserScanner;
     use rpl_random::Stream;
+
+    const FRONT: LaserScanner = LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 };
+
+    fn scan(ranges_m: &[f32]) -> LaserScan<'_> {
+        LaserScan { laser: &FRONT, ranges_m }
+    }
 
     /// A wall 0.5 m to the left of the robot, parallel to it, up to 2 m ahead, and nothing beyond.
     fn wall_m(beam: usize) -> f32 {
@@ -77,28 +83,27 @@ mod tests {
         let squares = |scan: &[f32]| -> f32 {
             (120..=178).map(|beam| (scan[beam] - truth[beam]) * (scan[beam] - truth[beam])).sum()
         };
-        assert!(squares(&smoothed(&noisy)) < squares(&noisy) / 3.0);
-        for (smooth_m, true_m) in smoothed(&truth).iter().zip(&truth) {
+        assert!(squares(&smoothed(scan(&noisy))) < squares(&noisy) / 3.0);
+        for (smooth_m, true_m) in smoothed(scan(&truth)).iter().zip(&truth) {
             assert!((smooth_m - true_m).abs() < 0.005, "{smooth_m} {true_m}");
         }
     }
 
     #[test]
     fn a_point_short_of_a_wall_is_seen_to_be_of_it_and_one_before_or_beside_the_scan_is_not() {
-        let scan: Vec<f32> = (0..181).map(wall_m).collect();
-        assert!(is_seen(&scan, Point::new(0.3, 0.47)) && is_seen(&scan, Point::new(0.3, 0.53)));
+        let wall: Vec<f32> = (0..181).map(wall_m).collect();
+        assert!(is_seen(scan(&wall), Point::new(0.3, 0.47)) && is_seen(scan(&wall), Point::new(0.3, 0.53)));
         for (x, y) in [(0.3, 0.4), (0.3, 0.6), (0.3, -0.5), (-0.3, 0.5)] {
-            assert!(!is_seen(&scan, Point::new(x, y)), "({x}, {y})");
+            assert!(!is_seen(scan(&wall), Point::new(x, y)), "({x}, {y})");
         }
-        assert!(points_in_base(&scan).all(|point| (point.y - 0.5).abs() < 1e-6 && point.x < 2.0));
-        assert!(points_in_base(&scan).count() > 60);
+        assert!(points_in_base(scan(&wall)).all(|point| (point.y - 0.5).abs() < 1e-6 && point.x < 2.0));
+        assert!(points_in_base(scan(&wall)).count() > 60);
     }
 
     #[test]
     fn no_reading_is_mixed_with_what_is_behind_it() {
-        let mut scan = vec![8.0_f32; 181];
-        scan[90] = 0.6;
-        assert_eq!(smoothed(&scan), scan);
-        assert_eq!(smoothed(&[]), Vec::<f32>::new());
+        let mut post = vec![8.0_f32; 181];
+        post[90] = 0.6;
+        assert_eq!(smoothed(scan(&post)), post);
     }
 }

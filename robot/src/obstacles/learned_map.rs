@@ -10,9 +10,9 @@
 //! silence counts little, and what is heard or not from nearly the same place counts once.
 
 use super::log_odds::{Confidence, GridCell, LogOdds};
-use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::geometry::{Point, Pose, Transform, wrap_angle_rad};
 use crate::occupancy::OccupancyGrid;
-use crate::sensors::{RangeSensor, SONAR_CONE_RAD, SONARS, laser_direction_rad};
+use crate::sensors::{LaserScan, RangeSensor, SonarScan};
 use serde::{Deserialize, Serialize};
 
 /// A scan counts after so much motion or time: a robot that stands hears the same again, right or
@@ -43,7 +43,7 @@ const LASER_REACH_M: f64 = 6.0;
 /// Half the depth of an arc, in cells: every ray of the cone meets one of its cells.
 const ARC_CELLS: f64 = 0.7;
 
-/// Where the robot is nothing else is: the cells within its radius, and what that says.
+/// Where the robot is nothing else is: the cells within its radius, but no farther, and what that says.
 const BODY_M: f64 = 0.2;
 const BODY_NATS: f64 = -4.0;
 /// What a touch says.
@@ -97,14 +97,13 @@ impl LearnedMap {
         }
     }
 
-    /// Takes a scan in, if the robot looks from a new place or some time has passed. The readings are
-    /// those of [`ObstacleMemory`](super::ObstacleMemory).
+    /// Takes a scan in, if a robot of this radius looks from a new place or some time has passed.
     pub fn observe(
         &mut self,
         odometry_in_odom: Pose,
-        sonar_m: Option<&[f32; SONARS]>,
-        laser_m: Option<&[f32]>,
-        sonar_max_range_m: f64,
+        sonar: Option<SonarScan<'_>>,
+        laser: Option<LaserScan<'_>>,
+        robot_radius_m: f64,
         step_s: f64,
     ) {
         self.now_s += step_s;
@@ -112,14 +111,14 @@ impl LearnedMap {
             return;
         }
         self.view = Some((odometry_in_odom, self.now_s));
-        for at in self.log_odds.disc(odometry_in_odom.point(), BODY_M) {
+        for at in self.log_odds.disc(odometry_in_odom.point(), BODY_M.min(robot_radius_m)) {
             self.log_odds.add(at, BODY_NATS);
         }
-        if let Some(sonar_m) = sonar_m {
-            self.hear(odometry_in_odom, sonar_m, sonar_max_range_m);
+        if let Some(scan) = sonar {
+            self.hear(odometry_in_odom, scan);
         }
-        if let Some(laser_m) = laser_m {
-            self.scan(odometry_in_odom, laser_m);
+        if let Some(scan) = laser {
+            self.scan(odometry_in_odom, scan);
         }
     }
 
@@ -166,26 +165,26 @@ impl LearnedMap {
         odometry_in_odom.distance_m(from_in_odom) >= VIEW_M || turned_rad >= VIEW_RAD || self.now_s - at_s >= VIEW_S
     }
 
-    /// The cones tile the full turn, so that each cell is in one of them.
-    fn hear(&mut self, odometry_in_odom: Pose, sonar_m: &[f32; SONARS], max_range_m: f64) {
-        let (here, cell_m) = (odometry_in_odom.point(), self.cell_m());
+    /// Every sonar has a say of the cells in its cone.
+    fn hear(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) {
+        let SonarScan { sonars, ranges_m } = scan;
+        let cell_m = self.cell_m();
         let arc_m = ARC_CELLS * cell_m;
-        let mut arcs: [Vec<GridCell>; SONARS] = std::array::from_fn(|_| Vec::new());
-        for at in self.log_odds.disc(here, SONAR_REACH_M) {
-            let centre = at.centre(cell_m);
-            let bearing_rad = libm::atan2(centre.y - here.y, centre.x - here.x) - odometry_in_odom.heading_rad;
-            let sonar = libm::round(bearing_rad / SONAR_CONE_RAD) as i64;
-            let sonar = sonar.rem_euclid(SONARS as i64) as usize;
-            let reading_m = f64::from(sonar_m[sonar]);
-            let beyond_m = reading_m - distance_m(here, centre);
-            if reading_m >= max_range_m {
-                if distance_m(here, centre) < SILENCE_REACH_M {
-                    self.log_odds.add(at, SILENT_NATS);
+        let odom_in_base = Transform::new(odometry_in_odom.inverse());
+        let mut arcs: Vec<Vec<GridCell>> = vec![Vec::new(); ranges_m.len()];
+        for at in self.log_odds.disc(odometry_in_odom.point(), SONAR_REACH_M) {
+            for (sonar, off) in sonars.hearing(odom_in_base.apply(at.centre(cell_m))) {
+                let (reading_m, away_m) = (f64::from(ranges_m[sonar]), libm::hypot(off.x, off.y));
+                let beyond_m = reading_m - away_m;
+                if reading_m >= sonars.range_m {
+                    if away_m < SILENCE_REACH_M {
+                        self.log_odds.add(at, SILENT_NATS);
+                    }
+                } else if beyond_m > arc_m {
+                    self.log_odds.add(at, HEARD_BEYOND_NATS);
+                } else if beyond_m >= -arc_m {
+                    arcs[sonar].push(at);
                 }
-            } else if beyond_m > arc_m {
-                self.log_odds.add(at, HEARD_BEYOND_NATS);
-            } else if beyond_m >= -arc_m {
-                arcs[sonar].push(at);
             }
         }
         arcs.iter().for_each(|arc| self.explain(arc));
@@ -203,23 +202,24 @@ impl LearnedMap {
     }
 
     /// Every cell is changed once by a scan, for an end if a beam ends there.
-    fn scan(&mut self, odometry_in_odom: Pose, laser_m: &[f32]) {
+    fn scan(&mut self, odometry_in_odom: Pose, scan: LaserScan<'_>) {
+        let reach_m = scan.laser.range_m.min(LASER_REACH_M);
         let (here, cell_m) = (odometry_in_odom.point(), self.cell_m());
         let middle = self.log_odds.around(here);
-        let reach = libm::ceil(LASER_REACH_M / cell_m) as i64 + 1;
+        let reach = libm::ceil(reach_m / cell_m) as i64 + 1;
         let side = 2 * reach + 1;
         let mut beams = vec![BeamMark::Misses; (side * side) as usize];
         let index = |at: GridCell| ((at.row - middle.row + reach) * side + at.column - middle.column + reach) as usize;
-        for (beam, &reading_m) in laser_m.iter().enumerate() {
-            let bearing_rad = odometry_in_odom.heading_rad + laser_direction_rad(laser_m.len(), beam);
+        for (beam, &reading_m) in scan.ranges_m.iter().enumerate() {
+            let bearing_rad = odometry_in_odom.heading_rad + scan.laser.direction_rad(beam);
             let (sin, cos) = libm::sincos(bearing_rad);
             let reading_m = f64::from(reading_m);
             if reading_m.is_nan() || reading_m < 0.0 {
                 continue;
             }
             let along = |way_m: f64| GridCell::around(Point::new(here.x + cos * way_m, here.y + sin * way_m), cell_m);
-            let is_end = reading_m < LASER_REACH_M;
-            let free = libm::floor((reading_m.min(LASER_REACH_M) - cell_m) / cell_m).max(0.0) as i64;
+            let is_end = reading_m < reach_m;
+            let free = libm::floor((reading_m.min(reach_m) - cell_m) / cell_m).max(0.0) as i64;
             for step in 0..=free {
                 let at = along(step as f64 * cell_m);
                 let beam = &mut beams[index(at)];

@@ -1,13 +1,10 @@
-//! What the sensors saw lately, kept in `odom`: twenty-four cones are sparse, some are lost, and the
-//! laser looks ahead only.
+//! What the sensors saw lately, kept in `odom`: cones are sparse, some readings are lost, and not every
+//! sensor looks all around.
 
 use super::sonar_views::SonarViews;
 use crate::geometry::{Point, Pose, Transform, wrap_angle_rad};
-use crate::sensors::{RangeSensor, SONAR_CONE_RAD, SONARS, laser_direction_rad, sonar_direction_rad};
+use crate::sensors::{LaserScan, RangeSensor, SonarArray, SonarMount, SonarScan};
 use serde::{Deserialize, Serialize};
-
-/// Half the opening of a sonar cone.
-const HALF_CONE_RAD: f64 = SONAR_CONE_RAD / 2.0;
 
 /// Readings farther than this are not remembered: the arc they may come from is too wide.
 const USEFUL_RANGE_M: f64 = 2.0;
@@ -29,6 +26,9 @@ const AS_NEAR_M: f64 = 0.03;
 
 /// Points nearer to each other than this are one.
 const GRAIN_M: f64 = 0.05;
+
+/// A touch is felt on arcs of so much of the rim.
+const FELT_RAD: f64 = std::f64::consts::TAU / 24.0;
 
 /// Half as many readings must pass through a point before it is forgotten.
 const DOUBTS: u8 = 6;
@@ -76,51 +76,21 @@ impl ObstacleMemory {
     /// At most so many points; the ones seen longest ago go first.
     pub const CAPACITY: usize = 400;
 
-    /// Takes in what the sensors say at a place, or only lets `step_s` pass. A reading is the distance
-    /// from the robot's centre; a sonar's that is not in (0, `sonar_max_range_m`) heard nothing. The
-    /// laser's readings are a degree apart, in order from right to left about straight ahead.
-    /// `off_map_m` tells of a point in `odom` how far it is from the nearest surface of the map, if that
+    /// Takes in what the sensors say at a place, or only lets `step_s` pass. `off_map_m` tells of a point in `odom` how far it is from the nearest surface of the map, if that
     /// is near.
     pub fn update(
         &mut self,
         odometry_in_odom: Pose,
-        sonar_m: Option<&[f32; SONARS]>,
-        laser_m: Option<&[f32]>,
-        sonar_max_range_m: f64,
+        sonar: Option<SonarScan<'_>>,
+        laser: Option<LaserScan<'_>>,
         step_s: f64,
         off_map_m: impl Fn(Point) -> Option<f64>,
     ) {
-        if let Some(sonar_m) = sonar_m {
-            self.now_s[RangeSensor::Sonar as usize] += step_s;
-            let now_s = self.now_s[RangeSensor::Sonar as usize];
-            let is_new_view = self.views.take_in(odometry_in_odom, sonar_m, sonar_max_range_m, now_s);
-            self.doubt(odometry_in_odom, RangeSensor::Sonar, |point, bearing_rad, away_m| {
-                let silence_counts = is_new_view || !point.is_seen_again;
-                doubts_of_sonar(sonar_m, sonar_max_range_m, silence_counts, bearing_rad, away_m)
-            });
-            let mut arc = Vec::new();
-            for (sonar, &range_m) in sonar_m.iter().enumerate() {
-                let range_m = f64::from(range_m);
-                if range_m > 0.0 && range_m < sonar_max_range_m.min(USEFUL_RANGE_M) {
-                    arc.clear();
-                    arc.extend(arc_in_odom(odometry_in_odom, sonar_direction_rad(sonar), range_m));
-                    self.narrow(&mut arc, &off_map_m);
-                    arc.iter().for_each(|&point| self.remember(point, RangeSensor::Sonar, range_m));
-                }
-            }
+        if let Some(scan) = sonar {
+            self.hear(odometry_in_odom, scan, step_s, &off_map_m);
         }
-        if let Some(laser_m) = laser_m {
-            self.now_s[RangeSensor::Laser as usize] += step_s;
-            self.doubt(odometry_in_odom, RangeSensor::Laser, |_, bearing_rad, away_m| {
-                doubts_of_laser(laser_m, bearing_rad, away_m)
-            });
-            for (beam, &range_m) in laser_m.iter().enumerate() {
-                let range_m = f64::from(range_m);
-                if range_m > 0.0 && range_m < USEFUL_RANGE_M {
-                    let bearing_rad = odometry_in_odom.heading_rad + laser_direction_rad(laser_m.len(), beam);
-                    self.remember(ahead_of(odometry_in_odom, bearing_rad, range_m), RangeSensor::Laser, range_m);
-                }
-            }
+        if let Some(scan) = laser {
+            self.see(odometry_in_odom, scan, step_s);
         }
         let here = odometry_in_odom.point();
         self.points.retain(|point| {
@@ -128,6 +98,46 @@ impl ObstacleMemory {
                 && (point.point_in_odom - here).norm_squared() <= MEMORY_RANGE_M * MEMORY_RANGE_M
         });
         self.forget_oldest();
+    }
+
+    fn hear(
+        &mut self,
+        odometry_in_odom: Pose,
+        scan: SonarScan<'_>,
+        step_s: f64,
+        off_map_m: &impl Fn(Point) -> Option<f64>,
+    ) {
+        let SonarScan { sonars, ranges_m } = scan;
+        self.now_s[RangeSensor::Sonar as usize] += step_s;
+        let now_s = self.now_s[RangeSensor::Sonar as usize];
+        let is_new_view = self.views.take_in(odometry_in_odom, scan, now_s);
+        self.doubt(odometry_in_odom, RangeSensor::Sonar, |point, point_in_base| {
+            doubts_of_sonars(scan, is_new_view || !point.is_seen_again, point_in_base)
+        });
+        let mut arc = Vec::new();
+        for (mount, &range_m) in sonars.mounts.iter().zip(ranges_m) {
+            let range_m = f64::from(range_m);
+            if range_m > 0.0 && range_m < sonars.range_m.min(USEFUL_RANGE_M) {
+                arc.clear();
+                arc.extend(arc_in_odom(odometry_in_odom, mount, sonars.cone_rad, range_m));
+                self.narrow(sonars, &mut arc, off_map_m);
+                arc.iter().for_each(|&point| self.remember(point, RangeSensor::Sonar, range_m));
+            }
+        }
+    }
+
+    fn see(&mut self, odometry_in_odom: Pose, scan: LaserScan<'_>, step_s: f64) {
+        self.now_s[RangeSensor::Laser as usize] += step_s;
+        self.doubt(odometry_in_odom, RangeSensor::Laser, |_, point_in_base| doubts_of_laser(scan, point_in_base));
+        let useful_m = scan.laser.range_m.min(USEFUL_RANGE_M);
+        for (beam, &range_m) in scan.ranges_m.iter().enumerate() {
+            let range_m = f64::from(range_m);
+            if range_m > 0.0 && range_m < useful_m {
+                let bearing_rad = odometry_in_odom.heading_rad + scan.laser.direction_rad(beam);
+                let seen = ahead_of(odometry_in_odom.point(), bearing_rad, range_m);
+                self.remember(seen, RangeSensor::Laser, range_m);
+            }
+        }
     }
 
     /// Remembers what the robot has run into, if it was not touched before; tells whether it was not.
@@ -139,8 +149,9 @@ impl ObstacleMemory {
         if !is_new {
             return false;
         }
-        for direction_rad in [-0.7, 0.0, 0.7] {
-            for point in arc_in_odom(odometry_in_odom, direction_rad, robot_radius_m + 0.01) {
+        for heading_rad in [-0.7, 0.0, 0.7] {
+            let middle = SonarMount { at_in_base: Point::origin(), heading_rad };
+            for point in arc_in_odom(odometry_in_odom, &middle, FELT_RAD, robot_radius_m + 0.01) {
                 self.remember(point, RangeSensor::Sonar, robot_radius_m);
             }
         }
@@ -166,8 +177,8 @@ impl ObstacleMemory {
     /// The surface is somewhere on the arc, and not where the sound passed from another place or
     /// direction; if it passed everywhere, something has come since. Where the arc meets a surface of
     /// the map, that is what was heard.
-    fn narrow(&self, arc_in_odom: &mut Vec<Point>, off_map_m: &impl Fn(Point) -> Option<f64>) {
-        let is_possible = |point: &Point| !self.views.passed(*point);
+    fn narrow(&self, sonars: &SonarArray, arc_in_odom: &mut Vec<Point>, off_map_m: &impl Fn(Point) -> Option<f64>) {
+        let is_possible = |point: &Point| !self.views.passed(sonars, *point);
         if arc_in_odom.iter().any(is_possible) {
             arc_in_odom.retain(is_possible);
         }
@@ -196,18 +207,11 @@ impl ObstacleMemory {
         }
     }
 
-    /// Adds the doubts that a scan casts on a point in a direction at a distance.
-    fn doubt(
-        &mut self,
-        odometry_in_odom: Pose,
-        sensor: RangeSensor,
-        doubts: impl Fn(&RememberedPoint, f64, f64) -> u8,
-    ) {
+    /// Adds the doubts that a scan casts on a point in `base`.
+    fn doubt(&mut self, odometry_in_odom: Pose, sensor: RangeSensor, doubts: impl Fn(&RememberedPoint, Point) -> u8) {
         let odom_in_base = Transform::new(odometry_in_odom.inverse());
         for point in self.points.iter_mut().filter(|point| point.sensor == sensor) {
-            let point_in_base = odom_in_base.apply(point.point_in_odom);
-            let bearing_rad = libm::atan2(point_in_base.y, point_in_base.x);
-            point.doubts += doubts(point, bearing_rad, point_in_base.coords.norm());
+            point.doubts += doubts(point, odom_in_base.apply(point.point_in_odom));
         }
         self.points.retain(|point| point.doubts < DOUBTS);
     }
@@ -227,63 +231,72 @@ impl ObstacleMemory {
 }
 
 /// Where the surface may be that a sonar hears, no farther apart than the grain.
-fn arc_in_odom(odometry_in_odom: Pose, direction_rad: f64, range_m: f64) -> impl Iterator<Item = Point> {
-    let steps = libm::ceil(HALF_CONE_RAD * range_m / (1.6 * GRAIN_M)).max(1.0) as i32;
+fn arc_in_odom(
+    odometry_in_odom: Pose,
+    mount: &SonarMount,
+    cone_rad: f64,
+    range_m: f64,
+) -> impl Iterator<Item = Point> + use<> {
+    let half_rad = cone_rad / 2.0;
+    let steps = libm::ceil(half_rad * range_m / (1.6 * GRAIN_M)).max(1.0) as i32;
+    let apex_in_odom = odometry_in_odom.transform(mount.at_in_base);
+    let axis_rad = odometry_in_odom.heading_rad + mount.heading_rad;
     (-steps..=steps).map(move |step| {
-        let off_rad = HALF_CONE_RAD * f64::from(step) / f64::from(steps);
-        ahead_of(odometry_in_odom, odometry_in_odom.heading_rad + direction_rad + off_rad, range_m)
+        let off_rad = half_rad * f64::from(step) / f64::from(steps);
+        ahead_of(apex_in_odom, axis_rad + off_rad, range_m)
     })
 }
 
-/// A sonar that hears nothing tells half as much: smooth walls throw its sound away.
-fn doubts_of_sonar(
-    sonar_m: &[f32; SONARS],
-    max_range_m: f64,
-    silence_counts: bool,
-    bearing_rad: f64,
-    away_m: f64,
-) -> u8 {
-    let sonar = libm::round(bearing_rad / (SONAR_CONE_RAD)) as i64;
-    let off_axis_rad = wrap_angle_rad(bearing_rad - sonar as f64 * SONAR_CONE_RAD).abs();
-    let reading_m = f64::from(sonar_m[sonar.rem_euclid(SONARS as i64) as usize]);
-    let passes = reading_m > away_m + GRAIN_M && off_axis_rad < 0.95 * HALF_CONE_RAD;
-    match passes {
-        true if reading_m < max_range_m => 2,
-        true => u8::from(silence_counts),
-        false => 0,
-    }
+/// What the sonar says of a point that doubts it most. One that hears nothing tells half as much: smooth
+/// walls throw its sound away.
+fn doubts_of_sonars(scan: SonarScan<'_>, silence_counts: bool, point_in_base: Point) -> u8 {
+    let SonarScan { sonars, ranges_m } = scan;
+    let doubts = sonars.hearing(point_in_base).map(|(sonar, off)| {
+        let bearing_rad = libm::atan2(off.y, off.x);
+        let off_axis_rad = wrap_angle_rad(bearing_rad - sonars.mounts[sonar].heading_rad).abs();
+        let reading_m = f64::from(ranges_m[sonar]);
+        let passes = reading_m > off.norm() + GRAIN_M && off_axis_rad < 0.95 * (sonars.cone_rad / 2.0);
+        match passes {
+            true if reading_m < sonars.range_m => 2,
+            true => u8::from(silence_counts),
+            false => 0,
+        }
+    });
+    doubts.max().unwrap_or(0)
 }
 
 /// The beam through a point must end behind it, and so must those beside it: they may have missed a
 /// thin thing.
-fn doubts_of_laser(laser_m: &[f32], bearing_rad: f64, away_m: f64) -> u8 {
-    let beam = libm::round(bearing_rad.to_degrees() + (laser_m.len() as f64 - 1.0) / 2.0);
-    if beam < 1.0 || beam + 1.0 >= laser_m.len() as f64 {
-        return 0;
-    }
-    let passes = laser_m[beam as usize - 1..][..3].iter().all(|&reading_m| f64::from(reading_m) > away_m + GRAIN_M);
+fn doubts_of_laser(scan: LaserScan<'_>, point_in_base: Point) -> u8 {
+    let bearing_rad = libm::atan2(point_in_base.y, point_in_base.x);
+    let away_m = point_in_base.coords.norm();
+    let Some(beams) = scan.laser.with_neighbours(bearing_rad) else { return 0 };
+    let passes = beams.iter().all(|&beam| f64::from(scan.ranges_m[beam]) > away_m + GRAIN_M);
     2 * u8::from(passes)
 }
 
-fn ahead_of(odometry_in_odom: Pose, bearing_in_odom_rad: f64, range_m: f64) -> Point {
+fn ahead_of(from_in_odom: Point, bearing_in_odom_rad: f64, range_m: f64) -> Point {
     let (sin, cos) = libm::sincos(bearing_in_odom_rad);
-    Point::new(odometry_in_odom.x_m + cos * range_m, odometry_in_odom.y_m + sin * range_m)
+    Point::new(from_in_odom.x + cos * range_m, from_in_odom.y + sin * range_m)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::description::RobotDescription;
 
-    /// Nothing is heard but by the sonar that looks ahead.
-    fn scan(ahead_m: f32) -> [f32; SONARS] {
-        let mut sonar_m = [5.0; SONARS];
-        sonar_m[0] = ahead_m;
-        sonar_m
+    /// Nothing is heard but by the sonar of a ring that looks ahead.
+    fn hear(memory: &mut ObstacleMemory, heading_rad: f64, ahead_m: f32, off_map_m: impl Fn(Point) -> Option<f64>) {
+        let sonars = RobotDescription::papers().range_sensors().sonars.expect("it has a ring");
+        let mut ranges_m = vec![5.0; sonars.mounts.len()];
+        ranges_m[0] = ahead_m;
+        let scan = SonarScan { sonars: &sonars, ranges_m: &ranges_m };
+        memory.update(Pose::new(0.0, 0.0, heading_rad), Some(scan), None, 0.05, off_map_m);
     }
 
     fn look(memory: &mut ObstacleMemory, heading_rad: f64, ahead_m: f32, times: u32) {
         for _ in 0..times {
-            memory.update(Pose::new(0.0, 0.0, heading_rad), Some(&scan(ahead_m)), None, 5.0, 0.05, no_map);
+            hear(memory, heading_rad, ahead_m, no_map);
         }
     }
 
@@ -326,7 +339,7 @@ mod tests {
     fn where_another_cone_passed_there_is_nothing() {
         // To the right of 3.75° the room is open as seen with the robot turned, to the left is a wall.
         let mut memory = ObstacleMemory::default();
-        memory.update(Pose::new(0.0, 0.0, -0.065), Some(&scan(2.5)), None, 5.0, 0.05, no_map);
+        hear(&mut memory, -0.065, 2.5, no_map);
         look(&mut memory, 0.0, 1.5, 1);
         let (left_m, right_m) = left_and_right_m(&memory);
         assert!(left_m > 0.18 && right_m > 0.08, "{left_m} {right_m}");
@@ -346,7 +359,7 @@ mod tests {
         // The edge of a wall on the left, parallel to the way.
         let off_map_m = |point: Point| (point.y > 0.05).then_some((0.15 - point.y).max(0.0));
         let mut memory = ObstacleMemory::default();
-        memory.update(Pose::default(), Some(&scan(1.5)), None, 5.0, 0.05, off_map_m);
+        hear(&mut memory, 0.0, 1.5, off_map_m);
         let (left_m, right_m) = left_and_right_m(&memory);
         assert!(left_m > 0.18 && right_m > 0.11, "{left_m} {right_m}");
     }

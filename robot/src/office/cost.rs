@@ -32,7 +32,7 @@ impl OfficeModel {
     /// What the models of a world and the robot's state will take. Cost: the number of bodies.
     pub fn cost(world: &World, settings: &OfficeSettings) -> Cost {
         let area_m2 = world.size_m.x * world.size_m.y;
-        let simulator_bytes = SimulatorModel::needed_bytes(world, &settings.simulator);
+        let simulator_bytes = SimulatorModel::needed_bytes(world, &settings.robot);
         let filling_s = FILLING_S_PER_BYTE * simulator_bytes;
         if !settings.map_known {
             return Cost { bytes: simulator_bytes, seconds: filling_s };

@@ -2,11 +2,12 @@
 
 use crate::active::ActiveParameters;
 use crate::avoidance::DriveLimits;
+use crate::description::RobotDescription;
 use crate::localization::{LocalizationModel, LocalizationParameters, ModelError, ScanParameters};
 use crate::navigation::NavigationModel;
 use crate::occupancy::OccupancyGrid;
 use crate::planning::{Concern, TopologicalModel};
-use crate::sensors::RangeSensor;
+use crate::sensors::{RangeSensor, RangeSensors};
 use crate::simulator::{SimulatorModel, SimulatorSettings};
 use crate::world::{SeenBy, World};
 use std::sync::Arc;
@@ -17,8 +18,8 @@ pub(super) const SENSOR_MAP_CELL_M: f64 = 0.05;
 /// What can be set about the robot and its world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OfficeSettings {
-    /// The simulated robot.
-    pub simulator: SimulatorSettings,
+    /// The robot.
+    pub robot: Arc<RobotDescription>,
     /// The filter.
     pub localization: LocalizationParameters,
     /// Active localization.
@@ -31,10 +32,18 @@ pub struct OfficeSettings {
 }
 
 impl Default for OfficeSettings {
+    /// Those of the papers' robot.
     fn default() -> Self {
+        Self::of(RobotDescription::papers())
+    }
+}
+
+impl OfficeSettings {
+    /// What is usual for a robot.
+    pub fn of(robot: Arc<RobotDescription>) -> Self {
         Self {
-            simulator: SimulatorSettings::default(),
-            localization: LocalizationParameters::default(),
+            localization: LocalizationParameters::of(&robot),
+            robot,
             active: ActiveParameters::default(),
             start_known: true,
             map_known: true,
@@ -53,6 +62,8 @@ pub struct OfficeModel {
     pub map: Option<MapModel>,
     /// What the robot can do.
     pub limits: DriveLimits,
+    /// How its range sensors look.
+    pub sensors: RangeSensors,
     /// What can be set.
     pub settings: OfficeSettings,
 }
@@ -104,16 +115,11 @@ impl OfficeModel {
     /// If the filter's grid cannot be built for this world.
     pub fn new(world: World, settings: OfficeSettings) -> Result<Self, ModelError> {
         let world = Arc::new(world);
-        let step_s = settings.simulator.step_us as f64 / 1e6;
-        let limits = DriveLimits {
-            step_s,
-            robot_radius_m: settings.simulator.robot_radius_m,
-            sonar_max_range_m: settings.simulator.sonar_max_range_m,
-            ..DriveLimits::default()
-        };
+        let limits = DriveLimits::of(&settings.robot);
         let map = settings.map_known.then(|| MapModel::new(&world, limits, &settings)).transpose()?;
         Ok(Self {
-            simulator: Arc::new(SimulatorModel::new(world.clone(), settings.simulator.clone())),
+            simulator: Arc::new(SimulatorModel::new(world.clone(), SimulatorSettings::of(settings.robot.clone()))),
+            sensors: settings.robot.range_sensors(),
             map,
             limits,
             settings,
@@ -123,8 +129,9 @@ impl OfficeModel {
 
     /// What of a world is probably not meant as it stands, looked over without building all models.
     pub fn survey(world: &Arc<World>, settings: &OfficeSettings) -> Vec<Concern> {
-        let navigation = NavigationModel::new(world, DriveLimits::default());
+        let navigation = NavigationModel::new(world, DriveLimits::of(&settings.robot));
         let topology = TopologicalModel::new(world, &navigation.planner);
-        topology.survey(&navigation.planner, settings.simulator.gripper_reach_m)
+        let reach_m = settings.robot.gripper.map(|gripper| gripper.reach_m);
+        topology.survey(&navigation.planner, reach_m)
     }
 }

@@ -4,6 +4,7 @@ use super::model::OfficeModel;
 use super::position::Position;
 use crate::geometry::Velocity;
 use crate::navigation::NavigationInput;
+use crate::sensors::{LaserScan, SonarScan};
 use crate::simulator::{Commands, Percept};
 use crate::world::TravelMode;
 use rpl_lang::symbol::Symbol;
@@ -158,12 +159,14 @@ impl<'a> Moment<'a> {
 
     /// What navigation and active localization drive by.
     pub(super) fn input(&self) -> NavigationInput<'a> {
-        let percept = self.percept;
+        let (percept, sensors) = (self.percept, &self.model.sensors);
+        let sonar = sensors.sonars.as_ref().zip(percept.sonar_m.as_deref());
+        let laser = sensors.laser.as_ref().zip(percept.laser_m.as_deref());
         NavigationInput {
             odometry_in_odom: percept.odometry_in_odom,
             velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-            sonar_m: percept.sonar_m.as_ref(),
-            laser_m: percept.laser_m.as_deref(),
+            sonar: sonar.map(|(sonars, ranges_m)| SonarScan { sonars, ranges_m }),
+            laser: laser.map(|(laser, ranges_m)| LaserScan { laser, ranges_m }),
             bumped: percept.bumped,
         }
     }

@@ -146,7 +146,7 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
     }
 
     fn period_us(&self) -> Option<u64> {
-        self.lost.is_none().then(|| self.model().settings.simulator.step_us)
+        self.lost.is_none().then(|| self.model().settings.robot.step_us)
     }
 
     fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {

@@ -8,6 +8,7 @@ use super::report::Report;
 use super::robot::OfficeRobot;
 use super::scenario::Oracle;
 use crate::active::ActiveParameters;
+use crate::description::RobotDescription;
 use crate::localization::LocalizationParameters;
 use crate::simulator::SimulatorState;
 use crate::world::World;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Serialize, Deserialize, PartialEq)]
 struct Setting {
     world: World,
+    robot: RobotDescription,
     localization: LocalizationParameters,
     active: ActiveParameters,
     map_known: bool,
@@ -33,6 +35,7 @@ impl Setting {
         let settings = &robot.model().settings;
         Self {
             world: World::clone(&robot.model().world),
+            robot: RobotDescription::clone(&settings.robot),
             localization: settings.localization.clone(),
             active: settings.active.clone(),
             map_known: settings.map_known,
@@ -69,6 +72,12 @@ impl<M: Module> SaveOutside for OfficeRobot<SimulatedHost, M> {
             let (there, here) = (setting.world.name, here.world.name);
             return Err(format!(
                 "the run was saved in the world `{there}`, which is not the world `{here}` as it is now"
+            ));
+        }
+        if setting.robot != here.robot {
+            let (there, here) = (setting.robot.name, here.robot.name);
+            return Err(format!(
+                "the run was saved with the robot `{there}`, which is not the robot `{here}` as it is now"
             ));
         }
         if setting.map_known != here.map_known {

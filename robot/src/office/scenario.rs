@@ -69,7 +69,7 @@ impl Outside for Oracle {
     }
 
     fn period_us(&self) -> Option<u64> {
-        Some(self.model.settings.step_us)
+        Some(self.model.robot().step_us)
     }
 
     fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {

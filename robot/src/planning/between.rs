@@ -8,13 +8,13 @@ use super::planner::PlannerModel;
 use super::topological::TopologicalModel;
 use super::way::ESCAPE_REACH_M;
 use crate::geometry::Point;
-use crate::world::{Door, Outline, ROBOT_RADIUS_M, Solid, SolidOrigin, is_same_name};
+use crate::world::{Door, Outline, Solid, SolidOrigin, is_same_name};
 
 /// More causes than this are not told.
 const MOST_CAUSES: usize = 3;
 
-/// A thing is in the way if there is floor of both sides so near to it.
-const BESIDE_M: f64 = ROBOT_RADIUS_M + 0.25;
+/// A thing is in the way if there is floor of both sides so near to it, beyond the robot's radius.
+const BESIDE_M: f64 = 0.25;
 
 /// Areas, by whether they belong to a part of the floor that hangs together.
 pub(super) struct FloorPart(Vec<bool>);
@@ -37,7 +37,7 @@ impl TopologicalModel {
     /// and things.
     pub fn what_is_between(&self, planner: &PlannerModel, start: Point, goal: Point) -> String {
         let Some(to) = self.areas.near(planner, goal, TARGET_REACH_M) else {
-            return format!("at {} {}", shown(goal), self.why_no_room(goal));
+            return format!("at {} {}", shown(goal), self.why_no_room(planner, goal));
         };
         let Some(from) = self.areas.near(planner, start, ESCAPE_REACH_M) else {
             return format!("the map shows no free floor around {}, where the robot takes itself to be", shown(start));
@@ -64,7 +64,8 @@ impl TopologicalModel {
     }
 
     /// Why the robot does not fit at a point: "the robot does not fit: ...".
-    fn why_no_room(&self, at: Point) -> String {
+    fn why_no_room(&self, planner: &PlannerModel, at: Point) -> String {
+        let radius_m = planner.robot_radius_m();
         let solids = self.world.solids();
         let mapped = solids.iter().filter(|solid| self.world.is_mapped(solid.origin));
         let away = |solid: &&Solid| solid.outline.distance_m(at);
@@ -72,8 +73,8 @@ impl TopologicalModel {
             Some(solid) if away(&solid) == 0.0 => {
                 format!("the robot does not fit: that is inside {}", self.world.called(solid.origin))
             }
-            Some(solid) if away(&solid) < ROBOT_RADIUS_M + TARGET_REACH_M => format!(
-                "the robot does not fit: {} is {:.2} m away, and the robot's radius is {ROBOT_RADIUS_M} m",
+            Some(solid) if away(&solid) < radius_m + TARGET_REACH_M => format!(
+                "the robot does not fit: {} is {:.2} m away, and the robot's radius is {radius_m} m",
                 self.world.called(solid.origin),
                 away(&solid)
             ),
@@ -170,7 +171,7 @@ impl TopologicalModel {
             .iter()
             .filter(|solid| matches!(solid.origin, SolidOrigin::Object(_)) && self.world.is_mapped(solid.origin));
         let between = things.filter(|thing| {
-            let beside = self.areas.around(planner, &thing.outline, BESIDE_M);
+            let beside = self.areas.around(planner, &thing.outline, planner.robot_radius_m() + BESIDE_M);
             self.joins(&beside, &beside, here, there)
         });
         between.map(|thing| format!("{} stands in the way", self.world.called(thing.origin))).collect()

@@ -3,7 +3,6 @@
 
 use crate::geometry::{Point, distance_m};
 use crate::occupancy::{Cell, OccupancyGrid, squared_distances_cells};
-use crate::world::ROBOT_RADIUS_M;
 
 /// How far obstacles reach: around the body that moves, and in its liking.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,14 +15,12 @@ pub struct Inflation {
     pub closeness_weight: f64,
 }
 
-impl Default for Inflation {
-    /// That of the robot on a map of its world.
-    fn default() -> Self {
-        Self { body_radius_m: ROBOT_RADIUS_M, comfortable_distance_m: 0.75, closeness_weight: 3.0 }
-    }
-}
-
 impl Inflation {
+    /// That of a robot on a map of its world.
+    pub fn of_robot(body_radius_m: f64) -> Self {
+        Self { body_radius_m, comfortable_distance_m: 0.75, closeness_weight: 3.0 }
+    }
+
     /// Price of a metre at a distance from the nearest obstacle, in units of [`OPEN_FLOOR`]; 0 where the
     /// body does not fit.
     fn price(self, obstacle_distance_m: f64) -> u16 {

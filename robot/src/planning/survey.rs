@@ -5,7 +5,8 @@ use super::cost_to_go::TARGET_REACH_M;
 use super::planner::PlannerModel;
 use super::topological::TopologicalModel;
 use super::way::ESCAPE_REACH_M;
-use crate::world::{Door, Finding, Outline, ROBOT_RADIUS_M, Room, SolidOrigin, is_same_name};
+use crate::file_text::Finding;
+use crate::world::{Door, Outline, Room, SolidOrigin, is_same_name};
 
 /// A room of which less can be got to is told.
 const LEAST_SHARE: f64 = 0.5;
@@ -29,7 +30,7 @@ pub struct Concern {
 impl Concern {
     /// With its place in the text of the world file.
     pub fn in_file(&self, file: &str, text: &str) -> Finding {
-        Finding::in_world_file(file, text, self.table, self.key, &self.message, self.help)
+        Finding::in_toml(file, text, self.table, self.key, &self.message, self.help)
     }
 }
 
@@ -38,9 +39,10 @@ fn concern(table: &'static str, index: usize, key: &'static str, message: String
 }
 
 impl TopologicalModel {
-    /// Everything that is probably not meant, in the order of tables. The gripper reaches so far.
+    /// Everything that is probably not meant, in the order of tables. The gripper, if there is one, reaches
+    /// so far.
     /// Cost: areas, and cells around doors and things, for each place.
-    pub fn survey(&self, planner: &PlannerModel, gripper_reach_m: f64) -> Vec<Concern> {
+    pub fn survey(&self, planner: &PlannerModel, gripper_reach_m: Option<f64>) -> Vec<Concern> {
         let start = self.world.start_in_map.point();
         let Some(from) = self.areas.near(planner, start, ESCAPE_REACH_M) else {
             let message = format!("the start {} is on no floor that the map knows", shown(start));
@@ -64,7 +66,9 @@ impl TopologicalModel {
             ))
         }));
         found.extend(self.concerns_of_places(planner, &here));
-        found.extend(self.concerns_of_items(planner, &here, gripper_reach_m));
+        if let Some(reach_m) = gripper_reach_m {
+            found.extend(self.concerns_of_items(planner, &here, reach_m));
+        }
         found.extend(self.concerns_of_people());
         found
     }
@@ -148,8 +152,9 @@ impl TopologicalModel {
                 let help = "a place is where the robot stands: put it on free floor that it can get to";
                 return Some(concern("place", index, "pose", message, help));
             }
+            let radius_m = planner.robot_radius_m();
             let is_on_it =
-                |object: &&crate::world::Object| !object.mapped && object.outline().distance_m(at) < ROBOT_RADIUS_M;
+                |object: &&crate::world::Object| !object.mapped && object.outline().distance_m(at) < radius_m;
             let object = self.world.objects.iter().find(is_on_it)?;
             let message = format!(
                 "the object `{}`, which is not in the map, stands where the place `{}` is",

@@ -1,16 +1,18 @@
-//! The range sensors of the robot, as everybody knows them who uses their readings: how many readings
+//! The range sensors of a robot, as everybody knows them who uses their readings: how many readings
 //! there are, where each of them looks, and how far.
 //!
 //! What a reading is worth is the business of those who use it: the simulator's noise, the filter's
 //! likelihood, the memory's doubts.
 
 mod laser;
+mod sectors;
 mod signal;
 mod sonar;
 
-pub use laser::{LASER_READINGS, laser_direction_rad, laser_reading};
+pub use laser::{LaserScan, LaserScanner};
+pub use sectors::Sectors;
 pub use signal::{Signal, Signals};
-pub use sonar::{SONAR_CONE_RAD, SONAR_RANGE_M, SONARS, sonar_direction_rad, sonar_ring_deg};
+pub use sonar::{SonarApex, SonarArray, SonarLayout, SonarMount, SonarScan};
 
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +22,22 @@ pub enum RangeSensor {
     /// A ring of cones: an echo comes from somewhere on an arc.
     #[default]
     Sonar,
-    /// A half turn of rays: each ends at a surface.
+    /// A fan of rays: each ends at a surface.
     Laser,
+}
+
+/// The range sensors that a robot has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RangeSensors {
+    /// The sonars.
+    pub sonars: Option<SonarArray>,
+    /// The laser range finder.
+    pub laser: Option<LaserScanner>,
+}
+
+impl RangeSensors {
+    /// The one that sees most sharply.
+    pub fn sharpest(&self) -> RangeSensor {
+        if self.laser.is_some() { RangeSensor::Laser } else { RangeSensor::Sonar }
+    }
 }

@@ -13,7 +13,7 @@ const STANDING_MPS: f64 = 0.02;
 impl SimulatorModel {
     /// What one step takes from the battery, or gives to it.
     pub(super) fn use_battery(&self, state: &mut SimulatorState) {
-        let settings = &self.settings;
+        let Some(battery) = self.robot().battery else { return };
         let stands = state.translation_mps.abs() <= STANDING_MPS;
         let here = state.robot_in_map.point();
         let at_charger = || {
@@ -21,12 +21,12 @@ impl SimulatorModel {
             chargers.any(|place| distance_m(place.pose_in_map.point(), here) <= CONTACT_M)
         };
         let change_per_s = if stands && at_charger() {
-            1.0 / settings.battery_charging_s
+            1.0 / battery.charging_s
         } else if stands {
-            -1.0 / settings.battery_standing_s
+            -1.0 / battery.standing_s
         } else {
-            -1.0 / settings.battery_driving_s
+            -1.0 / battery.driving_s
         };
-        state.battery = (state.battery + change_per_s * settings.step_s()).clamp(0.0, 1.0);
+        state.battery = (state.battery + change_per_s * self.robot().step_s()).clamp(0.0, 1.0);
     }
 }

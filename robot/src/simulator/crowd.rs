@@ -56,8 +56,7 @@ impl Crowd {
         if world.crowd == 0 {
             return None;
         }
-        let inflation =
-            Inflation { body_radius_m: PERSON_RADIUS_M, comfortable_distance_m: COMFORTABLE_M, ..Inflation::default() };
+        let inflation = Inflation { comfortable_distance_m: COMFORTABLE_M, ..Inflation::of_robot(PERSON_RADIUS_M) };
         let floor = Arc::new(CostGrid::new(&world.floor(CELL_M, |_| true), inflation));
         let ways_to = |spot: Point| CostToGo::new(floor.clone(), spot);
         let start = world.start_in_map.point();

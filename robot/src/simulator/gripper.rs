@@ -1,6 +1,6 @@
 //! The gripper, and the things it can take.
 
-use super::settings::SimulatorSettings;
+use crate::description::GripperDescription;
 use crate::geometry::{Point, Pose, distance_m};
 use crate::world;
 use rpl_random::Stream;
@@ -58,6 +58,14 @@ pub enum ItemPlace {
     Held,
 }
 
+/// The gripper of a robot, and where it is.
+#[derive(Clone, Copy)]
+pub(super) struct Hand<'r> {
+    pub gripper: &'r GripperDescription,
+    pub robot_in_map: Pose,
+    pub robot_radius_m: f64,
+}
+
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum GripperPhase {
     Open,
@@ -101,26 +109,19 @@ impl Gripper {
         GripperStatus { motion, holding: self.holding().map(str::to_owned) }
     }
 
-    pub(super) fn step(
-        &mut self,
-        settings: &SimulatorSettings,
-        stream: &mut Stream,
-        command: &GripperCommand,
-        now_us: u64,
-        robot_in_map: Pose,
-    ) {
-        self.begin(settings, command, now_us);
+    pub(super) fn step(&mut self, hand: Hand<'_>, stream: &mut Stream, command: &GripperCommand, now_us: u64) {
+        self.begin(hand.gripper, command, now_us);
         match &self.phase {
             GripperPhase::Grasping { name, until_us } if *until_us <= now_us => {
                 let name = name.clone();
                 self.phase = GripperPhase::Closed;
-                self.close_on(settings, stream, &name, robot_in_map.point());
+                self.close_on(hand, stream, &name);
             }
             GripperPhase::Releasing { until_us } if *until_us <= now_us => {
-                let fails = stream.chance(settings.release_failure_probability);
+                let fails = stream.chance(hand.gripper.release_failure_probability);
                 self.phase = if fails { GripperPhase::Closed } else { GripperPhase::Open };
                 if !fails {
-                    self.put_down(settings, robot_in_map);
+                    self.put_down(hand);
                 }
             }
             GripperPhase::Open
@@ -130,23 +131,24 @@ impl Gripper {
         }
     }
 
-    fn begin(&mut self, settings: &SimulatorSettings, command: &GripperCommand, now_us: u64) {
+    fn begin(&mut self, gripper: &GripperDescription, command: &GripperCommand, now_us: u64) {
         let at_rest = matches!(self.phase, GripperPhase::Open | GripperPhase::Closed);
         match command {
             GripperCommand::Grasp(name) if at_rest && self.holding().is_none() => {
-                self.phase = GripperPhase::Grasping { name: name.clone(), until_us: now_us + settings.grasp_us };
+                self.phase = GripperPhase::Grasping { name: name.clone(), until_us: now_us + gripper.grasp_us };
             }
             GripperCommand::Release if self.phase == GripperPhase::Closed => {
-                self.phase = GripperPhase::Releasing { until_us: now_us + settings.release_us };
+                self.phase = GripperPhase::Releasing { until_us: now_us + gripper.release_us };
             }
             GripperCommand::None | GripperCommand::Grasp(_) | GripperCommand::Release => {}
         }
     }
 
-    fn close_on(&mut self, settings: &SimulatorSettings, stream: &mut Stream, name: &str, robot: Point) {
-        let fails = stream.chance(settings.grasp_failure_probability);
+    fn close_on(&mut self, hand: Hand<'_>, stream: &mut Stream, name: &str) {
+        let robot = hand.robot_in_map.point();
+        let fails = stream.chance(hand.gripper.grasp_failure_probability);
         let within_reach = |item: &&mut ItemState| match item.at {
-            ItemPlace::Point(point) => item.name == name && distance_m(point, robot) <= settings.gripper_reach_m,
+            ItemPlace::Point(point) => item.name == name && distance_m(point, robot) <= hand.gripper.reach_m,
             ItemPlace::Held => false,
         };
         if let Some(item) = self.items.iter_mut().find(within_reach)
@@ -156,8 +158,8 @@ impl Gripper {
         }
     }
 
-    fn put_down(&mut self, settings: &SimulatorSettings, robot_in_map: Pose) {
-        let ahead = robot_in_map.transform(Point::new(settings.robot_radius_m + 0.15, 0.0));
+    fn put_down(&mut self, hand: Hand<'_>) {
+        let ahead = hand.robot_in_map.transform(Point::new(hand.robot_radius_m + 0.15, 0.0));
         for item in self.items.iter_mut().filter(|item| item.at == ItemPlace::Held) {
             item.at = ItemPlace::Point(ahead);
             item.put_down += 1;

@@ -1,8 +1,9 @@
-//! The simulated robot: a B21-like synchro drive with a ring of 24 sonars, a laser range finder,
-//! a bumper, odometry that drifts, and a gripper, in a world with doors, objects and people.
+//! The simulated robot: a round body that drives and turns on the spot, with the sonars, the laser, the
+//! bumper, the gripper and the drifting odometry of its description, in a world with doors, objects and
+//! people.
 //!
 //! `SimulatorModel` is everything that never changes (surfaces with their lookup grid, settings);
-//! `SimulatorState` is everything that does. `SimulatorModel::step` carries a state 50 ms on;
+//! `SimulatorState` is everything that does. `SimulatorModel::step` carries a state one step on;
 //! `SimulatorModel` also has the experimenter's hands, see `oracle`.
 //!
 //! Read `settings` first, then `step`.

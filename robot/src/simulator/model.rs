@@ -5,8 +5,9 @@ use super::crowd::Crowd;
 use super::settings::SimulatorSettings;
 use super::surface::{Surface, SurfaceForm, surfaces_of};
 use super::walker::FARTHEST_WALL_M;
+use crate::description::RobotDescription;
 use crate::geometry::{Point, Vector};
-use crate::sensors::{LASER_READINGS, SONARS, laser_direction_rad};
+use crate::sensors::{LaserScanner, RangeSensors, SonarMount};
 use crate::world::{Rect, SeenBy, Solid, SolidOrigin, World};
 use std::sync::Arc;
 
@@ -16,15 +17,17 @@ use std::sync::Arc;
 pub struct SimulatorModel {
     /// The world.
     pub world: Arc<World>,
-    /// The robot.
+    /// The robot, and how people behave.
     pub settings: SimulatorSettings,
     pub(super) solids: Vec<Solid>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) candidates: Candidates,
     /// None in a world without a crowd.
     pub(super) crowd: Option<Crowd>,
-    /// Unit vectors, in `base`, between the cones of sonar k and k + 1.
-    pub(super) cone_edges: [Vector; SONARS],
+    /// How the robot's range sensors look.
+    pub sensors: RangeSensors,
+    /// How far the rim of the robot is from each sonar, along its axis.
+    pub(super) sonar_rims_m: Vec<f64>,
     /// Unit vectors of the laser readings, in `base`.
     pub(super) laser_directions: Vec<Vector>,
 }
@@ -34,18 +37,16 @@ impl SimulatorModel {
     pub fn new(world: Arc<World>, settings: SimulatorSettings) -> Self {
         let solids = world.solids();
         let surfaces: Vec<Surface> = solids.iter().flat_map(surfaces_of).chain(world_edge(world.bounds())).collect();
-        let candidates = Candidates::new(&surfaces, world.bounds(), reaches_m(&settings));
-        let direction = |angle_rad: f64| {
-            let (sin, cos) = libm::sincos(angle_rad);
-            Vector::new(cos, sin)
+        let candidates = Candidates::new(&surfaces, world.bounds(), reaches_m(&settings.robot));
+        let sensors = settings.robot.range_sensors();
+        let rim_m = |mount: &SonarMount| to_rim_m(mount, settings.robot.radius_m);
+        let laser_directions = |laser: &LaserScanner| {
+            (0..laser.readings).map(|reading| unit(laser.direction_rad(reading))).collect::<Vec<_>>()
         };
         Self {
-            cone_edges: std::array::from_fn(|cone| {
-                direction((cone as f64 + 0.5) * std::f64::consts::TAU / SONARS as f64)
-            }),
-            laser_directions: (0..LASER_READINGS)
-                .map(|reading| direction(laser_direction_rad(LASER_READINGS, reading)))
-                .collect(),
+            sonar_rims_m: sensors.sonars.iter().flat_map(|sonars| sonars.mounts.iter().map(rim_m)).collect(),
+            laser_directions: sensors.laser.iter().flat_map(laser_directions).collect(),
+            sensors,
             crowd: Crowd::new(&world),
             world,
             settings,
@@ -57,20 +58,42 @@ impl SimulatorModel {
 }
 
 impl SimulatorModel {
+    /// The robot.
+    pub fn robot(&self) -> &RobotDescription {
+        &self.settings.robot
+    }
+
     /// Memory that the model of a world takes at most, without building it. Cost: the number of
     /// bodies.
-    pub fn needed_bytes(world: &World, settings: &SimulatorSettings) -> f64 {
+    pub fn needed_bytes(world: &World, robot: &RobotDescription) -> f64 {
         let surfaces = world.solids().into_iter().flat_map(|solid| surfaces_of(&solid).collect::<Vec<_>>());
-        let lists = Candidates::most_entries(surfaces, world.bounds(), reaches_m(settings)) * size_of::<u32>() as f64;
+        let lists = Candidates::most_entries(surfaces, world.bounds(), reaches_m(robot)) * size_of::<u32>() as f64;
         lists * 2.0 + Crowd::needed_bytes(world)
     }
 }
 
 /// How far sensors see, from where something may be touched, and how far people mind walls.
-fn reaches_m(settings: &SimulatorSettings) -> [f64; 3] {
-    let laser_m = if settings.laser { settings.laser_max_range_m } else { 0.0 };
-    let touch_m = settings.robot_radius_m + 2.0 * settings.max_translation_mps * settings.step_s();
-    [settings.sonar_max_range_m.max(laser_m), touch_m, FARTHEST_WALL_M]
+fn reaches_m(robot: &RobotDescription) -> [f64; 3] {
+    let off_m = |mount: &SonarMount| mount.at_in_base.coords.norm();
+    let sonar_m = robot
+        .sonar
+        .as_ref()
+        .map_or(0.0, |sonar| sonar.range_m + sonar.layout.mounts().iter().map(off_m).fold(0.0, f64::max));
+    let laser_m = robot.laser.map_or(0.0, |laser| laser.scanner.range_m);
+    let touch_m = robot.radius_m + 2.0 * robot.motors.max_translation_mps * robot.step_s();
+    [sonar_m.max(laser_m), touch_m, FARTHEST_WALL_M]
+}
+
+fn unit(angle_rad: f64) -> Vector {
+    let (sin, cos) = libm::sincos(angle_rad);
+    Vector::new(cos, sin)
+}
+
+/// How far it is from a sonar to the rim of the body that it sits on: nothing can be nearer.
+fn to_rim_m(mount: &SonarMount, radius_m: f64) -> f64 {
+    let at = mount.at_in_base.coords;
+    let along_m = mount.ahead_m();
+    (along_m * along_m - at.norm_squared() + radius_m * radius_m).max(0.0).sqrt() - along_m
 }
 
 fn world_edge(bounds: Rect) -> impl Iterator<Item = Surface> {

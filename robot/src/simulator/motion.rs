@@ -33,29 +33,28 @@ pub(super) struct Driven {
 impl SimulatorModel {
     /// Speeds after one step towards the commanded ones.
     pub(super) fn accelerate(&self, state: &mut SimulatorState, commands: &Commands) {
-        let settings = &self.settings;
-        let step_s = settings.step_s();
+        let (motors, step_s) = (&self.robot().motors, self.robot().step_s());
         if commands.motors_off {
-            state.translation_mps = towards(state.translation_mps, 0.0, settings.halt_deceleration_mps2 * step_s);
-            state.rotation_radps = towards(state.rotation_radps, 0.0, settings.halt_deceleration_radps2 * step_s);
+            state.translation_mps = towards(state.translation_mps, 0.0, motors.halt_deceleration_mps2 * step_s);
+            state.rotation_radps = towards(state.rotation_radps, 0.0, motors.halt_deceleration_radps2 * step_s);
             return;
         }
         let has_power = state.battery > 0.0;
         let limited =
             |wanted: f64, limit: f64| if wanted.is_finite() && has_power { wanted.clamp(-limit, limit) } else { 0.0 };
-        let wanted_mps = limited(commands.translation_mps, settings.max_translation_mps);
-        let wanted_radps = limited(commands.rotation_radps, settings.max_rotation_radps);
+        let wanted_mps = limited(commands.translation_mps, motors.max_translation_mps);
+        let wanted_radps = limited(commands.rotation_radps, motors.max_rotation_radps);
         let speeds_up = wanted_mps.abs() > state.translation_mps.abs() && wanted_mps * state.translation_mps >= 0.0;
         let change_mps2 =
-            if speeds_up { settings.translation_acceleration_mps2 } else { settings.translation_deceleration_mps2 };
+            if speeds_up { motors.translation_acceleration_mps2 } else { motors.translation_deceleration_mps2 };
         state.translation_mps = towards(state.translation_mps, wanted_mps, change_mps2 * step_s);
-        let change_radps = settings.rotation_acceleration_radps2 * step_s;
+        let change_radps = motors.rotation_acceleration_radps2 * step_s;
         state.rotation_radps = towards(state.rotation_radps, wanted_radps, change_radps);
     }
 
     /// Drives one step at the present speeds, up to the first touch.
     pub(super) fn drive(&self, state: &mut SimulatorState) -> Driven {
-        let step_s = self.settings.step_s();
+        let step_s = self.robot().step_s();
         let (way_m, turn_rad) = (state.translation_mps * step_s, state.rotation_radps * step_s);
         let before = state.robot_in_map;
         let after = drive_arc(before, way_m, turn_rad);
@@ -64,10 +63,10 @@ impl SimulatorModel {
             return Driven { way_m, turn_rad };
         }
         let nearest = self.nearest(state, after.point());
-        if nearest.distance_m >= self.settings.robot_radius_m - PENETRATION_M {
+        if nearest.distance_m >= self.robot().radius_m - PENETRATION_M {
             state.robot_in_map = after;
             state.distance_driven_m += way_m.abs();
-            state.touching &= nearest.distance_m < self.settings.robot_radius_m + PARTED_M;
+            state.touching &= nearest.distance_m < self.robot().radius_m + PARTED_M;
             return Driven { way_m, turn_rad };
         }
         let share = self.free_share(state, before, way_m, turn_rad);
@@ -89,7 +88,7 @@ impl SimulatorModel {
         for _ in 0..30 {
             let share = (free + blocked) / 2.0;
             let point = drive_arc(before, share * way_m, share * turn_rad).point();
-            if self.nearest(state, point).distance_m >= self.settings.robot_radius_m {
+            if self.nearest(state, point).distance_m >= self.robot().radius_m {
                 free = share;
             } else {
                 blocked = share;
@@ -99,11 +98,11 @@ impl SimulatorModel {
     }
 
     fn attribute(&self, state: &mut SimulatorState, touched: Nearest) {
-        let sonar_works = state.time_us >= state.sonars_fail_until_us;
+        let sonar_works = self.sensors.sonars.is_some() && state.time_us >= state.sonars_fail_until_us;
         let Nearest { seen_by, may_be_sudden, .. } = touched;
         if may_be_sudden && state.time_us < state.sudden_until_us {
             state.contacts.run_into += 1;
-        } else if seen_by.sonar && sonar_works || seen_by.laser && self.settings.laser {
+        } else if seen_by.sonar && sonar_works || seen_by.laser && self.sensors.laser.is_some() {
             state.contacts.caused += 1;
         } else {
             state.contacts.unseen += 1;

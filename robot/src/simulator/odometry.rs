@@ -1,7 +1,7 @@
 //! Dead reckoning that drifts.
 
 use super::arc::drive_arc;
-use super::settings::SimulatorSettings;
+use crate::description::OdometryDrift;
 use crate::geometry::Pose;
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
@@ -15,11 +15,11 @@ pub(super) struct OdometryBias {
 }
 
 impl OdometryBias {
-    pub fn draw(settings: &SimulatorSettings, stream: &mut Stream) -> Self {
+    pub fn draw(drift: &OdometryDrift, stream: &mut Stream) -> Self {
         Self {
-            translation_scale: 1.0 + settings.odometry_translation_bias * stream.normal(),
-            rotation_scale: 1.0 + settings.odometry_rotation_bias * stream.normal(),
-            heading_radpm: settings.odometry_heading_bias_radpm * stream.normal(),
+            translation_scale: 1.0 + drift.translation_bias * stream.normal(),
+            rotation_scale: 1.0 + drift.rotation_bias * stream.normal(),
+            heading_radpm: drift.heading_bias_radpm * stream.normal(),
         }
     }
 
@@ -27,7 +27,7 @@ impl OdometryBias {
     /// rest measures no motion.
     pub fn measure(
         &self,
-        settings: &SimulatorSettings,
+        drift: &OdometryDrift,
         stream: &mut Stream,
         before_in_odom: Pose,
         distance_m: f64,
@@ -37,9 +37,9 @@ impl OdometryBias {
         if way_m == 0.0 && angle_rad == 0.0 {
             return before_in_odom;
         }
-        let translation_sigma_m = settings.odometry_translation_noise_m_per_sqrt_m * way_m.sqrt();
-        let by_turn_rad = settings.odometry_rotation_noise_rad_per_sqrt_rad;
-        let by_way_rad = settings.odometry_rotation_noise_rad_per_sqrt_m;
+        let translation_sigma_m = drift.translation_noise_m_per_sqrt_m * way_m.sqrt();
+        let by_turn_rad = drift.rotation_noise_rad_per_sqrt_rad;
+        let by_way_rad = drift.rotation_noise_rad_per_sqrt_m;
         let rotation_sigma_rad = (by_turn_rad * by_turn_rad * angle_rad + by_way_rad * by_way_rad * way_m).sqrt();
         let measured_m = self.translation_scale * distance_m + translation_sigma_m * stream.normal();
         let measured_rad =

@@ -92,7 +92,7 @@ impl SimulatorModel {
     /// # Errors
     /// The robot would stand in something; the state is unchanged.
     pub fn teleport(&self, state: &mut SimulatorState, robot_in_map: Pose) -> Result<(), OracleError> {
-        if let Some(what) = self.in_the_way(state, robot_in_map.point(), self.settings.robot_radius_m) {
+        if let Some(what) = self.in_the_way(state, robot_in_map.point(), self.robot().radius_m) {
             return Err(OracleError::Occupied { x_m: robot_in_map.x_m, y_m: robot_in_map.y_m, what });
         }
         state.robot_in_map = Pose::new(robot_in_map.x_m, robot_in_map.y_m, robot_in_map.heading_rad);
@@ -163,9 +163,9 @@ impl SimulatorModel {
     fn notice_sudden(&self, state: &mut SimulatorState, outline: &Outline) {
         const SUDDEN_US: u64 = 1_000_000;
         let speed_mps = state.translation_mps.abs();
-        let braking_m = speed_mps * speed_mps / (2.0 * self.settings.translation_deceleration_mps2);
-        let stopping_m = 3.0 * speed_mps * self.settings.step_s() + braking_m;
-        let gap_m = outline.distance_m(state.robot_in_map.point()) - self.settings.robot_radius_m;
+        let braking_m = speed_mps * speed_mps / (2.0 * self.robot().motors.translation_deceleration_mps2);
+        let stopping_m = 3.0 * speed_mps * self.robot().step_s() + braking_m;
+        let gap_m = outline.distance_m(state.robot_in_map.point()) - self.robot().radius_m;
         if gap_m <= stopping_m {
             state.sudden_until_us = state.time_us + SUDDEN_US;
         }
@@ -210,7 +210,7 @@ impl SimulatorModel {
         outline: &Outline,
         what: impl Fn() -> String,
     ) -> Result<(), OracleError> {
-        if outline.distance_m(state.robot_in_map.point()) < self.settings.robot_radius_m {
+        if outline.distance_m(state.robot_in_map.point()) < self.robot().radius_m {
             return Err(OracleError::InTheWay { what: what(), whom: "the robot" });
         }
         if state.people.iter().any(|person| outline.distance_m(person.at_in_map) < PERSON_RADIUS_M) {

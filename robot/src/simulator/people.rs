@@ -90,7 +90,7 @@ impl SimulatorModel {
 
     /// Every person walks one step. Cost: some 0.3 µs a person, twice that in a crush.
     pub(super) fn walk(&self, state: &mut SimulatorState) {
-        let step = state.time_us / self.settings.step_us;
+        let step = state.time_us / self.robot().step_us;
         for index in 0..state.people.len() {
             if (step + index as u64).is_multiple_of(LOOK_STEPS) {
                 let wanted_mps = self.look(state, index);
@@ -152,7 +152,7 @@ impl SimulatorModel {
     fn choose(&self, state: &SimulatorState, index: usize, wanted_mps: Vector) -> Vector {
         let walker = &state.people[index];
         let limit_mps = (HURRY * walker.speed_mps).min(FASTEST_MPS);
-        let look_s = LOOK_STEPS as f64 * self.settings.step_s();
+        let look_s = LOOK_STEPS as f64 * self.robot().step_s();
         let mut half_planes: Vec<HalfPlane> = Vec::with_capacity(32);
         self.for_each_body_near(state, walker.at_in_map, |nearest| {
             let reach_m = PERSON_RADIUS_M + limit_mps * WALL_HORIZON_S;
@@ -169,7 +169,7 @@ impl SimulatorModel {
             let disc = Disc {
                 at_in_map: robot.point(),
                 velocity_mps: Vector::new(cos, sin) * state.translation_mps,
-                radius_m: self.settings.robot_radius_m + clearance_m,
+                radius_m: self.robot().radius_m + clearance_m,
             };
             half_planes.push(orca::half_plane(walker.disc(), disc, 1.0, HORIZON_S, look_s));
         }
@@ -201,10 +201,10 @@ impl SimulatorModel {
     /// into it.
     fn go(&self, state: &mut SimulatorState, index: usize) {
         let robot = state.robot_in_map.point();
-        let touch_m = self.settings.robot_radius_m + PERSON_RADIUS_M;
+        let touch_m = self.robot().radius_m + PERSON_RADIUS_M;
         let minds = self.settings.person_clearance_m > 0.0;
         let walker = &mut state.people[index];
-        let walked = walker.at_in_map + walker.velocity_mps * self.settings.step_s();
+        let walked = walker.at_in_map + walker.velocity_mps * self.robot().step_s();
         let (before2, after2) = ((walker.at_in_map - robot).norm_squared(), (walked - robot).norm_squared());
         let is_within = |reach_m: f64| after2 < reach_m * reach_m;
         if !is_within(if minds { touch_m + STEP_SHORT_M } else { touch_m }) || after2 >= before2 {

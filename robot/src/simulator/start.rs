@@ -12,7 +12,7 @@ impl SimulatorModel {
     /// The world as its file says, with the robot at its start.
     pub fn start(&self, seed: u64) -> SimulatorState {
         let mut odometry = Stream::new(seed, "odometry");
-        let odometry_bias = OdometryBias::draw(&self.settings, &mut odometry);
+        let odometry_bias = OdometryBias::draw(&self.robot().odometry, &mut odometry);
         let mut people = Stream::new(seed, "people");
         SimulatorState {
             time_us: 0,

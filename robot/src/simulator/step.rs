@@ -1,5 +1,6 @@
 //! One step of the simulation.
 
+use super::gripper::Hand;
 use super::model::SimulatorModel;
 use super::sensors::{Commands, Percept};
 use super::state::SimulatorState;
@@ -9,20 +10,22 @@ impl SimulatorModel {
     /// gripper follow, and the sensors look at the result. The same state and commands give the same
     /// result, bit by bit.
     pub fn step(&self, state: &mut SimulatorState, commands: &Commands) -> Percept {
-        state.time_us += self.settings.step_us;
+        state.time_us += self.robot().step_us;
         self.walk(state);
         self.accelerate(state, commands);
         let driven = self.drive(state);
         state.odometry_in_odom = state.odometry_bias.measure(
-            &self.settings,
+            &self.robot().odometry,
             &mut state.streams.odometry,
             state.odometry_in_odom,
             driven.way_m,
             driven.turn_rad,
         );
         self.use_battery(state);
-        let (stream, robot_in_map) = (&mut state.streams.gripper, state.robot_in_map);
-        state.gripper.step(&self.settings, stream, &commands.gripper, state.time_us, robot_in_map);
+        if let Some(gripper) = &self.robot().gripper {
+            let hand = Hand { gripper, robot_in_map: state.robot_in_map, robot_radius_m: self.robot().radius_m };
+            state.gripper.step(hand, &mut state.streams.gripper, &commands.gripper, state.time_us);
+        }
         self.sense(state, commands)
     }
 }

@@ -1,21 +1,21 @@
-//! The nearest surface in each of the 24 cones, exactly, in one pass over the surfaces.
+//! The nearest surface in each of the sonars' cones, exactly, in one pass over the surfaces.
 //!
-//! The cones share their apex, the middle of the robot, and tile the full turn. The nearest point
-//! in a cone is never hidden, so no rays are needed: each surface is cut at the edges of the cones,
-//! and the nearest point of each piece has a closed form.
+//! Cones that share their apex cut the turn around it into sectors. The nearest point in a sector is
+//! never hidden, so no rays are needed: each surface is cut at the edges of the sectors, and the nearest
+//! point of each piece has a closed form. In a cone it is the nearest of its sectors.
 
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
 use super::surface::{SurfaceForm, forms_of};
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector};
-use crate::sensors::SONARS;
+use crate::sensors::{Sectors, SonarApex, SonarArray};
 use crate::world::SeenBy;
 
 /// The nearest point of a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
-    /// Distance from the middle of the robot; infinite if the cone is empty.
+    /// Distance from the apex of the cone; infinite if the cone is empty.
     pub range_m: f64,
     /// Cosine of the angle between the way to the point and the surface's normal there.
     pub incidence_cos: f64,
@@ -25,26 +25,26 @@ pub struct Echo {
 
 const SILENCE: Echo = Echo { range_m: f64::INFINITY, incidence_cos: 1.0, corner: false };
 
-/// The cones while surfaces are laid into them.
+/// The sectors around an apex while surfaces are laid into them.
 struct Cones<'m> {
-    edges: &'m [Vector; SONARS],
+    at_in_base: Vector,
+    sectors: &'m Sectors,
     range_m: f64,
-    echoes: [Echo; SONARS],
+    /// In each sector.
+    echoes: Vec<Echo>,
 }
 
 impl SimulatorModel {
-    /// The nearest surface the sonars can see in each cone, if within their range: no noise, no
-    /// misses. Cost: about 2 µs in `dept`.
-    ///
-    /// # Deviation
-    /// The cones of a real ring start on the rim of the robot. Here they start in its middle, as in
-    /// the look-up of expected distances that the papers' filter uses; near the rim that closes the
-    /// gaps between the cones, as the side lobes of a real sonar do.
-    pub fn sonar_echoes(&self, state: &SimulatorState, robot_in_map: Pose) -> [Echo; SONARS] {
-        let mut cones =
-            Cones { edges: &self.cone_edges, range_m: self.settings.sonar_max_range_m, echoes: [SILENCE; SONARS] };
-        self.for_each_visible(state, robot_in_map, |seen_by| seen_by.sonar, |form| cones.add(form));
-        cones.echoes
+    /// The nearest surface that each of these sonars can see in its cone, if within their range: no
+    /// noise, no misses. Cost: about 2 µs in `dept` for each apex.
+    pub fn sonar_echoes(&self, sonars: &SonarArray, state: &SimulatorState, robot_in_map: Pose) -> Vec<Echo> {
+        let cones_at = |apex| Cones::empty(apex, sonars.range_m);
+        let mut apexes: Vec<Cones<'_>> = sonars.apexes.iter().map(cones_at).collect();
+        let add = |form: &SurfaceForm| apexes.iter_mut().for_each(|cones| cones.add(form));
+        self.for_each_visible(state, robot_in_map, |seen_by| seen_by.sonar, add);
+        let mut echoes = vec![SILENCE; sonars.mounts.len()];
+        apexes.iter().for_each(|cones| cones.hand_over(&mut echoes));
+        echoes
     }
 
     /// Gives every surface that may be visible and is seen by the wanted sensor to `add`, in `base`.
@@ -81,17 +81,33 @@ impl SimulatorModel {
     }
 }
 
-impl Cones<'_> {
-    fn add(&mut self, form: &SurfaceForm) {
-        match *form {
-            SurfaceForm::Edge { a, b } => self.add_edge(a.coords, b.coords),
-            SurfaceForm::Disc { centre, radius_m } => self.add_disc(centre.coords, radius_m),
+impl<'m> Cones<'m> {
+    fn empty(apex: &'m SonarApex, range_m: f64) -> Self {
+        let SonarApex { at_in_base, sectors } = apex;
+        Self { at_in_base: at_in_base.coords, sectors, range_m, echoes: vec![SILENCE; sectors.count()] }
+    }
+
+    /// Tells each sonar the nearest echo of its sectors.
+    fn hand_over(&self, echoes: &mut [Echo]) {
+        for (sector, echo) in self.echoes.iter().enumerate() {
+            for &sonar in self.sectors.sonars(sector) {
+                if echo.range_m < echoes[sonar].range_m {
+                    echoes[sonar] = *echo;
+                }
+            }
         }
     }
 
-    fn hit(&mut self, cone: usize, echo: Echo) {
-        if echo.range_m < self.echoes[cone].range_m && echo.range_m <= self.range_m {
-            self.echoes[cone] = echo;
+    fn add(&mut self, form: &SurfaceForm) {
+        match *form {
+            SurfaceForm::Edge { a, b } => self.add_edge(a.coords - self.at_in_base, b.coords - self.at_in_base),
+            SurfaceForm::Disc { centre, radius_m } => self.add_disc(centre.coords - self.at_in_base, radius_m),
+        }
+    }
+
+    fn hit(&mut self, sector: usize, echo: Echo) {
+        if echo.range_m < self.echoes[sector].range_m && echo.range_m <= self.range_m {
+            self.echoes[sector] = echo;
         }
     }
 
@@ -109,32 +125,32 @@ impl Cones<'_> {
         let distance_m = -twice_area_m2 / length2.sqrt();
         let foot = -a.dot(&along) / length2;
         let corner = |range_m: f64| Echo { range_m, incidence_cos: 1.0, corner: true };
-        let last = cone_of(a);
-        let mut cone = cone_of(b);
-        // The piece of the edge within `cone` runs from share `from` of a → b down to share `to`.
+        let last = self.sectors.around(a);
+        let mut sector = self.sectors.around(b);
+        // The piece of the edge within `sector` runs from share `from` of a → b down to share `to`.
         let (mut from, mut from_echo) = (1.0, corner(b.norm_squared().sqrt()));
         loop {
-            let ends = cone == last;
+            let ends = sector == last;
             let (to, to_echo) = if ends {
                 (0.0, corner(a.norm_squared().sqrt()))
             } else {
-                let direction = self.edges[cone];
+                let direction = self.sectors.end(sector);
                 let range_m = twice_area_m2 / cross(direction, along);
                 let share = (range_m * direction.dot(&along) - a.dot(&along)) / length2;
                 (share, Echo { range_m, incidence_cos: distance_m / range_m, corner: false })
             };
             if to <= foot && foot <= from {
-                self.hit(cone, Echo { range_m: distance_m, incidence_cos: 1.0, corner: false });
+                self.hit(sector, Echo { range_m: distance_m, incidence_cos: 1.0, corner: false });
             } else if from_echo.range_m <= to_echo.range_m {
-                self.hit(cone, from_echo);
+                self.hit(sector, from_echo);
             } else {
-                self.hit(cone, to_echo);
+                self.hit(sector, to_echo);
             }
             if ends {
                 return;
             }
             (from, from_echo) = (to, to_echo);
-            cone = (cone + 1) % SONARS;
+            sector = (sector + 1) % self.sectors.count();
         }
     }
 
@@ -143,17 +159,17 @@ impl Cones<'_> {
         if distance_m - radius_m > self.range_m || distance_m <= radius_m {
             return;
         }
-        let middle = cone_of(centre);
+        let (middle, count) = (self.sectors.around(centre), self.sectors.count());
         self.hit(middle, Echo { range_m: distance_m - radius_m, incidence_cos: 1.0, corner: false });
-        // To both sides, the nearest point of a further cone is on the edge nearer to the middle.
+        // To both sides, the nearest point of a further sector is on the edge nearer to the middle.
         for side in 0..2 {
-            let mut cone = middle;
-            for _ in 0..SONARS / 2 {
-                let next = if side == 0 { (cone + 1) % SONARS } else { (cone + SONARS - 1) % SONARS };
-                let edge = if side == 0 { cone } else { next };
-                let Some(echo) = disc_along(self.edges[edge], centre, radius_m) else { break };
+            let mut sector = middle;
+            for _ in 0..count / 2 {
+                let next = if side == 0 { (sector + 1) % count } else { (sector + count - 1) % count };
+                let edge = if side == 0 { sector } else { next };
+                let Some(echo) = disc_along(self.sectors.end(edge), centre, radius_m) else { break };
                 self.hit(next, echo);
-                cone = next;
+                sector = next;
             }
         }
     }
@@ -169,13 +185,6 @@ pub(super) fn disc_along(direction: Vector, centre: Vector, radius_m: f64) -> Op
     }
     let depth_m = depth2.sqrt();
     Some(Echo { range_m: along_m - depth_m, incidence_cos: depth_m / radius_m, corner: false })
-}
-
-/// The sonar whose cone a direction lies in.
-fn cone_of(direction: Vector) -> usize {
-    let cone_rad = std::f64::consts::TAU / SONARS as f64;
-    let cones = libm::atan2(direction.y, direction.x) / cone_rad + 0.5;
-    (libm::floor(cones) as i64).rem_euclid(SONARS as i64) as usize
 }
 
 pub(super) fn cross(a: Vector, b: Vector) -> f64 {

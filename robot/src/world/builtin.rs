@@ -1,6 +1,7 @@
 //! The worlds in the binary.
 
-use super::{World, WorldError};
+use super::World;
+use crate::file_text::FileFaults;
 
 /// A world's name, its text, and what it is if it is another with more to it.
 const WORLDS: [(&str, &str, &str); 18] = [
@@ -79,7 +80,7 @@ impl World {
         WORLDS.iter().find(|(known, ..)| *known == name)
     }
 
-    fn parse_builtin(name: &str) -> Option<Result<World, WorldError>> {
+    fn parse_builtin(name: &str) -> Option<Result<World, FileFaults>> {
         Some(World::parse(Self::builtin_text(name)?, &format!("{name}.toml")))
     }
 }

@@ -1,10 +1,9 @@
 //! What the values of a world file must agree on with each other.
 
-use super::error::nearest;
 use super::lookup::is_same_name;
-use super::read::{Placed, Reader, TomlTable};
-use super::solid::SolidOrigin;
-use super::{Door, Item, Object, Person, Place, ROBOT_RADIUS_M, Rect, Region, Room, Wall, World};
+use super::{Door, Item, Object, Person, Place, Rect, Region, Room, Wall, World};
+use crate::description::LEAST_RADIUS_M;
+use crate::file_text::{Placed, Reader, TomlTable, nearest};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::Cell;
 use std::ops::Range;
@@ -192,7 +191,8 @@ pub(super) fn items_inside(reader: &mut Reader, bounds: Rect, items: &[Placed<'_
     }
 }
 
-/// The robot has room to stand at the start.
+/// The start is on floor. Whether the robot that is to drive has room there is looked at when there is one,
+/// see [`World::room_at_start`].
 pub(super) fn start_is_free(reader: &mut Reader, world: &World, span: Range<usize>) {
     let start = world.start_in_map.point();
     if world.recorded.as_ref().is_some_and(|map| map.at(start) == Cell::Unknown) {
@@ -200,16 +200,7 @@ pub(super) fn start_is_free(reader: &mut Reader, world: &World, span: Range<usiz
         reader.note(span, "start", message, "put it where the map is free");
         return;
     }
-    let in_the_way = world.solids().into_iter().find(|solid| {
-        let there = match solid.origin {
-            SolidOrigin::Door(index) => !world.doors[index].open,
-            SolidOrigin::Wall | SolidOrigin::Object(_) => true,
-        };
-        there && solid.outline.distance_m(start) < ROBOT_RADIUS_M
-    });
-    if let Some(solid) = in_the_way {
-        let message = format!("the start is in the way of {}", world.called(solid.origin));
-        let help = format!("leave {ROBOT_RADIUS_M} m around the start free, that is the robot's radius");
-        reader.note(span, "start", message, help);
+    if let Err(taken) = world.room_at_start(LEAST_RADIUS_M) {
+        reader.note(span, "start", taken.to_string(), "put it where a robot can stand");
     }
 }

@@ -1,7 +1,7 @@
 //! Questions about a world by name or by point.
 
-use super::error::nearest;
 use super::{Door, Place, Room, TravelMode, World};
+use crate::file_text::nearest;
 use crate::geometry::Point;
 use rpl_lang::symbol::fold_name;
 

@@ -1,13 +1,17 @@
 //! The robot's map of a world.
 
 use super::solid::{Outline, Solid, SolidOrigin};
-use super::{ROBOT_RADIUS_M, Rect, SeenBy, World};
+use super::{Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 
 /// A body must reach this far into a cell to occupy it, so that a wall along a cell's edge does
 /// not depend on the last bit of its coordinates.
 const TOUCH_M: f64 = 1e-6;
+
+/// What is free so near to the start or to a place is floor: the map may show the cell around it as
+/// occupied by a wall close by.
+const AROUND_M: f64 = 0.265;
 
 impl World {
     /// The robot's map, with the lower left corner of cell (0, 0) at that of the world: cells that a wall,
@@ -88,7 +92,7 @@ impl World {
         let mut known = vec![false; grid.cells.len()];
         let mut open: Vec<(usize, usize)> = Vec::new();
         let points = self.places.iter().map(|place| place.pose_in_map.point()).chain([self.start_in_map.point()]);
-        open.extend(points.flat_map(|point| cells_under_robot(grid, point)));
+        open.extend(points.flat_map(|point| cells_around(grid, point)));
         for room in &self.rooms {
             open.extend(cells_within(grid, room.rect));
         }
@@ -108,12 +112,11 @@ impl World {
     }
 }
 
-/// The cell around a point and those whose centre the robot standing there covers: the map may
-/// show the cell itself as occupied by a wall close by.
-fn cells_under_robot(grid: &OccupancyGrid, point: Point) -> Vec<(usize, usize)> {
-    let reach = Vector::new(ROBOT_RADIUS_M, ROBOT_RADIUS_M);
+/// The cell around a point and those whose centres are near to it.
+fn cells_around(grid: &OccupancyGrid, point: Point) -> Vec<(usize, usize)> {
+    let reach = Vector::new(AROUND_M, AROUND_M);
     let mut cells = cells_within(grid, Rect { min: point - reach, max: point + reach });
-    cells.retain(|(column, row)| (grid.centre(*column, *row) - point).norm_squared() < ROBOT_RADIUS_M * ROBOT_RADIUS_M);
+    cells.retain(|(column, row)| (grid.centre(*column, *row) - point).norm_squared() < AROUND_M * AROUND_M);
     cells.extend(grid.cell_at(point));
     cells
 }

@@ -3,7 +3,6 @@
 mod blocks;
 mod builtin;
 mod check;
-mod error;
 mod greys;
 mod image;
 mod lookup;
@@ -13,30 +12,28 @@ mod read;
 mod recorded;
 mod ros_map;
 mod solid;
+mod start;
 #[cfg(test)]
 mod tests;
 mod yaml;
 
-pub use error::{Finding, WorldError};
 pub use greys::Greys;
 pub use image::{GreyImage, ImageError};
 pub use lookup::{UnknownName, is_same_name};
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
 pub use solid::{DOOR_LEAF_M, Outline, Solid, SolidOrigin, distance_to_segment_m, nearest_on_segment};
+pub use start::StartTaken;
 
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::OccupancyGrid;
 use serde::{Deserialize, Serialize};
 
-/// Radius of the robot; nothing may stand that near to its start.
-pub const ROBOT_RADIUS_M: f64 = 0.265;
-
 /// A world may not be larger, along x or y: maps and beliefs are grids over all of it.
 pub(crate) const LARGEST_M: f64 = 1000.0;
 
-/// Nor smaller: the robot has to fit into it.
-pub(crate) const SMALLEST_M: f64 = 2.0 * ROBOT_RADIUS_M;
+/// Nor smaller: the papers' robot would fill it.
+pub(crate) const SMALLEST_M: f64 = 0.53;
 
 /// An axis-parallel rectangle, in the map frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

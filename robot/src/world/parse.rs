@@ -1,10 +1,9 @@
 //! Reading a world file.
 
 use super::check;
-use super::error::Findings;
-use super::read::{Placed, Reader, TomlTable};
-use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World, WorldError};
+use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World};
 use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
+use crate::file_text::{FileFaults, Findings, Placed, Reader, TomlTable};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::OccupancyGrid;
 use rpl_lang::symbol::fold_name;
@@ -25,7 +24,7 @@ impl World {
     ///
     /// # Errors
     /// As for [`World::parse_with_map`].
-    pub fn parse(text: &str, file_name: &str) -> Result<World, WorldError> {
+    pub fn parse(text: &str, file_name: &str) -> Result<World, FileFaults> {
         Self::parse_with_map(text, file_name, |_| Err("this world cannot read other files".to_owned()))
     }
 
@@ -39,8 +38,8 @@ impl World {
         text: &str,
         file_name: &str,
         load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
-    ) -> Result<World, WorldError> {
-        let mut reader = Reader { file: file_name, text, findings: Findings::default() };
+    ) -> Result<World, FileFaults> {
+        let mut reader = Reader { kind: "world", file: file_name, text, findings: Findings::default() };
         let (document, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
             reader.note(error.span().unwrap_or(0..0), "", error.message(), "world files are TOML, see toml.io");

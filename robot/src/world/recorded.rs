@@ -1,21 +1,24 @@
 //! Worlds from recorded maps: what is occupied in the map is a wall.
 
-use super::{ROBOT_RADIUS_M, World};
+use super::World;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 
 /// No cell of the map has room for the robot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the map has no free space that the robot fits into ({ROBOT_RADIUS_M} m around its middle)")]
-pub struct NoRoom;
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the map has no free space that the robot fits into ({robot_radius_m} m around its middle)")]
+pub struct NoRoom {
+    /// Of the robot.
+    pub robot_radius_m: f64,
+}
 
 impl World {
-    /// A world of a recorded map alone. The robot starts where it has most space around it.
+    /// A world of a recorded map alone. A robot of this radius starts where it has most space around it.
     ///
     /// # Errors
     /// The robot fits nowhere.
-    pub fn from_map(name: &str, map: OccupancyGrid) -> Result<Self, NoRoom> {
-        let start = roomiest(&map).ok_or(NoRoom)?;
+    pub fn from_map(name: &str, map: OccupancyGrid, robot_radius_m: f64) -> Result<Self, NoRoom> {
+        let start = roomiest(&map, robot_radius_m).ok_or(NoRoom { robot_radius_m })?;
         Ok(Self {
             name: name.to_owned(),
             origin_in_map: map.origin_in_frame,
@@ -46,8 +49,8 @@ const ENCLOSED_FACTOR: usize = 10;
 
 /// Middle of the cell with most room around it in the largest piece of floor that the robot fits on.
 /// What is not known, and the edge of the map, is no room: behind it may be anything.
-fn roomiest(map: &OccupancyGrid) -> Option<Point> {
-    let floor = Floor::new(map);
+fn roomiest(map: &OccupancyGrid, robot_radius_m: f64) -> Option<Point> {
+    let floor = Floor::new(map, robot_radius_m);
     let mut seen = vec![false; map.cells.len()];
     let (mut enclosed, mut open) = (Vec::new(), Vec::new());
     for first in 0..map.cells.len() {
@@ -77,13 +80,14 @@ struct Floor<'m> {
     map: &'m OccupancyGrid,
     /// To what is occupied or not known.
     distances: DistanceField,
+    robot_radius_m: f64,
 }
 
 impl<'m> Floor<'m> {
-    fn new(map: &'m OccupancyGrid) -> Self {
+    fn new(map: &'m OccupancyGrid, robot_radius_m: f64) -> Self {
         let mut solid = map.clone();
         solid.cells.iter_mut().filter(|cell| **cell == Cell::Unknown).for_each(|cell| *cell = Cell::Occupied);
-        Self { map, distances: DistanceField::new(&solid) }
+        Self { map, distances: DistanceField::new(&solid), robot_radius_m }
     }
 
     fn to_edge_m(&self, (column, row): (usize, usize)) -> f64 {
@@ -100,13 +104,13 @@ impl<'m> Floor<'m> {
     }
 
     fn fits(&self, cell: (usize, usize)) -> bool {
-        self.clearance_m(cell) > ROBOT_RADIUS_M
+        self.clearance_m(cell) > self.robot_radius_m
     }
 
     /// Whether the map ends beside the robot, and no wall.
     fn is_open(&self, cell: (usize, usize)) -> bool {
         let to_edge_m = self.to_edge_m(cell);
-        to_edge_m < ROBOT_RADIUS_M + 2.0 * self.map.resolution_m && self.to_solid_m(cell) > to_edge_m
+        to_edge_m < self.robot_radius_m + 2.0 * self.map.resolution_m && self.to_solid_m(cell) > to_edge_m
     }
 
     /// The cells that hang together with one and have not been seen.

@@ -1,9 +1,9 @@
 //! Maps of the ROS map_server: a YAML file beside an image.
 
-use super::error::{Finding, Findings, WorldError, nearest};
 use super::image::{GreyImage, ImageError};
 use super::yaml::{self, YamlPart, YamlValue};
 use super::{LARGEST_M, SMALLEST_M};
+use crate::file_text::{FileFaults, Finding, Findings, nearest};
 use crate::geometry::{Point, Pose};
 use crate::occupancy::{Cell, OccupancyGrid};
 use std::ops::Range;
@@ -51,7 +51,7 @@ impl RosMap {
     ///
     /// # Errors
     /// All faults at once: unknown and missing keys, and values that make no sense.
-    pub fn parse(text: &str, file_name: &str) -> Result<Self, WorldError> {
+    pub fn parse(text: &str, file_name: &str) -> Result<Self, FileFaults> {
         let entries = yaml::read(file_name, text)?;
         let mut reader = MapReader { file: file_name, text, entries: &entries, findings: Findings::default() };
         reader.only_known_keys();

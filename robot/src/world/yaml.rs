@@ -2,7 +2,7 @@
 //!
 //! A whole YAML reader is thousands of lines for seven keys; this one refuses what it does not know.
 
-use super::error::{Finding, WorldError};
+use crate::file_text::{FileFaults, Finding};
 use std::ops::Range;
 
 /// Some text of the file, and where it stands.
@@ -29,10 +29,10 @@ impl YamlValue {
 }
 
 /// Keys with their values, in the order of the file.
-pub(super) fn read(file: &str, text: &str) -> Result<Vec<(YamlPart, YamlValue)>, WorldError> {
+pub(super) fn read(file: &str, text: &str) -> Result<Vec<(YamlPart, YamlValue)>, FileFaults> {
     let fault = |span: Range<usize>, message: &str| {
         let help = "map files are flat: write each key as `key: value`, and lists as `[1.0, 2.0, 0.0]`";
-        WorldError { findings: vec![Finding::new(file, text, span, "", message, help)], more: 0 }
+        FileFaults { findings: vec![Finding::new(file, text, span, "", message, help)], more: 0 }
     };
     let mut entries: Vec<(YamlPart, YamlValue)> = Vec::new();
     let mut lines = text.split_inclusive('\n').scan(0, |at, line| {

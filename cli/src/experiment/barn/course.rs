@@ -3,7 +3,7 @@
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::planning::{Inflation, PlannerModel, path_length_m};
-use rpl_robot::world::{Object, ROBOT_RADIUS_M, SeenBy, Shape, World};
+use rpl_robot::world::{Object, SeenBy, Shape, World};
 
 /// As many as in the paper's data set: 25 of each of twelve kinds.
 pub const COURSES: u64 = 300;
@@ -91,6 +91,9 @@ fn smoothed(field: &Field) -> Field {
     next
 }
 
+/// Of the robot: a disc with the area of the Jackal's 51 × 43 cm.
+pub const RADIUS_M: f64 = 0.265;
+
 /// None if there is no way through.
 fn laid_out(field: &Field) -> Option<Course> {
     let (length_m, width_m) = (2.0 * RUN_M + CELLS as f64 * CELL_M, CELLS as f64 * CELL_M);
@@ -115,8 +118,7 @@ fn laid_out(field: &Field) -> Option<Course> {
         }
     }
     let goal_in_map = Point::new(length_m - END_M, width_m / 2.0);
-    let inflation =
-        Inflation { body_radius_m: ROBOT_RADIUS_M, comfortable_distance_m: ROBOT_RADIUS_M, closeness_weight: 0.0 };
+    let inflation = Inflation { body_radius_m: RADIUS_M, comfortable_distance_m: RADIUS_M, closeness_weight: 0.0 };
     let floor = PlannerModel::new(&world.map(FLOOR_CELL_M), inflation);
     let path = floor.cost_to_go(goal_in_map).path(start.point())?;
     Some(Course { world, goal_in_map, optimum_m: path_length_m(&path) })

@@ -5,11 +5,12 @@ use super::shuttle::Shuttle;
 use anyhow::{Context, Result};
 use rpl_random::Stream;
 use rpl_robot::active::{Direction, SensingModel};
+use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::localization::{
     BeamParameters, Belief, LocalizationModel, LocalizationParameters, OdometryError, ScanParameters,
 };
-use rpl_robot::sensors::{LASER_READINGS, RangeSensor, laser_direction_rad, sonar_direction_rad};
+use rpl_robot::sensors::RangeSensor;
 use rpl_robot::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings};
 use rpl_robot::world::{SeenBy, World};
 use std::sync::Arc;
@@ -131,17 +132,19 @@ impl Hall {
         let world = Arc::new(world);
         let end = |name| world.place(name).map(|place| place.pose_in_map.point());
         let ends_in_map = [end("west-end")?, end("east-end")?];
-        let settings = SimulatorSettings { laser: true, ..SimulatorSettings::default() };
+        let robot = RobotDescription::builtin("b21-laser").context("the papers' robot with a laser is built in")?;
+        let sensors = robot.range_sensors();
+        let scanner = sensors.laser.context("it has one")?;
         let map = |seen: fn(SeenBy) -> bool| world.map_centred_seen(SENSOR_MAP_CELL_M, seen);
-        let beam = BeamParameters { max_range_m: settings.sonar_max_range_m, fades: true, ..BeamParameters::default() };
-        let sonars = ScanParameters { beam, ..ScanParameters::default() };
-        let bearings =
-            (0..LASER_READINGS).map(|beam| laser_direction_rad(LASER_READINGS, beam).to_degrees().round() as i32);
+        let sonar = robot.sonar.as_ref().context("it has sonars")?;
+        let beam = BeamParameters { fades: true, ..BeamParameters::sonar(sonar) };
+        let sonars = ScanParameters { beam, ..ScanParameters::sonars(sonar) };
+        let bearings = (0..scanner.readings).map(|beam| scanner.direction_rad(beam).to_degrees().round() as i32);
         let laser = ScanParameters {
-            source: RangeSensor::Laser,
             beams_deg: bearings.collect(),
-            beam: laser_beam(settings.laser_max_range_m),
-            ..ScanParameters::default()
+            beam: laser_beam(scanner.range_m),
+            tempering: sonars.tempering,
+            ..ScanParameters::laser(&scanner)
         };
         let seen = [map(|seen| seen.sonar), map(|seen| seen.laser)];
         let localization = LocalizationModel::seeing(
@@ -150,7 +153,8 @@ impl Hall {
             parameters(vec![sonars, laser]),
         )
         .context("the robot cannot be localized in this world")?;
-        Ok(Self { simulator: SimulatorModel::new(world.clone(), settings), world, localization, ends_in_map })
+        let simulator = SimulatorModel::new(world.clone(), SimulatorSettings::of(robot));
+        Ok(Self { simulator, world, localization, ends_in_map })
     }
 
     /// What a direction of a sensor measures.
@@ -161,10 +165,11 @@ impl Hall {
         truth_in_map: Pose,
     ) -> Option<(f64, EndPoint)> {
         let is_sonar = self.localization.sensors[sensor].parameters.source == RangeSensor::Sonar;
+        let sensors = &self.simulator.sensors;
         let (range_m, bearing_rad) = if is_sonar {
-            (percept.sonar_m?[beam], sonar_direction_rad(beam))
+            (*percept.sonar_m.as_ref()?.get(beam)?, sensors.sonars.as_ref()?.mounts.get(beam)?.heading_rad)
         } else {
-            (*percept.laser_m.as_ref()?.get(beam)?, laser_direction_rad(LASER_READINGS, beam))
+            (*percept.laser_m.as_ref()?.get(beam)?, sensors.laser?.direction_rad(beam))
         };
         let range_m = f64::from(range_m);
         let end = Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin());

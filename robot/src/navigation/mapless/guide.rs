@@ -81,9 +81,9 @@ impl Guide for SeenGuide<'_> {
     fn obstacles_in_base(&self, robot: Pose) -> Vec<Point> {
         let mut obstacles_in_base = Vec::new();
         self.ways.scanned.append_in_base(robot, &mut obstacles_in_base);
-        if let Some(laser_m) = self.input.laser_m {
-            obstacles_in_base.retain(|&point| !is_seen(laser_m, point));
-            obstacles_in_base.extend(points_in_base(laser_m));
+        if let Some(scan) = self.input.laser {
+            obstacles_in_base.retain(|&point| !is_seen(scan, point));
+            obstacles_in_base.extend(points_in_base(scan));
         }
         self.ways.heard.append_in_base(robot, &mut obstacles_in_base);
         obstacles_in_base

@@ -15,7 +15,7 @@ use super::input::NavigationInput;
 use crate::avoidance::DriveLimits;
 use crate::obstacles::smoothed;
 use crate::planning::Target;
-use crate::sensors::RangeSensor;
+use crate::sensors::{LaserScan, RangeSensor};
 use guide::SeenGuide;
 use serde::{Deserialize, Serialize};
 use ways::SeenWays;
@@ -68,8 +68,9 @@ impl MaplessNavigation {
     ) -> NavigationOutput {
         self.driver.now_s += limits.step_s;
         let limits = &self.ways.profile().limits(limits);
-        let smooth_m = input.laser_m.map(smoothed);
-        let input = &NavigationInput { laser_m: smooth_m.as_deref(), ..*input };
+        let smooth_m = input.laser.map(smoothed);
+        let laser = input.laser.zip(smooth_m.as_deref()).map(|(scan, ranges_m)| LaserScan { ranges_m, ..scan });
+        let input = &NavigationInput { laser, ..*input };
         self.ways.sense(limits, input);
         let mut guide = SeenGuide { ways: &mut self.ways, limits, input, speed_limit_mps };
         let decision = self.driver.step(&mut guide, limits, input);

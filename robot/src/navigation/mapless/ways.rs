@@ -81,11 +81,11 @@ impl SeenWays {
 
     /// Takes in what the sensors say.
     pub fn sense(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>) {
-        let NavigationInput { odometry_in_odom: here, sonar_m, laser_m, bumped, .. } = *input;
-        let (max_range_m, step_s) = (limits.sonar_max_range_m, limits.step_s);
-        self.heard.update(here, sonar_m, None, max_range_m, step_s, |_| None);
-        self.scanned.update(here, None, laser_m, max_range_m, step_s, |_| None);
-        self.seen.observe(here, sonar_m, laser_m, max_range_m, step_s);
+        let NavigationInput { odometry_in_odom: here, sonar, laser, bumped, .. } = *input;
+        let step_s = limits.step_s;
+        self.heard.update(here, sonar, None, step_s, |_| None);
+        self.scanned.update(here, None, laser, step_s, |_| None);
+        self.seen.observe(here, sonar, laser, limits.robot_radius_m, step_s);
         if self.heard.feel(here, limits.robot_radius_m, bumped) {
             self.seen.feel(here, limits.robot_radius_m);
         }
@@ -136,9 +136,8 @@ impl SeenWays {
         let costs = self.costs.0.get_or_insert_with(|| {
             let map = seen.grid(&[*from_in_odom, *target_in_odom], MARGIN_M, FARTHEST_M, *confidence);
             let inflation = Inflation {
-                body_radius_m: seen.planning_radius_m(limits.robot_radius_m),
                 comfortable_distance_m: profile.comfortable_distance_m,
-                ..Inflation::default()
+                ..Inflation::of_robot(seen.planning_radius_m(limits.robot_radius_m))
             };
             Arc::new(CostToGo::new(Arc::new(CostGrid::new(&map, inflation)), *target_in_odom))
         });

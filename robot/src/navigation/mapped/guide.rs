@@ -22,7 +22,7 @@ const LOOK_S: f64 = 0.5;
 const LOOK_M: f64 = 2.0;
 /// What comes this much nearer to the way than the robot's disc stands in it.
 const BESIDE_WAY_M: f64 = 0.03;
-/// Obstacles of the map are looked up this far around the robot while the sonars are off.
+/// Obstacles of the map are looked up this far around the robot while it sees nothing.
 const MAP_SUPPORT_M: f64 = 1.2;
 
 /// The guide of one step.
@@ -42,7 +42,7 @@ impl Guide for MapGuide<'_> {
     }
 
     fn driving_pose(&self) -> Pose {
-        if self.input.sonar_m.is_some() {
+        if self.input.sees() {
             self.estimated_in_map
         } else {
             aligned(&self.model.planner, &self.ways.memory, self.input.odometry_in_odom, self.estimated_in_map)
@@ -92,7 +92,7 @@ impl Guide for MapGuide<'_> {
     fn obstacles_in_base(&self, robot: Pose) -> Vec<Point> {
         let mut obstacles_in_base = Vec::new();
         self.ways.memory.append_in_base(self.input.odometry_in_odom, &mut obstacles_in_base);
-        if self.input.sonar_m.is_none() {
+        if !self.input.sees() {
             let map_in_base = Transform::new(robot.inverse());
             let mapped = self.model.planner.obstacle_edges_near(robot.point(), MAP_SUPPORT_M);
             obstacles_in_base.extend(mapped.into_iter().map(|point| map_in_base.apply(point)));

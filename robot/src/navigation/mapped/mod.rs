@@ -98,11 +98,11 @@ impl MappedNavigation {
     }
 
     fn sense(&mut self, model: &NavigationModel, estimated_in_map: Pose, input: &NavigationInput<'_>) {
-        let NavigationInput { odometry_in_odom, sonar_m, laser_m, bumped, .. } = *input;
+        let NavigationInput { odometry_in_odom, sonar, laser, bumped, .. } = *input;
         let (limits, memory) = (&model.limits, &mut self.ways.memory);
         let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
         let off_map_m = |point_in_odom| model.planner.off_obstacle_m(odom_in_map.apply(point_in_odom));
-        memory.update(odometry_in_odom, sonar_m, laser_m, limits.sonar_max_range_m, limits.step_s, off_map_m);
+        memory.update(odometry_in_odom, sonar, laser, limits.step_s, off_map_m);
         memory.feel(odometry_in_odom, limits.robot_radius_m, bumped);
     }
 

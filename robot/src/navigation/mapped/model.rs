@@ -22,7 +22,7 @@ impl NavigationModel {
 
     /// The map of a world at 10 cm, and its doors.
     pub fn new(world: &World, limits: DriveLimits) -> Self {
-        let planner = PlannerModel::new(&world.map(Self::CELL_M), Inflation::default());
+        let planner = PlannerModel::new(&world.map(Self::CELL_M), Inflation::of_robot(limits.robot_radius_m));
         Self { planner, doorways: Doorway::all(world), limits }
     }
 }

@@ -34,8 +34,8 @@ enum Sensors {
 
 /// Drives from target to target for a minute; what it touched, and how far it got.
 fn drive_about(world: World, sensors: Sensors, seed: u64) -> (crate::simulator::Contacts, f64) {
-    let settings = SimulatorSettings { laser: !matches!(sensors, Sensors::Sonar), ..SimulatorSettings::default() };
-    let simulator = SimulatorModel::new(Arc::new(world), settings);
+    let robot = if matches!(sensors, Sensors::Sonar) { "b21" } else { "b21-laser" };
+    let simulator = SimulatorModel::new(Arc::new(world), SimulatorSettings::of(builtin(robot)));
     let mut state = simulator.start(seed);
     let mut stream = Stream::new(seed, "targets");
     let mut drive = LocalDrive::follow(Vec::new());
@@ -48,7 +48,7 @@ fn drive_about(world: World, sensors: Sensors, seed: u64) -> (crate::simulator::
             let target = Point::new(stream.uniform_in(-3.2, 3.2), stream.uniform_in(-3.2, 3.2));
             drive.task = DriveTask::Follow { path_in_odom: vec![target] };
         }
-        let output = drive.step(&limits, &input(&percept), 0.65);
+        let output = drive.step(&limits, &input(&simulator, &percept), 0.65);
         commands.translation_mps = output.velocity.translation_mps;
         commands.rotation_radps = output.velocity.rotation_radps;
     }
@@ -116,7 +116,7 @@ fn what_held_the_robot_up_on_one_path_says_nothing_against_the_next() {
     let mut status = DriveStatus::Driving;
     for _ in 0..1200 {
         let percept = simulator.step(&mut state, &commands);
-        let output = drive.step(&DriveLimits::default(), &input(&percept), 0.3);
+        let output = drive.step(&DriveLimits::default(), &input(&simulator, &percept), 0.3);
         (commands.translation_mps, commands.rotation_radps) =
             (output.velocity.translation_mps, output.velocity.rotation_radps);
         status = output.status;
@@ -125,5 +125,5 @@ fn what_held_the_robot_up_on_one_path_says_nothing_against_the_next() {
     drive.task = DriveTask::Follow { path_in_odom: vec![Point::new(0.0, 3.0)] };
     drive.forget_being_held_up();
     let percept = simulator.step(&mut state, &commands);
-    assert_eq!(drive.step(&DriveLimits::default(), &input(&percept), 0.3).status, DriveStatus::Driving);
+    assert_eq!(drive.step(&DriveLimits::default(), &input(&simulator, &percept), 0.3).status, DriveStatus::Driving);
 }

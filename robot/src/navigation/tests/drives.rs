@@ -72,7 +72,8 @@ fn speeds_of_a_drive(scene: &Scene, reloading: bool) -> Vec<Velocity> {
             navigation = reloaded;
         }
         let percept = scene.simulator.step(&mut state, &commands);
-        let output = navigation.step(&scene.model, state.true_pose(), &input(&percept), TravelMode::Hallway);
+        let output =
+            navigation.step(&scene.model, state.true_pose(), &input(&scene.simulator, &percept), TravelMode::Hallway);
         commands.translation_mps = output.velocity.translation_mps;
         commands.rotation_radps = output.velocity.rotation_radps;
         velocity.push(output.velocity);
@@ -97,8 +98,8 @@ fn deleting_all_targets_stops_the_robot() {
     let input = NavigationInput {
         odometry_in_odom: Pose::default(),
         velocity: Velocity { translation_mps: 0.5, rotation_radps: 0.1 },
-        sonar_m: None,
-        laser_m: None,
+        sonar: None,
+        laser: None,
         bumped: false,
     };
     let output = navigation.step(&scene.model, scene.world.start_in_map, &input, TravelMode::Hallway);
@@ -113,7 +114,7 @@ fn drive_without_map(scene: &Scene, state: &mut SimulatorState, drive: &mut Loca
     let mut status = DriveStatus::Driving;
     for _ in 0..steps {
         let percept = scene.simulator.step(state, &commands);
-        let output = drive.step(&scene.model.limits, &input(&percept), 0.4);
+        let output = drive.step(&scene.model.limits, &input(&scene.simulator, &percept), 0.4);
         commands.translation_mps = output.velocity.translation_mps;
         commands.rotation_radps = output.velocity.rotation_radps;
         status = output.status;
@@ -204,7 +205,7 @@ fn a_shifted_estimate_before_a_door_is_brought_back() {
         odometry_in_odom = percept.odometry_in_odom;
         let odom_in_map = wrong.compose(odometry_in_odom.inverse());
         let off_map_m = |point_in_odom| scene.model.planner.off_obstacle_m(odom_in_map.transform(point_in_odom));
-        memory.update(odometry_in_odom, percept.sonar_m.as_ref(), None, 5.0, 0.05, off_map_m);
+        memory.update(odometry_in_odom, input(&scene.simulator, &percept).sonar, None, 0.05, off_map_m);
     }
     let found = aligned(&scene.model.planner, &memory, odometry_in_odom, wrong);
     assert!(found.distance_m(truth) < 0.75 * wrong.distance_m(truth), "{found:?} {truth:?}");

@@ -27,7 +27,7 @@ impl<'s> Stranger<'s> {
 
     fn step(&mut self) -> Option<NavigationEvent> {
         let percept = self.scene.simulator.step(&mut self.state, &self.commands);
-        let output = self.navigation.step(&self.scene.model.limits, &input(&percept), 0.65);
+        let output = self.navigation.step(&self.scene.model.limits, &input(&self.scene.simulator, &percept), 0.65);
         self.commands.translation_mps = output.velocity.translation_mps;
         self.commands.rotation_radps = output.velocity.rotation_radps;
         output.event
@@ -58,7 +58,7 @@ impl<'s> Stranger<'s> {
 fn random_points_of_unknown_buildings_are_reached() {
     for name in ["small-office", "dept", "lab"] {
         let mut scene = Scene::new(World::builtin(name).expect("a built-in world"));
-        scene.simulator = SimulatorModel::new(scene.world.clone(), without_drift());
+        scene.simulator = SimulatorModel::new(scene.world.clone(), SimulatorSettings::of(without_drift("b21")));
         let mut runs = Vec::new();
         for pair in 0..10 {
             let mut stream = Stream::new(pair, "pair");
@@ -75,16 +75,8 @@ fn random_points_of_unknown_buildings_are_reached() {
     }
 }
 
-fn without_drift() -> SimulatorSettings {
-    SimulatorSettings {
-        odometry_translation_noise_m_per_sqrt_m: 0.0,
-        odometry_rotation_noise_rad_per_sqrt_rad: 0.0,
-        odometry_rotation_noise_rad_per_sqrt_m: 0.0,
-        odometry_translation_bias: 0.0,
-        odometry_rotation_bias: 0.0,
-        odometry_heading_bias_radpm: 0.0,
-        ..SimulatorSettings::default()
-    }
+fn without_drift(robot: &str) -> RobotDescription {
+    RobotDescription { odometry: OdometryDrift::NONE, ..builtin(robot) }
 }
 
 /// A hall with walls in it, and the robot at (3, 5), looking along x.
@@ -125,7 +117,7 @@ fn a_dead_end_is_remembered_and_left() {
 fn a_goal_inside_a_wall_or_behind_closed_walls_is_a_failure() {
     let closed = "[[wall]]\nline = [[8.0, 3.0], [11.0, 3.0], [11.0, 7.0], [8.0, 7.0], [8.0, 3.0]]\nthickness = 0.8\n";
     let mut scene = hall_with(closed);
-    scene.simulator = SimulatorModel::new(scene.world.clone(), without_drift());
+    scene.simulator = SimulatorModel::new(scene.world.clone(), SimulatorSettings::of(without_drift("b21")));
     for goal in [Point::new(8.0, 5.0), Point::new(9.5, 5.0), Point::new(20.0, 5.0)] {
         let outcome = Stranger::new(&scene, scene.world.start_in_map, goal, 1).until_event();
         let has_failed = matches!(outcome.event, Some(NavigationEvent::Unreachable | NavigationEvent::Blocked));
@@ -136,7 +128,7 @@ fn a_goal_inside_a_wall_or_behind_closed_walls_is_a_failure() {
 #[test]
 fn a_laser_alone_finds_the_way_as_well() {
     let mut scene = hall_with(DEAD_END);
-    let settings = SimulatorSettings { laser: true, ..without_drift() };
+    let settings = SimulatorSettings::of(without_drift("b21-laser"));
     scene.simulator = SimulatorModel::new(scene.world.clone(), settings);
     let mut robot = Stranger::with(RangeSensor::Laser, &scene, scene.world.start_in_map, Point::new(11.5, 5.0), 1);
     robot.commands.sonars_on = false;
@@ -151,8 +143,9 @@ fn a_laser_finds_through_a_gap_of_sixty_centimetres() {
         "[[wall]]\nline = [[6.0, 0.1], [6.0, 5.1]]\nthickness = 0.2\n\
          [[wall]]\nline = [[6.0, 5.9], [6.0, 9.9]]\nthickness = 0.2\n",
     );
-    let settings = SimulatorSettings { laser: true, laser_noise_m: 0.01, ..without_drift() };
-    scene.simulator = SimulatorModel::new(scene.world.clone(), settings);
+    let mut robot = without_drift("b21-laser");
+    robot.laser.as_mut().expect("it has one").noise_m = 0.01;
+    scene.simulator = SimulatorModel::new(scene.world.clone(), SimulatorSettings::of(robot));
     for seed in 0..4 {
         let mut robot =
             Stranger::with(RangeSensor::Laser, &scene, scene.world.start_in_map, Point::new(9.0, 5.0), seed);

@@ -7,9 +7,10 @@ mod mapless;
 
 use super::*;
 use crate::avoidance::DriveLimits;
+use crate::description::{OdometryDrift, RobotDescription};
 use crate::geometry::{Point, Pose, Velocity, distance_m};
 use crate::planning::{CostToGo, Inflation, NavigationPlan, PlannerModel, Target, TopologicalModel, path_length_m};
-use crate::sensors::RangeSensor;
+use crate::sensors::{LaserScan, RangeSensor, SonarScan};
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings, SimulatorState};
 use crate::world::{Object, Place, Rect, SeenBy, Shape, TravelMode, World};
 use rpl_random::Stream;
@@ -35,7 +36,7 @@ impl Scene {
         let mut all_mapped = (*world).clone();
         all_mapped.objects.iter_mut().for_each(|object| object.mapped = true);
         let real_map = all_mapped.map(0.05);
-        let length_only = Inflation { body_radius_m: 0.3, closeness_weight: 0.0, ..Inflation::default() };
+        let length_only = Inflation { closeness_weight: 0.0, ..Inflation::of_robot(0.3) };
         let shortest = PlannerModel::new(&real_map, length_only);
         let model = NavigationModel::new(&world, DriveLimits::default());
         Self {
@@ -145,7 +146,8 @@ impl<'s> Journey<'s> {
         let percept = self.scene.simulator.step(&mut self.state, &self.commands);
         let estimated_in_map = self.noise.step(self.state.true_pose());
         let mode = self.scene.mode_at(estimated_in_map.point());
-        let output = self.navigation.step(&self.scene.model, estimated_in_map, &input(&percept), mode);
+        let output =
+            self.navigation.step(&self.scene.model, estimated_in_map, &input(&self.scene.simulator, &percept), mode);
         self.commands = Commands {
             translation_mps: output.velocity.translation_mps,
             rotation_radps: output.velocity.rotation_radps,
@@ -171,12 +173,18 @@ impl<'s> Journey<'s> {
     }
 }
 
-fn input(percept: &Percept) -> NavigationInput<'_> {
+fn builtin(robot: &str) -> RobotDescription {
+    RobotDescription::clone(&RobotDescription::builtin(robot).expect("built in"))
+}
+
+fn input<'a>(simulator: &'a SimulatorModel, percept: &'a Percept) -> NavigationInput<'a> {
+    let sonar = simulator.sensors.sonars.as_ref().zip(percept.sonar_m.as_deref());
+    let laser = simulator.sensors.laser.as_ref().zip(percept.laser_m.as_deref());
     NavigationInput {
         odometry_in_odom: percept.odometry_in_odom,
         velocity: Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps },
-        sonar_m: percept.sonar_m.as_ref(),
-        laser_m: percept.laser_m.as_deref(),
+        sonar: sonar.map(|(sonars, ranges_m)| SonarScan { sonars, ranges_m }),
+        laser: laser.map(|(laser, ranges_m)| LaserScan { laser, ranges_m }),
         bumped: percept.bumped,
     }
 }

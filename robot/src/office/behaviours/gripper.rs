@@ -52,6 +52,10 @@ impl Module for Gripping {
     }
 
     fn start(&mut self, _: usize, start: &Start<'_>, _: &mut Position, _: &mut Telling<'_>) -> Result<(), Raise> {
+        let robot = &start.model.settings.robot;
+        if robot.gripper.is_none() {
+            return Err(Raise::new("grasp-failure", format!("the robot `{}` has no gripper", robot.name)));
+        }
         let symbols = &start.machine.symbols;
         let (task, command) = match (start.argument("grasp"), start.argument("release")) {
             (Some(Value::Symbol(item)), None) => {

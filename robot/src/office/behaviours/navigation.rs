@@ -11,7 +11,6 @@ use crate::office::plan_text;
 use crate::office::position::Position;
 use crate::office::words::no_map;
 use crate::planning::Target;
-use crate::sensors::RangeSensor;
 use crate::simulator::Commands;
 use crate::world::{Door, TravelMode, World};
 use rpl_lang::symbol::{Symbol, fold_name};
@@ -141,8 +140,8 @@ impl Module for Navigating {
     }
 
     fn new((): &(), model: &OfficeModel, _: u64) -> Self {
-        let sensor = if model.settings.simulator.laser { RangeSensor::Laser } else { RangeSensor::Sonar };
-        Self { mapped: MappedNavigation::default(), mapless: MaplessNavigation::new(sensor), needs_sonars: true }
+        let mapless = MaplessNavigation::new(model.sensors.sharpest());
+        Self { mapped: MappedNavigation::default(), mapless, needs_sonars: true }
     }
 
     fn start(&mut self, _: usize, start: &Start<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Result<(), Raise> {

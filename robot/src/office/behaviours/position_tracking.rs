@@ -3,14 +3,14 @@
 
 use crate::geometry::{Pose, Velocity};
 use crate::localization::{Estimate, ScanParameters};
+use crate::navigation::NavigationInput;
 use crate::office::functions::{act, board, look, model, pose_list};
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, Telling, continuous, fluent_number};
 use crate::office::position::Position;
 use crate::office::report::Report;
 use crate::office::words::no_map;
-use crate::sensors::{RangeSensor, laser_reading};
-use crate::simulator::Percept;
+use crate::sensors::RangeSensor;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{BehaviourSpec, FluentSpec};
 use rpl_runtime::state::failure::Raise;
@@ -97,8 +97,8 @@ impl Module for PositionTracking {
     /// again before anybody has seen it uncertain.
     fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
         let (Some(map), Some(localization)) = (&now.model.map, &mut position.localization) else { return None };
-        let sensors = &map.localization.parameters.sensors;
-        let scans_m: Vec<_> = sensors.iter().map(|sensor| scan_m(sensor, now.percept)).collect();
+        let (input, sensors) = (now.input(), &map.localization.parameters.sensors);
+        let scans_m: Vec<_> = sensors.iter().map(|sensor| scan_m(sensor, &input)).collect();
         let scans_m: Vec<_> = scans_m.iter().map(Option::as_deref).collect();
         localization.observe(&map.localization, now.percept.odometry_in_odom, &scans_m);
         if std::mem::take(&mut position.is_doubted) {
@@ -126,16 +126,10 @@ impl Module for PositionTracking {
 }
 
 /// What a sensor of the filter has read, beam by beam; none if it is off.
-fn scan_m<'p>(sensor: &ScanParameters, percept: &'p Percept) -> Option<Cow<'p, [f32]>> {
+fn scan_m<'p>(sensor: &ScanParameters, input: &NavigationInput<'p>) -> Option<Cow<'p, [f32]>> {
     match sensor.source {
-        RangeSensor::Sonar => percept.sonar_m.as_ref().map(|ranges_m| Cow::Borrowed(ranges_m.as_slice())),
-        RangeSensor::Laser => {
-            let laser_m = percept.laser_m.as_ref()?;
-            let range_m = |&bearing_deg: &i32| {
-                laser_reading(laser_m.len(), bearing_deg).map_or(f32::NAN, |reading| laser_m[reading])
-            };
-            Some(sensor.beams_deg.iter().map(range_m).collect())
-        }
+        RangeSensor::Sonar => input.sonar.map(|scan| scan.ranges_from_middle_m()),
+        RangeSensor::Laser => input.laser.map(|scan| scan.ranges_towards_m(&sensor.beams_deg)),
     }
 }
 

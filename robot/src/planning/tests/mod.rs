@@ -34,7 +34,7 @@ struct Building {
 impl Building {
     fn new(world: World) -> Self {
         let world = Arc::new(world);
-        let planner = PlannerModel::new(&world.map(0.1), Inflation::default());
+        let planner = PlannerModel::new(&world.map(0.1), Inflation::of_robot(0.265));
         let topology = TopologicalModel::new(&world, &planner);
         Self { world, planner, topology }
     }

@@ -52,7 +52,7 @@ fn blocked_points_close_a_door_and_leave_a_detour() {
     for row in (0..30).filter(|row| !(3..12).contains(row) && !(18..27).contains(row)) {
         map.set(30, row, Cell::Occupied);
     }
-    let model = PlannerModel::new(&map, Inflation::default());
+    let model = PlannerModel::new(&map, Inflation::of_robot(0.265));
     let (from, to) = (map.centre(20, 7), map.centre(40, 7));
     let lower = map.centre(30, 7);
     let upper = map.centre(30, 22);
@@ -76,7 +76,7 @@ fn unknown_cells_are_not_entered() {
 #[test]
 fn a_start_too_near_the_wall_is_left_for_free_floor() {
     let map = grid(40, 40, &[]);
-    let model = PlannerModel::new(&map, Inflation::default());
+    let model = PlannerModel::new(&map, Inflation::of_robot(0.265));
     let (from, to) = (map.centre(0, 20), map.centre(30, 20));
     assert!(!model.is_traversable(from));
     let path = model.cost_to_go(to).path(from).expect("a way");
@@ -92,7 +92,7 @@ fn paths_keep_clear_of_a_wall_they_could_graze() {
     for row in 0..30 {
         map.set(30, row, Cell::Occupied);
     }
-    let model = PlannerModel::new(&map, Inflation::default());
+    let model = PlannerModel::new(&map, Inflation::of_robot(0.265));
     let path = model.cost_to_go(map.centre(55, 15)).path(map.centre(5, 15)).expect("a way");
     let least_m = path
         .windows(2)

@@ -118,7 +118,7 @@ fn there_is_a_plan_exactly_where_there_is_a_way() {
 }
 
 fn concerns(building: &Building) -> Vec<String> {
-    let concerns = building.topology.survey(&building.planner, 0.8);
+    let concerns = building.topology.survey(&building.planner, Some(0.8));
     let table =
         |concern: &Concern| concern.table.map_or("top".to_string(), |(table, number)| format!("{table} {number}"));
     concerns.iter().map(|concern| format!("{} {}: {}", table(concern), concern.key, concern.message)).collect()

@@ -1,8 +1,8 @@
 //! The laser range finder.
 
 use super::Commands;
-use crate::geometry::{Pose, Vector};
-use crate::sensors::LASER_READINGS;
+use crate::geometry::{Pose, Vector, wrap_angle_rad};
+use crate::sensors::LaserScanner;
 use crate::simulator::model::SimulatorModel;
 use crate::simulator::state::SimulatorState;
 use crate::simulator::surface::SurfaceForm;
@@ -12,30 +12,30 @@ use rpl_random::Stream;
 impl SimulatorModel {
     /// One scan; none if the robot has no laser.
     pub(super) fn scan_laser(&self, state: &SimulatorState, _: &Commands, stream: &mut Stream) -> Option<Vec<f32>> {
-        if !self.settings.laser {
-            return None;
-        }
-        let settings = &self.settings;
+        let laser = self.robot().laser?;
+        let most_m = laser.scanner.range_m;
         let ranges_m = self.laser_ranges(state, state.robot_in_map);
         let readings = ranges_m.into_iter().map(|range_m| {
-            if stream.chance(settings.laser_dropout_probability) || range_m >= settings.laser_max_range_m {
-                return settings.laser_max_range_m as f32;
+            if stream.chance(laser.dropout_probability) || range_m >= most_m {
+                return most_m as f32;
             }
-            (range_m + settings.laser_noise_m * stream.normal()).clamp(0.0, settings.laser_max_range_m) as f32
+            (range_m + laser.noise_m * stream.normal()).clamp(0.0, most_m) as f32
         });
         Some(readings.collect())
     }
 
-    /// Distance to the first surface the laser sees along each reading, at most its range: no
-    /// noise. Only complete if the settings enable the laser.
+    /// Distance to the first surface that the robot's laser sees along each reading, at most its range: no
+    /// noise. Nothing without a laser.
     pub fn laser_ranges(&self, state: &SimulatorState, robot_in_map: Pose) -> Vec<f64> {
-        let mut ranges_m = vec![self.settings.laser_max_range_m; LASER_READINGS];
-        self.for_each_visible(state, robot_in_map, |seen_by| seen_by.laser, |form| self.lay(form, &mut ranges_m));
+        let Some(laser) = &self.sensors.laser else { return Vec::new() };
+        let mut ranges_m = vec![laser.range_m; laser.readings];
+        let lay = |form: &SurfaceForm| self.lay(laser, form, &mut ranges_m);
+        self.for_each_visible(state, robot_in_map, |seen_by| seen_by.laser, lay);
         ranges_m
     }
 
     /// Shortens the readings that meet a surface, given in `base`.
-    fn lay(&self, form: &SurfaceForm, ranges_m: &mut [f64]) {
+    fn lay(&self, laser: &LaserScanner, form: &SurfaceForm, ranges_m: &mut [f64]) {
         match *form {
             SurfaceForm::Edge { a, b } => {
                 let twice_area_m2 = cross(a.coords, b.coords);
@@ -44,7 +44,7 @@ impl SimulatorModel {
                 }
                 let along = b - a;
                 let (from_rad, to_rad) = (libm::atan2(b.y, b.x), libm::atan2(a.y, a.x));
-                self.shorten(ranges_m, from_rad, to_rad, |direction| {
+                self.shorten(laser, ranges_m, [from_rad, to_rad], |direction| {
                     Some(twice_area_m2 / cross(direction, along)).filter(|range_m| *range_m > 0.0)
                 });
             }
@@ -55,8 +55,8 @@ impl SimulatorModel {
                 }
                 let middle_rad = libm::atan2(centre.y, centre.x);
                 let half_rad = libm::asin(radius_m / distance_m);
-                let (from_rad, to_rad) = (middle_rad - half_rad, middle_rad + half_rad);
-                self.shorten(ranges_m, from_rad, to_rad, |direction| {
+                let (from_rad, to_rad) = (wrap_angle_rad(middle_rad - half_rad), wrap_angle_rad(middle_rad + half_rad));
+                self.shorten(laser, ranges_m, [from_rad, to_rad], |direction| {
                     disc_along(direction, centre.coords, radius_m).map(|echo| echo.range_m)
                 });
             }
@@ -64,11 +64,16 @@ impl SimulatorModel {
     }
 
     /// Applies a hit to all readings between two directions, counter-clockwise.
-    fn shorten(&self, ranges_m: &mut [f64], from_rad: f64, to_rad: f64, hit: impl Fn(Vector) -> Option<f64>) {
-        let reading = |angle_rad: f64| angle_rad.to_degrees() + 90.0;
-        let (from, to) = (reading(from_rad), reading(to_rad));
-        // A surface straight behind runs over ±180°; the scan only covers the front, so it shows
-        // up at the two ends of the scan or not at all.
+    fn shorten(
+        &self,
+        laser: &LaserScanner,
+        ranges_m: &mut [f64],
+        between_rad: [f64; 2],
+        hit: impl Fn(Vector) -> Option<f64>,
+    ) {
+        let [from, to] = between_rad.map(|angle_rad| laser.reading_at(angle_rad));
+        // A surface straight behind runs over ±180°, and shows up at the two ends of the scan or not at
+        // all.
         let pieces =
             if from <= to { [(from, to), (1.0, 0.0)] } else { [(from, f64::INFINITY), (f64::NEG_INFINITY, to)] };
         for (from, to) in pieces {

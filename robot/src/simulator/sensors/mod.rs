@@ -11,7 +11,7 @@ use super::gripper::{GripperCommand, GripperStatus};
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
 use crate::geometry::Pose;
-use crate::sensors::{SONARS, Signals};
+use crate::sensors::Signals;
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -83,7 +83,7 @@ macro_rules! compose {
                     translation_mps: state.translation_mps,
                     rotation_radps: state.rotation_radps,
                     $($field: $sense(self, state, commands, &mut streams.$stream),)+
-                    bumped: state.touching || state.people.iter().any(|person| person.touching),
+                    bumped: self.robot().bumper && (state.touching || state.people.iter().any(|person| person.touching)),
                     gripper: state.gripper.status(),
                     battery: state.battery,
                     messages: state.unread_messages(),
@@ -97,12 +97,12 @@ macro_rules! compose {
 }
 
 compose! {
-    /// Distance from the *middle of the robot* to the nearest surface in each sonar's cone (the
-    /// radius of the ring is already added); the maximum range where there was no echo. None if the
-    /// sonars are off or failed.
-    sonar_m: Option<[f32; SONARS]> = sonar, SimulatorModel::fire_sonars;
-    /// Distance from the middle of the robot, [`LASER_READINGS`](crate::sensors::LASER_READINGS) of them; the
-    /// maximum range where
+    /// Distance from each sonar's mount, which of a ring is the *middle of the robot*, to the nearest surface
+    /// in its cone, in the order of the description; the maximum range where there was no echo. None if
+    /// there are no sonars, or they are off or failed.
+    sonar_m: Option<Vec<f32>> = sonar, SimulatorModel::fire_sonars;
+    /// Distance from the middle of the robot, in the order of
+    /// [`LaserScanner::direction_rad`](crate::sensors::LaserScanner::direction_rad); the maximum range where
     /// nothing came back. None if there is no laser.
     laser_m: Option<Vec<f32>> = laser, SimulatorModel::scan_laser;
 }

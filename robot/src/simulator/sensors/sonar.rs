@@ -1,78 +1,87 @@
 //! From the nearest surfaces to what the sonars report.
 
 use super::Commands;
-use crate::sensors::SONARS;
+use crate::description::Sonar;
 use crate::simulator::model::SimulatorModel;
 use crate::simulator::state::SimulatorState;
 use crate::simulator::sweep::Echo;
 use rpl_random::Stream;
 
 impl SimulatorModel {
-    /// One firing of the ring; none if it is off or has failed.
+    /// One firing of all sonars; none if there are none, or they are off or have failed.
     pub(super) fn fire_sonars(
         &self,
         state: &SimulatorState,
         commands: &Commands,
         stream: &mut Stream,
-    ) -> Option<[f32; SONARS]> {
+    ) -> Option<Vec<f32>> {
+        let (sonar, sonars) = self.robot().sonar.as_ref().zip(self.sensors.sonars.as_ref())?;
         if !commands.sonars_on || state.time_us < state.sonars_fail_until_us {
             return None;
         }
-        let echoes = self.sonar_echoes(state, state.robot_in_map);
-        let incidence_limit_cos = libm::cos(self.settings.specular_angle_rad);
-        let pose_hash = self.specular_hash(state);
-        let mut readings = [0.0; SONARS];
-        for (sonar, (reading, echo)) in readings.iter_mut().zip(&echoes).enumerate() {
-            let draws = Draws::new(pose_hash, sonar);
-            *reading = self.sonar_reading(stream, echo, incidence_limit_cos, draws) as f32;
-        }
-        Some(readings)
+        let echoes = self.sonar_echoes(sonars, state, state.robot_in_map);
+        let incidence_limit_cos = libm::cos(sonar.specular_angle_rad);
+        let pose_hash = specular_hash(sonar, state);
+        let heard = echoes.iter().zip(&self.sonar_rims_m).enumerate().map(|(number, (echo, &rim_m))| {
+            let miss = Draws::new(pose_hash, number);
+            Hearing { sonar, rim_m, incidence_limit_cos, miss }.reading_m(stream, echo) as f32
+        });
+        Some(heard.collect())
     }
+}
 
-    fn sonar_reading(&self, stream: &mut Stream, echo: &Echo, incidence_limit_cos: f64, mut miss: Draws) -> f64 {
-        let settings = &self.settings;
-        let (nearest_m, farthest_m) = (settings.robot_radius_m, settings.sonar_max_range_m);
+/// What one sonar makes of its echo.
+struct Hearing<'r> {
+    sonar: &'r Sonar,
+    rim_m: f64,
+    incidence_limit_cos: f64,
+    miss: Draws,
+}
+
+impl Hearing<'_> {
+    fn reading_m(self, stream: &mut Stream, echo: &Echo) -> f64 {
+        let Self { sonar, rim_m: nearest_m, incidence_limit_cos, mut miss } = self;
+        let farthest_m = sonar.range_m;
         let event = stream.uniform();
-        if event < settings.dropout_probability {
+        if event < sonar.dropout_probability {
             return farthest_m;
         }
-        if event < settings.dropout_probability + settings.crosstalk_probability {
+        if event < sonar.dropout_probability + sonar.crosstalk_probability {
             return stream.uniform_in(nearest_m, echo.range_m.min(farthest_m).max(nearest_m));
         }
         if echo.range_m > farthest_m {
             return farthest_m;
         }
         let miss_probability = if echo.corner {
-            settings.edge_miss_probability
+            sonar.edge_miss_probability
         } else if echo.incidence_cos < incidence_limit_cos {
-            settings.specular_miss_probability
+            sonar.specular_miss_probability
         } else {
             0.0
         };
         let mut range_m = echo.range_m;
         if miss.uniform() < miss_probability {
-            if miss.uniform() < settings.specular_silence_probability {
+            if miss.uniform() < sonar.specular_silence_probability {
                 return farthest_m;
             }
             range_m += (farthest_m - range_m) * miss.uniform();
         }
-        let sigma_m = settings.sonar_noise_m + settings.sonar_noise_per_m * range_m;
+        let sigma_m = sonar.noise_m + sonar.noise_per_m * range_m;
         (range_m + sigma_m * stream.normal()).clamp(nearest_m, farthest_m)
     }
+}
 
-    /// One number for all poses close enough to hit the same walls in the same way.
-    fn specular_hash(&self, state: &SimulatorState) -> u64 {
-        let settings = &self.settings;
-        let pose = state.robot_in_map;
-        let patch = |value: f64, size: f64| libm::floor(value / size) as i64 as u64;
-        [
-            patch(pose.x_m, settings.specular_coherence_m),
-            patch(pose.y_m, settings.specular_coherence_m),
-            patch(pose.heading_rad, settings.specular_coherence_rad),
-        ]
-        .into_iter()
-        .fold(mix(state.specular_seed), |hash, part| mix(hash ^ part))
-    }
+/// One number for all poses close enough to hit the same walls in the same way.
+fn specular_hash(sonar: &Sonar, state: &SimulatorState) -> u64 {
+    let pose = state.robot_in_map;
+    let patch = |value: f64, size: f64| libm::floor(value / size) as i64 as u64;
+    [
+        patch(pose.x_m, sonar.specular_coherence_m),
+        patch(pose.y_m, sonar.specular_coherence_m),
+        patch(pose.heading_rad, sonar.specular_coherence_rad),
+    ]
+    .into_iter()
+    .fold(mix(state.specular_seed), |hash, part| mix(hash ^ part))
 }
 
 /// Numbers that depend on nothing but where the robot is.

@@ -10,7 +10,7 @@ fn release() -> Commands {
 
 #[test]
 fn a_grasp_takes_its_time_and_the_thing() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     let mut state = model.start(1);
     state.place_item("letter", Point::new(5.5, 3.0));
     let closing = model.step(&mut state, &grasp("letter")).gripper;
@@ -19,7 +19,7 @@ fn a_grasp_takes_its_time_and_the_thing() {
     while model.step(&mut state, &Commands::default()).gripper.motion == GripperMotion::Moving {
         taken += 1;
     }
-    assert_eq!(taken * model.settings.step_us, model.settings.grasp_us);
+    assert_eq!(taken * model.robot().step_us, model.robot().gripper.expect("it has one").grasp_us);
     assert_eq!(state.gripper.holding(), Some("letter"));
 
     let opened = steps(&model, &mut state, &release(), 41).gripper;
@@ -30,7 +30,7 @@ fn a_grasp_takes_its_time_and_the_thing() {
 
 #[test]
 fn things_out_of_reach_or_of_another_name_stay() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     let mut state = model.start(1);
     state.place_item("letter", Point::new(5.81, 3.0));
     state.place_item("book", Point::new(5.5, 3.0));
@@ -40,7 +40,9 @@ fn things_out_of_reach_or_of_another_name_stay() {
 
 #[test]
 fn a_share_of_grasps_fails() {
-    let model = hall(SimulatorSettings { grasp_failure_probability: 0.25, ..SimulatorSettings::exact() }, "");
+    let mut robot = builtin("b21").without_errors();
+    robot.gripper.as_mut().expect("it has one").grasp_failure_probability = 0.25;
+    let model = hall(SimulatorSettings::of(robot), "");
     let failures = (0..400).filter(|seed| {
         let mut state = model.start(*seed);
         state.place_item("letter", Point::new(5.5, 3.0));
@@ -95,7 +97,7 @@ fn nothing_is_put_into_the_robot() {
 
 #[test]
 fn objects_come_and_go() {
-    let model = hall(SimulatorSettings::exact(), "[[object]]\nname = \"bin\"\ncircle = [7.0, 3.0, 0.2]");
+    let model = hall(exact("b21"), "[[object]]\nname = \"bin\"\ncircle = [7.0, 3.0, 0.2]");
     let mut state = model.start(1);
     let ahead = |state: &mut SimulatorState| ring(&model, state)[0];
     assert_eq!(ahead(&mut state), 1.8);

@@ -5,8 +5,8 @@ mod sensing;
 mod whole;
 
 use super::*;
+use crate::description::{RobotDescription, Sonar};
 use crate::geometry::{Point, Pose};
-use crate::sensors::{LASER_READINGS, SONARS, laser_direction_rad};
 use crate::world::{Object, Rect, SeenBy, Shape, World};
 use rpl_random::Stream;
 use std::sync::Arc;
@@ -21,6 +21,22 @@ fn hall(settings: SimulatorSettings, more: &str) -> SimulatorModel {
     SimulatorModel::new(Arc::new(World::parse(&text, "hall.toml").expect("no faults")), settings)
 }
 
+fn builtin(robot: &str) -> RobotDescription {
+    RobotDescription::clone(&RobotDescription::builtin(robot).expect("built in"))
+}
+
+/// A robot that makes no errors.
+fn exact(robot: &str) -> SimulatorSettings {
+    SimulatorSettings::of(builtin(robot).without_errors())
+}
+
+/// A robot that makes no errors but those of its sonars that are given here.
+fn with_sonars(change: impl FnOnce(&mut Sonar)) -> SimulatorSettings {
+    let mut robot = builtin("b21").without_errors();
+    change(robot.sonar.as_mut().expect("it has a ring"));
+    SimulatorSettings::of(robot)
+}
+
 fn drive(translation_mps: f64, rotation_radps: f64) -> Commands {
     Commands { translation_mps, rotation_radps, sonars_on: true, ..Commands::default() }
 }
@@ -33,7 +49,7 @@ fn steps(model: &SimulatorModel, state: &mut SimulatorState, commands: &Commands
     percept
 }
 
-fn ring(model: &SimulatorModel, state: &mut SimulatorState) -> [f32; SONARS] {
+fn ring(model: &SimulatorModel, state: &mut SimulatorState) -> Vec<f32> {
     model.step(state, &drive(0.0, 0.0)).sonar_m.expect("sonars are on")
 }
 
@@ -48,7 +64,7 @@ fn free_pose(model: &SimulatorModel, state: &SimulatorState, stream: &mut Stream
     loop {
         let pose =
             Pose::new(stream.uniform_in(0.0, size_m.x), stream.uniform_in(0.0, size_m.y), stream.uniform_in(-3.2, 3.2));
-        if model.in_the_way(state, pose.point(), model.settings.robot_radius_m).is_none() {
+        if model.in_the_way(state, pose.point(), model.robot().radius_m).is_none() {
             return pose;
         }
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::description::OdometryDrift;
 use crate::simulator::odometry::OdometryBias;
 use proptest::prelude::*;
 
@@ -25,23 +26,20 @@ fn an_arc_is_the_limit_of_many_small_steps() {
 #[test]
 fn speeds_stay_within_the_robots_limits() {
     let model = hall(SimulatorSettings::default(), "");
-    let settings = &model.settings;
+    let motors = model.robot().motors;
     let mut state = model.start(1);
     let first = model.step(&mut state, &drive(100.0, -100.0));
-    assert!((first.translation_mps - settings.translation_acceleration_mps2 * 0.05).abs() < 1e-12);
-    assert!((first.rotation_radps + settings.rotation_acceleration_radps2 * 0.05).abs() < 1e-12);
+    assert!((first.translation_mps - motors.translation_acceleration_mps2 * 0.05).abs() < 1e-12);
+    assert!((first.rotation_radps + motors.rotation_acceleration_radps2 * 0.05).abs() < 1e-12);
     let later = steps(&model, &mut state, &drive(100.0, -100.0), 60);
-    assert_eq!(
-        (later.translation_mps, later.rotation_radps),
-        (settings.max_translation_mps, -settings.max_rotation_radps)
-    );
+    assert_eq!((later.translation_mps, later.rotation_radps), (motors.max_translation_mps, -motors.max_rotation_radps));
     let stopped = steps(&model, &mut state, &drive(f64::NAN, f64::INFINITY), 60);
     assert_eq!((stopped.translation_mps, stopped.rotation_radps), (0.0, 0.0));
 }
 
 #[test]
 fn a_touch_stops_the_robot_and_counts_once() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     let mut state = model.start(1);
     let pressed = steps(&model, &mut state, &drive(0.9, 0.0), 400);
     assert!(pressed.bumped);
@@ -60,7 +58,7 @@ fn a_touch_stops_the_robot_and_counts_once() {
 /// The leaf is 2 m east of the start. At 0.3 m/s the robot stops within 9 cm of seeing it.
 #[test]
 fn a_door_shut_right_before_the_robot_is_not_its_fault() {
-    let model = model("test-room", SimulatorSettings::exact());
+    let model = model("test-room", exact("b21"));
     let contacts_when_shut_at = |gap_m: f64| {
         let mut state = model.start(1);
         model.teleport(&mut state, Pose::new(3.0, 3.0, 0.0)).expect("free");
@@ -77,7 +75,7 @@ fn a_door_shut_right_before_the_robot_is_not_its_fault() {
 
 #[test]
 fn a_touch_is_over_when_the_thing_is_gone() {
-    let model = hall(SimulatorSettings::exact(), "[[object]]\nname = \"bin\"\ncircle = [6.0, 3.0, 0.2]");
+    let model = hall(exact("b21"), "[[object]]\nname = \"bin\"\ncircle = [6.0, 3.0, 0.2]");
     let mut state = model.start(1);
     assert!(steps(&model, &mut state, &drive(0.5, 0.0), 60).bumped);
     assert!(model.step(&mut state, &drive(0.0, 0.0)).bumped);
@@ -87,7 +85,7 @@ fn a_touch_is_over_when_the_thing_is_gone() {
 
 #[test]
 fn a_touched_robot_still_turns() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     let mut state = model.start(1);
     steps(&model, &mut state, &drive(0.9, 0.0), 200);
     steps(&model, &mut state, &drive(0.9, 0.5), 40);
@@ -96,7 +94,7 @@ fn a_touched_robot_still_turns() {
 
 #[test]
 fn a_touch_of_something_no_sensor_sees_is_not_the_robots_fault() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     let mut glass = model.start(1);
     model.add_object(&mut glass, crate_at("glass", 7.0, 3.0, false, false)).expect("nobody is there");
     steps(&model, &mut glass, &drive(0.5, 0.0), 100);
@@ -124,7 +122,7 @@ proptest! {
                 commands = drive(stream.uniform_in(-1.5, 1.5), stream.uniform_in(-2.0, 2.0));
             }
             model.step(&mut state, &commands);
-            let inner_m = model.settings.robot_radius_m - 1e-8;
+            let inner_m = model.robot().radius_m - 1e-8;
             prop_assert_eq!(model.in_the_way(&state, state.true_pose().point(), inner_m), None);
         }
     }
@@ -139,38 +137,34 @@ fn moments(values: &[f64]) -> (f64, f64) {
 
 #[test]
 fn odometry_without_bias_is_right_on_average_whatever_the_step() {
-    let settings = SimulatorSettings {
-        odometry_translation_bias: 0.0,
-        odometry_rotation_bias: 0.0,
-        odometry_heading_bias_radpm: 0.0,
-        ..SimulatorSettings::default()
-    };
+    let biased = builtin("b21").odometry;
+    let drift = OdometryDrift { translation_bias: 0.0, rotation_bias: 0.0, heading_bias_radpm: 0.0, ..biased };
     const RUNS: u64 = 1500;
     for count in [20, 400] {
         let (mut ways, mut headings) = (Vec::new(), Vec::new());
         for seed in 0..RUNS {
             let mut stream = Stream::new(seed, "odometry");
-            let bias = OdometryBias::draw(&settings, &mut stream);
+            let bias = OdometryBias::draw(&drift, &mut stream);
             // Straight on for 9 m, and a full turn on the spot.
             let (mut pose, mut way_m) = (Pose::default(), 0.0);
             for _ in 0..count {
                 let before = pose;
-                pose = bias.measure(&settings, &mut stream, pose, 9.0 / f64::from(count), 0.0);
+                pose = bias.measure(&drift, &mut stream, pose, 9.0 / f64::from(count), 0.0);
                 way_m += pose.distance_m(before);
             }
             ways.push(way_m - 9.0);
             let mut heading_rad = 0.0;
             for _ in 0..count {
                 let turn_rad = std::f64::consts::TAU / f64::from(count);
-                let turned = bias.measure(&settings, &mut stream, Pose::default(), 0.0, turn_rad);
+                let turned = bias.measure(&drift, &mut stream, Pose::default(), 0.0, turn_rad);
                 heading_rad += turned.heading_rad - turn_rad;
             }
             headings.push(heading_rad);
         }
         let (way_mean_m, way_sigma_m) = moments(&ways);
         let (turn_mean_rad, turn_sigma_rad) = moments(&headings);
-        let expected_way_m = settings.odometry_translation_noise_m_per_sqrt_m * 3.0;
-        let expected_turn_rad = settings.odometry_rotation_noise_rad_per_sqrt_rad * std::f64::consts::TAU.sqrt();
+        let expected_way_m = drift.translation_noise_m_per_sqrt_m * 3.0;
+        let expected_turn_rad = drift.rotation_noise_rad_per_sqrt_rad * std::f64::consts::TAU.sqrt();
         let of_mean = 4.0 / (RUNS as f64).sqrt();
         assert!(way_mean_m.abs() < of_mean * expected_way_m, "{count}: {way_mean_m}");
         assert!(turn_mean_rad.abs() < of_mean * expected_turn_rad, "{count}: {turn_mean_rad}");
@@ -181,7 +175,7 @@ fn odometry_without_bias_is_right_on_average_whatever_the_step() {
 
 #[test]
 fn exact_odometry_is_the_true_motion() {
-    let model = model("dept", SimulatorSettings::exact());
+    let model = model("dept", exact("b21"));
     let mut state = model.start(9);
     for (translation_mps, rotation_radps) in [(0.4, 0.1), (0.2, -0.5), (0.5, 0.3)] {
         steps(&model, &mut state, &drive(translation_mps, rotation_radps), 60);

@@ -28,7 +28,7 @@ fn people_walk_around_the_robot() {
         nearest_m = nearest_m.min(distance_m(state.people[0].at_in_map, state.true_pose().point()));
     }
     assert!(farthest_x_m > 8.8, "{farthest_x_m}");
-    let touch_m = model.settings.robot_radius_m + PERSON_RADIUS_M;
+    let touch_m = model.robot().radius_m + PERSON_RADIUS_M;
     assert!(nearest_m > touch_m + model.settings.person_clearance_m - 0.05, "{nearest_m}");
     assert_eq!(state.contacts(), Contacts::default());
 }
@@ -42,7 +42,7 @@ fn a_person_who_cannot_pass_turns_back() {
     let model = hall(SimulatorSettings::default(), &format!("{PASSAGE}{WALKER}"));
     let mut state = model.start(1);
     let (_, most) = reach(&model, &mut state, 200);
-    let touch_m = model.settings.robot_radius_m + PERSON_RADIUS_M;
+    let touch_m = model.robot().radius_m + PERSON_RADIUS_M;
     assert!(most < 5.0 - touch_m - 0.04 && most > 5.0 - touch_m - 0.5, "{most}");
     let (least, _) = reach(&model, &mut state, 200);
     assert!(least < 1.3, "{least}");
@@ -103,7 +103,7 @@ fn a_crowd_keeps_moving_and_off_each_other_the_walls_and_the_robot() {
     }
     assert!(overlap_m < 0.05, "{overlap_m}");
     assert_eq!(state.contacts(), Contacts::default());
-    let mean_mps = walked_m / (20.0 * STEPS as f64 * model.settings.step_s());
+    let mean_mps = walked_m / (20.0 * STEPS as f64 * model.robot().step_s());
     assert!(mean_mps > 0.35, "{mean_mps}");
     assert!(farthest_m.iter().all(|way_m| *way_m > 3.0), "{farthest_m:?}");
 }

@@ -1,10 +1,12 @@
 use super::*;
+use crate::geometry::wrap_angle_rad;
+use crate::sensors::{LaserScanner, SonarArray, SonarLayout, SonarMount};
 use crate::simulator::surface::{SurfaceForm, forms_of};
 use std::f64::consts::FRAC_PI_4;
 
 #[test]
 fn a_sonar_facing_a_wall_reads_its_distance() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     let mut state = model.start(1);
     let sonar_m = ring(&model, &mut state);
     for (sonar, wall_m) in [(0, 5.0), (6, 3.0), (12, 5.0), (18, 3.0)] {
@@ -17,7 +19,7 @@ fn a_sonar_facing_a_wall_reads_its_distance() {
 
 #[test]
 fn the_rest_of_the_ring_follows_counter_clockwise() {
-    let model = hall(SimulatorSettings::exact(), "[[object]]\nname = \"pole\"\ncircle = [5.0, 4.5, 0.1]");
+    let model = hall(exact("b21"), "[[object]]\nname = \"pole\"\ncircle = [5.0, 4.5, 0.1]");
     let sonar_m = ring(&model, &mut model.start(1));
     assert!((sonar_m[6] - 1.4).abs() < 1e-6, "sonar 6 looks to the left");
     assert_eq!(sonar_m[18], 3.0);
@@ -25,7 +27,7 @@ fn the_rest_of_the_ring_follows_counter_clockwise() {
 
 #[test]
 fn a_cone_catches_an_edge_off_its_axis() {
-    let model = hall(SimulatorSettings::exact(), "");
+    let model = hall(exact("b21"), "");
     for (off_axis_deg, ahead_sees_it) in [(0.0_f64, true), (5.0, true), (7.4, true), (7.6, false), (12.0, false)] {
         let mut state = model.start(1);
         // The lower left corner of the crate is 2 m off; nothing else of it is nearer.
@@ -40,7 +42,7 @@ fn a_cone_catches_an_edge_off_its_axis() {
 
 #[test]
 fn sonars_look_through_an_open_door_only() {
-    let model = model("test-room", SimulatorSettings::exact());
+    let model = model("test-room", exact("b21"));
     let mut state = model.start(1);
     model.teleport(&mut state, Pose::new(3.0, 3.0, 0.0)).expect("free");
     assert!((ring(&model, &mut state)[0] - 4.8).abs() < 1e-6, "the wall of the room behind");
@@ -84,9 +86,10 @@ fn sample(forms: &[SurfaceForm], spacing_m: f64) -> Vec<Point> {
 #[test]
 fn each_cone_finds_the_nearest_of_all_surfaces() {
     const SPACING_M: f64 = 0.004;
-    let model = model("dept", SimulatorSettings::exact());
+    let arrays = arrays();
+    let model = model("dept", exact("b21"));
     let mut stream = Stream::new(3, "test");
-    for _ in 0..40 {
+    for _ in 0..20 {
         let mut state = model.start(1);
         shuffle_doors(&mut state, &mut stream);
         let pose = free_pose(&model, &state, &mut stream);
@@ -97,21 +100,49 @@ fn each_cone_finds_the_nearest_of_all_surfaces() {
                 assert!(matches!(error, OracleError::InTheWay { .. }));
             }
         }
-        let mut nearest_m = [f64::INFINITY; SONARS];
-        for point in sample(&present_forms(&model, &state), SPACING_M) {
-            let in_base = pose.inverse().transform(point);
-            let cone = libm::floor(libm::atan2(in_base.y, in_base.x).to_degrees() / 15.0 + 0.5).rem_euclid(24.0);
-            nearest_m[cone as usize] = nearest_m[cone as usize].min(in_base.coords.norm_squared().sqrt());
-        }
-        for (sonar, (echo, nearest_m)) in model.sonar_echoes(&state, pose).iter().zip(nearest_m).enumerate() {
-            if nearest_m > 5.0 {
-                assert!(echo.range_m > 5.0 - SPACING_M, "sonar {sonar} at {pose:?}: {echo:?}, but {nearest_m}");
-                continue;
+        let surfaces = sample(&present_forms(&model, &state), SPACING_M);
+        let in_base: Vec<Point> = surfaces.into_iter().map(|point| pose.inverse().transform(point)).collect();
+        for sonars in &arrays {
+            let echoes = model.sonar_echoes(sonars, &state, pose);
+            for (sonar, (echo, mount)) in echoes.iter().zip(&sonars.mounts).enumerate() {
+                let nearest_m = nearest_in_cone_m(&in_base, mount, sonars.cone_rad);
+                // A sample beside a cone's edge may be on either side.
+                let excess_m = nearest_m - echo.range_m;
+                let agrees = if nearest_m > sonars.range_m {
+                    echo.range_m > sonars.range_m - SPACING_M
+                } else {
+                    (-1e-6..1.5 * SPACING_M).contains(&excess_m)
+                };
+                assert!(agrees, "sonar {sonar} at {pose:?}: {echo:?}, but {nearest_m}");
             }
-            let excess_m = nearest_m - echo.range_m;
-            assert!((-1e-6..SPACING_M).contains(&excess_m), "sonar {sonar} at {pose:?}: {echo:?}, but {nearest_m}");
         }
     }
+}
+
+/// The nearest of these points in a cone.
+fn nearest_in_cone_m(points_in_base: &[Point], mount: &SonarMount, cone_rad: f64) -> f64 {
+    let offsets = points_in_base.iter().map(|point| point - mount.at_in_base);
+    let inside = offsets.filter(|off| {
+        let bearing_rad = libm::atan2(off.y, off.x);
+        wrap_angle_rad(bearing_rad - mount.heading_rad).abs() <= cone_rad / 2.0
+    });
+    inside.map(|off| off.norm()).fold(f64::INFINITY, f64::min)
+}
+
+/// The papers' ring; one whose cones overlap; and sonars off the middle with gaps between them, some with
+/// one apex, one looking back.
+fn arrays() -> [SonarArray; 3] {
+    let mount = |(x, y, degrees): (f64, f64, f64)| SonarMount {
+        at_in_base: Point::new(x, y),
+        heading_rad: degrees.to_radians(),
+    };
+    let mounts = [(0.1, 0.13, 90.0), (0.19, 0.08, 30.0), (0.19, 0.08, 10.0), (0.2, 0.0, -15.0), (-0.2, 0.02, 170.0)];
+    let layouts = [
+        (SonarLayout::Ring(24), 15.0_f64, 5.0),
+        (SonarLayout::Ring(16), 30.0, 4.0),
+        (SonarLayout::Mounts(mounts.map(mount).to_vec()), 25.0, 3.0),
+    ];
+    layouts.map(|(layout, cone_deg, range_m)| SonarArray::new(&layout, cone_deg.to_radians(), range_m))
 }
 
 /// Where a ray meets a surface from any side, without any cleverness.
@@ -140,17 +171,24 @@ fn along_ray_m(form: &SurfaceForm, from: Point, direction: crate::geometry::Vect
 
 #[test]
 fn each_laser_reading_is_the_first_surface_along_its_ray() {
-    let model = model("dept", SimulatorSettings { laser: true, ..SimulatorSettings::exact() });
+    let lasers = [(181, 1.0, 8.0), (360, 1.0, 3.5), (541, 0.5, 8.0)].map(|(readings, resolution_deg, range_m)| {
+        let mut robot = builtin("b21-laser").without_errors();
+        let scanner = LaserScanner { readings, resolution_deg, range_m };
+        robot.laser.as_mut().expect("it has one").scanner = scanner;
+        (scanner, model("dept", SimulatorSettings::of(robot)))
+    });
     let mut stream = Stream::new(4, "test");
-    for _ in 0..40 {
+    for round in 0..40 {
+        let (laser, model) = &lasers[round % lasers.len()];
         let mut state = model.start(1);
         shuffle_doors(&mut state, &mut stream);
-        let pose = free_pose(&model, &state, &mut stream);
-        let forms = present_forms(&model, &state);
+        let pose = free_pose(model, &state, &mut stream);
+        let forms = present_forms(model, &state);
         for (reading, range_m) in model.laser_ranges(&state, pose).into_iter().enumerate() {
-            let (sin, cos) = libm::sincos(pose.heading_rad + laser_direction_rad(LASER_READINGS, reading));
+            let (sin, cos) = libm::sincos(pose.heading_rad + laser.direction_rad(reading));
             let direction = crate::geometry::Vector::new(cos, sin);
-            let brute_m = forms.iter().map(|form| along_ray_m(form, pose.point(), direction)).fold(8.0, f64::min);
+            let brute_m =
+                forms.iter().map(|form| along_ray_m(form, pose.point(), direction)).fold(laser.range_m, f64::min);
             assert!((range_m - brute_m).abs() < 1e-6, "reading {reading} at {pose:?}: {range_m}, but {brute_m}");
         }
     }
@@ -158,7 +196,7 @@ fn each_laser_reading_is_the_first_surface_along_its_ray() {
 
 #[test]
 fn an_object_is_seen_by_its_sensors_only() {
-    let model = hall(SimulatorSettings { laser: true, ..SimulatorSettings::exact() }, "");
+    let model = hall(exact("b21-laser"), "");
     for (sonar, laser) in [(true, false), (false, true)] {
         let mut state = model.start(1);
         model.add_object(&mut state, crate_at("crate", 7.2, 3.0, sonar, laser)).expect("nobody is there");
@@ -172,12 +210,11 @@ fn an_object_is_seen_by_its_sensors_only() {
 
 #[test]
 fn grazed_walls_give_no_echo_and_faced_walls_do() {
-    let specular = SimulatorSettings {
-        specular_miss_probability: 1.0,
-        specular_silence_probability: 1.0,
-        ..SimulatorSettings::exact()
-    };
-    let limit_rad = specular.specular_angle_rad;
+    let specular = with_sonars(|sonar| {
+        sonar.specular_miss_probability = 1.0;
+        sonar.specular_silence_probability = 1.0;
+    });
+    let limit_rad = 27_f64.to_radians();
     let model = hall(specular, "");
     let sonar_m = ring(&model, &mut model.start(1));
     // The walls to the left and right are 3 m off; the cone's edge nearer to them decides.
@@ -191,14 +228,17 @@ fn grazed_walls_give_no_echo_and_faced_walls_do() {
 
 #[test]
 fn errors_of_the_sonars_have_their_stated_rates() {
-    let settings = SimulatorSettings { dropout_probability: 0.05, crosstalk_probability: 0.02, ..Default::default() };
-    let model = hall(settings.clone(), "");
+    let mut robot = builtin("b21");
+    let sonar = robot.sonar.as_mut().expect("it has a ring");
+    (sonar.dropout_probability, sonar.crosstalk_probability) = (0.05, 0.02);
+    let settings = sonar.clone();
+    let model = hall(SimulatorSettings::of(robot), "");
     let mut state = model.start(5);
     let count = 20_000;
     let (mut lost, mut short, mut sum, mut squares, mut good) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for _ in 0..count {
         let reading_m = f64::from(ring(&model, &mut state)[6]);
-        if reading_m == settings.sonar_max_range_m {
+        if reading_m == settings.range_m {
             lost += 1.0;
         } else if reading_m < 2.7 {
             short += 1.0;
@@ -209,7 +249,7 @@ fn errors_of_the_sonars_have_their_stated_rates() {
         }
     }
     let rate = |times: f64| times / f64::from(count);
-    let sigma_m = settings.sonar_noise_m + 3.0 * settings.sonar_noise_per_m;
+    let sigma_m = settings.noise_m + 3.0 * settings.noise_per_m;
     assert!((rate(lost) - 0.05).abs() < 4.0 * (0.05 * 0.95 / f64::from(count)).sqrt());
     // Cross-talk is uniform up to the true range, so a tenth of it hides among the good readings.
     assert!((rate(short) - 0.02 * (2.7 - 0.265) / (3.0 - 0.265)).abs() < 0.004);
@@ -219,7 +259,7 @@ fn errors_of_the_sonars_have_their_stated_rates() {
 
 #[test]
 fn a_miss_stays_while_the_robot_stands() {
-    let model = hall(SimulatorSettings { specular_miss_probability: 0.5, ..SimulatorSettings::exact() }, "");
+    let model = hall(with_sonars(|sonar| sonar.specular_miss_probability = 0.5), "");
     let mut state = model.start(5);
     let first_m = ring(&model, &mut state);
     assert_eq!(first_m, ring(&model, &mut state));

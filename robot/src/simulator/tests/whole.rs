@@ -5,7 +5,7 @@ fn busy_model() -> SimulatorModel {
     let text = World::builtin_text("dept").expect("built in");
     let text = format!("{text}[[person]]\npath = [[5.0, 9.0], [20.0, 11.0]]\nspeed = 0.9\n");
     let world = World::parse(&text, "dept.toml").expect("no faults");
-    SimulatorModel::new(Arc::new(world), SimulatorSettings { laser: true, ..SimulatorSettings::default() })
+    SimulatorModel::new(Arc::new(world), SimulatorSettings::of(builtin("b21-laser")))
 }
 
 /// A drive with everything in it.

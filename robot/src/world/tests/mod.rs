@@ -3,6 +3,7 @@
 mod ros_map;
 
 use super::*;
+use crate::file_text::Finding;
 use crate::occupancy::{Cell, OccupancyGrid};
 
 fn dept() -> World {
@@ -79,7 +80,7 @@ fn values_out_of_bounds_are_faults() {
     assert!(one("[[region]]\nmode = \"fast\"\nrect = [0, 0, 1, 1]").contains("\"hallway\" or"));
     assert!(one("[[region]]\nmode = \"halway\"\nrect = [0, 0, 1, 1]").ends_with("did you mean \"hallway\"?"));
     assert!(one("[[place]]\nname = \"p\"\npose = [9, 1, 0]").contains("outside the world"));
-    assert!(one("[[wall]]\nline = [[0, 1.4], [4, 1.4]]").contains("the start is in the way of a wall"));
+    assert!(one("[[wall]]\nline = [[0, 1.45], [4, 1.45]]").contains("the start is in the way of a wall"));
     assert!(one("[[wall]]\nline = 3").contains("must be an array of points, found 3"));
     assert!(one("wall = 3").contains("must be written as [[wall]]"));
 }
@@ -186,7 +187,7 @@ fn people_are_counted_and_walk_within_the_world() {
 fn a_map_without_room_is_no_world_and_a_start_in_the_unknown_no_start() {
     let map = |cell| OccupancyGrid::filled(Point::origin(), 0.1, 30, 30, cell);
     for cell in [Cell::Occupied, Cell::Unknown] {
-        let error = World::from_map("full", map(cell)).expect_err("there is no room").to_string();
+        let error = World::from_map("full", map(cell), 0.265).expect_err("there is no room").to_string();
         assert!(error.starts_with("the map has no free space that the robot fits into"), "{error}");
     }
     let text = "name = \"w\"\nmap = \"map.yaml\"\nstart = [1.5, 1.5, 0]\n";

@@ -177,7 +177,7 @@ fn recorded() -> OccupancyGrid {
 
 #[test]
 fn a_recorded_map_is_a_world_in_its_own_frame() {
-    let world = World::from_map("lab", recorded()).expect("there is room");
+    let world = World::from_map("lab", recorded(), 0.265).expect("there is room");
     assert_eq!(world.map(0.1).cells, recorded().cells);
     assert!(world.start_in_map.point().x > -2.0 && world.bounds().contains(world.start_in_map.point()));
     let walls: f64 = world
@@ -191,7 +191,7 @@ fn a_recorded_map_is_a_world_in_its_own_frame() {
     let cells = recorded().cells.iter().filter(|&&cell| cell == Occupied).count();
     assert!((walls - cells as f64 * 0.01).abs() < 1e-9);
     let full = OccupancyGrid::filled(Point::origin(), 0.1, 10, 10, Occupied);
-    assert!(World::from_map("full", full).is_err());
+    assert!(World::from_map("full", full, 0.265).is_err());
 }
 
 #[test]
@@ -204,7 +204,13 @@ fn a_world_file_may_take_its_walls_from_a_map() {
     assert!(faults(&text.replace("map.yaml", "x.yaml")).contains("lab.toml:2:7: no file x.yaml"));
     assert!(faults(&format!("size = [1.0, 1.0]\n{text}")).contains("either `size` or `map`"));
     assert!(faults(&text.replace("-1.0, 7.0", "0.0, 0.0")).contains("reaches from (-3, 5) to (5, 9)"));
-    assert!(faults(&text.replace("-1.0, 7.0", "-2.9, 7.0")).contains("the start is in the way of a wall"));
+    let text = text.replace("-1.0, 7.0", "-2.9, 7.0");
+    let beside = World::parse_with_map(&text, "lab.toml", load).expect("a small robot has room there");
+    assert!(beside.room_at_start(0.05).is_ok());
+    let taken = beside.room_at_start(0.265).expect_err("a large one has not");
+    let told = taken.in_file("lab.toml", &text).to_string();
+    assert!(told.starts_with("lab.toml:3:9: the start is in the way of a wall"), "{told}");
+    assert!(told.contains("leave 0.265 m around the start free"), "{told}");
 }
 
 /// A building of 12 m by 10 m in a field of 20 m by 16 m, drawn in three greys.
@@ -263,7 +269,7 @@ fn the_robot_starts_in_the_largest_piece_of_floor_and_off_what_is_not_known() {
     // Walls that are not dark enough, and a field around them that is free: the start is not in its corner.
     for greys in [(100, 255, 255), (100, 205, 254), (0, 205, 254)] {
         let grid = map(&small).grid(&building(greys.0, greys.1, greys.2));
-        let start = World::from_map("w", grid).expect("there is room").start_in_map.point();
+        let start = World::from_map("w", grid, 0.265).expect("there is room").start_in_map.point();
         assert!((start.x - 5.0).abs() < 3.0 && (start.y - 4.0).abs() < 2.5, "{greys:?}: {start}");
     }
 }

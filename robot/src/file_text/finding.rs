@@ -1,4 +1,4 @@
-//! What is wrong with a world file: every finding at once, each with its place in the text.
+//! What is wrong with a file: every finding at once, each with its place in the text.
 
 use std::fmt;
 use std::ops::Range;
@@ -14,10 +14,10 @@ const MOST_OF_LINE: usize = 120;
 /// Characters of a message.
 const MOST_OF_MESSAGE: usize = 2_000;
 
-/// A world file with faults; it holds the first of them, in the order of the text.
+/// A file with faults; it holds the first of them, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{}", .findings.iter().map(Finding::to_string).collect::<Vec<_>>().join("\n\n"), and_more(*.more))]
-pub struct WorldError {
+pub struct FileFaults {
     /// At least one.
     pub findings: Vec<Finding>,
     /// How many more there are.
@@ -30,7 +30,7 @@ fn and_more(more: usize) -> String {
 
 /// Faults, as they are found.
 #[derive(Debug, Default)]
-pub(super) struct Findings {
+pub(crate) struct Findings {
     found: Vec<Finding>,
     more: usize,
 }
@@ -42,12 +42,12 @@ impl Findings {
     }
 
     /// What is read, if there was no fault.
-    pub fn or_value<T>(mut self, value: Option<T>) -> Result<T, WorldError> {
+    pub fn or_value<T>(mut self, value: Option<T>) -> Result<T, FileFaults> {
         match value {
             Some(value) if self.found.is_empty() => Ok(value),
             _ => {
                 self.found.sort_by_key(|finding| (finding.line, finding.column));
-                Err(WorldError { findings: self.found, more: self.more })
+                Err(FileFaults { findings: self.found, more: self.more })
             }
         }
     }
@@ -109,16 +109,9 @@ impl Finding {
 }
 
 impl Finding {
-    /// A finding about a key of a table of a world file that was read before, such as the third
+    /// A finding about a key of a table of a TOML file that was read before, such as the third
     /// `[[place]]`; at the table, or at the beginning, if the key is not there.
-    pub fn in_world_file(
-        file: &str,
-        text: &str,
-        table: Option<(&str, usize)>,
-        key: &str,
-        message: &str,
-        help: &str,
-    ) -> Self {
+    pub fn in_toml(file: &str, text: &str, table: Option<(&str, usize)>, key: &str, message: &str, help: &str) -> Self {
         let (document, _) = DeTable::parse_recoverable(text);
         let top = document.get_ref();
         let span = match table {

@@ -1,0 +1,1 @@
+//! What a robot file says, and what is wrong with it.

@@ -1,0 +1,337 @@
+//! Reading values out of a TOML table, noting every fault on the way instead of stopping at it.
+
+use super::finding::{Finding, Findings, nearest};
+use crate::geometry::{Point, Pose};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// More rooms, walls, objects and so on, of each kind, are no building.
+const MOST_TABLES: usize = 5_000;
+
+/// A name may not be longer.
+const LONGEST_NAME: usize = 255;
+
+/// No coordinate, length or speed is larger: 100 km.
+const LARGEST_NUMBER: f64 = 1e5;
+
+pub(crate) type TomlValue<'i> = Spanned<DeValue<'i>>;
+
+/// The text being read, and what was found wrong with it so far.
+pub(crate) struct Reader<'i> {
+    /// What the file describes: "world".
+    pub kind: &'static str,
+    pub file: &'i str,
+    pub text: &'i str,
+    pub findings: Findings,
+}
+
+/// One table of the file, such as one `[[door]]`.
+#[derive(Clone)]
+pub(crate) struct TomlTable<'t, 'i> {
+    pub values: &'t DeTable<'i>,
+    /// Where the table is, for faults that have no key to point at.
+    pub span: Range<usize>,
+    /// How the table is written: "[[door]]"; empty for the top of the file.
+    pub header: String,
+}
+
+/// Something read, and the table it stands in.
+pub(crate) struct Placed<'t, 'i, T> {
+    pub value: T,
+    pub table: TomlTable<'t, 'i>,
+}
+
+impl<'t, 'i> TomlTable<'t, 'i> {
+    pub fn span_of(&self, key: &str) -> Range<usize> {
+        self.values.get(key).map_or(self.span.clone(), Spanned::span)
+    }
+}
+
+impl<'i> Reader<'i> {
+    pub fn note(&mut self, span: Range<usize>, key: &str, message: impl Into<String>, help: impl Into<String>) {
+        let (file, text) = (self.file, self.text);
+        self.findings.add(|| Finding::new(file, text, span, key, message, help));
+    }
+
+    pub fn expected(&mut self, value: &TomlValue, key: &str, what: &str, example: &str) {
+        let found = describe(value.get_ref());
+        self.note(value.span(), key, format!("`{key}` must be {what}, found {found}"), example_help(key, example));
+    }
+
+    /// What a table is called: "[[door]]", or "the world" for the top of its file.
+    fn owner(&self, table: &TomlTable, article: &str) -> String {
+        if table.header.is_empty() { format!("{article} {}", self.kind) } else { table.header.clone() }
+    }
+
+    /// Reports every key that is not one of `known`.
+    pub fn only_keys(&mut self, table: &TomlTable, known: &[&str]) {
+        for key in table.values.keys() {
+            let name: &str = key.get_ref();
+            if known.contains(&name) {
+                continue;
+            }
+            let message = match nearest(name, known.iter().copied()) {
+                Some(suggestion) => format!("unknown key `{name}`, did you mean `{suggestion}`?"),
+                None => format!("unknown key `{name}`"),
+            };
+            let owner = self.owner(table, "a");
+            self.note(key.span(), name, message, format!("the keys of {owner} are {}", known.join(", ")));
+        }
+    }
+
+    /// The tables of a `[[key]]`.
+    pub fn tables<'t>(&mut self, table: &TomlTable<'t, 'i>, key: &str) -> Vec<TomlTable<'t, 'i>> {
+        let Some(value) = table.values.get(key) else { return Vec::new() };
+        let header = format!("[[{key}]]");
+        let Some(array) = value.get_ref().as_array() else {
+            let found = describe(value.get_ref());
+            let message = format!("`{key}` must be written as {header}, found {found}");
+            self.note(value.span(), key, message, format!("write {header} above its keys"));
+            return Vec::new();
+        };
+        if array.len() > MOST_TABLES {
+            let message = format!("a {} has at most {MOST_TABLES} {header}, found {}", self.kind, array.len());
+            self.note(value.span(), key, message, "split the building, or join what belongs together");
+            return Vec::new();
+        }
+        let mut tables = Vec::new();
+        for element in array.iter() {
+            match element.get_ref().as_table() {
+                Some(values) => tables.push(TomlTable { values, span: element.span(), header: header.clone() }),
+                None => self.expected(element, key, "a table", &format!("write {header} above its keys")),
+            }
+        }
+        tables
+    }
+
+    /// The table of a `[key]` that must be there.
+    pub fn required_table<'t>(&mut self, table: &TomlTable<'t, 'i>, key: &str) -> Option<TomlTable<'t, 'i>> {
+        let header = format!("[{key}]");
+        let Some(value) = table.values.get(key) else {
+            let owner = self.owner(table, "the");
+            let help = format!("write {header} above its keys");
+            self.note(table.span.clone(), key, format!("{owner} has no {header}"), help);
+            return None;
+        };
+        let Some(values) = value.get_ref().as_table() else {
+            let found = describe(value.get_ref());
+            let message = format!("`{key}` must be written as {header}, found {found}");
+            self.note(value.span(), key, message, format!("write {header} above its keys"));
+            return None;
+        };
+        Some(TomlTable { values, span: value.span(), header })
+    }
+
+    /// The value of a key that must be there.
+    pub fn required<'t>(&mut self, table: &TomlTable<'t, 'i>, key: &str, example: &str) -> Option<&'t TomlValue<'i>> {
+        let value = table.values.get(key);
+        if value.is_none() {
+            let owner = self.owner(table, "the");
+            self.note(table.span.clone(), key, format!("{owner} has no `{key}`"), example_help(key, example));
+        }
+        value
+    }
+
+    pub fn text(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<String> {
+        let value = self.required(table, key, example)?;
+        let text = value.get_ref().as_str();
+        if text.is_none() || text == Some("") {
+            self.expected(value, key, "a name in quotes", example);
+            return None;
+        }
+        if let Some(text) = text.filter(|text| text.chars().count() > LONGEST_NAME || text.contains(char::is_control)) {
+            let length = text.chars().count();
+            let message = format!("`{key}` is no name: it has {length} characters, or some that cannot be seen");
+            let help =
+                format!("a name is one line of at most {LONGEST_NAME} characters; {}", example_help(key, example));
+            self.note(value.span(), key, message, help);
+            return None;
+        }
+        text.map(str::to_owned)
+    }
+
+    pub fn flag(&mut self, table: &TomlTable<'_, 'i>, key: &str, default: bool) -> bool {
+        let Some(value) = table.values.get(key) else { return default };
+        let flag = value.get_ref().as_bool();
+        if flag.is_none() {
+            self.expected(value, key, "true or false", "true");
+        }
+        flag.unwrap_or(default)
+    }
+
+    /// A whole number from 0 to `most`; 0 where nothing is said.
+    pub fn count(&mut self, table: &TomlTable<'_, 'i>, key: &str, most: usize) -> usize {
+        let Some(value) = table.values.get(key) else { return 0 };
+        let number = value.get_ref().as_integer().and_then(|digits| digits.to_string().parse::<usize>().ok());
+        match number {
+            Some(count) if count <= most => count,
+            _ => {
+                self.expected(value, key, &format!("a whole number from 0 to {most}"), "12");
+                0
+            }
+        }
+    }
+
+    /// A length or speed above 0, or not below 0 if `zero_is_fine`.
+    pub fn size(&mut self, table: &TomlTable<'_, 'i>, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
+        let value = self.required(table, key, example)?;
+        self.size_value(value, key, zero_is_fine, example)
+    }
+
+    pub fn size_value(&mut self, value: &TomlValue, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
+        let size = self.number_value(value, key, example)?;
+        if size > 0.0 || zero_is_fine && size == 0.0 {
+            return Some(size);
+        }
+        let bound = if zero_is_fine { "0 or more" } else { "more than 0" };
+        self.note(value.span(), key, format!("`{key}` must be {bound}, found {size}"), example_help(key, example));
+        None
+    }
+
+    pub fn number_value(&mut self, value: &TomlValue, key: &str, example: &str) -> Option<f64> {
+        let number = match value.get_ref() {
+            DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|n| n as f64),
+            DeValue::Float(digits) => digits.as_str().parse::<f64>().ok(),
+            _ => None,
+        };
+        match number {
+            Some(fine) if fine.abs() <= LARGEST_NUMBER => return Some(fine),
+            Some(number) => {
+                let what = if number.is_finite() { "a number up to 100,000" } else { "a finite number" };
+                let message = format!("`{key}` must be {what}");
+                self.note(value.span(), key, message, example_help(key, example));
+            }
+            None => self.expected(value, key, "a number", example),
+        }
+        None
+    }
+
+    /// An angle: "90deg", or a number of radians.
+    pub fn angle_value(&mut self, value: &TomlValue, key: &str) -> Option<f64> {
+        let Some(text) = value.get_ref().as_str() else {
+            return self.number_value(value, key, "\"90deg\"");
+        };
+        let degrees = text.trim().strip_suffix("deg").and_then(|number| number.trim().parse::<f64>().ok());
+        match degrees {
+            Some(degrees) if degrees.abs() <= LARGEST_NUMBER => Some(degrees.to_radians()),
+            _ => {
+                let message = format!("\"{text}\" is not an angle");
+                self.note(value.span(), key, message, "write degrees as \"90deg\", or radians as a plain number");
+                None
+            }
+        }
+    }
+
+    /// An array of exactly `count` values.
+    pub fn elements<'t>(
+        &mut self,
+        value: &'t TomlValue<'i>,
+        key: &str,
+        count: usize,
+        example: &str,
+    ) -> Option<&'t [Spanned<DeValue<'i>>]> {
+        let elements = value.get_ref().as_array().map(|array| array.as_ref());
+        match elements {
+            Some(elements) if elements.len() == count => Some(elements),
+            Some(elements) => {
+                let message = format!("`{key}` must have {count} values, found {}", elements.len());
+                self.note(value.span(), key, message, example_help(key, example));
+                None
+            }
+            None => {
+                self.expected(value, key, "an array", example);
+                None
+            }
+        }
+    }
+
+    pub fn numbers<const COUNT: usize>(
+        &mut self,
+        value: &TomlValue<'i>,
+        key: &str,
+        example: &str,
+    ) -> Option<[f64; COUNT]> {
+        let elements = self.elements(value, key, COUNT, example)?;
+        let mut numbers = [0.0; COUNT];
+        for (number, element) in numbers.iter_mut().zip(elements) {
+            *number = self.number_value(element, key, example)?;
+        }
+        Some(numbers)
+    }
+
+    pub fn circle(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<[f64; 3]> {
+        let value = self.required(table, key, example)?;
+        self.numbers(value, key, example)
+    }
+
+    pub fn point(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<Point> {
+        let value = self.required(table, key, example)?;
+        self.numbers(value, key, example).map(|[x, y]| Point::new(x, y))
+    }
+
+    /// A line or polygon of at least `fewest` points.
+    pub fn points(&mut self, table: &TomlTable<'_, 'i>, key: &str, fewest: usize, example: &str) -> Option<Vec<Point>> {
+        let value = self.required(table, key, example)?;
+        let Some(elements) = value.get_ref().as_array() else {
+            self.expected(value, key, "an array of points", example);
+            return None;
+        };
+        if elements.len() < fewest {
+            let message = format!("`{key}` must have at least {fewest} points, found {}", elements.len());
+            self.note(value.span(), key, message, example_help(key, example));
+            return None;
+        }
+        let points: Vec<Option<Point>> =
+            elements.iter().map(|element| self.numbers(element, key, example).map(|[x, y]| Point::new(x, y))).collect();
+        points.into_iter().collect()
+    }
+
+    pub fn pose(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<Pose> {
+        let value = self.required(table, key, example)?;
+        let elements = self.elements(value, key, 3, example)?;
+        let x_m = self.number_value(&elements[0], key, example);
+        let y_m = self.number_value(&elements[1], key, example);
+        let heading_rad = self.angle_value(&elements[2], key);
+        Some(Pose::new(x_m?, y_m?, heading_rad?))
+    }
+
+    /// A word out of a fixed list.
+    pub fn choice<T: Copy>(&mut self, table: &TomlTable<'_, 'i>, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let value = self.required(table, key, &format!("\"{}\"", choices[0].0))?;
+        self.choice_value(value, key, choices)
+    }
+
+    pub fn choice_value<T: Copy>(&mut self, value: &TomlValue, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let word = value.get_ref().as_str();
+        let chosen = choices.iter().find(|(name, _)| word == Some(*name)).map(|(_, choice)| *choice);
+        if chosen.is_none() {
+            let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+            let meant = word.and_then(|word| nearest(word, choices.iter().map(|(name, _)| *name)));
+            match meant {
+                Some(meant) => {
+                    let message = format!("{} is no `{key}`, did you mean \"{meant}\"?", describe(value.get_ref()));
+                    self.note(value.span(), key, message, format!("`{key}` is {}", names.join(" or ")));
+                }
+                None => self.expected(value, key, &names.join(" or "), &names[0]),
+            }
+        }
+        chosen
+    }
+}
+
+pub(crate) fn example_help(key: &str, example: &str) -> String {
+    format!("write it like `{key} = {example}`")
+}
+
+fn describe(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("\"{text}\""),
+        DeValue::Integer(digits) => digits.to_string(),
+        DeValue::Float(digits) => digits.to_string(),
+        DeValue::Boolean(flag) => flag.to_string(),
+        DeValue::Datetime(_) => "a date".to_owned(),
+        DeValue::Array(_) => "an array".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}
