@@ -11,8 +11,10 @@ pub mod fmt;
 pub mod localize;
 pub mod man;
 pub mod repl;
+pub mod replay;
 pub mod robots;
 pub mod run;
+pub mod simulate;
 pub mod test;
 pub mod trace;
 pub mod worlds;
@@ -56,6 +58,8 @@ pub enum Command {
     Repl(repl::Arguments),
     /// The same, stopped before the first form of a file
     Step(repl::Arguments),
+    Replay(Box<replay::Arguments>),
+    Simulate(simulate::Arguments),
     Trace(trace::Arguments),
     Check(check::Arguments),
     Test(test::Arguments),
@@ -81,6 +85,8 @@ impl Command {
             Command::Run(arguments) => run::run(arguments, console),
             Command::Repl(arguments) => repl::run(arguments, CommandLine::command(), false, console),
             Command::Step(arguments) => repl::run(arguments, CommandLine::command(), true, console),
+            Command::Replay(arguments) => replay::run(arguments, CommandLine::command(), console),
+            Command::Simulate(arguments) => simulate::run(arguments, console),
             Command::Trace(arguments) => trace::run(arguments, console),
             Command::Check(arguments) => check::run(arguments, console),
             Command::Test(arguments) => test::run(arguments, console),

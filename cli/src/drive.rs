@@ -223,9 +223,8 @@ impl RunDriver<'_> {
             }
             if let Some(choices) = &mut self.records.choices
                 && what == ReportKind::LocalizationAction
-                && let Robot::Office(robot) = &self.system.outside
             {
-                choices.extend(robot.localization().cloned());
+                choices.extend(self.system.outside.localization().cloned());
             }
             let track_length = self.records.track.len();
             self.records.incidents.push(Incident { what, sight, distance_m: account.distance_m, track_length });

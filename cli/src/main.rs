@@ -9,7 +9,9 @@ mod commands;
 mod drive;
 mod experiment;
 mod files;
+mod hosts;
 mod interrupt;
+mod recorded_run;
 mod reference;
 mod repl;
 mod run_record;
@@ -21,6 +23,7 @@ mod trace;
 
 use clap::{CommandFactory, Parser};
 use commands::{Command, CommandLine, completions};
+use hosts::HostArguments;
 use status::Status;
 use std::env;
 use std::io;
@@ -34,14 +37,18 @@ fn main() -> ExitCode {
     let command = match CommandLine::try_parse() {
         Ok(CommandLine { command, prompt: site, color }) => {
             colour::choose(color);
-            command.unwrap_or(Command::Repl(commands::repl::Arguments { file: None, site }))
+            command.unwrap_or(Command::Repl(commands::repl::Arguments {
+                file: None,
+                site,
+                host: HostArguments::default(),
+            }))
         }
         Err(error) => {
             colour::choose(colour::asked_in(env::args_os()));
             return answered(commands::with_suggestion(error));
         }
     };
-    let quiet = matches!(&command, Command::Run(arguments) if arguments.quiet);
+    let quiet = matches!(&command, Command::Run(arguments) if arguments.output.quiet);
     let mut console = Console::new(quiet);
     let finished = command.run(&mut console).and_then(|status| Ok(console.flush().map(|()| status)?));
     match finished {

@@ -38,10 +38,13 @@ use anyhow::Result;
 use clock::Clock;
 use command::Verb;
 use faults::Faults;
+use halt::Halt;
 pub use halt::Until;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
 use rpl_lang::source::SourceId;
+use rpl_link::recording::{Recorder, Typed};
+use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::world::World;
@@ -49,6 +52,11 @@ use rpl_runtime::state::failure::Failure;
 use session::Session;
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Read};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// No stretch of a session that is repeated takes so long.
+const LONGEST_REPEAT: Duration = Duration::from_secs(24 * 3600);
 
 /// Edge of a cell of the map that `:map` draws.
 const MAP_CELL_M: f64 = 0.1;
@@ -57,12 +65,20 @@ const MAP_CELL_M: f64 = 0.1;
 pub struct SessionStart {
     /// The world of the site, if it has one.
     pub world: Option<World>,
+    /// The robot of the run.
+    pub robot: Robot,
     /// The seed of every run.
     pub seed: u64,
     /// A plan that is loaded first.
     pub plan: Option<PlanText>,
     /// How far that plan is run.
     pub until: Until,
+    /// Where what is typed is written, if anywhere.
+    pub recorder: Option<Arc<Recorder>>,
+    /// What was typed in the session that is repeated.
+    pub typed: Vec<Typed>,
+    /// Whether more is read, from standard input.
+    pub reads: bool,
     /// The commands that `:doc` documents beside the names of the language.
     pub command_line: clap::Command,
 }
@@ -72,16 +88,17 @@ pub struct SessionStart {
 /// # Errors
 /// Standard output is closed.
 pub fn run(site: &Site, opening: SessionStart, console: &mut Console) -> Result<Status> {
-    let SessionStart { world, seed, plan, until, command_line } = opening;
+    let SessionStart { world, robot, seed, plan, until, recorder, typed, reads, command_line } = opening;
     let places = world.as_ref().map_or_else(Vec::new, |world| {
         let rooms = world.rooms.iter().map(|room| room.name.to_string());
         rooms.chain(world.places.iter().map(|place| place.name.to_string())).collect()
     });
     let map = world.map(|world| world.map(MAP_CELL_M));
-    let session = Session::new(site, seed)?;
-    let mut prompt = Prompt { map, places, command_line, ..Prompt::new(session, console, io::stdin().is_terminal()) };
+    let session = Session::new(site, robot, seed)?;
+    let mut prompt =
+        Prompt { map, places, recorder, command_line, ..Prompt::new(session, console, io::stdin().is_terminal()) };
     let usual = prompt.faults.catch();
-    let ended = prompt.all(plan, until);
+    let ended = prompt.all(plan, until, typed, reads);
     Faults::let_go(usual);
     ended?;
     prompt.console.flush()?;
@@ -116,6 +133,8 @@ struct Prompt<'a> {
     repeated: Option<String>,
     /// What the exit status says when nobody sat at the prompt.
     worst: Status,
+    /// Where what is typed is written.
+    recorder: Option<Arc<Recorder>>,
     /// The forms typed last.
     typed: String,
     /// The last failure that was told.
@@ -138,6 +157,7 @@ impl<'a> Prompt<'a> {
             is_interactive,
             repeated: None,
             worst: Status::Succeeded,
+            recorder: None,
             typed: String::new(),
             failure: None,
             saved: BTreeMap::new(),
@@ -148,11 +168,41 @@ impl<'a> Prompt<'a> {
 
 impl Prompt<'_> {
     /// From the file that is loaded first to the end.
-    fn all(&mut self, plan: Option<PlanText>, until: Until) -> Result<()> {
+    fn all(&mut self, plan: Option<PlanText>, until: Until, typed: Vec<Typed>, reads: bool) -> Result<()> {
+        self.session.horizon_us = typed.first().map(|typed| typed.time_us);
         if let Some(plan) = plan {
             self.guarded(|prompt| prompt.load(plan, until).map(|()| AfterLine::Another))?;
         }
-        if self.is_interactive { self.converse() } else { self.read_all() }
+        self.repeat(typed)?;
+        match (reads, self.is_interactive) {
+            (false, _) => Ok(()),
+            (true, true) => self.converse(),
+            (true, false) => self.read_all(),
+        }
+    }
+
+    /// What was typed takes effect when it did.
+    fn repeat(&mut self, typed: Vec<Typed>) -> Result<()> {
+        let ends = typed.iter().skip(1).map(|next| Some(next.time_us)).chain([None]);
+        for (Typed { typed, time_us }, end_us) in typed.iter().zip(ends) {
+            // By the clock it came to here.
+            let before = Instant::now() + LONGEST_REPEAT;
+            let began_us = self.session.branch.system.machine.now_us;
+            if began_us < *time_us {
+                let halt = self.session.go_on(&Until::Clock { due_us: *time_us, before }, self.console)?;
+                if let Halt::Answered(_) = halt {
+                    self.halted(halt)?;
+                }
+            }
+            self.session.horizon_us = end_us;
+            self.console.note(&format!("> {}", typed.trim_end()));
+            let is_of_clock = matches!(command::parse(typed), Ok((Verb::Go | Verb::Stop, _))) && typed.starts_with(':');
+            if !is_of_clock && self.handle(typed)? == AfterLine::Quit {
+                break;
+            }
+        }
+        self.session.horizon_us = None;
+        Ok(())
     }
 
     /// Everything from standard input, form by form, without a person.
@@ -222,6 +272,10 @@ impl Prompt<'_> {
     /// # Errors
     /// Standard output is closed.
     fn handle(&mut self, text: &str) -> Result<AfterLine> {
+        if let Some(recorder) = &self.recorder {
+            let time_us = self.session.branch.system.machine.now_us;
+            recorder.typed(&Typed { typed: text.to_string(), time_us });
+        }
         self.guarded(|prompt| prompt.obey(text))
     }
 

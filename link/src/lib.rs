@@ -1,6 +1,9 @@
 //! Lines to other processes: pipes, sockets, and the threads and clocks that they take.
 //!
-//! Read `transcript` first, then `recording`.
+//! Read `transcript` first, then `recording`, `tcp_client` and `tcp_server`.
 
+mod message_lines;
 pub mod recording;
+pub mod tcp_client;
+pub mod tcp_server;
 pub mod transcript;

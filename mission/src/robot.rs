@@ -2,7 +2,9 @@
 
 use crate::sight::{Account, PositionBelief, Sight};
 use rpl_lang::symbol::Symbol;
-use rpl_robot::geometry::Vector;
+use rpl_protocol::remote_host::RemoteHost;
+use rpl_robot::geometry::{Pose, Vector};
+use rpl_robot::localization::Localization;
 use rpl_robot::office::{Module, OfficeModules, OfficeRobot, Oracle, SimulatedHost};
 use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::system::{Outcome, System};
@@ -19,6 +21,8 @@ pub enum Robot<M: Module = OfficeModules> {
     Absent(NoRobot),
     /// A robot in its world, simulated.
     Office(Box<OfficeRobot<SimulatedHost, M>>),
+    /// The same robot, moved by another process.
+    Remote(Box<OfficeRobot<RemoteHost, M>>),
 }
 
 impl<M: Module> Robot<M> {
@@ -26,11 +30,8 @@ impl<M: Module> Robot<M> {
     pub fn sight(&self) -> Option<Sight> {
         match self {
             Robot::Absent(_) => None,
-            Robot::Office(robot) => Some(Sight {
-                robot_in_map: robot.true_pose_in_map(),
-                estimate_in_map: robot.estimated_pose_in_map(),
-                certainty: robot.estimate().certainty,
-            }),
+            Robot::Office(robot) => Some(sight(robot, Some(robot.true_pose_in_map()))),
+            Robot::Remote(robot) => Some(sight(robot, None)),
         }
     }
 
@@ -38,7 +39,8 @@ impl<M: Module> Robot<M> {
     pub fn is_lost(&self) -> bool {
         match self {
             Robot::Absent(_) => false,
-            Robot::Office(robot) => robot.estimate().certainty <= robot.model().settings.active.certainty,
+            Robot::Office(robot) => is_lost(robot),
+            Robot::Remote(robot) => is_lost(robot),
         }
     }
 
@@ -59,10 +61,21 @@ impl<M: Module> Robot<M> {
             Robot::Office(robot) => {
                 let contacts = robot.contacts();
                 Some(Account {
-                    contacts: contacts.caused,
-                    contacts_unseen: contacts.unseen,
-                    contacts_by_people: contacts.run_into,
+                    contacts: Some(contacts.caused),
+                    contacts_unseen: Some(contacts.unseen),
+                    contacts_by_people: Some(contacts.run_into),
                     distance_m: robot.distance_driven_m(),
+                    host: None,
+                })
+            }
+            Robot::Remote(robot) => {
+                let record = robot.host.record;
+                Some(Account {
+                    contacts: None,
+                    contacts_unseen: None,
+                    contacts_by_people: None,
+                    distance_m: record.distance_m,
+                    host: Some(record),
                 })
             }
         }
@@ -72,7 +85,8 @@ impl<M: Module> Robot<M> {
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
         match (self, earlier) {
             (Robot::Office(robot), Robot::Office(earlier)) => robot.bytes_apart(earlier),
-            (Robot::Absent(_), _) | (Robot::Office(_), Robot::Absent(_)) => 0,
+            (Robot::Remote(robot), Robot::Remote(earlier)) => robot.bytes_apart(earlier),
+            (Robot::Absent(_) | Robot::Office(_) | Robot::Remote(_), _) => 0,
         }
     }
 
@@ -80,16 +94,17 @@ impl<M: Module> Robot<M> {
     pub fn belief(&self) -> Option<PositionBelief> {
         match self {
             Robot::Absent(_) => None,
-            Robot::Office(robot) => {
-                let grid = &robot.model().map.as_ref()?.localization.grid;
-                Some(PositionBelief {
-                    resolution_m: grid.cell_m,
-                    // The grid names the middle of its first cell, a drawing wants its corner.
-                    origin_in_map: grid.origin_in_map - Vector::new(grid.cell_m, grid.cell_m) / 2.0,
-                    columns: grid.columns,
-                    cells: robot.belief_xy()?,
-                })
-            }
+            Robot::Office(robot) => belief(robot),
+            Robot::Remote(robot) => belief(robot),
+        }
+    }
+
+    /// The filter; none without a map.
+    pub fn localization(&self) -> Option<&Localization> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => robot.localization(),
+            Robot::Remote(robot) => robot.localization(),
         }
     }
 
@@ -97,6 +112,7 @@ impl<M: Module> Robot<M> {
         match self {
             Robot::Absent(robot) => robot,
             Robot::Office(robot) => robot.as_ref(),
+            Robot::Remote(robot) => robot.as_ref(),
         }
     }
 
@@ -104,8 +120,28 @@ impl<M: Module> Robot<M> {
         match self {
             Robot::Absent(robot) => robot,
             Robot::Office(robot) => robot.as_mut(),
+            Robot::Remote(robot) => robot.as_mut(),
         }
     }
+}
+
+fn sight<H, M: Module>(robot: &OfficeRobot<H, M>, robot_in_map: Option<Pose>) -> Sight {
+    Sight { robot_in_map, estimate_in_map: robot.estimated_pose_in_map(), certainty: robot.estimate().certainty }
+}
+
+fn is_lost<H, M: Module>(robot: &OfficeRobot<H, M>) -> bool {
+    robot.estimate().certainty <= robot.model().settings.active.certainty
+}
+
+fn belief<H, M: Module>(robot: &OfficeRobot<H, M>) -> Option<PositionBelief> {
+    let grid = &robot.model().map.as_ref()?.localization.grid;
+    Some(PositionBelief {
+        resolution_m: grid.cell_m,
+        // The grid names the middle of its first cell, a drawing wants its corner.
+        origin_in_map: grid.origin_in_map - Vector::new(grid.cell_m, grid.cell_m) / 2.0,
+        columns: grid.columns,
+        cells: robot.belief_xy()?,
+    })
 }
 
 impl<M: Module> Outside for Robot<M> {

@@ -1,13 +1,14 @@
 //! What can be told of a robot from outside, where it really is included: no plan sees any of it.
 
+use rpl_protocol::remote_host::HostRecord;
 use rpl_robot::geometry::{Point, Pose};
 use serde::Serialize;
 
 /// What can be seen of a robot from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// Where it is.
-    pub robot_in_map: Pose,
+    /// Where it is; none if its host is another process, which does not tell.
+    pub robot_in_map: Option<Pose>,
     /// Where it believes it is.
     pub estimate_in_map: Pose,
     /// How sure it is of that, from 0 to 1.
@@ -15,16 +16,25 @@ pub struct Sight {
 }
 
 /// What a robot did on the whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Account {
-    /// How often it moved into something it could see.
-    pub contacts: u32,
+    /// How often it moved into something it could see; none, here and below, if its host is another
+    /// process, which does not tell.
+    pub contacts: Option<u32>,
     /// How often it moved into something none of its sensors could see.
-    pub contacts_unseen: u32,
+    pub contacts_unseen: Option<u32>,
     /// How often a person ran into it.
-    pub contacts_by_people: u32,
-    /// How far it drove.
+    pub contacts_by_people: Option<u32>,
+    /// How far it drove; with a host in another process, by its odometry.
     pub distance_m: f64,
+    /// How it went with a host in another process.
+    pub host: Option<HostRecord>,
+}
+
+impl Account {
+    /// That of a robot that has done nothing yet.
+    pub const NOTHING: Self =
+        Self { contacts: Some(0), contacts_unseen: Some(0), contacts_by_people: Some(0), distance_m: 0.0, host: None };
 }
 
 /// Where the robot may be: a probability for each cell, `cells[row][column]`, row-major.

@@ -8,6 +8,7 @@ use crate::robot::Robot;
 use crate::run::silence_continuous_fluents;
 use crate::scenario::Scenario;
 use rpl_lang::compile::Loader;
+use rpl_protocol::remote_host::RemoteHost;
 use rpl_robot::office::{
     Composition, Module, OfficeModel, OfficeModules, OfficeRobot, OfficeSettings, SimulatedHost, office_modules,
 };
@@ -194,6 +195,16 @@ impl<M: Module> Site<M> {
         }
     }
 
+    /// The same robot, moved by a host in another process; none without a world. If the host does not know
+    /// that the robot stands where the world says it starts, the robot is not told where it is.
+    pub fn robot_of(&self, host: RemoteHost, start_known: bool, seed: u64) -> Option<Robot<M>> {
+        let mut robot = self.robot_on(host, seed)?;
+        if !start_known {
+            robot.forget_position();
+        }
+        Some(Robot::Remote(Box::new(robot)))
+    }
+
     /// A run of a plan at its start, which keeps no trace. The same plan and seed give the same run.
     pub fn start(&self, plan: Loaded, seed: u64) -> System<Robot<M>> {
         System::new(self.library.clone(), plan, self.robot(seed), seed)
@@ -212,12 +223,12 @@ impl<M: Module> Site<M> {
         system
     }
 
-    /// A run whose main task waits for forms ([`rpl_runtime::run::session`]).
+    /// A run with a robot of this site, whose main task waits for forms ([`rpl_runtime::run::session`]).
     ///
     /// # Errors
     /// The session's own text does not compile.
-    pub fn session(&self, seed: u64) -> Result<System<Robot<M>>, Rejected> {
-        let mut system = System::session(&self.library, self.robot(seed), seed)?;
+    pub fn session(&self, robot: Robot<M>, seed: u64) -> Result<System<Robot<M>>, Rejected> {
+        let mut system = System::session(&self.library, robot, seed)?;
         silence_continuous_fluents(&mut system);
         Ok(system)
     }

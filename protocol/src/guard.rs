@@ -108,6 +108,7 @@ impl Guard {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rpl_robot::description::RobotDescription;
     use rpl_robot::geometry::Pose;
     use rpl_robot::simulator::{SimulatorModel, SimulatorSettings, SimulatorState};
     use rpl_robot::world::World;
@@ -122,7 +123,8 @@ mod tests {
     /// A robot at its top speed in a long corridor.
     fn driving() -> (SimulatorModel, SimulatorState, Percept) {
         let world = World::builtin("dept").expect("a built-in world");
-        let model = SimulatorModel::new(Arc::new(world), SimulatorSettings::exact());
+        let robot = RobotDescription::clone(&RobotDescription::papers()).without_errors();
+        let model = SimulatorModel::new(Arc::new(world), SimulatorSettings::of(robot));
         let mut state = model.start(1);
         state.translation_mps = 0.95;
         state.rotation_radps = 60.0_f64.to_radians();

@@ -14,9 +14,6 @@ use std::collections::BTreeMap;
 /// The version of the messages.
 pub const PROTOCOL: u32 = 1;
 
-/// The robot that missions are for.
-pub const ROBOT: &str = "b21";
-
 /// Bytes of a line, at most; a longer one is a fault of whoever sent it.
 pub const LONGEST_LINE: usize = 1 << 20;
 
@@ -92,9 +89,9 @@ pub struct CommandsMessage {
     /// What the gripper is to begin, if anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gripper: Option<GripperOrder>,
-    /// What is asked of actuators that are not in this list, by name.
+    /// What actuators of other kinds are told, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub others: BTreeMap<String, SignalMessage>,
+    pub others: SignalMessages,
 }
 
 /// What the gripper is to begin.
@@ -143,13 +140,15 @@ pub struct PerceptMessage {
     /// What people have sent since the last percept, word by word.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<Vec<String>>,
-    /// What sensors perceive that are not in this list, by name.
+    /// What sensors of other kinds perceive, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub others: BTreeMap<String, SignalMessage>,
+    pub others: SignalMessages,
 }
 
-/// What a sensor perceives, or an actuator is told, that only a module knows: true or false, a number, a
-/// text, or a list of these.
+/// What a sensor perceives or an actuator is told, by its name, that rpl knows nothing else of.
+pub type SignalMessages = BTreeMap<String, SignalMessage>;
+
+/// The value of such a signal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum SignalMessage {
@@ -161,37 +160,6 @@ pub enum SignalMessage {
     Text(String),
     /// Signals, one after the other.
     List(Vec<SignalMessage>),
-}
-
-impl From<&Signal> for SignalMessage {
-    fn from(signal: &Signal) -> Self {
-        match signal {
-            Signal::Truth(truth) => Self::Truth(*truth),
-            // JSON has no other numbers.
-            Signal::Number(number) => Self::Number(if number.is_finite() { *number } else { 0.0 }),
-            Signal::Text(text) => Self::Text(text.clone()),
-            Signal::List(items) => Self::List(items.iter().map(Self::from).collect()),
-        }
-    }
-}
-
-impl From<&SignalMessage> for Signal {
-    fn from(message: &SignalMessage) -> Self {
-        match message {
-            SignalMessage::Truth(truth) => Self::Truth(*truth),
-            SignalMessage::Number(number) => Self::Number(*number),
-            SignalMessage::Text(text) => Self::Text(text.clone()),
-            SignalMessage::List(items) => Self::List(items.iter().map(Self::from).collect()),
-        }
-    }
-}
-
-fn messages_of(signals: &Signals) -> BTreeMap<String, SignalMessage> {
-    signals.iter().map(|(name, signal)| (name.clone(), signal.into())).collect()
-}
-
-fn signals_of(messages: &BTreeMap<String, SignalMessage>) -> Signals {
-    messages.iter().map(|(name, message)| (name.clone(), message.into())).collect()
 }
 
 /// Position and heading in the plane.
@@ -353,6 +321,30 @@ impl PerceptMessage {
             others: signals_of(&self.others),
         })
     }
+}
+
+fn messages_of(signals: &Signals) -> SignalMessages {
+    fn message(signal: &Signal) -> SignalMessage {
+        match signal {
+            Signal::Truth(truth) => SignalMessage::Truth(*truth),
+            Signal::Number(number) => SignalMessage::Number(if number.is_finite() { *number } else { 0.0 }),
+            Signal::Text(text) => SignalMessage::Text(text.clone()),
+            Signal::List(items) => SignalMessage::List(items.iter().map(message).collect()),
+        }
+    }
+    signals.iter().map(|(name, signal)| (name.clone(), message(signal))).collect()
+}
+
+fn signals_of(messages: &SignalMessages) -> Signals {
+    fn signal(message: &SignalMessage) -> Signal {
+        match message {
+            SignalMessage::Truth(truth) => Signal::Truth(*truth),
+            SignalMessage::Number(number) => Signal::Number(*number),
+            SignalMessage::Text(text) => Signal::Text(text.clone()),
+            SignalMessage::List(items) => Signal::List(items.iter().map(signal).collect()),
+        }
+    }
+    messages.iter().map(|(name, message)| (name.clone(), signal(message))).collect()
 }
 
 /// Metres, metres a second or radians that no robot comes to.

@@ -4,10 +4,12 @@ use crate::arguments::completion;
 use crate::arguments::site::SiteArguments;
 use crate::files::inputs;
 use crate::files::plans;
+use crate::hosts::{HostArguments, Use};
+use crate::recorded_run::{RecordedRun, RecordedText, RunKind};
 use crate::repl::{self, SessionStart, Until};
 use crate::status::Status;
 use crate::terminal::console::Console;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap_complete::engine::ArgValueCompleter;
 
 /// Arguments of `rpl repl` and `rpl step`.
@@ -18,6 +20,8 @@ pub struct Arguments {
     pub file: Option<String>,
     #[command(flatten)]
     pub site: SiteArguments,
+    #[command(flatten)]
+    pub host: HostArguments,
 }
 
 /// Runs a session, which documents the commands of this command line too. With `stops_at_start` the
@@ -31,11 +35,27 @@ pub fn run(
     stops_at_start: bool,
     console: &mut Console,
 ) -> Result<Status> {
+    let source = arguments.host.reach(&arguments.site)?;
     let (site, world) = arguments.site.build()?;
     if arguments.file.as_deref() == Some(inputs::STANDARD_INPUT) {
         bail!("standard input is what the prompt reads; `rpl run -` runs a plan from there");
     }
     let plan = arguments.file.as_deref().map(plans::plan).transpose()?;
     let until = if stops_at_start { Until::Step } else { Until::End };
-    repl::run(&site, SessionStart { world, seed: arguments.site.seed, plan, until, command_line }, console)
+    let seed = arguments.site.seed;
+    let recorder = arguments.host.record(&RecordedRun {
+        kind: if stops_at_start { RunKind::Step } else { RunKind::Session },
+        plan: arguments.file.as_deref().zip(plan.as_ref()).map(|(name, text)| RecordedText::of(name, text)),
+        host: source.heard(),
+        ..RecordedRun::at(&arguments.site, world.as_ref())?
+    })?;
+    let (robot, _) = source.robot(&site, seed, Use::Session, recorder.clone())?;
+    let typed = Vec::new();
+    let opening =
+        SessionStart { world, robot, seed, plan, until, recorder: recorder.clone(), typed, reads: true, command_line };
+    let status = repl::run(&site, opening, console)?;
+    if let Some(recorder) = recorder {
+        recorder.finish().context("the recording cannot be written")?;
+    }
+    Ok(status)
 }

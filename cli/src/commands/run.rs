@@ -8,17 +8,20 @@ use crate::drive::{Pace, drive};
 use crate::files::outputs::OutputFile;
 use crate::files::plans;
 use crate::files::plans::PlanText;
+use crate::hosts::{HostArguments, HostSource, Use, astray};
 use crate::interrupt;
+use crate::recorded_run::{RecordedRun, RecordedText};
 use crate::run_record::Records;
 use crate::show::figures;
 use crate::show::summary::{report, status, summarize};
 use crate::status::Status;
 use crate::terminal::console::Console;
 use crate::trace::{self, Header, TraceFile};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_runtime::run::library::Loaded;
+use rpl_runtime::run::system::System;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -30,37 +33,50 @@ pub struct Arguments {
     pub file: String,
     #[command(flatten)]
     pub site: SiteArguments,
+    #[command(flatten)]
+    pub host: HostArguments,
     /// Another first value for a variable of the plan
     #[arg(long, value_name = "NAME=EXPR", add = ArgValueCompleter::new(completion::variables))]
     pub set: Vec<String>,
     /// Stops at this time of the plan, such as 90s or 5min
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
-    /// Writes what happens as JSON Lines
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub trace: Option<PathBuf>,
-    /// The trace also tells where the robot is, N times a second: its true pose, the estimate, and
-    /// how certain that is
-    #[arg(long, value_name = "N", requires_all = ["trace", "world"], value_parser = parse_rate)]
-    pub trace_poses: Option<f64>,
-    /// Writes one JSON object to standard output at the end
-    #[arg(long)]
-    pub json: bool,
-    /// Draws map, paths and belief as SVG into this folder
-    #[arg(long, value_name = "DIR", requires = "world", value_hint = ValueHint::DirPath)]
-    pub figures: Option<PathBuf>,
     /// Keeps pace with the wall clock, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
     pub realtime: Option<f64>,
     /// Steps a task may make in one instant before it counts as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// What is written of a run.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Output {
+    /// Writes what happens as JSON Lines
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub trace: Option<PathBuf>,
+    /// The trace also tells where the robot is, N times a second: its true pose, the estimate, and
+    /// how certain that is
+    #[arg(long, value_name = "N", requires = "trace", value_parser = parse_rate)]
+    pub trace_poses: Option<f64>,
+    /// Writes one JSON object to standard output at the end
+    #[arg(long)]
+    pub json: bool,
+    /// Draws map, paths and belief as SVG into this folder
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub figures: Option<PathBuf>,
     /// Writes only what the plan prints, and failures
     #[arg(short, long)]
     pub quiet: bool,
 }
 
-fn parse_factor(text: &str) -> Result<f64, String> {
+/// A factor of time.
+///
+/// # Errors
+/// It is no number above 0.
+pub fn parse_factor(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
         _ => Err("the factor must be a number above 0".to_string()),
@@ -82,22 +98,45 @@ fn parse_rate(text: &str) -> Result<f64, String> {
 /// # Errors
 /// The text or the command line is wrong, or a file cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let source = arguments.host.reach(&arguments.site)?;
+    run_on(arguments, source, console)
+}
+
+/// Runs the plan on a host.
+///
+/// # Errors
+/// As for [`run`].
+pub fn run_on(arguments: &Arguments, source: HostSource, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let plan = plans::plan(&arguments.file)?;
+    let recorded_plan = RecordedText::of(&arguments.file, &plan);
     let mut overrides = Overrides::parse(&arguments.set)?;
+    let output = &arguments.output;
     let (site, world) = arguments.site.build()?;
+    if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
+        bail!("without a robot there are no poses and no figures; add `--world dept`");
+    }
     let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
     overrides.check_all_used()?;
 
-    let figures = arguments.figures.as_deref().map(figures::open_folder).transpose()?;
-    let scenes = arguments.figures.is_some().then(Vec::new);
-    let pose_every_us = arguments.trace_poses.map(|rate| (1e6 / rate).round() as u64);
+    let figures = output.figures.as_deref().map(figures::open_folder).transpose()?;
+    let scenes = output.figures.is_some().then(Vec::new);
+    let pose_every_us = output.trace_poses.map(|rate| (1e6 / rate).round() as u64);
     let mut records = Records { trace: create_trace(arguments)?, pose_every_us, scenes, ..Records::default() };
     let wants_events = records.trace.is_some() || world.is_some();
     let seed = arguments.site.seed;
+    let recorder = arguments.host.record(&RecordedRun {
+        plan: Some(recorded_plan),
+        set: arguments.set.clone(),
+        until_us: arguments.until,
+        max_steps: arguments.max_steps,
+        host: source.heard(),
+        ..RecordedRun::at(&arguments.site, world.as_ref())?
+    })?;
+    let (robot, transcript) = source.robot(&site, seed, Use::Run, recorder.clone())?;
     let mut system = match wants_events {
-        true => site.start_traced(loaded, seed),
-        false => site.start(loaded, seed),
+        true => site.start_traced_with(robot, loaded, seed),
+        false => System::new(site.library.clone(), loaded, robot, seed),
     };
     if let Some(steps) = arguments.max_steps {
         system.machine.limits.steps = steps;
@@ -110,13 +149,19 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Some(trace) = &mut records.trace {
         trace.finish().context("the trace cannot be written")?;
     }
+    if let Some(recorder) = recorder {
+        recorder.finish().context("the recording cannot be written")?;
+    }
     if let (Some(mut folder), Some(world)) = (figures, &world) {
         let radius_m = site.office().map_or(0.0, |office| office.limits.robot_radius_m);
         figures::write_mission(&mut folder, world, radius_m, &records, system.outside.belief().as_ref())?;
     }
     let summary = summarize(&system, ending, &records, arguments.site.seed, began);
     report(&system, ending, &summary, console);
-    if arguments.json {
+    if let (Some(divergence), Some(office)) = (transcript.and_then(|line| line.divergence()), site.office()) {
+        console.note(&astray(&divergence, office.settings.robot.step_us));
+    }
+    if output.json {
         console.print(&summary.as_json()?)?;
     }
     console.flush()?;
@@ -149,7 +194,7 @@ fn load(
 }
 
 fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
-    let Some(path) = &arguments.trace else { return Ok(None) };
+    let Some(path) = &arguments.output.trace else { return Ok(None) };
     let header = Header {
         version: trace::VERSION,
         rpl: Some(env!("CARGO_PKG_VERSION").to_string()),

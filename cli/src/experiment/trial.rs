@@ -78,13 +78,26 @@ impl MissionTrial {
     }
 }
 
+/// Where the robot really is: the robots of experiments are simulated here.
+fn truth_of(sight: &Sight) -> Pose {
+    match sight.robot_in_map {
+        Some(robot_in_map) => robot_in_map,
+        None => unreachable!("an experiment has no host in another process"),
+    }
+}
+
+/// How far the estimate is off.
+fn off_m(sight: &Sight) -> f64 {
+    sight.estimate_in_map.distance_m(truth_of(sight))
+}
+
 fn is_right(sight: &Sight) -> bool {
-    sight.estimate_in_map.distance_m(sight.robot_in_map) <= RIGHT_M && off_rad(sight) <= RIGHT_RAD
+    off_m(sight) <= RIGHT_M && off_rad(sight) <= RIGHT_RAD
 }
 
 /// Angle between the estimated and the true heading, at least 0.
 fn off_rad(sight: &Sight) -> f64 {
-    wrap_angle_rad(sight.estimate_in_map.heading_rad - sight.robot_in_map.heading_rad).abs()
+    wrap_angle_rad(sight.estimate_in_map.heading_rad - truth_of(sight).heading_rad).abs()
 }
 
 /// Where a run is to end.
@@ -118,7 +131,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     let mut measures = vec![("time [s]", Some(system.machine.now_s()))];
     if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
         measures.push(("distance [m]", Some(account.distance_m)));
-        measures.push(("contacts caused", Some(f64::from(account.contacts))));
+        measures.push(("contacts caused", account.contacts.map(f64::from)));
         measures.push(("mean speed [m/s]", Some(account.distance_m / system.machine.now_s().max(1e-9))));
         measures.push(("relocalizations", Some(records.relocalizations as f64)));
         measures.extend(disturbance(&records.incidents, &records.track, account.distance_m));
@@ -126,13 +139,13 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
             && let Some(day) = Day::of(robot, &records.logs)
         {
             fault = fault.or_else(|| day.fault());
-            if account.contacts > 0 {
+            if account.contacts > Some(0) {
                 fault.get_or_insert_with(|| "contact".to_string());
             }
             measures.extend(day.measures());
         }
         if let Some(Goal { pose_in_map, item }) = goal {
-            let off_m = sight.robot_in_map.distance_m(pose_in_map);
+            let off_m = truth_of(&sight).distance_m(pose_in_map);
             if off_m > AT_GOAL_M {
                 fault.get_or_insert_with(|| "wrong place".to_string());
             }
@@ -153,7 +166,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     }
     let sample = |sight: &Sight| Sample {
         certainty: sight.certainty,
-        off_m: sight.estimate_in_map.distance_m(sight.robot_in_map) as f32,
+        off_m: off_m(sight) as f32,
         off_rad: off_rad(sight) as f32,
         is_right: is_right(sight),
     };
@@ -183,7 +196,7 @@ fn described(machine: &Machine, program: &Program, failure: Value) -> String {
 /// have been a jump.
 fn righted_m(track: &[Sight]) -> Option<f64> {
     let righted = track.iter().position(is_right)?;
-    let steps = track[..=righted].windows(2).map(|pair| pair[0].robot_in_map.distance_m(pair[1].robot_in_map));
+    let steps = track[..=righted].windows(2).map(|pair| truth_of(&pair[0]).distance_m(truth_of(&pair[1])));
     Some(steps.sum())
 }
 
@@ -210,15 +223,10 @@ fn disturbance(incidents: &[Incident], track: &[Sight], driven_m: f64) -> [(&'st
         // A run that ends so soon had no way to notice.
         (Some(deed_m), None) => (driven_m - deed_m > NOTICED_WITHIN_M).then_some(false),
     };
-    let is_wrong = |incident: &&Incident| {
-        let off_m = incident.sight.estimate_in_map.distance_m(incident.sight.robot_in_map);
-        incident.what == ReportKind::PositionFound && off_m > WRONG_ESTIMATE_M
-    };
+    let is_wrong =
+        |incident: &&Incident| incident.what == ReportKind::PositionFound && off_m(&incident.sight) > WRONG_ESTIMATE_M;
     let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
-    let alarms = before
-        .iter()
-        .filter(lost)
-        .filter(|incident| incident.sight.estimate_in_map.distance_m(incident.sight.robot_in_map) <= WRONG_ESTIMATE_M);
+    let alarms = before.iter().filter(lost).filter(|incident| off_m(&incident.sight) <= WRONG_ESTIMATE_M);
     [
         ("noticed after [m]", noticed_m),
         ("noticed within 2 m", within.map(f64::from)),

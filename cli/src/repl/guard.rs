@@ -58,7 +58,7 @@ mod tests {
     fn with_prompt(act: impl FnOnce(&mut Prompt<'_>)) -> Vec<String> {
         let site = Site::without_robot().expect("a site");
         let mut console = Console::keeping();
-        let mut prompt = Prompt::new(Session::new(&site, 1).expect("a session"), &mut console, false);
+        let mut prompt = Prompt::new(Session::new(&site, site.robot(1), 1).expect("a session"), &mut console, false);
         act(&mut prompt);
         console.take_kept()
     }

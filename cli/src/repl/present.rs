@@ -131,7 +131,7 @@ mod tests {
     fn events_tell_what_the_run_tells_at_every_instant() {
         for plan in PLANS {
             let site = Site::without_robot().expect("a site");
-            let mut session = Session::new(&site, 1).expect("a session");
+            let mut session = Session::new(&site, site.robot(1), 1).expect("a session");
             let forms = session.typed(plan);
             session.submit(forms).unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
             let mut instants = 0;

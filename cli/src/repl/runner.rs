@@ -196,7 +196,13 @@ impl<'a> Runner<'a> {
         if let Some(halt) = self.condition_met() {
             return Some(halt);
         }
+        let horizon_us = self.session.horizon_us;
         let branch = &mut self.session.branch;
+        if let (Some(horizon_us), Some(next_us)) = (horizon_us, branch.system.next_instant_us())
+            && next_us > horizon_us
+        {
+            return Some(Halt::Interrupted);
+        }
         let has_arrived = match (self.until, branch.system.next_instant_us()) {
             (&Until::Time(time_us), Some(next_us)) => next_us > time_us,
             // Where nothing can happen by itself, something may still be typed.

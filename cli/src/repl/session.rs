@@ -83,6 +83,8 @@ pub struct Session {
     texts: u32,
     /// The number of the text whose form is under way, if it was typed.
     pub number: Option<u32>,
+    /// Where the session that is repeated was stopped by hand, or typed at, next.
+    pub horizon_us: Option<u64>,
 }
 
 impl Session {
@@ -90,9 +92,9 @@ impl Session {
     ///
     /// # Errors
     /// The session's own text does not compile.
-    pub fn new(site: &Site, seed: u64) -> Result<Self> {
+    pub fn new(site: &Site, robot: Robot, seed: u64) -> Result<Self> {
         let mut system = site
-            .session(seed)
+            .session(robot, seed)
             .map_err(|rejected: Rejected| anyhow!("the session cannot start\n{}", rejected.render(false)))?;
         system.machine.trace.take();
         let timeline = Timeline::new(&system, Robot::bytes_apart);
@@ -107,6 +109,7 @@ impl Session {
             folder: Folder::Disk(".".into()),
             texts: 0,
             number: None,
+            horizon_us: None,
         })
     }
 

@@ -79,9 +79,14 @@ impl<'a> Figure<'a> {
 
     /// Marks the robot and its estimate; two labels in one place could not be read.
     fn mark(&mut self, sight: &Sight, radius_m: f64) {
-        let is_apart = sight.robot_in_map.distance_m(sight.estimate_in_map) > 1.0;
+        let is_apart = sight.robot_in_map.is_none_or(|robot| robot.distance_m(sight.estimate_in_map) > 1.0);
         let label = if is_apart { "estimate" } else { "" };
-        self.markers.push(RobotMarker { pose_in_map: sight.robot_in_map, radius_m, label: "robot", is_true: true });
+        self.markers.extend(sight.robot_in_map.map(|pose_in_map| RobotMarker {
+            pose_in_map,
+            radius_m,
+            label: "robot",
+            is_true: true,
+        }));
         self.markers.push(RobotMarker { pose_in_map: sight.estimate_in_map, radius_m, label, is_true: false });
     }
 }
@@ -107,15 +112,25 @@ pub fn write_paths(folder: &mut OutputFolder, world: &World, robot_radius_m: f64
 
 /// The true and the estimated path, which breaks where the estimate jumps further than this.
 fn paths<'a>(map: &'a OccupancyGrid, world: &'a World, radius_m: f64, track: &[Sight], jump_m: f64) -> Figure<'a> {
-    let mut figure = Figure::of_map("true path (solid) and estimated path (dashed)", map, &world.rooms);
-    figure.true_paths_in_map.push(track.iter().map(|sight| sight.robot_in_map.point()).collect());
+    let truth = true_path(track);
+    let title =
+        if truth.is_empty() { "estimated path (dashed)" } else { "true path (solid) and estimated path (dashed)" };
+    let mut figure = Figure::of_map(title, map, &world.rooms);
+    figure.true_paths_in_map.push(truth);
     let estimated: Vec<Point> = track.iter().map(|sight| sight.estimate_in_map.point()).collect();
     figure.estimated_paths_in_map = without_jumps(&estimated, jump_m);
     if let (Some(first), Some(last)) = (track.first(), track.last()) {
-        figure.markers.push(RobotMarker { pose_in_map: first.robot_in_map, radius_m, label: "start", is_true: true });
-        figure.markers.push(RobotMarker { pose_in_map: last.robot_in_map, radius_m, label: "end", is_true: true });
+        for (sight, label) in [(first, "start"), (last, "end")] {
+            let pose_in_map = sight.robot_in_map.unwrap_or(sight.estimate_in_map);
+            figure.markers.push(RobotMarker { pose_in_map, radius_m, label, is_true: sight.robot_in_map.is_some() });
+        }
     }
     figure
+}
+
+/// Where the robot really was, as far as anybody knows.
+fn true_path(track: &[Sight]) -> Vec<Point> {
+    track.iter().filter_map(|sight| sight.robot_in_map).map(Pose::point).collect()
 }
 
 /// Writes the drawings of a mission into a folder.
@@ -145,7 +160,7 @@ pub fn write_mission(
         let mut figure = Figure::of_map(&title, &map, &world.rooms);
         figure.belief = Some(&scene.belief);
         let before = &track[..scene.track_length];
-        figure.true_paths_in_map.push(before.iter().map(|sight| sight.robot_in_map.point()).collect());
+        figure.true_paths_in_map.push(true_path(before));
         figure.mark(&scene.sight, robot_radius_m);
         let name = format!("belief-{:02}-{}.svg", number + 1, scene.what.name().replace(' ', "-"));
         folder.draw(&name, &draw(&figure))?;

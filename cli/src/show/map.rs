@@ -33,17 +33,19 @@ pub fn map(map: &OccupancyGrid, robot: &Robot, width: usize, height: usize, colo
     draw_map(&mut canvas, map, cell_m);
     draw_belief(&mut canvas, map.origin_in_frame, &belief, cell_m);
     let place = |pose: Pose| cell_of(&canvas, map.origin_in_frame, cell_m, Point::new(pose.x_m, pose.y_m));
-    let marks = [
-        place(sight.estimate_in_map).map(|cell| (cell, '?')),
-        place(sight.robot_in_map).map(|cell| (cell, arrow(sight.robot_in_map.heading_rad))),
-    ];
-    let mut lines = lines(&canvas, &marks, colour);
+    let estimate = place(sight.estimate_in_map).map(|cell| (cell, '?'));
+    let robot = sight.robot_in_map.and_then(|pose| Some((place(pose)?, arrow(pose.heading_rad))));
+    let mut lines = lines(&canvas, &[estimate, robot], colour);
+    // What is known best comes first.
+    let (sign, what, shown) = match sight.robot_in_map {
+        Some(pose) => (arrow(pose.heading_rad), "robot at", pose),
+        None => ('?', "estimate at", sight.estimate_in_map),
+    };
+    let Pose { x_m, y_m, heading_rad } = shown;
+    let estimate = if sight.robot_in_map.is_some() { "   ? estimate," } else { "," };
     lines.push(format!(
-        "{} robot at {:.2} {:.2} {:.0}°   ? estimate, certainty {:.2}",
-        arrow(sight.robot_in_map.heading_rad),
-        sight.robot_in_map.x_m,
-        sight.robot_in_map.y_m,
-        sight.robot_in_map.heading_rad.to_degrees(),
+        "{sign} {what} {x_m:.2} {y_m:.2} {:.0}°{estimate} certainty {:.2}",
+        heading_rad.to_degrees(),
         sight.certainty
     ));
     Some(lines)

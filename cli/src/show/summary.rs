@@ -7,6 +7,7 @@ use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Account;
+use rpl_protocol::remote_host::HostRecord;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::value::Value;
 use serde::Serialize;
@@ -81,7 +82,7 @@ pub fn summarize(system: &System<Robot>, ending: RunEnd, records: &Records, seed
         }),
         time_s: system.machine.now_s(),
         failure,
-        account: system.outside.account().unwrap_or_default(),
+        account: system.outside.account().unwrap_or(Account::NOTHING),
         relocalizations: records.relocalizations,
         wall_s: (began.elapsed().as_secs_f64() * 1e3).round() / 1e3,
         seed,
@@ -146,10 +147,16 @@ fn describe(account: Account, relocalizations: u64) -> String {
         1 => format!("1 {noun}"),
         _ => format!("{count} {noun}s"),
     };
-    format!(
-        ", {:.1} m driven, {}, {}",
-        account.distance_m,
-        plural(u64::from(account.contacts), "contact"),
-        plural(relocalizations, "relocalization")
-    )
+    let touched = match (account.contacts, account.host) {
+        (Some(contacts), _) => plural(u64::from(contacts), "contact"),
+        (None, host) => plural(host.map_or(0, |host| host.bumps), "bump"),
+    };
+    let host = account.host.map_or(String::new(), |host| {
+        let HostRecord { percepts_late, percepts_missing, decisions_long, longest_decision_s, .. } = host;
+        let longest = if decisions_long > 0 { format!(" (at most {longest_decision_s:.2} s)") } else { String::new() };
+        let percepts = plural(percepts_late, "late percept");
+        format!(", {percepts}, {percepts_missing} missing, {}{longest}", plural(decisions_long, "long decision"))
+    });
+    let relocalizations = plural(relocalizations, "relocalization");
+    format!(", {:.1} m driven, {touched}, {relocalizations}{host}", account.distance_m)
 }

@@ -95,7 +95,7 @@ pub struct TracedPose {
 pub(super) const POSE: &str = "pose";
 
 /// `{"time_s":…,"kind":"pose","true":[x, y, heading],"estimated":[x, y, heading],"certainty":…}` in
-/// metres and radians, to the millimetre and less than a hundredth of a degree.
+/// metres and radians; `true` is null where nobody knows. To the millimetre and less than a hundredth of a degree.
 pub(super) fn pose_line(seen: &TracedPose) -> String {
     let Sight { robot_in_map, estimate_in_map, certainty } = seen.sight;
     let rounded = |value: f64, steps: f64| (value * steps).round() / steps;
@@ -103,7 +103,7 @@ pub(super) fn pose_line(seen: &TracedPose) -> String {
     format!(
         "{{\"time_s\":{},\"kind\":\"{POSE}\",\"true\":{},\"estimated\":{},\"certainty\":{}}}",
         json!(seen.time_us as f64 / 1e6),
-        numbers(robot_in_map),
+        json!(robot_in_map.map(numbers)),
         numbers(estimate_in_map),
         json!(rounded(certainty, 1e4))
     )

@@ -207,7 +207,11 @@ fn pose_of(fields: &[(String, Value)]) -> Result<TracedPose, String> {
         Some(Pose { x_m, y_m, heading_rad })
     };
     let time_us = number("time_s").and_then(time_us_of);
-    match (time_us, pose("true"), pose("estimated"), number("certainty")) {
+    let truth = match field("true") {
+        Some(Value::Null) => Some(None),
+        _ => pose("true").map(Some),
+    };
+    match (time_us, truth, pose("estimated"), number("certainty")) {
         (Some(time_us), Some(robot_in_map), Some(estimate_in_map), Some(certainty)) => {
             Ok(TracedPose { time_us, sight: Sight { robot_in_map, estimate_in_map, certainty } })
         }
@@ -253,9 +257,11 @@ mod tests {
         };
         assert_eq!(told_in(&line(&event)), Ok(Told::Event(event)));
         let pose = |x_m| Pose { x_m, y_m: -2.5, heading_rad: 1.2345 };
-        let sight = Sight { robot_in_map: pose(1.125), estimate_in_map: pose(-0.001), certainty: 0.875 };
-        let seen = TracedPose { time_us: 1_250_000, sight };
-        assert_eq!(told_in(&pose_line(&seen)), Ok(Told::Pose(seen)));
+        for robot_in_map in [Some(pose(1.125)), None] {
+            let sight = Sight { robot_in_map, estimate_in_map: pose(-0.001), certainty: 0.875 };
+            let seen = TracedPose { time_us: 1_250_000, sight };
+            assert_eq!(told_in(&pose_line(&seen)), Ok(Told::Pose(seen)));
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod experiment;
 mod fmt;
 mod folder;
 mod help;
+mod hosts;
 mod json;
 mod keys;
 mod layout;

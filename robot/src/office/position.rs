@@ -60,6 +60,11 @@ impl Position {
         self.localization = Some(Localization::start_at(&map.localization, pose_in_map, spread));
     }
 
+    /// The robot may be anywhere.
+    pub(in crate::office) fn forget(&mut self, map: &MapModel) {
+        self.localization = Some(Localization::start_uniform(&map.localization));
+    }
+
     /// The belief for a search, which gives it up as it begins if it is worth nothing.
     pub(super) fn begin_search(&mut self) -> Option<&mut Localization> {
         self.is_given_up = self.localization.is_some();

@@ -56,6 +56,14 @@ impl<H, M: Module> OfficeRobot<H, M> {
         }
     }
 
+    /// It may be anywhere in its map.
+    pub fn forget_position(&mut self) {
+        let Controller { model, board, .. } = &mut self.controller;
+        if let Some(map) = &model.map {
+            board.position.forget(map);
+        }
+    }
+
     /// Where it believes itself to be, and how certain it is. Without a map: where its odometry says it is,
     /// in `odom`.
     pub fn estimate(&self) -> Estimate {

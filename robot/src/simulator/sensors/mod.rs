@@ -26,11 +26,11 @@ pub struct Commands {
     pub sonars_on: bool,
     /// What the gripper is to begin.
     pub gripper: GripperCommand,
-    /// What is asked of what the simulator does not know; a host that knows it takes it from here.
-    pub others: Signals,
     /// The motors are cut and the brakes close, whatever speeds are wanted: what a host does by itself when
     /// nobody commands it any more. No plan commands it.
     pub motors_off: bool,
+    /// What is asked of what the simulator does not know; a host that knows it takes it from here.
+    pub others: Signals,
 }
 
 /// Makes of a list of sensors the percept, their streams, and the look that all of them take.

@@ -3,4 +3,5 @@
 mod clauses;
 mod documentation;
 mod formatting;
+mod schema;
 mod tables;

@@ -1,0 +1,82 @@
+//! `rpl replay FILE`: a recorded run again, without the host or the processes that it had.
+
+use crate::arguments::completion;
+use crate::commands::run::{self, Output};
+use crate::files::inputs;
+use crate::files::plans;
+use crate::hosts;
+use crate::recorded_run::{RecordedRun, RecordedText, RunKind, Sameness};
+use crate::repl::{self, SessionStart, Until};
+use crate::status::Status;
+use crate::terminal::console::Console;
+use anyhow::{Context, Result, anyhow, bail};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_link::recording::Recording;
+use std::path::PathBuf;
+
+/// Repeats a recorded run (`rpl run --record`) without what was outside: with its trace, its figures, and the
+/// prompt
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// The recording
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub file: PathBuf,
+    /// Another plan in the place of the recorded one: it runs up to where it acts differently
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
+    pub plan: Option<String>,
+    /// The prompt, with the plan stopped before its first form, or after all that was typed: stepper, `:why`
+    /// and `:back` work
+    #[arg(long)]
+    pub prompt: bool,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// Repeats the run.
+///
+/// # Errors
+/// The recording cannot be read, or what it belongs to is not there any more.
+pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Console) -> Result<Status> {
+    let shown = arguments.file.display();
+    let text =
+        inputs::read_text(&arguments.file).map_err(|why| anyhow!("cannot read the recording `{shown}`: {why}"))?;
+    let recording: Recording<RecordedRun> =
+        Recording::read(&text).with_context(|| format!("the recording `{shown}` cannot be read"))?;
+    let source = hosts::recorded(&recording).with_context(|| format!("the recording `{shown}` cannot be read"))?;
+    let (recorded, typed) = (recording.run, recording.typed);
+    let plan = arguments.plan.clone().or_else(|| recorded.plan.as_ref().map(|plan| plan.name.clone()));
+    if plan.as_deref() == Some(inputs::STANDARD_INPUT) {
+        bail!("the plan was read from standard input; name a file that has it with `--plan FILE`");
+    }
+    let text = plan.as_deref().map(plans::plan).transpose()?;
+    if let (Some(name), Some(text), Some(then)) = (&plan, &text, &recorded.plan)
+        && then.compare(&RecordedText::of(name, text)) == Sameness::Changed
+        && !arguments.output.quiet
+    {
+        console.note(&format!("`{name}` is not the text that was recorded; it runs up to where it acts differently"));
+    }
+    let site = recorded.site()?;
+    let is_session = recorded.kind != RunKind::Run;
+    if arguments.prompt || is_session {
+        let (built, world) = site.build()?;
+        let (robot, _) = source.robot(&built, site.seed, hosts::Use::Session, None)?;
+        let until = if recorded.kind == RunKind::Session { Until::End } else { Until::Step };
+        let (seed, reads) = (site.seed, arguments.prompt);
+        let opening =
+            SessionStart { world, robot, seed, plan: text, until, recorder: None, typed, reads, command_line };
+        return repl::run(&built, opening, console);
+    }
+    let plan = plan.context("the recording has no plan; name one with `--plan FILE`")?;
+    let run = run::Arguments {
+        file: plan,
+        site,
+        host: hosts::HostArguments::default(),
+        set: recorded.set,
+        until: recorded.until_us,
+        realtime: None,
+        max_steps: recorded.max_steps,
+        output: arguments.output.clone(),
+    };
+    run::run_on(&run, source, console)
+}

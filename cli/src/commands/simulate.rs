@@ -1,0 +1,92 @@
+//! `rpl simulate`: our simulator as a host in a process of its own, at the pace of the clock on the wall.
+
+use crate::arguments::completion;
+use crate::arguments::duration::parse_duration_us;
+use crate::commands::run::parse_factor;
+use crate::files::{plans, robot_files, world_files};
+use crate::interrupt;
+use crate::show::service::{ServiceSummary, notice_line};
+use crate::sites;
+use crate::status::Status;
+use crate::terminal::console::Console;
+use anyhow::{Context, Result};
+use clap_complete::engine::ArgValueCompleter;
+use rpl_link::tcp_server::{Service, serve};
+use rpl_mission::cost::MEMORY_GIB;
+use rpl_mission::site::Setup;
+use rpl_robot::office::OfficeSettings;
+use std::net::TcpListener;
+
+/// Serves the simulated robot to a mission in another process (`rpl run --host`), in real time
+///
+/// The world waits until the first mission gives its first commands. Without commands for 0.3 s the robot
+/// stops, and so it does when the mission is gone; then another one can take over.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// The world the robot is in: a built-in name, or a .toml file
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
+    pub world: String,
+    /// The robot: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
+    pub robot: Option<String>,
+    /// What happens on the way: a plan with hands in the world
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
+    pub scenario: Option<String>,
+    /// Seed of the noise of sensors and wheels, and of people
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Where missions connect; with port 0 the system chooses one, and the first line says which
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:7300")]
+    pub listen: String,
+    /// FACTOR times as fast as the clock
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_factor)]
+    pub speed: f64,
+    /// Ends at this time of the world, such as 90s or 5min
+    #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
+    pub until: Option<u64>,
+    /// Ends when the first mission has gone
+    #[arg(long)]
+    pub once: bool,
+    /// Writes one JSON object to standard output at the end
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Serves the world until it is told to stop.
+///
+/// # Errors
+/// The world or the scenario is wrong, or nobody can be listened to.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let robot = robot_files::named(arguments.robot.as_deref())?;
+    let world = world_files::named(&arguments.world, &robot)?;
+    let scenario = arguments.scenario.as_deref().map(plans::scenario).transpose()?;
+    // The host needs no map: it has the world.
+    let settings = OfficeSettings { map_known: false, ..OfficeSettings::of(robot.clone()) };
+    let setup = Setup { world: Some(world), settings, memory_gib: MEMORY_GIB, natives: Vec::new() };
+    let site = sites::build(setup, scenario)?;
+    let mut host = site.office_robot(arguments.seed).context("a world has a robot")?.host;
+    let service = Service {
+        robot: robot.name.clone(),
+        period_us: robot.step_us,
+        factor: arguments.speed,
+        until_us: arguments.until,
+        once: arguments.once,
+    };
+    let cannot_listen = || format!("cannot listen at `{}`", arguments.listen);
+    let listener = TcpListener::bind(&arguments.listen).with_context(cannot_listen)?;
+    console.print(&format!("listening at {}", listener.local_addr().with_context(cannot_listen)?))?;
+    console.flush()?;
+    let record = {
+        // A signal ends the service and is no reason to hurry: the summary is told.
+        let _ends = interrupt::gives_prompt_back();
+        let mut tell = |notice| console.note(&notice_line(&notice));
+        serve(&mut host, listener, service, &interrupt::is_asked, &mut tell).with_context(cannot_listen)?
+    };
+    let summary = ServiceSummary::new(&host.state, &record);
+    console.note(&summary.told());
+    if arguments.json {
+        console.print(&summary.as_json()?)?;
+    }
+    console.flush()?;
+    Ok(Status::Succeeded)
+}

@@ -1,0 +1,170 @@
+//! Who moves the robot of a run: our simulator, a host in another process, or a recording of one; and the
+//! recording that a run writes.
+
+use crate::arguments::site::SiteArguments;
+use crate::files::outputs::OutputFile;
+use crate::files::robot_files;
+use crate::recorded_run::{HostHeard, RecordedRun};
+use anyhow::{Context, Result, bail};
+use clap::ValueHint;
+use rpl_link::recording::{Recorder, Recording};
+use rpl_link::tcp_client::TcpHost;
+use rpl_link::transcript::{Divergence, Kept, Transcript, Turn};
+use rpl_mission::robot::Robot;
+use rpl_mission::site::Site;
+use rpl_protocol::host::{CommandsMessage, HostAnswer, HostHello, MissionHello, PROTOCOL};
+use rpl_protocol::line::{Line, LineFault};
+use rpl_protocol::remote_host::RemoteHost;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The name of the line to a host in recordings.
+const HOST: &str = "host";
+
+/// Turns that a session keeps, to go back to: more than four hours at 20 a second.
+const MOST_KEPT: usize = 300_000;
+
+/// Arguments that say who moves the robot, and whether what it says is kept.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct HostArguments {
+    /// Who moves the robot: a process at this address, such as 127.0.0.1:7300 (`rpl simulate`); the world is
+    /// nothing but the map then
+    #[arg(long, value_name = "ADDRESS", requires = "world", conflicts_with = "scenario", value_hint = ValueHint::Hostname)]
+    pub host: Option<String>,
+    /// Writes all that comes from outside to this file, so that the run can be repeated (`rpl replay`)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub record: Option<PathBuf>,
+}
+
+/// Who moves the robot.
+pub enum HostSource {
+    /// Our simulator, if there is a robot.
+    Simulated,
+    /// A process that has been reached.
+    Live {
+        /// Where.
+        address: String,
+        /// How it greets.
+        hello: HostHello,
+        /// The line to it.
+        host: TcpHost,
+    },
+    /// A recording.
+    Recorded {
+        /// The host that was heard.
+        heard: HostHeard,
+        /// What it said.
+        turns: Vec<Turn<CommandsMessage, HostAnswer>>,
+    },
+}
+
+/// The line to a host, where there is one.
+pub type HostTranscript = Arc<Transcript<CommandsMessage, HostAnswer>>;
+
+impl HostArguments {
+    /// Reaches the host, if one is named. Done before anything costly: the world waits for the first commands.
+    ///
+    /// # Errors
+    /// It cannot be reached, or moves another robot than the one of this site.
+    pub fn reach(&self, site: &SiteArguments) -> Result<HostSource> {
+        let Some(address) = &self.host else { return Ok(HostSource::Simulated) };
+        let robot = robot_files::named(site.robot.as_deref())?.name.clone();
+        let hello = MissionHello { protocol: PROTOCOL, rpl: env!("CARGO_PKG_VERSION").to_string(), robot };
+        match TcpHost::connect(address, hello) {
+            Ok((hello, host)) => Ok(HostSource::Live { address: address.clone(), hello, host }),
+            Err(LineFault(why)) => bail!("{why}"),
+        }
+    }
+
+    /// Begins the recording, if one is to be written.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn record(&self, run: &RecordedRun) -> Result<Option<Arc<Recorder>>> {
+        let Some(path) = &self.record else { return Ok(None) };
+        let file = OutputFile::open(path, "the recording")?.begin()?;
+        let recorder =
+            Recorder::begin(file, run).with_context(|| format!("cannot write the recording `{}`", path.display()))?;
+        Ok(Some(Arc::new(recorder)))
+    }
+}
+
+/// How much of what a host says stays in memory: a session goes back, a run does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// A run from its start to its end.
+    Run,
+    /// A session.
+    Session,
+}
+
+impl HostSource {
+    /// What a recording says of the host.
+    pub fn heard(&self) -> Option<HostHeard> {
+        match self {
+            HostSource::Simulated => None,
+            HostSource::Live { address, hello, .. } => {
+                Some(HostHeard { address: address.clone(), start_known: hello.start_known })
+            }
+            HostSource::Recorded { heard, .. } => Some(heard.clone()),
+        }
+    }
+
+    /// The robot at the start of a run, and the line to its host if that is not our simulator.
+    ///
+    /// # Errors
+    /// The host does not fit the robot.
+    pub fn robot(
+        self,
+        site: &Site,
+        seed: u64,
+        kept: Use,
+        recorder: Option<Arc<Recorder>>,
+    ) -> Result<(Robot, Option<HostTranscript>)> {
+        let Some(heard) = self.heard() else { return Ok((site.robot(seed), None)) };
+        let office = site.office().context("a host needs a world; add `--world dept`")?;
+        let period_us = office.settings.robot.step_us;
+        let transcript = Arc::new(match self {
+            HostSource::Simulated => return Ok((site.robot(seed), None)),
+            HostSource::Live { address, hello, host } => {
+                if hello.period_us != period_us {
+                    bail!(
+                        "the host `{address}` has a period of {} us, and the robot of the mission one of {period_us} us",
+                        hello.period_us
+                    );
+                }
+                let kept = match kept {
+                    Use::Run => Kept::Last,
+                    Use::Session => Kept::Newest(MOST_KEPT),
+                };
+                Transcript::live(HOST, Box::new(host), kept, recorder)
+            }
+            HostSource::Recorded { turns, .. } => Transcript::recorded(HOST, turns),
+        });
+        let line: Arc<dyn Line<CommandsMessage, HostAnswer>> = transcript.clone();
+        let host = RemoteHost::new(&heard.address, line, period_us, office.sensors.clone());
+        let robot = site.robot_of(host, heard.start_known, seed).context("a host needs a world; add `--world dept`")?;
+        Ok((robot, Some(transcript)))
+    }
+}
+
+/// The host of a recording.
+///
+/// # Errors
+/// Its turns cannot be read.
+pub fn recorded(recording: &Recording<RecordedRun>) -> Result<HostSource> {
+    match &recording.run.host {
+        Some(heard) => Ok(HostSource::Recorded { heard: heard.clone(), turns: recording.turns(HOST)? }),
+        None => Ok(HostSource::Simulated),
+    }
+}
+
+/// Where a run left its recording, for a person: when, and what it did then and now.
+pub fn astray(divergence: &Divergence, period_us: u64) -> String {
+    let Divergence { turn, recorded, now } = divergence;
+    let time_s = (*turn * period_us) as f64 / 1e6;
+    format!(
+        "the run acts differently from {time_s:.2} s on, and what comes then is not recorded\n  recorded: {recorded}\n  \
+         now:      {now}"
+    )
+}
