@@ -5,10 +5,11 @@
 
 use rpl_benches::{Question, Report, processor_ns, processor_ns_lately, resident_bytes};
 use rpl_lang::compile::NoFiles;
+use rpl_mission::modules::SiteRobot;
 use rpl_mission::site::{Setup, Site};
 use rpl_random::Stream;
 use rpl_robot::geometry::Pose;
-use rpl_robot::office::{OfficeRobot, OfficeSettings};
+use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 use rpl_runtime::run::stepping::Stop;
 use rpl_runtime::run::system::System;
@@ -44,11 +45,11 @@ struct Glance {
     robot_in_map: Pose,
 }
 
-fn glance(system: &System<OfficeRobot>) -> Glance {
+fn glance(system: &System<SiteRobot>) -> Glance {
     Glance { now_us: system.machine.now_us, robot_in_map: system.outside.true_pose_in_map() }
 }
 
-fn mission(start_known: bool) -> System<OfficeRobot> {
+fn mission(start_known: bool) -> System<SiteRobot> {
     let settings = OfficeSettings { start_known, ..OfficeSettings::default() };
     let setup = Setup { world: World::builtin("dept"), settings, ..Setup::default() };
     let site = Site::new(setup).unwrap_or_else(|error| panic!("{error}"));
@@ -57,7 +58,7 @@ fn mission(start_known: bool) -> System<OfficeRobot> {
 }
 
 /// Runs the mission, tells each instant, and gives the seconds it took.
-fn drive(system: &mut System<OfficeRobot>, mut each: impl FnMut(&System<OfficeRobot>, Duration)) -> f64 {
+fn drive(system: &mut System<SiteRobot>, mut each: impl FnMut(&System<SiteRobot>, Duration)) -> f64 {
     let began = computed();
     while system.machine.now_us < MISSION_US {
         let instant = computed_lately();
@@ -71,14 +72,14 @@ fn drive(system: &mut System<OfficeRobot>, mut each: impl FnMut(&System<OfficeRo
     (computed() - began).as_secs_f64()
 }
 
-fn submit(system: &mut System<OfficeRobot>) {
+fn submit(system: &mut System<SiteRobot>) {
     if let Err(rejected) = system.submit("mission", MISSION, &mut NoFiles) {
         panic!("{}", rejected.render(false));
     }
 }
 
 /// Whether a user of the prompt stops there.
-fn is_shown(system: &System<OfficeRobot>, stop: &Stop) -> bool {
+fn is_shown(system: &System<SiteRobot>, stop: &Stop) -> bool {
     !["session", "prelude"].contains(&&*system.program.sources.get(stop.span.source).name)
 }
 
@@ -92,7 +93,7 @@ fn measure(start_known: bool) -> [f64; 3] {
     drop(alone);
 
     let before = resident_bytes().unwrap_or(f64::NAN);
-    let mut timeline = Timeline::new(&system, OfficeRobot::bytes_apart);
+    let mut timeline = Timeline::new(&system, SiteRobot::bytes_apart);
     submit(&mut system);
     timeline.handed_in(&system);
     let mut glances = vec![];

@@ -3,6 +3,7 @@
 pub mod examples;
 pub mod inputs;
 pub mod maps;
+pub mod module_files;
 pub mod outputs;
 pub mod plans;
 pub mod robot_files;

@@ -87,6 +87,8 @@ fn exit() -> ! {
         // Where the terminal is gone nothing is left to be set.
         rustix::termios::tcsetattr(rustix::stdio::stdin(), OptionalActions::Now, settings).ok();
     }
+    // Nothing is dropped from here on.
+    rpl_link::process::end_all();
     std::process::exit(i32::from(Status::Interrupted.code()))
 }
 

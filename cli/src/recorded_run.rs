@@ -2,12 +2,13 @@
 
 use crate::arguments::site::{GridArgument, MapArgument, SiteArguments};
 use crate::files::plans::PlanText;
-use crate::files::{robot_files, world_files};
-use anyhow::{Result, bail};
+use crate::files::{inputs, robot_files, world_files};
+use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::world::World;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// The first line of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +34,8 @@ pub struct RecordedRun {
     pub memory_gib: f64,
     /// The scenario, if there is one.
     pub scenario: Option<RecordedText>,
+    /// The manifests of its modules.
+    pub modules: Vec<RecordedText>,
     /// Of every random stream.
     pub seed: u64,
     /// As `--until`.
@@ -90,6 +93,13 @@ impl RecordedText {
         Self { name: name.to_string(), checksum: crc32fast::hash(text.text.as_bytes()) }
     }
 
+    /// A manifest of a module.
+    fn of_file(name: &str) -> Result<Self> {
+        let text =
+            inputs::short_text(Path::new(name)).map_err(|why| anyhow!("cannot read the module `{name}`: {why}"))?;
+        Ok(Self { name: name.to_string(), checksum: crc32fast::hash(text.as_bytes()) })
+    }
+
     /// A world, with all that was read from other files.
     pub fn of_world(name: &str, world: &World) -> Self {
         // Whatever makes two worlds different is written here.
@@ -128,6 +138,7 @@ impl RecordedRun {
             grid: value_name(site.grid),
             memory_gib: site.memory,
             scenario: scenario.transpose()?,
+            modules: site.module.iter().map(|name| RecordedText::of_file(name)).collect::<Result<_>>()?,
             seed: site.seed,
             until_us: None,
             max_steps: None,
@@ -145,11 +156,12 @@ impl RecordedRun {
         let site = SiteArguments {
             world: self.world.as_ref().map(|world| world.name.clone()),
             robot: self.robot.as_ref().map(|robot| robot.name.clone()),
-            map: MapArgument::from_str(&self.map, false).map_err(|_| anyhow::anyhow!(parsed("map", &self.map)))?,
-            grid: GridArgument::from_str(&self.grid, false).map_err(|_| anyhow::anyhow!(parsed("grid", &self.grid)))?,
+            map: MapArgument::from_str(&self.map, false).map_err(|_| anyhow!(parsed("map", &self.map)))?,
+            grid: GridArgument::from_str(&self.grid, false).map_err(|_| anyhow!(parsed("grid", &self.grid)))?,
             memory: self.memory_gib,
             seed: self.seed,
             scenario: self.scenario.as_ref().map(|scenario| scenario.name.clone()),
+            module: self.modules.iter().map(|module| module.name.clone()).collect(),
         };
         let robot = robot_files::named(site.robot.as_deref())?;
         let world = site.world.as_deref().map(|name| world_files::named(name, &robot)).transpose()?;
@@ -159,7 +171,9 @@ impl RecordedRun {
             ("robot", &self.robot, &now.robot),
             ("scenario", &self.scenario, &now.scenario),
         ];
-        for (what, then, now) in texts {
+        let modules = self.modules.iter().zip(&now.modules).map(|(then, now)| ("module", Some(then), Some(now)));
+        let texts = texts.into_iter().map(|(what, then, now)| (what, then.as_ref(), now.as_ref()));
+        for (what, then, now) in texts.chain(modules) {
             if let (Some(then), Some(now)) = (then, now)
                 && then.compare(now) == Sameness::Changed
             {

@@ -7,21 +7,22 @@ use anyhow::{Result, bail};
 use rpl_lang::compile::Loader;
 use rpl_mission::cost::{LargeWorld, TooLarge};
 use rpl_mission::site::{Setup, Site};
+use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 use rpl_runtime::run::library::Loaded;
 
-/// A site, and what happens there if there is a scenario.
+/// A site with modules in other processes, and what happens there if there is a scenario.
 ///
 /// # Errors
-/// The scenario's text is wrong, or the world is too large or cannot be localized in.
-pub fn build(setup: Setup, scenario: Option<PlanText>) -> Result<Site> {
+/// The scenario's text or a module is wrong, or the world is too large or cannot be localized in.
+pub fn build(setup: Setup, scenario: Option<PlanText>, modules: Vec<ModuleSource>) -> Result<Site> {
     match (&setup.world, &scenario) {
         (None, Some(scenario)) => bail!("the scenario `{}` needs a robot; add `--world dept`", scenario.name),
         (None, None) => {}
         (Some(world), _) => announce(world, &setup.settings, setup.memory_gib)?,
     }
-    let site = Site::new(setup)?;
+    let site = Site::with_processes(setup, modules)?;
     match scenario {
         Some(scenario) => with_scenario(&site, scenario),
         None => Ok(site),

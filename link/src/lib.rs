@@ -1,8 +1,12 @@
 //! Lines to other processes: pipes, sockets, and the threads and clocks that they take.
 //!
-//! Read `transcript` first, then `recording`, `tcp_client` and `tcp_server`.
+//! Read `transcript` first, then `recording`, `tcp_client` and `tcp_server`, then `process`,
+//! `process_module` and `process_opener`.
 
 mod message_lines;
+pub mod process;
+pub mod process_module;
+pub mod process_opener;
 pub mod recording;
 pub mod tcp_client;
 pub mod tcp_server;

@@ -36,6 +36,12 @@ pub enum SiteError {
     /// A native function of the program around has a name that is taken.
     #[error("`{0}` has a meaning already; give the native function another name")]
     NativeTaken(&'static str),
+    /// Modules in other processes do not fit together, or not with the robot and the language.
+    #[error("{0}")]
+    Modules(String),
+    /// The plans of a module in another process have faults in their text.
+    #[error("the plans of a module are wrong\n{}", .0.render(false).trim_end())]
+    ModulePlans(Rejected),
     /// The prelude does not compile.
     #[error("the prelude does not compile, which is a fault of rpl\n{}", .0.render(false))]
     Prelude(Rejected),

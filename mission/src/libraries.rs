@@ -73,6 +73,11 @@ fn plan_library(
     Ok(Arc::new(library.refusing_scenario_names(&office::scenario_names())))
 }
 
+/// Whether a name has a meaning in a library.
+pub(crate) fn is_taken(library: &Library, name: &str) -> bool {
+    library.natives.iter().any(|native| native.name == name) || is_defined(library, name)
+}
+
 /// Whether a name has a meaning that comes before that of a native function: it would never be called.
 fn is_defined(library: &Library, name: &str) -> bool {
     // A text without forms compiles to nothing but the library.

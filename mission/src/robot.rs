@@ -1,11 +1,12 @@
 //! The robot of a run, if it has one, and what can be asked of it.
 
+use crate::modules::SiteModules;
 use crate::sight::{Account, PositionBelief, Sight};
 use rpl_lang::symbol::Symbol;
 use rpl_protocol::remote_host::RemoteHost;
 use rpl_robot::geometry::{Pose, Vector};
 use rpl_robot::localization::Localization;
-use rpl_robot::office::{Module, OfficeModules, OfficeRobot, Oracle, SimulatedHost};
+use rpl_robot::office::{Module, OfficeRobot, Oracle, SimulatedHost};
 use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
@@ -16,7 +17,7 @@ use std::any::{Any, TypeId};
 
 /// The robot of a run, if it has one.
 #[derive(Clone)]
-pub enum Robot<M: Module = OfficeModules> {
+pub enum Robot<M: Module = SiteModules> {
     /// No world, no robot.
     Absent(NoRobot),
     /// A robot in its world, simulated.

@@ -4,14 +4,14 @@
 use crate::cost::{MEMORY_GIB, TooLarge};
 use crate::error::SiteError;
 use crate::libraries::{robot_library, robotless_library, scenario_library};
+use crate::modules::{SiteModules, composed, own_modules};
 use crate::robot::Robot;
 use crate::run::silence_continuous_fluents;
 use crate::scenario::Scenario;
 use rpl_lang::compile::Loader;
+use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_protocol::remote_host::RemoteHost;
-use rpl_robot::office::{
-    Composition, Module, OfficeModel, OfficeModules, OfficeRobot, OfficeSettings, SimulatedHost, office_modules,
-};
+use rpl_robot::office::{Composition, Module, OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
 use rpl_robot::world::World;
 use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::library::{Library, Loaded, Rejected};
@@ -40,7 +40,7 @@ impl Default for Setup {
 
 /// Everything that is the same in all runs of a mission. A copy shares what was built.
 #[derive(Clone)]
-pub struct Site<M: Module = OfficeModules> {
+pub struct Site<M: Module = SiteModules> {
     /// What plans can call here.
     pub library: Arc<Library>,
     modules: Arc<Composition<M>>,
@@ -66,14 +66,19 @@ impl Site {
     /// The world is too large or cannot be localized in, or a native function has a name that is
     /// taken.
     pub fn new(setup: Setup) -> Result<Self, SiteError> {
-        Self::with_modules(setup, office_modules().clone())
+        Self::with_processes(setup, Vec::new())
     }
 
-    /// A site of a library that [`robot_library`] has made for the office robot, and of the models of a world: who
-    /// runs in many worlds, or one world in many ways, builds each of them once.
-    pub fn of(library: Arc<Library>, model: Arc<OfficeModel>) -> Self {
-        let premises = Premises::Office { model, scenario: None };
-        Self { library, modules: office_modules().clone(), premises }
+    /// The same with modules in other processes beside those of the office robot.
+    ///
+    /// # Errors
+    /// As for [`Site::new`]; names of the modules are taken, or their plans have faults.
+    pub fn with_processes(setup: Setup, sources: Vec<ModuleSource>) -> Result<Self, SiteError> {
+        let is_own = sources.is_empty();
+        Self::with_modules(setup, composed(sources)?).map_err(|error| match error {
+            SiteError::Prelude(rejected) if !is_own => SiteError::ModulePlans(rejected),
+            other => other,
+        })
     }
 
     /// A site without a robot.
@@ -89,7 +94,7 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn for_checking() -> Result<Self, SiteError> {
-        let modules = office_modules().clone();
+        let modules = own_modules().clone();
         Ok(Self { library: robot_library(&modules, Vec::new())?, modules, premises: Premises::Unbuilt })
     }
 
@@ -98,12 +103,18 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn for_checking_scenarios() -> Result<Self, SiteError> {
-        let modules = office_modules().clone();
+        let modules = own_modules().clone();
         Ok(Self { library: scenario_library()?, modules, premises: Premises::Unbuilt })
     }
 }
 
 impl<M: Module> Site<M> {
+    /// A site of a library that [`robot_library`] has made for these modules, and of the models of a world: who
+    /// runs in many worlds, or one world in many ways, builds each of them once.
+    pub fn of(library: Arc<Library>, model: Arc<OfficeModel>, modules: Arc<Composition<M>>) -> Self {
+        Self { library, modules, premises: Premises::Office { model, scenario: None } }
+    }
+
     /// A site whose robot has these modules.
     ///
     /// # Errors

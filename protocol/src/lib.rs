@@ -4,9 +4,12 @@
 //! Everything here is a value or a function of values. Who carries the words stands behind the trait
 //! [`line::Line`]; pipes, sockets, threads and clocks are in the crate `link`.
 //!
-//! Read `line` first, then `host`.
+//! Read `line` first, then `value` and `module`, and `host`.
 
 pub mod guard;
 pub mod host;
 pub mod line;
+pub mod module;
 pub mod remote_host;
+pub mod schema;
+pub mod value;

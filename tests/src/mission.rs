@@ -6,7 +6,7 @@ use rpl_mission::libraries;
 use rpl_mission::run::{Reached, fluent_value, run_to, silence_continuous_fluents};
 use rpl_mission::site::Site;
 use rpl_robot::localization::LocalizationParameters;
-use rpl_robot::office::{OfficeModel, OfficeRobot, OfficeSettings, office_modules};
+use rpl_robot::office::{OfficeModel, OfficeModules, OfficeRobot, OfficeSettings, office_modules};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
@@ -71,13 +71,13 @@ pub fn robot_library() -> Arc<Library> {
 pub struct Mission {
     /// The plan, compiled.
     pub plan: Loaded,
-    site: Site,
+    site: Site<OfficeModules>,
 }
 
 impl Mission {
     /// A plan in a world.
     pub fn new(model: Arc<OfficeModel>, plan: &str) -> Self {
-        let site = Site::of(robot_library(), model);
+        let site = Site::of(robot_library(), model, office_modules().clone());
         let plan = site.compile("plan.rpl", plan, &mut NoFiles);
         Self { plan: plan.unwrap_or_else(|error| panic!("{error}")), site }
     }

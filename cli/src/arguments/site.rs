@@ -2,11 +2,13 @@
 
 use crate::arguments::completion;
 use crate::arguments::numbers::positive;
+use crate::files::module_files::{self, ModuleVoices, Modules};
 use crate::files::plans;
 use crate::files::robot_files;
 use crate::files::world_files;
 use crate::sites;
 use anyhow::Result;
+use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_mission::cost::MEMORY_GIB;
 use rpl_mission::site::{Setup, Site};
@@ -49,6 +51,9 @@ pub struct SiteArguments {
     /// Seed of every random stream
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// A module in another process, by its manifest; once for each
+    #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
+    pub module: Vec<String>,
     /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     pub scenario: Option<String>,
@@ -83,14 +88,15 @@ pub enum GridArgument {
 }
 
 impl SiteArguments {
-    /// The site, and the world of its robot if there is one.
+    /// The site, the world of its robot if there is one, and its modules, which have not been started.
     ///
     /// # Errors
-    /// There is no such world or scenario, or it has faults.
-    pub fn build(&self) -> Result<(Site, Option<World>)> {
+    /// There is no such world, scenario, robot or module, or it has faults.
+    pub fn build(&self, voices: ModuleVoices<'_>) -> Result<(Site, Option<World>, Modules)> {
         let robot = robot_files::named(self.robot.as_deref())?;
         let world = self.world.as_deref().map(|name| world_files::named(name, &robot)).transpose()?;
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
+        let (modules, sources) = module_files::named(&self.module, voices)?;
         let usual = OfficeSettings::of(robot);
         let localization = match self.grid {
             GridArgument::Fine => usual.localization,
@@ -100,7 +106,8 @@ impl SiteArguments {
         let site = sites::build(
             Setup { world: world.clone(), settings, memory_gib: self.memory, natives: Vec::new() },
             scenario,
+            sources,
         )?;
-        Ok((site, world))
+        Ok((site, world, modules))
     }
 }

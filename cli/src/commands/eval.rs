@@ -3,6 +3,7 @@
 use crate::arguments::site::SiteArguments;
 use crate::drive::{Pace, drive};
 use crate::files::inputs;
+use crate::files::module_files::{GoingBack, ModuleVoices};
 use crate::files::plans::Folder;
 use crate::interrupt;
 use crate::run_record::{Records, RunEnd};
@@ -43,7 +44,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         "-" => ("<stdin>", inputs::standard_input()?),
         text => ("<eval>", text.to_string()),
     };
-    let (site, _) = arguments.site.build()?;
+    let (site, _, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Never))?;
     let seed = arguments.site.seed;
     let mut folder = Folder::Disk(".".into());
     let loaded = match site.library.load(name, &text, &mut folder) {
@@ -53,6 +54,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             return Ok(Status::Wrong);
         }
     };
+    modules.start(&site, seed, None)?;
     let mut system = site.start(loaded, seed);
     let mut records = Records::default();
     let ending = {

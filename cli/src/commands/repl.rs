@@ -3,6 +3,7 @@
 use crate::arguments::completion;
 use crate::arguments::site::SiteArguments;
 use crate::files::inputs;
+use crate::files::module_files::{GoingBack, ModuleVoices};
 use crate::files::plans;
 use crate::hosts::{HostArguments, Use};
 use crate::recorded_run::{RecordedRun, RecordedText, RunKind};
@@ -36,7 +37,7 @@ pub fn run(
     console: &mut Console,
 ) -> Result<Status> {
     let source = arguments.host.reach(&arguments.site)?;
-    let (site, world) = arguments.site.build()?;
+    let (site, world, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     if arguments.file.as_deref() == Some(inputs::STANDARD_INPUT) {
         bail!("standard input is what the prompt reads; `rpl run -` runs a plan from there");
     }
@@ -49,6 +50,7 @@ pub fn run(
         host: source.heard(),
         ..RecordedRun::at(&arguments.site, world.as_ref())?
     })?;
+    modules.start(&site, seed, recorder.as_ref())?;
     let (robot, _) = source.robot(&site, seed, Use::Session, recorder.clone())?;
     let typed = Vec::new();
     let opening =

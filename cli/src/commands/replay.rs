@@ -3,6 +3,7 @@
 use crate::arguments::completion;
 use crate::commands::run::{self, Output};
 use crate::files::inputs;
+use crate::files::module_files::ModuleVoices;
 use crate::files::plans;
 use crate::hosts;
 use crate::recorded_run::{RecordedRun, RecordedText, RunKind, Sameness};
@@ -44,7 +45,8 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     let recording: Recording<RecordedRun> =
         Recording::read(&text).with_context(|| format!("the recording `{shown}` cannot be read"))?;
     let source = hosts::recorded(&recording).with_context(|| format!("the recording `{shown}` cannot be read"))?;
-    let (recorded, typed) = (recording.run, recording.typed);
+    let voices = ModuleVoices::Recording(&recording);
+    let (recorded, typed) = (recording.run.clone(), recording.typed.clone());
     let plan = arguments.plan.clone().or_else(|| recorded.plan.as_ref().map(|plan| plan.name.clone()));
     if plan.as_deref() == Some(inputs::STANDARD_INPUT) {
         bail!("the plan was read from standard input; name a file that has it with `--plan FILE`");
@@ -59,7 +61,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     let site = recorded.site()?;
     let is_session = recorded.kind != RunKind::Run;
     if arguments.prompt || is_session {
-        let (built, world) = site.build()?;
+        let (built, world, _) = site.build(voices)?;
         let (robot, _) = source.robot(&built, site.seed, hosts::Use::Session, None)?;
         let until = if recorded.kind == RunKind::Session { Until::End } else { Until::Step };
         let (seed, reads) = (site.seed, arguments.prompt);
@@ -78,5 +80,5 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
         max_steps: recorded.max_steps,
         output: arguments.output.clone(),
     };
-    run::run_on(&run, source, console)
+    run::run_on(&run, source, voices, console)
 }

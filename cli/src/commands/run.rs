@@ -5,6 +5,7 @@ use crate::arguments::duration::parse_duration_us;
 use crate::arguments::overrides::{Overrides, OverridingLoader};
 use crate::arguments::site::SiteArguments;
 use crate::drive::{Pace, drive};
+use crate::files::module_files::{GoingBack, ModuleVoices};
 use crate::files::outputs::OutputFile;
 use crate::files::plans;
 use crate::files::plans::PlanText;
@@ -99,20 +100,25 @@ fn parse_rate(text: &str) -> Result<f64, String> {
 /// The text or the command line is wrong, or a file cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let source = arguments.host.reach(&arguments.site)?;
-    run_on(arguments, source, console)
+    run_on(arguments, source, ModuleVoices::Processes(GoingBack::Never), console)
 }
 
-/// Runs the plan on a host.
+/// Runs the plan on a host, with these voices of its modules.
 ///
 /// # Errors
 /// As for [`run`].
-pub fn run_on(arguments: &Arguments, source: HostSource, console: &mut Console) -> Result<Status> {
+pub fn run_on(
+    arguments: &Arguments,
+    source: HostSource,
+    voices: ModuleVoices<'_>,
+    console: &mut Console,
+) -> Result<Status> {
     let began = Instant::now();
     let plan = plans::plan(&arguments.file)?;
     let recorded_plan = RecordedText::of(&arguments.file, &plan);
     let mut overrides = Overrides::parse(&arguments.set)?;
     let output = &arguments.output;
-    let (site, world) = arguments.site.build()?;
+    let (site, world, modules) = arguments.site.build(voices)?;
     if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
         bail!("without a robot there are no poses and no figures; add `--world dept`");
     }
@@ -133,6 +139,7 @@ pub fn run_on(arguments: &Arguments, source: HostSource, console: &mut Console) 
         host: source.heard(),
         ..RecordedRun::at(&arguments.site, world.as_ref())?
     })?;
+    modules.start(&site, seed, recorder.as_ref())?;
     let (robot, transcript) = source.robot(&site, seed, Use::Run, recorder.clone())?;
     let mut system = match wants_events {
         true => site.start_traced_with(robot, loaded, seed),
@@ -158,7 +165,8 @@ pub fn run_on(arguments: &Arguments, source: HostSource, console: &mut Console) 
     }
     let summary = summarize(&system, ending, &records, arguments.site.seed, began);
     report(&system, ending, &summary, console);
-    if let (Some(divergence), Some(office)) = (transcript.and_then(|line| line.divergence()), site.office()) {
+    let divergence = transcript.and_then(|line| line.divergence()).or_else(|| modules.divergence());
+    if let (Some(divergence), Some(office)) = (divergence, site.office()) {
         console.note(&astray(&divergence, office.settings.robot.step_us));
     }
     if output.json {

@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     // The host needs no map: it has the world.
     let settings = OfficeSettings { map_known: false, ..OfficeSettings::of(robot.clone()) };
     let setup = Setup { world: Some(world), settings, memory_gib: MEMORY_GIB, natives: Vec::new() };
-    let site = sites::build(setup, scenario)?;
+    let site = sites::build(setup, scenario, Vec::new())?;
     let mut host = site.office_robot(arguments.seed).context("a world has a robot")?.host;
     let service = Service {
         robot: robot.name.clone(),

@@ -293,6 +293,7 @@ impl TestSession<'_> {
         let site = sites::build(
             Setup { world, settings: OfficeSettings::of(self.robot.clone()), ..Setup::default() },
             scenario,
+            Vec::new(),
         )?;
         self.sites.insert(place, site.clone());
         Ok(site)

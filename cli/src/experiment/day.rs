@@ -1,7 +1,7 @@
 //! What became of the orders of a day at the office.
 
+use rpl_mission::modules::SiteRobot;
 use rpl_robot::geometry::{Point, distance_m};
-use rpl_robot::office::OfficeRobot;
 use rpl_robot::simulator::ItemPlace;
 
 /// A thing is at a place if it lies this near to where the robot stands there: it is put down, and
@@ -21,7 +21,7 @@ pub struct Day {
 
 impl Day {
     /// The account of a run; none if nobody ordered anything.
-    pub fn of(robot: &OfficeRobot, logs: &[String]) -> Option<Self> {
+    pub fn of(robot: &SiteRobot, logs: &[String]) -> Option<Self> {
         let state = &robot.host.state;
         let begin_with = |word: &str| logs.iter().filter(|log| log.starts_with(word)).count() as u32;
         let mut day =

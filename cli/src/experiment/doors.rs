@@ -8,9 +8,9 @@ use crate::files::plans::{Folder, PlanText};
 use crate::sites;
 use crate::terminal::console::Console;
 use anyhow::{Result, bail};
+use rpl_mission::modules::SiteRobot;
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::office::OfficeRobot;
 use rpl_robot::planning::path_length_m;
 use rpl_robot::world::{Place, World};
 
@@ -39,7 +39,7 @@ const THROUGH_M: f64 = 0.5;
 
 /// One delivery: from a place to another, the robot anywhere at first.
 struct Errand<'w> {
-    robot: OfficeRobot,
+    robot: SiteRobot,
     from: &'w Place,
     to: &'w Place,
     optimum_m: f64,

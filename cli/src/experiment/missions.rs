@@ -60,7 +60,7 @@ pub(super) fn site_of(request: &ExperimentRequest, row: &Row) -> Result<(Site, O
     let scenario = scenario_name.map(plans::scenario).transpose()?;
     let mut settings = OfficeSettings::of(request.robot.clone());
     (row.change)(&mut settings);
-    Ok((sites::build(Setup { world: Some(world), settings, ..Setup::default() }, scenario)?, goal))
+    Ok((sites::build(Setup { world: Some(world), settings, ..Setup::default() }, scenario, Vec::new())?, goal))
 }
 
 /// Writes every run and the charts into the folder for results, if there is to be one.
@@ -102,7 +102,7 @@ pub(super) fn own_plan(request: &ExperimentRequest, console: &mut Console) -> Re
     let world = request.world.as_deref().map(|name| world_files::named(name, &request.robot)).transpose()?;
     let scenario = request.scenario.as_deref().map(plans::scenario).transpose()?;
     let settings = OfficeSettings::of(request.robot.clone());
-    let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario)?;
+    let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario, Vec::new())?;
     let trials = all_trials(request, console, &site, &plan, None, &request.name)?;
     let result = RowResult::of(&request.name, &trials);
     let (status, blocks) = (status(&trials), result.blocks());

@@ -7,10 +7,11 @@ use crate::show::failure_report::Reporter;
 use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use rpl_lang::code::Program;
+use rpl_mission::modules::SiteRobot;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;
 use rpl_robot::geometry::{Point, Pose, distance_m, wrap_angle_rad};
-use rpl_robot::office::{OfficeRobot, ReportKind};
+use rpl_robot::office::ReportKind;
 use rpl_robot::simulator::ItemPlace;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::machine::Machine;
@@ -110,7 +111,7 @@ pub struct Goal<'n> {
 }
 
 /// How far from a point a thing really lies; none if it lies nowhere.
-fn item_off_m(robot: &OfficeRobot, name: &str, point: Point) -> Option<f64> {
+fn item_off_m(robot: &SiteRobot, name: &str, point: Point) -> Option<f64> {
     let item = robot.host.state.gripper.items.iter().find(|item| item.name == name)?;
     match item.at {
         ItemPlace::Point(at) => Some(distance_m(at, point)),

@@ -17,12 +17,12 @@ use crate::terminal::progress;
 use crate::terminal::table::Table;
 use anyhow::{Context, Result, bail};
 use rpl_lang::compile::NoFiles;
+use rpl_mission::modules::SiteRobot;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::{Setup, Site};
 use rpl_random::Stream;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::office::OfficeRobot;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::planning::{Inflation, PlannerModel, path_length_m};
 use rpl_robot::world::{Place, World};
@@ -64,6 +64,7 @@ impl TestGround {
             site: sites::build(
                 Setup { world: Some(world.clone()), settings: OfficeSettings::of(robot.clone()), ..Setup::default() },
                 None,
+                Vec::new(),
             )?,
             floor: PlannerModel::new(&world.floor(CELL_M, |door| world.doors[door].open), inflation),
             world,
@@ -140,7 +141,7 @@ pub(super) fn no_errand(ground: &TestGround, seed: u64) -> String {
 /// Runs a plan to its end and measures it; `optimum_m` is the shortest way.
 pub(super) fn run_errand(
     ground: &TestGround,
-    robot: OfficeRobot,
+    robot: SiteRobot,
     text: &str,
     request: &ExperimentRequest,
     seed: u64,
@@ -174,7 +175,7 @@ pub(super) fn draw_start(ground: &TestGround, destination: &Place, stream: &mut 
 }
 
 /// The robot at a start; none if somebody stands there.
-pub(super) fn robot_at(site: &Site, seed: u64, start: &StartPoint) -> Option<OfficeRobot> {
+pub(super) fn robot_at(site: &Site, seed: u64, start: &StartPoint) -> Option<SiteRobot> {
     let Robot::Office(robot) = site.robot(seed) else { return None };
     robot.starting_at(start.at_in_map).ok()
 }

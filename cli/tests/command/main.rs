@@ -17,6 +17,7 @@ mod json;
 mod keys;
 mod layout;
 mod localize;
+mod modules;
 mod outputs;
 mod pages;
 mod pipes;

@@ -30,7 +30,7 @@ fn and_more(more: usize) -> String {
 
 /// Faults, as they are found.
 #[derive(Debug, Default)]
-pub(crate) struct Findings {
+pub struct Findings {
     found: Vec<Finding>,
     more: usize,
 }
@@ -42,6 +42,9 @@ impl Findings {
     }
 
     /// What is read, if there was no fault.
+    ///
+    /// # Errors
+    /// All faults.
     pub fn or_value<T>(mut self, value: Option<T>) -> Result<T, FileFaults> {
         match value {
             Some(value) if self.found.is_empty() => Ok(value),
@@ -77,7 +80,8 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(crate) fn new(
+    /// A fault at a place of a text, given in bytes.
+    pub fn new(
         file: &str,
         text: &str,
         span: Range<usize>,

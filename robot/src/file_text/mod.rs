@@ -4,7 +4,7 @@
 mod finding;
 mod toml_reader;
 
-pub use finding::{FileFaults, Finding};
+pub use finding::{FileFaults, Finding, Findings};
+pub use toml_reader::{Placed, Reader, TomlTable, TomlValue, example_help};
 
-pub(crate) use finding::{Findings, nearest};
-pub(crate) use toml_reader::{Placed, Reader, TomlTable, TomlValue, example_help};
+pub(crate) use finding::nearest;

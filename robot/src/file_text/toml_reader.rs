@@ -15,20 +15,25 @@ const LONGEST_NAME: usize = 255;
 /// No coordinate, length or speed is larger: 100 km.
 const LARGEST_NUMBER: f64 = 1e5;
 
-pub(crate) type TomlValue<'i> = Spanned<DeValue<'i>>;
+/// A value of the file, and where it stands.
+pub type TomlValue<'i> = Spanned<DeValue<'i>>;
 
 /// The text being read, and what was found wrong with it so far.
-pub(crate) struct Reader<'i> {
+pub struct Reader<'i> {
     /// What the file describes: "world".
     pub kind: &'static str,
+    /// The file, for messages.
     pub file: &'i str,
+    /// What is read.
     pub text: &'i str,
+    /// What was found so far.
     pub findings: Findings,
 }
 
 /// One table of the file, such as one `[[door]]`.
 #[derive(Clone)]
-pub(crate) struct TomlTable<'t, 'i> {
+pub struct TomlTable<'t, 'i> {
+    /// Its keys and values.
     pub values: &'t DeTable<'i>,
     /// Where the table is, for faults that have no key to point at.
     pub span: Range<usize>,
@@ -37,23 +42,28 @@ pub(crate) struct TomlTable<'t, 'i> {
 }
 
 /// Something read, and the table it stands in.
-pub(crate) struct Placed<'t, 'i, T> {
+pub struct Placed<'t, 'i, T> {
+    /// What was read.
     pub value: T,
+    /// The table.
     pub table: TomlTable<'t, 'i>,
 }
 
 impl<'t, 'i> TomlTable<'t, 'i> {
+    /// Where a key's value is; where the table is, if it has no such key.
     pub fn span_of(&self, key: &str) -> Range<usize> {
         self.values.get(key).map_or(self.span.clone(), Spanned::span)
     }
 }
 
 impl<'i> Reader<'i> {
+    /// Notes a fault.
     pub fn note(&mut self, span: Range<usize>, key: &str, message: impl Into<String>, help: impl Into<String>) {
         let (file, text) = (self.file, self.text);
         self.findings.add(|| Finding::new(file, text, span, key, message, help));
     }
 
+    /// Notes that a value is not what it must be.
     pub fn expected(&mut self, value: &TomlValue, key: &str, what: &str, example: &str) {
         let found = describe(value.get_ref());
         self.note(value.span(), key, format!("`{key}` must be {what}, found {found}"), example_help(key, example));
@@ -133,8 +143,23 @@ impl<'i> Reader<'i> {
         value
     }
 
+    /// A name or another short line of text.
     pub fn text(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<String> {
         let value = self.required(table, key, example)?;
+        self.text_value(value, key, example)
+    }
+
+    /// The texts of a list; none where the key is not there.
+    pub fn texts(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Vec<String> {
+        let Some(value) = table.values.get(key) else { return Vec::new() };
+        let Some(elements) = value.get_ref().as_array() else {
+            self.expected(value, key, "a list", example);
+            return Vec::new();
+        };
+        elements.iter().filter_map(|element| self.text_value(element, key, example)).collect()
+    }
+
+    fn text_value(&mut self, value: &TomlValue, key: &str, example: &str) -> Option<String> {
         let text = value.get_ref().as_str();
         if text.is_none() || text == Some("") {
             self.expected(value, key, "a name in quotes", example);
@@ -151,6 +176,7 @@ impl<'i> Reader<'i> {
         text.map(str::to_owned)
     }
 
+    /// A truth, or what it is where nothing is said.
     pub fn flag(&mut self, table: &TomlTable<'_, 'i>, key: &str, default: bool) -> bool {
         let Some(value) = table.values.get(key) else { return default };
         let flag = value.get_ref().as_bool();
@@ -179,6 +205,7 @@ impl<'i> Reader<'i> {
         self.size_value(value, key, zero_is_fine, example)
     }
 
+    /// The same of a value that was found.
     pub fn size_value(&mut self, value: &TomlValue, key: &str, zero_is_fine: bool, example: &str) -> Option<f64> {
         let size = self.number_value(value, key, example)?;
         if size > 0.0 || zero_is_fine && size == 0.0 {
@@ -189,6 +216,7 @@ impl<'i> Reader<'i> {
         None
     }
 
+    /// A finite number that was found.
     pub fn number_value(&mut self, value: &TomlValue, key: &str, example: &str) -> Option<f64> {
         let number = match value.get_ref() {
             DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|n| n as f64),
@@ -246,6 +274,7 @@ impl<'i> Reader<'i> {
         }
     }
 
+    /// So many numbers in a list.
     pub fn numbers<const COUNT: usize>(
         &mut self,
         value: &TomlValue<'i>,
@@ -260,11 +289,13 @@ impl<'i> Reader<'i> {
         Some(numbers)
     }
 
+    /// Middle and radius.
     pub fn circle(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<[f64; 3]> {
         let value = self.required(table, key, example)?;
         self.numbers(value, key, example)
     }
 
+    /// A point.
     pub fn point(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<Point> {
         let value = self.required(table, key, example)?;
         self.numbers(value, key, example).map(|[x, y]| Point::new(x, y))
@@ -287,6 +318,7 @@ impl<'i> Reader<'i> {
         points.into_iter().collect()
     }
 
+    /// A pose.
     pub fn pose(&mut self, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<Pose> {
         let value = self.required(table, key, example)?;
         let elements = self.elements(value, key, 3, example)?;
@@ -302,6 +334,7 @@ impl<'i> Reader<'i> {
         self.choice_value(value, key, choices)
     }
 
+    /// One of some words that was found.
     pub fn choice_value<T: Copy>(&mut self, value: &TomlValue, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let word = value.get_ref().as_str();
         let chosen = choices.iter().find(|(name, _)| word == Some(*name)).map(|(_, choice)| *choice);
@@ -320,7 +353,8 @@ impl<'i> Reader<'i> {
     }
 }
 
-pub(crate) fn example_help(key: &str, example: &str) -> String {
+/// What to type: a key with an example.
+pub fn example_help(key: &str, example: &str) -> String {
     format!("write it like `{key} = {example}`")
 }
 

@@ -5,7 +5,7 @@ use crate::file_text::{Reader, TomlTable};
 use crate::geometry::Point;
 
 impl<'i> Reader<'i> {
-    pub fn rect(&mut self, table: &TomlTable<'_, 'i>, key: &str) -> Option<Rect> {
+    pub(super) fn rect(&mut self, table: &TomlTable<'_, 'i>, key: &str) -> Option<Rect> {
         let example = "[2.0, 1.0, 3.5, 1.8]";
         let value = self.required(table, key, example)?;
         let [x0, y0, x1, y1] = self.numbers(value, key, example)?;
@@ -17,17 +17,17 @@ impl<'i> Reader<'i> {
         None
     }
 
-    pub fn axis(&mut self, table: &TomlTable<'_, 'i>) -> Option<Axis> {
+    pub(super) fn axis(&mut self, table: &TomlTable<'_, 'i>) -> Option<Axis> {
         self.choice(table, "axis", &[("x", Axis::X), ("y", Axis::Y)])
     }
 
-    pub fn mode(&mut self, table: &TomlTable<'_, 'i>) -> Option<TravelMode> {
+    pub(super) fn mode(&mut self, table: &TomlTable<'_, 'i>) -> Option<TravelMode> {
         let modes =
             [("hallway", TravelMode::Hallway), ("office", TravelMode::Office), ("doorway", TravelMode::Doorway)];
         self.choice(table, "mode", &modes)
     }
 
-    pub fn seen_by(&mut self, table: &TomlTable<'_, 'i>) -> SeenBy {
+    pub(super) fn seen_by(&mut self, table: &TomlTable<'_, 'i>) -> SeenBy {
         let mut seen_by = SeenBy { sonar: true, laser: true };
         let Some(value) = table.values.get("seen_by") else { return seen_by };
         let Some(elements) = value.get_ref().as_array() else {

@@ -99,6 +99,12 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
     ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
     ("localization-failure", "behaviour-failure", &[], "The position was not found."),
     ("host-failure", "failure", &[], "Who moves the robot is gone: the run ends, and no handler keeps it."),
+    (
+        "module-failure",
+        "behaviour-failure",
+        &["module", "reason"],
+        "A module in another process does not work any more: `module` is its name, `reason` what it did.",
+    ),
     ("grasp-failure", "behaviour-failure", &[], "The gripper did not take the thing, or did not let go of it."),
 ];
 

@@ -38,12 +38,25 @@ impl Machine {
     fn behaviour_ended(&mut self, around: &mut Surroundings<'_>, behaviour: u16, ending: Ending) {
         let signal = match ending {
             Ending::Success => Ok(()),
-            Ending::Failure { class, message, slots } => Err(self.behaviour_failure(behaviour, &class, message, slots)),
+            Ending::Failure { class, message, slots } => {
+                let (class, message) = self.known_class(around, class, message);
+                Err(self.behaviour_failure(behaviour, &class, message, slots))
+            }
         };
         self.activation(behaviour).phase = Phase::Done;
         self.signal(around, behaviour, signal);
         let owner = self.activation(behaviour).task;
         self.release_activation(around, behaviour, owner);
+    }
+
+    /// A class of failures that handlers know: one that the program has not defined is told in the message of
+    /// a `behaviour-failure`.
+    fn known_class(&self, around: &Surroundings<'_>, class: String, message: String) -> (String, String) {
+        let symbol = self.symbols.find(&class);
+        if symbol.is_some_and(|symbol| around.program.failure_classes.contains_key(&symbol)) {
+            return (class, message);
+        }
+        ("behaviour-failure".to_string(), format!("{class}: {message}"))
     }
 
     /// `(activate B :key V...)` by the current task.

@@ -219,6 +219,7 @@ fn every_block_is_of_a_kind_that_is_checked() {
         "text",
         "sh",
         "rust",
+        "python",
     ];
     for document in documents() {
         for block in blocks(&document) {

@@ -3,5 +3,5 @@
 mod clauses;
 mod documentation;
 mod formatting;
-mod schema;
+mod schemas;
 mod tables;

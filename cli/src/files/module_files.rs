@@ -1,0 +1,118 @@
+//! Modules in other processes, as the command line names them: by the files of their manifests.
+
+use super::inputs;
+use crate::recorded_run::RecordedRun;
+use anyhow::{Result, anyhow, bail};
+use rpl_link::process_opener::{Opener, line_name};
+use rpl_link::recording::{Recorder, Recording};
+use rpl_link::transcript::{Divergence, Kept, Transcript};
+use rpl_mission::site::Site;
+use rpl_protocol::module::manifest::Manifest;
+use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords};
+use rpl_protocol::module::process_modules::{ModuleSource, OpenLine};
+use rpl_robot::office::PlanText;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Turns of a module that a session keeps, to go back to: an hour at 20 steps a second.
+const TURNS_OF_A_SESSION: usize = 72_000;
+
+/// The modules of a run, before it begins.
+#[derive(Debug, Default)]
+pub struct Modules {
+    /// Those that are to be started.
+    openers: Vec<Arc<Opener>>,
+    /// What those of a recording have said.
+    recorded: Vec<Arc<Transcript<ModuleWords, ModuleAnswer>>>,
+}
+
+/// Who speaks for modules.
+#[derive(Clone, Copy, Debug)]
+pub enum ModuleVoices<'r> {
+    /// Their processes.
+    Processes(GoingBack),
+    /// A recording of them.
+    Recording(&'r Recording<RecordedRun>),
+}
+
+/// Whether a run can go back, and needs to hear again what its modules have said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GoingBack {
+    /// Never.
+    Never,
+    /// At the prompt.
+    Session,
+}
+
+/// The modules of some manifests.
+///
+/// # Errors
+/// A manifest cannot be read or has faults, or the plans of one cannot be read; or the recording of one.
+pub fn named(names: &[String], voices: ModuleVoices<'_>) -> Result<(Modules, Vec<ModuleSource>)> {
+    let mut modules = Modules::default();
+    let mut sources: Vec<ModuleSource> = Vec::new();
+    for name in names {
+        let path = Path::new(name);
+        let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{name}`: {reason}"))?;
+        let manifest =
+            Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{name}` has faults\n{error}"))?;
+        if let Some(before) = sources.iter().find(|before| before.manifest.name == manifest.name) {
+            let (called, first) = (&manifest.name, &before.manifest.file);
+            bail!("two modules are called `{called}`: `{first}` and `{name}`; leave one away, or rename it");
+        }
+        let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let plans = manifest.plans.as_ref().map(|plans| plan_text(folder, plans, name)).transpose()?;
+        let manifest = Arc::new(manifest);
+        let open = modules.open(manifest.clone(), folder, voices)?;
+        sources.push(ModuleSource { manifest, plans, open });
+    }
+    Ok((modules, sources))
+}
+
+fn plan_text(folder: &Path, plans: &str, manifest: &str) -> Result<PlanText> {
+    let path = folder.join(plans);
+    let shown = path.display().to_string();
+    let text = inputs::read_text(&path)
+        .map_err(|reason| anyhow!("cannot read `{shown}`, the plans of the module `{manifest}`: {reason}"))?;
+    Ok(PlanText { name: shown.into(), text: text.into() })
+}
+
+impl Modules {
+    /// What gives a run its line to a module.
+    fn open(&mut self, manifest: Arc<Manifest>, folder: &Path, voices: ModuleVoices<'_>) -> Result<Arc<OpenLine>> {
+        let going_back = match voices {
+            ModuleVoices::Processes(going_back) => going_back,
+            ModuleVoices::Recording(recording) => {
+                let name = line_name(&manifest.name);
+                let transcript = Arc::new(Transcript::recorded(&name, recording.turns(&name)?));
+                self.recorded.push(transcript.clone());
+                return Ok(Arc::new(move |_| transcript.clone()));
+            }
+        };
+        let kept = match going_back {
+            GoingBack::Never => Kept::Last,
+            GoingBack::Session => Kept::Newest(TURNS_OF_A_SESSION),
+        };
+        let opener = Arc::new(Opener::new(manifest, folder.to_path_buf(), kept));
+        self.openers.push(opener.clone());
+        Ok(Arc::new(move |greeting| opener.open(greeting)))
+    }
+
+    /// Starts them for the run that is about to begin at a site, with this seed.
+    ///
+    /// # Errors
+    /// One does not start: what it did, and what it wrote to its standard error.
+    pub fn start(&self, site: &Site, seed: u64, recorder: Option<&Arc<Recorder>>) -> Result<()> {
+        let Some(office) = site.office() else { return Ok(()) };
+        let greeting = Greeting { period_us: office.settings.robot.step_us, seed };
+        for module in &self.openers {
+            module.start_ahead(greeting, recorder.cloned())?;
+        }
+        Ok(())
+    }
+
+    /// Where the run first wanted to say something else to one of them than was recorded, if it did.
+    pub fn divergence(&self) -> Option<Divergence> {
+        self.recorded.iter().filter_map(|module| module.divergence()).min_by_key(|divergence| divergence.turn)
+    }
+}

@@ -1,0 +1,56 @@
+//! What the robot of a site is composed of: the modules of the office robot, and those that programs of
+//! somebody else bring.
+
+use crate::error::SiteError;
+use crate::libraries::{is_taken, robot_library};
+use rpl_protocol::module::process_modules::{ModuleSource, ModuleSources, ProcessModules};
+use rpl_robot::office::{Composition, OfficeModules, OfficeRobot, SimulatedHost, office_modules};
+use std::sync::{Arc, LazyLock};
+
+rpl_robot::modules! {
+    /// The modules of a robot.
+    pub struct SiteModules {
+        /// Those of the office robot.
+        pub office: OfficeModules,
+        /// Those in other processes.
+        pub processes: ProcessModules,
+    }
+}
+
+/// A simulated robot with the modules of a site.
+pub type SiteRobot = OfficeRobot<SimulatedHost, SiteModules>;
+
+/// A robot without modules in other processes.
+pub(crate) fn own_modules() -> &'static Arc<Composition<SiteModules>> {
+    static MODULES: LazyLock<Arc<Composition<SiteModules>>> =
+        LazyLock::new(|| match Composition::new(Default::default()) {
+            Ok(modules) => modules,
+            Err(fault) => unreachable!("the modules of the robot fit together: {fault}"),
+        });
+    &MODULES
+}
+
+/// A robot with these modules in other processes beside its own.
+///
+/// # Errors
+/// Two of them have something of one name, or a name has a meaning in the language or its library.
+pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModules>>, SiteError> {
+    if sources.is_empty() {
+        return Ok(own_modules().clone());
+    }
+    let sources = ModuleSources(sources);
+    let library = robot_library(office_modules(), Vec::new())?;
+    // What belongs to the robot is told by its composition, with the name of the module.
+    let is_robots = |name: &str| office_modules().tables.names().any(|known| known == name);
+    for manifest in sources.0.iter().map(|source| &source.manifest) {
+        if let Some(name) = manifest.names().find(|name| !is_robots(name) && is_taken(&library, name)) {
+            let (module, place) = (&manifest.name, manifest.place(name));
+            return Err(SiteError::Modules(format!(
+                "`{name}` of the module `{module}` ({place}) has a meaning in the language or its library; \
+                 give it another name"
+            )));
+        }
+    }
+    let told = sources.clone();
+    Composition::new((Default::default(), sources)).map_err(|fault| SiteError::Modules(told.told(&fault)))
+}

@@ -1,0 +1,357 @@
+//! The manifest of a module: what it offers to plans, and the command that starts it. A TOML file, read
+//! with all its faults at once.
+
+use super::message::Pace;
+use crate::value::is_name;
+use rpl_lang::symbol::fold_name;
+use rpl_robot::file_text::{FileFaults, Findings, Reader, TomlTable, TomlValue};
+use rpl_runtime::robot::reading::Reading;
+use rpl_runtime::robot::{BehaviourSpec, FluentSpec};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::de::DeTable;
+
+/// The keys at the top of a manifest.
+const KEYS: [&str; 11] = [
+    "name",
+    "doc",
+    "command",
+    "answer_within",
+    "start_within",
+    "pace",
+    "wants",
+    "valves",
+    "plans",
+    "behaviour",
+    "fluent",
+];
+
+/// How long an answer may take, if nobody says.
+const ANSWER_WITHIN_US: u64 = 1_000_000;
+
+/// How long the greeting may take, if nobody says: programs load what they need first.
+const START_WITHIN_US: u64 = 10_000_000;
+
+/// Nobody waits longer for an answer: 10 min.
+const LONGEST_WAIT_US: u64 = 600_000_000;
+
+/// More valves, parameters of a behaviour, or words of a command are none.
+const MOST_ENTRIES: usize = 200;
+
+/// What a module is, as its manifest says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifest {
+    /// The file, as the user named it.
+    pub file: String,
+    /// Its name, in messages.
+    pub name: String,
+    /// What it is for.
+    pub doc: String,
+    /// The program and its arguments.
+    pub command: Vec<String>,
+    /// How long the answer to a tick may take.
+    pub answer_within_us: u64,
+    /// How long the answer to the greeting may take.
+    pub start_within_us: u64,
+    /// When its messages take effect.
+    pub pace: Pace,
+    /// Whether ticks carry where the robot believes itself to be.
+    pub wants_position: bool,
+    /// Whether ticks carry what the robot perceives.
+    pub wants_percept: bool,
+    /// Names of its valves.
+    pub valves: Vec<String>,
+    /// The file with its plans, from the folder of the manifest.
+    pub plans: Option<String>,
+    /// Its behaviours.
+    pub behaviours: Vec<BehaviourSpec>,
+    /// Its fluents.
+    pub fluents: Vec<ModuleFluent>,
+    /// Where its names stand in the file, for faults that show only beside others.
+    pub places: Places,
+}
+
+/// Where the names of a manifest stand in its text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Places {
+    text: String,
+    spans: BTreeMap<String, Range<usize>>,
+}
+
+/// A fluent of a module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModuleFluent {
+    /// What plans see of it.
+    pub spec: FluentSpec,
+    /// What it holds.
+    pub kind: FluentKind,
+}
+
+/// What a fluent of a module holds; `null` it may be whatever it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FluentKind {
+    /// `nil` or `t`
+    Truth,
+    /// An integer.
+    Integer,
+    /// An integer or a float.
+    Number,
+    /// A symbol; a text is taken for one.
+    Symbol,
+    /// A text.
+    Text,
+    /// A list.
+    List,
+}
+
+impl FluentKind {
+    const ALL: [(&'static str, Self); 6] = [
+        ("truth", Self::Truth),
+        ("integer", Self::Integer),
+        ("number", Self::Number),
+        ("symbol", Self::Symbol),
+        ("text", Self::Text),
+        ("list", Self::List),
+    ];
+
+    /// The word for it in a manifest.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Truth => "truth",
+            Self::Integer => "integer",
+            Self::Number => "number",
+            Self::Symbol => "symbol",
+            Self::Text => "text",
+            Self::List => "list",
+        }
+    }
+
+    /// A reading as such a fluent holds it; none if it cannot.
+    pub fn held(self, reading: Reading) -> Option<Reading> {
+        match (self, reading) {
+            (_, Reading::Truth(false)) => Some(Reading::Truth(false)),
+            (Self::Symbol, Reading::Text(name)) => crate::value::symbol(&name).ok(),
+            (Self::Truth, reading @ Reading::Truth(_))
+            | (Self::Integer | Self::Number, reading @ Reading::Int(_))
+            | (Self::Number, reading @ Reading::Float(_))
+            | (Self::Symbol, reading @ Reading::Symbol(_))
+            | (Self::Text, reading @ Reading::Text(_))
+            | (Self::List, reading @ Reading::List(_)) => Some(reading),
+            (Self::Truth | Self::Integer | Self::Number | Self::Symbol | Self::Text | Self::List, _) => None,
+        }
+    }
+}
+
+impl Manifest {
+    /// Reads the text of a manifest; `file` is for the messages only.
+    ///
+    /// # Errors
+    /// All faults of the text at once: what is not TOML, unknown or missing keys, values of the wrong
+    /// kind, names that are none or given twice.
+    pub fn parse(text: &str, file: &str) -> Result<Self, FileFaults> {
+        let mut reader = Reader { file, text, kind: "manifest", findings: Findings::default() };
+        let (document, errors) = DeTable::parse_recoverable(text);
+        for error in &errors {
+            reader.note(error.span().unwrap_or(0..0), "", error.message(), "manifests are TOML, see toml.io");
+        }
+        let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
+        let manifest = if errors.is_empty() { read_manifest(&mut reader, &top) } else { None };
+        reader.findings.or_value(manifest)
+    }
+
+    /// All names that plans see of it.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let behaviours = self.behaviours.iter().map(|behaviour| &*behaviour.name);
+        let fluents = self.fluents.iter().map(|fluent| &*fluent.spec.name);
+        behaviours.chain(fluents).chain(self.valves.iter().map(String::as_str))
+    }
+
+    /// Where a name of it stands: file, line and column.
+    pub fn place(&self, name: &str) -> String {
+        let start = self.places.spans.get(name).map_or(0, |span| span.start);
+        let before = self.places.text.get(..start).unwrap_or_default();
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let (line, column) = (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1);
+        format!("{}:{line}:{column}", self.file)
+    }
+}
+
+fn read_manifest<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Manifest> {
+    reader.only_keys(top, &KEYS);
+    let mut names = Names::default();
+    let name = reader.text(top, "name", "\"camera\"");
+    let doc = reader.text(top, "doc", "\"A camera that sees cups.\"");
+    let command = read_command(reader, top);
+    let answer_within_us = duration_us(reader, top, "answer_within", ANSWER_WITHIN_US);
+    let start_within_us = duration_us(reader, top, "start_within", START_WITHIN_US);
+    let paces = [("lock-step", Pace::LockStep), ("live", Pace::Live)];
+    let pace = if top.values.contains_key("pace") { reader.choice(top, "pace", &paces) } else { Some(Pace::LockStep) };
+    let wants = read_wants(reader, top);
+    let valves = entries(reader, top, "valves", "[\"lamp\"]");
+    let valves: Vec<String> = valves.into_iter().map(|valve| fold_name(&valve).into_owned()).collect();
+    for valve in &valves {
+        names.note(reader, valve, top.span_of("valves"), "valves");
+    }
+    let plans = if top.values.contains_key("plans") { reader.text(top, "plans", "\"camera.rpl\"") } else { None };
+    let behaviours: Vec<_> = reader.tables(top, "behaviour").iter().map(|t| behaviour(reader, t, &mut names)).collect();
+    let fluents: Vec<_> = reader.tables(top, "fluent").iter().map(|t| fluent(reader, t, &mut names)).collect();
+    if behaviours.is_empty() && fluents.is_empty() {
+        let advice = "add a table [[behaviour]] or [[fluent]] with `name` and `doc`";
+        reader.note(0..0, "", "the module offers nothing: no behaviour and no fluent", advice);
+    }
+    Some(Manifest {
+        file: reader.file.to_string(),
+        name: name?,
+        doc: doc?,
+        command: command?,
+        answer_within_us: answer_within_us?,
+        start_within_us: start_within_us?,
+        pace: pace?,
+        wants_position: wants.0,
+        wants_percept: wants.1,
+        valves,
+        plans,
+        behaviours: behaviours.into_iter().collect::<Option<_>>()?,
+        fluents: fluents.into_iter().collect::<Option<_>>()?,
+        places: Places { text: reader.text.to_string(), spans: names.spans },
+    })
+}
+
+/// The names that were met, and where.
+#[derive(Default)]
+struct Names {
+    spans: BTreeMap<String, Range<usize>>,
+}
+
+impl Names {
+    /// Notes a name that plans are to see, and what is wrong with it.
+    fn note(&mut self, reader: &mut Reader, name: &str, span: Range<usize>, key: &str) {
+        if !is_name(name) || matches!(name, "nil" | "t") {
+            let message = format!("\"{name}\" is no name that plans can write");
+            reader.note(span.clone(), key, message, "a name is one word, like `switch-on` or `light*`, and no number");
+        }
+        if let Some(before) = self.spans.insert(name.to_string(), span.clone()) {
+            let line = reader.text.get(..before.start).unwrap_or_default().matches('\n').count() + 1;
+            reader.note(span, key, format!("`{name}` is there already, in line {line}"), "give it another name");
+        }
+    }
+}
+
+/// The texts of a list that is not endless.
+fn entries<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Vec<String> {
+    let mut texts = reader.texts(table, key, example);
+    if texts.len() > MOST_ENTRIES {
+        let message = format!("`{key}` has at most {MOST_ENTRIES} entries, found {}", texts.len());
+        reader.note(table.span_of(key), key, message, "leave out what is not needed");
+        texts.truncate(MOST_ENTRIES);
+    }
+    texts
+}
+
+fn read_command<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Vec<String>> {
+    let example = "[\"python3\", \"camera.py\"]";
+    reader.required(top, "command", example)?;
+    let command = entries(reader, top, "command", example);
+    if command.is_empty() {
+        let advice = format!("write the program and its arguments, like `command = {example}`");
+        reader.note(top.span_of("command"), "command", "`command` names no program", advice);
+        return None;
+    }
+    Some(command)
+}
+
+fn duration_us<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>, key: &str, default: u64) -> Option<u64> {
+    let Some(value) = top.values.get(key) else { return Some(default) };
+    let duration = value.get_ref().as_str().and_then(parse_duration_us).filter(|us| (1..=LONGEST_WAIT_US).contains(us));
+    if duration.is_none() {
+        reader.expected(value, key, "a time above 0 and up to 10 minutes in quotes", "\"500ms\"");
+    }
+    duration
+}
+
+/// "500ms", "2s", "1.5s" or "1min" in microseconds.
+fn parse_duration_us(text: &str) -> Option<u64> {
+    let unit_at = text.find(|c: char| c.is_ascii_alphabetic())?;
+    let (number, unit) = text.split_at(unit_at);
+    let unit_us = match unit {
+        "ms" => 1e3,
+        "s" => 1e6,
+        "min" => 60e6,
+        _ => return None,
+    };
+    let microseconds = number.trim().parse::<f64>().ok()? * unit_us;
+    // What is no number of microseconds becomes 0, which is refused like it.
+    Some(microseconds as u64)
+}
+
+/// Whether the position is wanted, and the percept.
+fn read_wants<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> (bool, bool) {
+    let mut wants = (false, false);
+    for want in entries(reader, top, "wants", "[\"position\"]") {
+        match &*want {
+            "position" => wants.0 = true,
+            "percept" => wants.1 = true,
+            _ => {
+                let message = format!("a module cannot want \"{want}\"");
+                reader.note(top.span_of("wants"), "wants", message, "`wants` lists \"position\" and \"percept\"");
+            }
+        }
+    }
+    wants
+}
+
+fn behaviour<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Names) -> Option<BehaviourSpec> {
+    reader.only_keys(table, &["name", "doc", "parameters", "valve"]);
+    let name = plan_name(reader, table, "\"sweep\"", names);
+    let doc = reader.text(table, "doc", "\"Sweeps an area once.\"");
+    let parameters = entries(reader, table, "parameters", "[\":area\"]");
+    for (at, parameter) in parameters.iter().enumerate() {
+        let Some(word) = parameter.strip_prefix(':').filter(|word| is_name(word) && fold_name(word) == *word) else {
+            let message = format!("\"{parameter}\" is no parameter");
+            reader.note(table.span_of("parameters"), "parameters", message, "write a parameter like \":area\"");
+            continue;
+        };
+        if parameters[..at].contains(parameter) {
+            let message = format!("the parameter `:{word}` is there twice");
+            reader.note(table.span_of("parameters"), "parameters", message, "name each parameter once");
+        }
+    }
+    let valve = match table.values.get("valve") {
+        Some(_) => Some(fold_name(&reader.text(table, "valve", "\"wheels\"")?).into_owned().into()),
+        None => None,
+    };
+    Some(BehaviourSpec { name: name?.into(), doc: doc?.into(), valve, parameters: parameters.join(" ").into() })
+}
+
+fn fluent<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Names) -> Option<ModuleFluent> {
+    reader.only_keys(table, &["name", "doc", "type", "unit", "continuous"]);
+    let name = plan_name(reader, table, "\"light*\"", names);
+    let doc = reader.text(table, "doc", "\"How bright it is.\"");
+    let kind = reader.choice(table, "type", &FluentKind::ALL);
+    let unit = if table.values.contains_key("unit") { reader.text(table, "unit", "\"m\"") } else { None };
+    let continuous = reader.flag(table, "continuous", false);
+    let (name, doc, kind) = (name?, doc?, kind?);
+    let doc = match (unit, kind) {
+        (None, _) => doc,
+        (Some(unit), FluentKind::Integer | FluentKind::Number | FluentKind::List) => format!("{doc} In {unit}."),
+        (Some(_), FluentKind::Truth | FluentKind::Symbol | FluentKind::Text) => {
+            let message = format!("a fluent that is a {} has no unit", kind.name());
+            reader.note(table.span_of("unit"), "unit", message, "leave `unit` away");
+            doc
+        }
+    };
+    Some(ModuleFluent { spec: FluentSpec { name: name.into(), doc: doc.into(), continuous }, kind })
+}
+
+/// The name of a behaviour or a fluent, as plans write it.
+fn plan_name<'i>(
+    reader: &mut Reader<'i>,
+    table: &TomlTable<'_, 'i>,
+    example: &str,
+    names: &mut Names,
+) -> Option<String> {
+    let name = fold_name(&reader.text(table, "name", example)?).into_owned();
+    let span = table.values.get("name").map_or(table.span.clone(), TomlValue::span);
+    names.note(reader, &name, span, "name");
+    Some(name)
+}

@@ -1,0 +1,7 @@
+//! Modules in other processes: behaviours, fluents and valves that a program of somebody else brings,
+//! in whatever language. A manifest says what they are, messages what becomes of them.
+
+pub mod manifest;
+pub mod message;
+pub mod process_module;
+pub mod process_modules;

@@ -1,0 +1,167 @@
+//! The modules in other processes that a robot has, as one module of it.
+
+use super::manifest::Manifest;
+use super::message::{Greeting, ModuleAnswer, ModuleWords};
+use super::process_module::ProcessModule;
+use crate::line::{Conversation, Line};
+use rpl_robot::geometry::Velocity;
+use rpl_robot::office::{
+    Layout, Module, ModuleSpec, Moment, NameTaken, OfficeModel, Part, PlanText, Position, Raise, Start, StopReason,
+    Telling,
+};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Gives a line to a module that has just been started for a run. One that does not start answers its first
+/// turn with its loss.
+pub type OpenLine = dyn Fn(Greeting) -> Arc<dyn Line<ModuleWords, ModuleAnswer>> + Send + Sync;
+
+/// A module in another process before any run.
+#[derive(Clone)]
+pub struct ModuleSource {
+    /// What it offers.
+    pub manifest: Arc<Manifest>,
+    /// The plans that belong to it.
+    pub plans: Option<PlanText>,
+    /// Starts it.
+    pub open: Arc<OpenLine>,
+}
+
+impl ModuleSource {
+    fn spec(&self) -> ModuleSpec {
+        let Manifest { name, behaviours, fluents, valves, .. } = &*self.manifest;
+        ModuleSpec {
+            name: name.clone().into(),
+            behaviours: behaviours.clone(),
+            fluents: fluents.iter().map(|fluent| fluent.spec.clone()).collect(),
+            valves: valves.iter().cloned().map(Into::into).collect(),
+            functions: Vec::new(),
+            plans: self.plans.iter().cloned().collect(),
+        }
+    }
+}
+
+/// The sources of all modules in other processes.
+#[derive(Clone, Default)]
+pub struct ModuleSources(pub Vec<ModuleSource>);
+
+impl ModuleSources {
+    /// What is said of names that do not fit, with the places in the manifests.
+    pub fn told(&self, fault: &NameTaken) -> String {
+        let place = |module: &str, name: &str| {
+            let manifests = self.0.iter().map(|source| &source.manifest);
+            let places: Vec<String> =
+                manifests.filter(|known| known.name == module).map(|known| known.place(name)).collect();
+            if places.is_empty() { String::new() } else { format!(" ({})", places.join(", ")) }
+        };
+        match fault {
+            NameTaken::Twice { name, first, second } if first == second => {
+                format!("two modules are called `{first}` and have `{name}`{}; rename one", place(first, name))
+            }
+            NameTaken::Twice { name, first, second } => {
+                let (there, here) = (place(first, name), place(second, name));
+                format!(
+                    "`{name}` of the module `{second}`{here} has a meaning already: the module `{first}`{there} has one of that name"
+                )
+            }
+            NameTaken::NoValve { behaviour, module, .. } => {
+                let here = place(module, behaviour);
+                format!("{fault}{here}; add it to the `valves` of its manifest, or name one that is there")
+            }
+        }
+    }
+}
+
+/// The modules in other processes of a run. What they are is theirs: a saved run has nothing of them but how
+/// many there were, and with one it cannot be gone on with.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct ProcessModules {
+    count: usize,
+    #[serde(skip)]
+    modules: Vec<ProcessModule>,
+    #[serde(skip)]
+    layout: Layout,
+}
+
+impl ProcessModules {
+    fn layout(sources: &ModuleSources) -> Layout {
+        let mut layout = Layout::default();
+        for source in &sources.0 {
+            layout.push(&[source.spec()]);
+        }
+        layout
+    }
+
+    /// The module with a behaviour of all, and the behaviour's place in it.
+    fn with_behaviour(&mut self, behaviour: usize) -> (&mut ProcessModule, usize, &Part) {
+        let parts = self.layout.parts().zip(&mut self.modules);
+        let found = parts.into_iter().find(|(part, _)| part.behaviours.contains(&behaviour));
+        let Some((part, module)) = found else { unreachable!("no module has a behaviour {behaviour}") };
+        (module, behaviour - part.behaviours.start, part)
+    }
+}
+
+impl Module for ProcessModules {
+    type Settings = ModuleSources;
+
+    fn specs(sources: &ModuleSources) -> Vec<ModuleSpec> {
+        sources.0.iter().map(ModuleSource::spec).collect()
+    }
+
+    fn new(sources: &ModuleSources, model: &OfficeModel, seed: u64) -> Self {
+        let greeting = Greeting { period_us: model.settings.robot.step_us, seed };
+        let opened = sources.0.iter().map(|ModuleSource { manifest, open, .. }| {
+            ProcessModule::new(manifest.clone(), Conversation::new(open(greeting)))
+        });
+        Self { count: sources.0.len(), modules: opened.collect(), layout: Self::layout(sources) }
+    }
+
+    fn resume(&mut self, sources: &ModuleSources) -> Result<(), String> {
+        self.layout = Self::layout(sources);
+        match self.count {
+            0 => Ok(()),
+            _ => {
+                Err("the run was saved with modules in other processes, and what these were doing is not in it".into())
+            }
+        }
+    }
+
+    fn start(
+        &mut self,
+        behaviour: usize,
+        start: &Start<'_>,
+        _: &mut Position,
+        tell: &mut Telling<'_>,
+    ) -> Result<(), Raise> {
+        let (module, own, part) = self.with_behaviour(behaviour);
+        if let Some(ending) = module.start(start.machine, own, start.arguments, start.time_us)? {
+            tell.of(part).end(own, ending);
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self, behaviour: usize, why: StopReason, _: &mut Telling<'_>) {
+        let (module, own, _) = self.with_behaviour(behaviour);
+        module.stop(own, why);
+    }
+
+    fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
+        let mut wanted = None;
+        for (part, module) in self.layout.parts().zip(&mut self.modules) {
+            let estimate = position.estimate(now.model.map.as_ref());
+            let news = module.step(now.percept.time_us, estimate, now.percept);
+            let mut tell = tell.of(part);
+            for (fluent, reading) in news.fluents {
+                tell.fluent(fluent, reading);
+            }
+            for (behaviour, ending) in news.endings {
+                tell.end(behaviour, ending);
+            }
+            for event in news.events {
+                tell.event(event);
+            }
+            wanted = news.velocity.or(wanted);
+        }
+        wanted
+    }
+}
