@@ -6,6 +6,7 @@ use crate::show::events::{self, ToldLine};
 use crate::show::whereabouts::whereabouts;
 use crate::terminal::console::Console;
 use crate::trace::TracedPose;
+use rpl_link::recording::Typed;
 use rpl_mission::robot::Robot;
 use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::{System, Turn};
@@ -24,11 +25,16 @@ const TRACK_EVERY_US: u64 = 100_000;
 /// their instant. What they wait for may take as long as it takes.
 const CLEAN_UP_PATIENCE: Duration = Duration::from_secs(1);
 
+/// How a recording tells that a run was told to stop.
+const STOP: &str = ":stop";
+
 /// How a run is driven.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
     /// Virtual time at which the run is cut off.
     pub until_us: Option<u64>,
+    /// Virtual time at which a run that is repeated was told to stop.
+    pub stopped_us: Option<u64>,
     /// Virtual seconds for each second of the wall clock; as fast as possible without.
     pub factor: Option<f64>,
 }
@@ -106,7 +112,7 @@ impl RunDriver<'_> {
                 });
             }
             match self.state {
-                RunState::Runs if interrupt::is_asked() => {
+                RunState::Runs if interrupt::is_asked() || self.was_stopped() => {
                     self.stop();
                     continue;
                 }
@@ -141,7 +147,15 @@ impl RunDriver<'_> {
         Ok(())
     }
 
+    /// Whether the run that is repeated was told to stop in this instant.
+    fn was_stopped(&self) -> bool {
+        self.pace.stopped_us.is_some_and(|stopped_us| self.system.machine.now_us >= stopped_us)
+    }
+
     fn stop(&mut self) {
+        if let Some(recorder) = &self.records.recorder {
+            recorder.typed(&Typed { typed: STOP.to_string(), time_us: self.system.machine.now_us });
+        }
         self.state = RunState::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
         self.system.stop();
     }
@@ -160,7 +174,8 @@ impl RunDriver<'_> {
     /// Whether the instant is to be left before its end.
     fn is_cut_short(&self) -> bool {
         match self.state {
-            RunState::Runs => interrupt::is_asked(),
+            // What is recorded stops where all tasks are blocked: only that can be repeated.
+            RunState::Runs => interrupt::is_asked() && self.records.recorder.is_none(),
             RunState::CleansUp(until) => Instant::now() >= until,
         }
     }
@@ -176,6 +191,10 @@ impl RunDriver<'_> {
                 Turn::Cut => {
                     self.hand_on()?;
                     self.console.flush()?;
+                    // An instant without end is left all the same.
+                    if self.state == RunState::Runs && interrupt::is_asked() {
+                        break;
+                    }
                 }
             }
             if self.is_cut_short() {

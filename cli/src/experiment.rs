@@ -66,7 +66,7 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
             let results = results(&rows);
             let all: Vec<&MissionTrial> =
                 rows.iter().flat_map(|(_, trials)| trials).filter(|trial| trial.is_measured()).collect();
-            let used = LocalizationParameters::default().calibration.unwrap_or_else(|| Calibration::new(&[]));
+            let used = LocalizationParameters::of(&request.robot).calibration.unwrap_or_else(|| Calibration::new(&[]));
             let reliability = calibration::Reliability::of(&all, &used);
             let diagram = chart::reliability(&reliability.bins);
             write_results(request, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;

@@ -1,10 +1,12 @@
 //! What is kept of a run that is driven: how it ended, where the robot was, what was reported.
 
 use crate::trace::TraceFile;
+use rpl_link::recording::Recorder;
 use rpl_mission::sight::{PositionBelief, Sight};
 use rpl_robot::localization::Localization;
 use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::Outcome;
+use std::sync::Arc;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,8 @@ pub enum RunEnd {
 pub struct Records {
     /// Where the trace goes.
     pub trace: Option<TraceFile>,
+    /// Where it is written that the run was told to stop.
+    pub recorder: Option<Arc<Recorder>>,
     /// How often the trace tells where the robot is, if it does.
     pub pose_every_us: Option<u64>,
     /// What was seen of the robot, ten times a second.

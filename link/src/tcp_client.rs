@@ -1,8 +1,8 @@
 //! A host reached over TCP, as a mission uses it.
 //!
 //! One thread reads percepts as they come, one writes commands; neither waits for the mission. While that
-//! thinks, the newest commands are repeated once a period, for [`SILENCE_US`] at most: then the silence lets
-//! the host stop the robot by itself.
+//! thinks, the newest commands are repeated once a period, for [`SILENCE_US`] of the robot's time at most: then
+//! it is told once to stand, and the silence lets the host stop it in any case.
 
 use crate::message_lines::{ReadLine, read_line};
 use crate::transcript::Live;
@@ -88,11 +88,13 @@ impl TcpHost {
         stream.set_read_timeout(None).map_err(broken)?;
 
         let period = Duration::from_secs_f64(greeting.period_us as f64 / 1e6 / greeting.factor);
+        // A robot whose time goes faster drives as much further blindly.
+        let stale = Duration::from_micros(SILENCE_US).div_f64(greeting.factor.max(1.0)).max(2 * period);
         let (hear, heard) = bounded(MOST_WAITING + 1);
         let (decisions, decided) = unbounded();
         let oldest = heard.clone();
         thread::spawn(move || read_percepts(&mut reading, &hear, &oldest));
-        let writer = Some(thread::spawn(move || write_commands(writing, period, &decided)));
+        let writer = Some(thread::spawn(move || write_commands(writing, period, stale, &decided)));
         let pace = Pace { period, began: None, taken: None, next: 0 };
         let address = address.to_string();
         Ok((greeting, Self { address, period, heard, decisions: Some(decisions), writer, pace }))
@@ -239,17 +241,16 @@ fn read_percepts(reading: &mut BufReader<TcpStream>, hear: &Sender<Heard>, oldes
 }
 
 /// Writes what is decided, and says goodbye when nothing more will be.
-fn write_commands(mut writing: TcpStream, period: Duration, decided: &Receiver<Decision>) {
-    let silence = Duration::from_micros(SILENCE_US);
-    let mut newest: Option<(CommandsMessage, Instant)> = None;
+fn write_commands(mut writing: TcpStream, period: Duration, stale: Duration, decided: &Receiver<Decision>) {
+    let mut newest: Option<Standing> = None;
     let mut due = Instant::now();
     loop {
         let is_urgent = match decided.recv_deadline(due) {
             Ok(Decision { mut commands, is_newest }) => {
                 // What the gripper was told and nobody has heard yet is told with the next.
-                let unsent = newest.take().and_then(|(earlier, _)| earlier.gripper);
+                let unsent = newest.take().and_then(|earlier| earlier.commands.gripper);
                 commands.gripper = commands.gripper.or(unsent);
-                newest = Some((commands, Instant::now()));
+                newest = Some(Standing { commands, since: Instant::now(), is_silent: false });
                 is_newest
             }
             Err(RecvTimeoutError::Timeout) => true,
@@ -259,23 +260,46 @@ fn write_commands(mut writing: TcpStream, period: Duration, decided: &Receiver<D
             continue;
         }
         due = Instant::now() + period;
-        if let Some((commands, at)) = &mut newest
-            && at.elapsed() < silence
+        if let Some(message) = newest.as_mut().and_then(|newest| newest.next(Instant::now(), stale))
+            && writing.write_all(written(&ToHost::Commands(message)).as_bytes()).is_err()
         {
-            let line = written(&ToHost::Commands(commands.clone()));
-            if writing.write_all(line.as_bytes()).is_err() {
-                break;
-            }
-            commands.gripper = None;
+            break;
         }
     }
     writing.write_all(written(&ToHost::Bye(Bye::default())).as_bytes()).ok();
     writing.shutdown(Shutdown::Both).ok();
 }
 
+/// The newest decision, as it is told again and again.
+struct Standing {
+    commands: CommandsMessage,
+    since: Instant,
+    /// The robot was told to stand for want of a newer one.
+    is_silent: bool,
+}
+
+impl Standing {
+    /// What the host is told now, if anything.
+    fn next(&mut self, now: Instant, stale: Duration) -> Option<CommandsMessage> {
+        if self.is_silent {
+            return None;
+        }
+        let mut message = self.commands.clone();
+        // The hand is told once.
+        self.commands.gripper = None;
+        if now.duration_since(self.since) >= stale {
+            self.is_silent = true;
+            (message.translation_mps, message.rotation_radps) = (0.0, 0.0);
+        }
+        Some(message)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rpl_protocol::host::GripperOrder;
+    use std::collections::BTreeMap;
 
     const PERIOD: Duration = Duration::from_millis(50);
 
@@ -296,6 +320,28 @@ mod tests {
         assert_eq!(came(3, 251), (None, 0));
         assert_eq!(came(4, 260), (None, 0), "it has caught up");
         assert_eq!(came(5, 361), (Some(0.051), 0), "and is late again by what it was early");
+    }
+
+    #[test]
+    fn a_decision_is_repeated_until_it_is_stale_and_then_the_robot_is_to_stand() {
+        let (start, stale) = (Instant::now(), Duration::from_millis(300));
+        let commands = CommandsMessage {
+            number: 7,
+            translation_mps: 0.5,
+            rotation_radps: 0.1,
+            sonars_on: true,
+            gripper: Some(GripperOrder::Release),
+            others: BTreeMap::new(),
+        };
+        let mut standing = Standing { commands, since: start, is_silent: false };
+        let mut told = |ms: u64| {
+            let message = standing.next(start + Duration::from_millis(ms), stale)?;
+            Some((message.number, message.translation_mps, message.gripper.is_some()))
+        };
+        assert_eq!(told(0), Some((7, 0.5, true)));
+        assert_eq!(told(250), Some((7, 0.5, false)), "the hand is told once");
+        assert_eq!(told(300), Some((7, 0.0, false)));
+        assert_eq!(told(350), None);
     }
 
     #[test]

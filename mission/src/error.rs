@@ -2,6 +2,7 @@
 
 use crate::cost::TooLarge;
 use rpl_robot::localization::ModelError;
+use rpl_robot::world::StartTaken;
 use rpl_runtime::run::library::Rejected;
 use thiserror::Error;
 
@@ -18,6 +19,14 @@ pub enum SiteError {
         world: String,
         /// What is wrong with it.
         source: ModelError,
+    },
+    /// The robot has no room where it is to start.
+    #[error("the robot cannot start in the world `{world}`")]
+    NoRoom {
+        /// The world.
+        world: String,
+        /// What is in its way.
+        source: StartTaken,
     },
     /// A scenario, of this name, where there is no robot.
     #[error("the scenario `{0}` needs a robot")]

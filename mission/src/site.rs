@@ -63,8 +63,8 @@ impl Site {
     /// the world's models, which [`crate::cost::LargeWorld`] knows beforehand.
     ///
     /// # Errors
-    /// The world is too large or cannot be localized in, or a native function has a name that is
-    /// taken.
+    /// The world is too large or cannot be localized in, the robot has no room at its start, or a native
+    /// function has a name that is taken.
     pub fn new(setup: Setup) -> Result<Self, SiteError> {
         Self::with_processes(setup, Vec::new())
     }
@@ -89,12 +89,13 @@ impl Site {
         Self::new(Setup::default())
     }
 
-    /// A site with what plans can call on a robot, but with no world to run them in.
+    /// A site with what plans can call on a robot with these modules in other processes, but with no world to
+    /// run them in.
     ///
     /// # Errors
-    /// The prelude does not compile.
-    pub fn for_checking() -> Result<Self, SiteError> {
-        let modules = own_modules().clone();
+    /// As for [`Site::with_processes`].
+    pub fn for_checking(sources: Vec<ModuleSource>) -> Result<Self, SiteError> {
+        let modules = composed(sources)?;
         Ok(Self { library: robot_library(&modules, Vec::new())?, modules, premises: Premises::Unbuilt })
     }
 
@@ -129,6 +130,9 @@ impl<M: Module> Site<M> {
             return Err(Box::new(too_large).into());
         }
         let name = world.name.clone();
+        if let Err(source) = world.room_at_start(settings.robot.radius_m) {
+            return Err(SiteError::NoRoom { world: name, source });
+        }
         let model = OfficeModel::new(world, settings).map_err(|source| SiteError::Unfit { world: name, source })?;
         let premises = Premises::Office { model: Arc::new(model), scenario: None };
         Ok(Self { library: robot_library(&modules, natives)?, modules, premises })

@@ -121,7 +121,8 @@ pub struct PerceptMessage {
     pub translation_mps: f64,
     /// Turning speed, from the wheels.
     pub rotation_radps: f64,
-    /// Of each sonar, the distance from the middle of the robot; the maximum range where there was no echo.
+    /// Of each sonar, the distance from its mount, which of a ring is the middle of the robot; the maximum
+    /// range where there was no echo.
     /// None if the sonars are off or have failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sonar_m: Option<Vec<f32>>,

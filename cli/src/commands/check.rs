@@ -2,6 +2,7 @@
 
 use crate::arguments::completion;
 use crate::arguments::plan_files;
+use crate::files::module_files::{self, GoingBack, ModuleVoices};
 use crate::files::plans;
 use crate::files::plans::PlanText;
 use crate::files::robot_files;
@@ -9,12 +10,13 @@ use crate::files::world_files;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::{Context, Result};
+use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_lang::check::KnownPlaces;
 use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
 use rpl_lang::source::{Sources, Span};
-use rpl_mission::site::Site;
+use rpl_mission::site::{Setup, Site};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -34,6 +36,9 @@ pub struct Arguments {
     /// The world they are for: places they name must be there
     #[arg(long, value_name = "WORLD", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
+    /// A module in another process that they are for, by its manifest; once for each
+    #[arg(long, value_name = "FILE", conflicts_with = "scenario", value_hint = ValueHint::FilePath)]
+    module: Vec<String>,
     /// Writes one JSON object to standard output instead
     #[arg(long)]
     json: bool,
@@ -89,12 +94,13 @@ struct RelatedRecord {
 /// Checks every file; the places they name are looked up in the world, if one is given.
 ///
 /// # Errors
-/// There is no such world, or standard output is closed.
+/// There is no such world or module, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let places = arguments.world.as_deref().map(places_of).transpose()?;
+    let (_, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
     let sites = match arguments.scenario {
         true => vec![Site::for_checking_scenarios()?],
-        false => vec![Site::without_robot()?, Site::for_checking()?],
+        false => vec![Site::with_processes(Setup::default(), sources.clone())?, Site::for_checking(sources)?],
     };
     let mut report = CheckReport::default();
     for name in plan_files::named(&arguments.files) {

@@ -80,5 +80,5 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
         max_steps: recorded.max_steps,
         output: arguments.output.clone(),
     };
-    run::run_on(&run, source, voices, console)
+    run::run_on(&run, source, voices, typed.first().map(|stopped| stopped.time_us), console)
 }

@@ -100,10 +100,11 @@ fn parse_rate(text: &str) -> Result<f64, String> {
 /// The text or the command line is wrong, or a file cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let source = arguments.host.reach(&arguments.site)?;
-    run_on(arguments, source, ModuleVoices::Processes(GoingBack::Never), console)
+    run_on(arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
 }
 
-/// Runs the plan on a host, with these voices of its modules.
+/// Runs the plan on a host, with these voices of its modules, up to where it was told to stop if it is
+/// repeated.
 ///
 /// # Errors
 /// As for [`run`].
@@ -111,6 +112,7 @@ pub fn run_on(
     arguments: &Arguments,
     source: HostSource,
     voices: ModuleVoices<'_>,
+    stopped_us: Option<u64>,
     console: &mut Console,
 ) -> Result<Status> {
     let began = Instant::now();
@@ -140,6 +142,7 @@ pub fn run_on(
         ..RecordedRun::at(&arguments.site, world.as_ref())?
     })?;
     modules.start(&site, seed, recorder.as_ref())?;
+    records.recorder = recorder.clone();
     let (robot, transcript) = source.robot(&site, seed, Use::Run, recorder.clone())?;
     let mut system = match wants_events {
         true => site.start_traced_with(robot, loaded, seed),
@@ -148,7 +151,7 @@ pub fn run_on(
     if let Some(steps) = arguments.max_steps {
         system.machine.limits.steps = steps;
     }
-    let pace = Pace { until_us: arguments.until, factor: arguments.realtime };
+    let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
     let ending = {
         let _stops = interrupt::stops_runs();
         drive(&mut system, pace, console, &mut records)?

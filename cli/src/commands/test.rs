@@ -6,6 +6,7 @@ use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
 use crate::arguments::plan_files;
 use crate::drive::{Pace, drive};
+use crate::files::module_files::{self, GoingBack, ModuleVoices};
 use crate::files::outputs::OutputFile;
 use crate::files::plans::{self, PlanText};
 use crate::files::robot_files;
@@ -23,6 +24,7 @@ use rpl_lang::compile::Test;
 use rpl_lang::diagnostic::render;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::{Setup, Site};
+use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::office::OfficeSettings;
 use rpl_runtime::run::library::{Loaded, Rejected};
@@ -49,6 +51,9 @@ pub struct Arguments {
     /// The robot: a built-in name, or a .toml file; `b21` without
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
+    /// A module in another process, by its manifest, for the tests in a world; once for each
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    module: Vec<String>,
     /// The seed of the tests that name none
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -124,6 +129,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         colour,
         is_one: files.len() == 1,
         sites: BTreeMap::new(),
+        modules: module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?.1,
         report: TestReport::default(),
     };
     for name in files {
@@ -199,13 +205,15 @@ struct TestSession<'a> {
     is_one: bool,
     /// Building the models of a world takes longer than most tests.
     sites: BTreeMap<TestPlace, Site>,
+    /// Those in other processes.
+    modules: Vec<ModuleSource>,
     report: TestReport,
 }
 
 impl TestSession<'_> {
     /// Runs the tests of a file.
     fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<()> {
-        let (site, loaded) = match load_without_world(plan)? {
+        let (site, loaded) = match load_without_world(plan, &self.modules)? {
             Ok(found) => found,
             Err(rejected) => {
                 console.note(rejected.render(console.colour).trim_end());
@@ -290,11 +298,8 @@ impl TestSession<'_> {
         let (world, scenario) = &place;
         let world = world.as_deref().map(|name| world_files::named(name, &self.robot)).transpose()?;
         let scenario = scenario.as_deref().map(plans::scenario).transpose()?;
-        let site = sites::build(
-            Setup { world, settings: OfficeSettings::of(self.robot.clone()), ..Setup::default() },
-            scenario,
-            Vec::new(),
-        )?;
+        let settings = OfficeSettings::of(self.robot.clone());
+        let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario, self.modules.clone())?;
         self.sites.insert(place, site.clone());
         Ok(site)
     }
@@ -313,7 +318,7 @@ impl TestSession<'_> {
         let mut system = site.start(loaded, seed);
         let mut output = Console::keeping();
         let began = Instant::now();
-        let pace = Pace { until_us: Some(until_us), factor: None };
+        let pace = Pace { until_us: Some(until_us), ..Pace::default() };
         let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;
         let (outcome, failure, reason) = self.judge(&system, ending, until_us);
         let reason = match world {
@@ -387,8 +392,8 @@ fn place(test: &Test, loaded: &Loaded) -> (String, usize) {
 }
 
 /// The plan compiled without a robot, or, if it names the robot's things, with the robot's names.
-fn load_without_world(plan: &PlanText) -> Result<Result<(Site, Loaded), Rejected>> {
-    let site = Site::without_robot()?;
+fn load_without_world(plan: &PlanText, modules: &[ModuleSource]) -> Result<Result<(Site, Loaded), Rejected>> {
+    let site = Site::with_processes(Setup::default(), modules.to_vec())?;
     let rejected = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
         Ok(loaded) => return Ok(Ok((site, loaded))),
         Err(rejected) => rejected,
@@ -396,7 +401,7 @@ fn load_without_world(plan: &PlanText) -> Result<Result<(Site, Loaded), Rejected
     if rejected.diagnostics.iter().all(|finding| finding.code != "needs-a-world") {
         return Ok(Err(rejected));
     }
-    let site = Site::for_checking()?;
+    let site = Site::for_checking(modules.to_vec())?;
     let loaded = site.library.load(&plan.name, &plan.text, &mut plan.folder.clone());
     Ok(loaded.map(|loaded| (site, loaded)))
 }

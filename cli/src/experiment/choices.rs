@@ -53,7 +53,7 @@ pub fn run(request: &ExperimentRequest, rows: &[&'static Row], console: &mut Con
         for seed in request.seeds() {
             let mut system = site.start_traced(loaded.clone(), seed);
             let mut records = Records { choices: Some(Vec::new()), ..Records::default() };
-            let pace = Pace { until_us: Some(request.until_us), factor: None };
+            let pace = Pace { until_us: Some(request.until_us), ..Pace::default() };
             drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;
             for (number, localization) in records.choices.iter().flatten().take(PER_RUN).enumerate() {
                 let parameters = &office.settings.active;

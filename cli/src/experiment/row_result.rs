@@ -28,6 +28,8 @@ pub struct RowResult {
     pub measures: Vec<Measure>,
     /// Disturbed runs in which a position counted as found where it was not.
     pub wrong_recoveries: Option<Proportion>,
+    /// Disturbances that were noticed within a metre.
+    pub noticed_within_1_m: Option<Proportion>,
     /// Disturbances that were noticed within two metres.
     pub noticed_within_2_m: Option<Proportion>,
     /// How often the position counted as lost while the estimate was right.
@@ -77,6 +79,10 @@ impl RowResult {
             trials.iter().filter_map(run).collect::<Vec<_>>()
         };
         let measured = trials.iter().filter(|trial| trial.is_measured()).count();
+        // Of the runs that had a way to notice.
+        let noticed_m = trials.iter().filter(|trial| trial.measure("noticed within 2 m").is_some());
+        let noticed_m: Vec<f64> =
+            noticed_m.map(|trial| trial.measure("noticed after [m]").unwrap_or(f64::INFINITY)).collect();
         Self {
             name: name.to_string(),
             runs: trials.len(),
@@ -86,6 +92,7 @@ impl RowResult {
             not_measured: runs(|trial| &trial.unmeasured),
             measures: names.iter().filter_map(|&(name, _)| Measure::of(name, numbers(name))).collect(),
             wrong_recoveries: Proportion::among(&numbers("wrong recoveries"), |count| count > 0.0),
+            noticed_within_1_m: Proportion::among(&noticed_m, |way_m| way_m <= 1.0),
             noticed_within_2_m: Proportion::among(&numbers("noticed within 2 m"), |within| within > 0.0),
             false_alarms_per_km: PerKm::new(total("false alarms") as u32, total("distance [m]") / 1000.0),
         }

@@ -126,7 +126,7 @@ fn item_off_m(robot: &SiteRobot, name: &str, point: Point) -> Option<f64> {
 pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Option<Goal<'_>>) -> Result<MissionTrial> {
     let mut records = Records::default();
     let mut silent = Console::silent();
-    let pace = Pace { until_us: Some(until_us), factor: None };
+    let pace = Pace { until_us: Some(until_us), ..Pace::default() };
     let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
     let mut fault = fault_of(&system, ending);
     let mut measures = vec![("time [s]", Some(system.machine.now_s()))];

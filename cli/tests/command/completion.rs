@@ -54,6 +54,7 @@ fn every_kind_of_name_is_completed() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["rpl", "worl"], &["worlds"]),
         (&["rpl", "worlds", "test"], &["test-room"]),
+        (&["rpl", "run", "x.rpl", "--robot", "nom"], &["nomad-200"]),
         (&["rpl", "worlds", "k"], &["keep.toml"]),
         (&["rpl", "run", "ki"], &["kitchen.rpl"]),
         (&["rpl", "run", "deliv"], &["delivery.rpl"]),

@@ -23,6 +23,7 @@ mod pages;
 mod pipes;
 mod plan_files;
 mod prompt;
+mod robots;
 mod rpl;
 mod run;
 mod scenarios;

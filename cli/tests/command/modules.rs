@@ -1,7 +1,7 @@
 //! Modules in other processes: `--module`, the package for Python, and the example with a lamp.
 
 use crate::folder::{folder, put};
-use crate::rpl::{Ended, rpl};
+use crate::rpl::{Ended, feed, rpl};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -150,12 +150,12 @@ fn names_that_have_a_meaning_are_refused_with_their_place() {
         (
             "\"light*\"",
             "\"x*\"",
-            "`x*` of the module `lamp` (lamp.toml:24:8) has a meaning already: the module `position tracking` has one of that name",
+            "`x*` of the module `lamp` (lamp.toml:21:8) has a meaning already: the module `position-tracking` has one of that name",
         ),
         (
             "\"light*\"",
             "\"print\"",
-            "`print` of the module `lamp` (lamp.toml:24:8) has a meaning in the language or its library",
+            "`print` of the module `lamp` (lamp.toml:21:8) has a meaning in the language or its library",
         ),
         ("valve = \"lamp\"", "valve = \"lmp\"", "needs the valve `lmp`, and no module has it (lamp.toml:11:8)"),
     ];
@@ -180,4 +180,38 @@ fn names_that_have_a_meaning_are_refused_with_their_place() {
     assert_eq!(status, 2);
     let Ended { errors, .. } = run_in(&folder, &[&IN_A_ROOM[..], &["--module", "lamp.toml"]].concat());
     assert!(errors.contains("two modules are called `lamp`: `lamp.toml` and `lamp.toml`"), "{errors}");
+}
+
+#[test]
+fn plans_for_a_module_are_checked_and_tested_with_it() {
+    let tests = "(deftest blinks (blink-lamp 1) (assert (not (value lamp-on?*))))";
+    let folder = folder_of_lamp("module-tests", tests, ("", ""));
+    let module = ["--module", "lamp.toml"];
+    let Ended { out, errors, status } = run_in(&folder, &[&["check", "plan.rpl"][..], &module].concat());
+    assert_eq!(status, 0, "{out}{errors}");
+    let Ended { errors, status, .. } = run_in(&folder, &["check", "plan.rpl"]);
+    assert!(errors.contains("blink-lamp") && status == 2, "{errors}");
+    let Ended { out, status, .. } =
+        run_in(&folder, &[&["test", "plan.rpl", "--world", "test-room"][..], &module].concat());
+    assert!(out.contains("1 test, all ok") && status == 0, "{out}");
+}
+
+#[test]
+fn a_session_that_goes_back_hears_the_same_again_and_nothing_new() {
+    let folder = folder_of_lamp("module-session", "", ("", ""));
+    let after_going_back = |form: &str| {
+        let python = root().join("python").canonicalize().expect("it is there");
+        let mut session = rpl(&["repl", "--world", "test-room", "--module", "lamp.toml"]);
+        session.current_dir(&folder).env("PYTHONPATH", python).env("PYTHONDONTWRITEBYTECODE", "1");
+        let typed = format!("(wait-time 1)\n(blink-lamp 1)\n:at 0.5s\n:continue\n{form}\n");
+        let Ended { out, errors, .. } = feed(&mut session, typed);
+        out + &errors
+    };
+    let same = after_going_back("(blink-lamp 1)");
+    assert!(same.matches("1.2 s  blink is done").count() == 2 && !same.contains("module-failure"), "{same}");
+    let other = after_going_back("(blink-lamp 2)");
+    assert!(
+        other.contains("module-failure: the module `lamp` cannot be asked: ") && other.contains("\"times\":1"),
+        "{other}"
+    );
 }

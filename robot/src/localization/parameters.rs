@@ -28,7 +28,7 @@ pub struct LocalizationParameters {
     pub centred: bool,
     /// Positions nearer than this to anything occupied carry no mass: the robot is a disc.
     pub clearance_m: f64,
-    /// What measures distances, at least one.
+    /// What measures distances, at least one, the one that tells most first.
     pub sensors: Vec<ScanParameters>,
     /// The error model of the odometry.
     pub odometry: OdometryError,
@@ -73,6 +73,27 @@ const CALIBRATED: [[f64; 2]; 17] = [
     [0.99938, 0.9997],
 ];
 
+/// The same with the laser: `rpl experiment calibration --robot b21-laser --seed 5001 --runs 60`.
+const CALIBRATED_LASER: [[f64; 2]; 17] = [
+    [0.05493, 0.0323],
+    [0.06941, 0.0545],
+    [0.09853, 0.1246],
+    [0.12599, 0.2723],
+    [0.42479, 0.4979],
+    [0.73618, 0.6198],
+    [0.83135, 0.7076],
+    [0.97110, 0.7934],
+    [0.99768, 0.8804],
+    [0.99854, 0.9238],
+    [0.99875, 0.9585],
+    [0.99879, 0.9726],
+    [0.99884, 0.9788],
+    [0.99896, 0.9840],
+    [0.99909, 0.9897],
+    [0.99917, 0.9932],
+    [0.99937, 1.0000],
+];
+
 impl Default for LocalizationParameters {
     /// Those of the papers' robot.
     fn default() -> Self {
@@ -83,6 +104,7 @@ impl Default for LocalizationParameters {
 impl LocalizationParameters {
     /// Those of a robot, which localizes with the sensors it has.
     pub fn of(robot: &RobotDescription) -> Self {
+        let calibrated: &[[f64; 2]] = if robot.laser.is_some() { &CALIBRATED_LASER } else { &CALIBRATED };
         Self {
             cell_m: 0.15,
             angle_step_deg: 2,
@@ -92,7 +114,7 @@ impl LocalizationParameters {
             odometry: OdometryError::default(),
             mixing: 5e-4,
             watch: Some(Watch::default()),
-            calibration: Some(Calibration::new(&CALIBRATED)),
+            calibration: Some(Calibration::new(calibrated)),
             activity_threshold: 0.003,
             update_distance_m: 0.15,
             update_angle_rad: 10f64.to_radians(),
@@ -246,24 +268,22 @@ impl Default for ScanParameters {
 const LASER_BEAMS: usize = 30;
 
 impl ScanParameters {
-    /// How the sensors of a robot are read: the laser alone if it has one, else the sonars.
+    /// How the sensors of a robot are read: its laser, then its sonars.
     pub fn of(robot: &RobotDescription) -> Vec<Self> {
-        match (robot.range_sensors().laser, &robot.sonar) {
-            (Some(laser), _) => vec![Self::laser(&laser)],
-            (None, Some(sonar)) => vec![Self::sonars(sonar)],
-            (None, None) => Vec::new(),
-        }
+        let laser = robot.laser.map(|laser| Self::laser(&laser.scanner));
+        laser.into_iter().chain(robot.sonar.as_ref().map(Self::sonars)).collect()
     }
 
     /// Sonars: each is a beam.
     pub fn sonars(sonar: &Sonar) -> Self {
         let bearing_deg = |mount: &SonarMount| libm::round(mount.heading_rad.to_degrees()) as i32;
+        let beams_deg: Vec<i32> = sonar.layout.mounts().iter().map(bearing_deg).collect();
         Self {
             source: RangeSensor::Sonar,
-            beams_deg: sonar.layout.mounts().iter().map(bearing_deg).collect(),
+            gating: Some(Gating::of_beams(beams_deg.len())),
+            beams_deg,
             beam: BeamParameters::sonar(sonar),
             tempering: 0.15,
-            gating: Some(Gating::default()),
             watch_sigma_m: 0.2,
             watch_tempering: 0.2,
         }
@@ -273,13 +293,14 @@ impl ScanParameters {
     pub fn laser(laser: &LaserScanner) -> Self {
         let bearing_deg = |reading: usize| libm::round(laser.direction_rad(reading).to_degrees()) as i32;
         let stride = (laser.readings / LASER_BEAMS).max(1);
+        let beams_deg: Vec<i32> = (0..laser.readings).step_by(stride).map(bearing_deg).collect();
         Self {
             source: RangeSensor::Laser,
-            beams_deg: (0..laser.readings).step_by(stride).map(bearing_deg).collect(),
+            gating: Some(Gating::of_beams(beams_deg.len())),
+            beams_deg,
             beam: BeamParameters { max_range_m: laser.range_m, ..MISSION_RAY },
             // Rays side by side meet the same wall, and what is missing in the map.
             tempering: 0.08,
-            gating: Some(Gating::default()),
             watch_sigma_m: 0.2,
             watch_tempering: 0.2,
         }
@@ -480,7 +501,22 @@ impl Default for Gating {
     }
 }
 
+/// Beams that the counts of [`Gating::default`] are for.
+const GATED_BEAMS: usize = 24;
+
 impl Gating {
+    /// For scans of so many beams: the same shares of them.
+    pub fn of_beams(beams: usize) -> Self {
+        let usual = Self::default();
+        let of_these = |count: usize| (count * beams + GATED_BEAMS / 2) / GATED_BEAMS;
+        Self {
+            max_readings: of_these(usual.max_readings),
+            crowd_fitting: of_these(usual.crowd_fitting),
+            crowd_farther: of_these(usual.crowd_farther),
+            ..usual
+        }
+    }
+
     /// Whether the readings that are not short tell of people around a robot whose pose is right.
     pub(super) fn is_crowd(&self, fitting: usize, farther: usize) -> bool {
         fitting >= self.crowd_fitting && farther <= self.crowd_farther

@@ -81,7 +81,8 @@ pub struct MapModel {
 
 impl MapModel {
     fn new(world: &Arc<World>, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
-        let parameters = settings.localization.clone();
+        let mut parameters = settings.localization.clone();
+        parameters.sensors = telling(&parameters.sensors, world);
         let map_of = |seen: &dyn Fn(SeenBy) -> bool| match parameters.centred {
             true => world.map_centred_seen(SENSOR_MAP_CELL_M, seen),
             false => world.map_seen(SENSOR_MAP_CELL_M, seen),
@@ -99,6 +100,21 @@ impl MapModel {
         let topology = TopologicalModel::new(world, &navigation.planner);
         Ok(Self { localization, navigation, topology })
     }
+}
+
+/// The sensors that localization reads in a world: the first, which tells most, and any other that sees
+/// something on the map which those before it do not. Beside a laser sonars tell nothing else, and cost
+/// as much.
+fn telling(sensors: &[ScanParameters], world: &World) -> Vec<ScanParameters> {
+    let mut kept: Vec<ScanParameters> = Vec::new();
+    for sensor in sensors {
+        let is_unseen = |seen_by: SeenBy| kept.iter().all(|other| !is_seen(seen_by, other.source));
+        let tells = |seen_by| is_seen(seen_by, sensor.source) && is_unseen(seen_by);
+        if kept.is_empty() || world.objects.iter().any(|object| object.mapped && tells(object.seen_by)) {
+            kept.push(sensor.clone());
+        }
+    }
+    kept
 }
 
 fn is_seen(seen_by: SeenBy, sensor: RangeSensor) -> bool {

@@ -4,6 +4,7 @@
 use rpl_lang::check::{KnownPlaces, RULES};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::site::Site;
+use rpl_robot::description::RobotDescription;
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::Library;
@@ -163,6 +164,13 @@ fn worlds_are_read() {
 }
 
 #[test]
+fn robots_are_read() {
+    each_block(&["toml robot"], |_, block, _| {
+        RobotDescription::parse(&block.text, "robot.toml").err().map(|error| error.to_string())
+    });
+}
+
+#[test]
 fn settings_are_json() {
     each_block(&["json"], |_, block, _| {
         serde_json::from_str::<serde_json::Value>(&block.text).err().map(|error| error.to_string())
@@ -214,6 +222,7 @@ fn every_block_is_of_a_kind_that_is_checked() {
         "terminal",
         "toml",
         "toml error",
+        "toml robot",
         "toml warning",
         "json",
         "text",
