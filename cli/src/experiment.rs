@@ -26,6 +26,7 @@ use catalogue::{EXPERIMENTS, Experiment, ExperimentSubject, Row};
 use findings::ExperimentResult;
 use missions::{missions, over_time, own_plan, results, status, whether_measured, write_results};
 use row_result::comparison;
+use rpl_robot::description::RobotDescription;
 use rpl_robot::localization::{Calibration, LocalizationParameters};
 use serde_json::json;
 use trial::MissionTrial;
@@ -38,6 +39,10 @@ use trials::sample_rows;
 pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == request.name);
     let Some(experiment) = experiment else { return own_plan(request, console) };
+    let has_own_robot = matches!(experiment.subject, ExperimentSubject::Barn | ExperimentSubject::Sensing);
+    if has_own_robot && request.robot.name != RobotDescription::PAPERS {
+        bail!("the experiment `{}` has a robot of its own; leave `--robot` away", experiment.name);
+    }
     let chosen = || rows(experiment, request);
     match experiment.subject {
         ExperimentSubject::Barn => barn::run(request, console),

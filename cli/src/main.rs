@@ -48,7 +48,11 @@ fn main() -> ExitCode {
             return answered(commands::with_suggestion(error));
         }
     };
-    let quiet = matches!(&command, Command::Run(arguments) if arguments.output.quiet);
+    let quiet = match &command {
+        Command::Run(arguments) => arguments.output.quiet,
+        Command::Replay(arguments) => arguments.output.quiet,
+        _ => false,
+    };
     let mut console = Console::new(quiet);
     let finished = command.run(&mut console).and_then(|status| Ok(console.flush().map(|()| status)?));
     match finished {

@@ -24,7 +24,7 @@ pub struct RecordedRun {
     pub set: Vec<String>,
     /// The world, if there is one.
     pub world: Option<RecordedText>,
-    /// The robot, if there is a world.
+    /// The robot, if there is a world; without a name if the command line named none.
     pub robot: Option<RecordedText>,
     /// What the robot knows of it, and how finely it believes.
     pub map: String,
@@ -133,7 +133,7 @@ impl RecordedRun {
             plan: None,
             set: Vec::new(),
             world: site.world.as_deref().zip(world).map(|(name, world)| RecordedText::of_world(name, world)),
-            robot: world.map(|_| RecordedText::of_robot(site.robot.as_deref().unwrap_or(&robot.name), &robot)),
+            robot: world.map(|_| RecordedText::of_robot(site.robot.as_deref().unwrap_or_default(), &robot)),
             map: value_name(site.map),
             grid: value_name(site.grid),
             memory_gib: site.memory,
@@ -155,7 +155,7 @@ impl RecordedRun {
             |what: &str, name: &str| format!("the recording has the {what} `{name}`, which this rpl does not know");
         let site = SiteArguments {
             world: self.world.as_ref().map(|world| world.name.clone()),
-            robot: self.robot.as_ref().map(|robot| robot.name.clone()),
+            robot: self.robot.as_ref().map(|robot| robot.name.clone()).filter(|name| !name.is_empty()),
             map: MapArgument::from_str(&self.map, false).map_err(|_| anyhow!(parsed("map", &self.map)))?,
             grid: GridArgument::from_str(&self.grid, false).map_err(|_| anyhow!(parsed("grid", &self.grid)))?,
             memory: self.memory_gib,

@@ -161,33 +161,34 @@ pub fn serve<H: Host>(
 impl<H: Host> Server<'_, H> {
     fn run(&mut self, is_stopped: &dyn Fn() -> bool) {
         let period = Duration::from_secs_f64(self.service.period_us as f64 / 1e6 / self.service.factor);
-        let mut due = Instant::now();
+        // When the next step is due; none until the first commands.
+        let mut next: Option<Instant> = None;
         while !is_stopped() && !self.is_over() {
             let look = Instant::now() + LOOK_EVERY;
-            let is_running = self.record.missions > 0;
-            let wake = if is_running { look.min(due) } else { look };
-            for _ in 0..MOST_EVENTS {
-                let Ok((connection, event)) = self.events.1.recv_deadline(wake) else { break };
-                self.take(connection, event);
-                if self.record.missions > 0 && !is_running {
-                    break;
-                }
-            }
+            self.listen_until(next.map_or(look, |due| look.min(due)));
             self.look_for_missions();
             let now = Instant::now();
-            if self.record.missions > 0 && !is_running {
-                due = now;
-            }
-            if self.record.missions == 0 || now < due {
+            if self.record.missions == 0 || next.is_some_and(|due| now < due) {
                 continue;
             }
             if !self.step() {
                 return;
             }
-            due += period;
-            if now > due + MOST_BEHIND {
-                self.record.delays += 1;
-                due = now;
+            let due = next.unwrap_or(now) + period;
+            let is_behind = now > due + MOST_BEHIND;
+            self.record.delays += u32::from(is_behind);
+            next = Some(if is_behind { now } else { due });
+        }
+    }
+
+    /// Takes what comes, up to a time; no longer than to the first commands, with which the world begins.
+    fn listen_until(&mut self, wake: Instant) {
+        let was_running = self.record.missions > 0;
+        for _ in 0..MOST_EVENTS {
+            let Ok((connection, event)) = self.events.1.recv_deadline(wake) else { return };
+            self.take(connection, event);
+            if self.record.missions > 0 && !was_running {
+                return;
             }
         }
     }

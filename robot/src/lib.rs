@@ -1,4 +1,5 @@
-//! The robot, from the ground up: `geometry` and `sensors`; `occupancy` (maps as grids, distances and
+//! The robot, from the ground up: `geometry` and `sensors`; `description` (robots as data, read with
+//! `file_text`); `occupancy` (maps as grids, distances and
 //! rays); `world` (what stands where); `localization` (where the robot is) and `recording` (the same on
 //! recorded drives); `active` (how it finds out); `planning` (ways and plans); `simulator` (the robot
 //! and its world, step by step); `avoidance` (keeping off); `obstacles` (what its sensors have found);

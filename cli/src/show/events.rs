@@ -64,6 +64,8 @@ fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, String)> {
         EventKind::Behaviour if is_relocalization(event) => {
             (relocalizes && !has_loss).then(|| "relocalizing".to_string())
         }
+        // How a host keeps the pace is told once, at the end.
+        EventKind::Robot if ReportKind::of(event).is_some_and(ReportKind::is_of_pace) => None,
         EventKind::Robot if is_loss(event) && relocalizes => Some(report(event) + ", relocalizing"),
         EventKind::Robot => Some(report(event)),
         EventKind::Behaviour => behaviour(event),

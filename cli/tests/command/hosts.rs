@@ -1,8 +1,10 @@
 //! Hosts in other processes, over TCP: served, driven, lost; and their recordings, repeated.
 
 use crate::folder::{folder, put, text_in};
-use crate::rpl::{Ended, run, run_in, start};
+use crate::keys;
+use crate::rpl::{Ended, feed, rpl, run, run_in, start};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -60,8 +62,10 @@ fn a_mission_drives_a_host_and_its_recording_is_the_same_run_again() {
     assert!(summary["contacts"].is_null() && summary["host"]["percepts"].as_u64() > Some(20), "{summary}");
 
     let (world, ended) = host.summary();
-    assert_eq!((ended.status, &world["missions"], &world["contacts"]), (0, &1.into(), &0.into()), "{world}");
-    assert_eq!(world["speed_mps"], 0.0);
+    assert_eq!((ended.status, &world["missions"], &world["speed_mps"]), (0, &1.into(), &0.0.into()), "{world}");
+    assert_eq!(keys::found(&world), keys::documented("rpl simulate"));
+    let of_host = keys::found(&summary).into_iter().filter(|key| key.starts_with("host."));
+    assert_eq!(of_host.collect::<BTreeSet<String>>(), keys::documented("Hosts"));
 
     let replayed = run(&["replay", &recording, "--trace", &again]);
     assert_eq!((replayed.status, replayed.out.as_str()), (0, "begun\ncleaned\nt\n"), "{}", replayed.errors);
@@ -119,10 +123,11 @@ fn the_prompt_stands_in_a_recording() {
     assert_eq!(mission(&plan, &host.address, &["--record", &recording]).status, 0);
     host.summary();
     let typed = ":time 1s\n:back 1\n:continue\n";
-    let found = crate::rpl::feed(&mut crate::rpl::rpl(&["replay", &recording, "--prompt"]), typed);
+    let found = feed(&mut rpl(&["replay", &recording, "--prompt"]), typed);
     assert!(found.out.contains("cleaned") && !found.errors.contains("host-failure"), "{} {}", found.out, found.errors);
 }
 
+#[cfg(unix)]
 #[test]
 fn a_second_mission_goes_on_from_where_the_robot_stands() {
     let folder = folder("host-second");
@@ -261,4 +266,35 @@ fn a_run_in_the_simulator_is_recorded_by_what_it_is_made_of() {
     assert_eq!(found.status, 0, "{}", found.errors);
     let again = run_in(&folder, &["replay", "r.jsonl"]);
     assert_eq!((again.status, again.out), (0, found.out));
+}
+
+#[test]
+fn a_session_is_repeated_with_what_was_typed() {
+    let folder = folder("host-session");
+    let recording = put(&folder, "session.jsonl", "");
+    let typed = "(defvar n (random 1000))\nn\n(go-to 'corner)\n(* n\n   2)\n(fail \"no\")\n(+ n 1)\n";
+    let world = ["--world", "test-room", "--grid", "coarse", "--seed", "4"];
+    let found = feed(&mut rpl(&[&["repl", "--record", &recording][..], &world].concat()), typed);
+    assert!(found.out.lines().count() > 2, "{} {}", found.out, found.errors);
+    let again = run(&["replay", &recording]);
+    assert_eq!((again.out, again.status), (found.out, found.status), "{}", again.errors);
+}
+
+/// r[cleanup.stop]
+#[cfg(unix)]
+#[test]
+fn a_run_that_was_stopped_stops_again_at_the_same_time() {
+    let folder = folder("host-stopped");
+    let plan = put(&folder, "plan.rpl", "(unwind-protect (seq (print 'going) (wait-time 1000)) (print 'clean))");
+    let [recording, live, again] = ["run.jsonl", "live.jsonl", "again.jsonl"].map(|name| put(&folder, name, ""));
+    let common = ["run", &plan, "--world", "test-room", "--grid", "coarse", "--realtime"];
+    let mut child = start(&[&common[..], &["--record", &recording, "--trace", &live]].concat());
+    let mut out = BufReader::new(child.stdout.take().expect("the output is piped"));
+    out.read_line(&mut String::new()).expect("it goes");
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill runs").success());
+    assert_eq!(Ended::of(child).status, 130);
+    let found = run(&["replay", &recording, "--trace", &again]);
+    assert_eq!((found.out.as_str(), found.status), ("going\nclean\n", 130), "{}", found.errors);
+    assert_eq!(text_in(&folder, "live.jsonl"), text_in(&folder, "again.jsonl"));
 }

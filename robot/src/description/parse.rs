@@ -212,7 +212,9 @@ fn read_sonar<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, radius_m: 
     let cone = Angles { least_deg: 1.0, most_deg: 180.0, example: "\"15deg\"" };
     let cone_rad = match (&layout, table.values.contains_key("cone")) {
         (Some(SonarLayout::Ring(count)), false) => Some(TAU / *count as f64),
-        (Some(_) | None, _) => angle(reader, table, "cone", cone),
+        // Whether a layout with faults needs one cannot be told.
+        (None, false) => None,
+        (Some(SonarLayout::Mounts(_)), false) | (Some(_) | None, true) => angle(reader, table, "cone", cone),
     };
     let range_m = number(reader, table, "range", metres(0.2, 50.0, "5.0"));
     let noise_m = number(reader, table, "noise", NOISE);

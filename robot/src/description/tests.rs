@@ -56,7 +56,7 @@ fn a_robot_that_sees_nothing_is_refused_with_the_reason() {
 fn what_no_robot_is_like_is_a_fault_with_line_and_key() {
     assert_eq!(
         fault("radius = 0.265", "radius = -0.265"),
-        "7 radius: `radius` must be from 0.02 m to 2 m, found -0.265 m"
+        "6 radius: `radius` must be from 0.02 m to 2 m, found -0.265 m"
     );
     assert!(fault("step = 0.05", "step = 0").contains("step: `step` must be from 0.01 s to 0.5 s, found 0 s"));
     assert!(fault("step = 0.05", "step = nan").contains("must be a finite number"));

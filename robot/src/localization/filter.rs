@@ -2,9 +2,10 @@
 
 use super::belief::Belief;
 use super::model::LocalizationModel;
-use super::parameters::{Gating, LocalizationParameters, Spread};
+use super::parameters::{LocalizationParameters, Spread};
 use super::scan::ScanModel;
 use super::scan_match::Fix;
+use super::scan_parameters::Gating;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
@@ -172,7 +173,8 @@ impl Localization {
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
         let is_scanned = scans_m.iter().any(Option::is_some);
-        if !moved && !(is_scanned && self.is_due_at_rest(&model.parameters, scans_m)) {
+        let is_due = moved || is_scanned && self.is_due_at_rest(&model.parameters, scans_m);
+        if !is_due {
             return false;
         }
         self.belief.advance(model, since);

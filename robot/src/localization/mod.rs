@@ -6,7 +6,7 @@
 //! is the state: the belief, and the odometry at its last update. It never reads a clock and never
 //! moves the robot.
 //!
-//! Read in this order: `parameters`, `grid`, `sensor`, `scan`, `model` (what never changes), then
+//! Read in this order: `scan_parameters`, `parameters`, `grid`, `sensor`, `scan`, `model` (what never changes), then
 //! `plane`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `calibration`, `filter` (the state others use),
 //! and `reading` (a belief read beam by beam).
 
@@ -23,6 +23,7 @@ mod plane;
 mod reading;
 mod scan;
 mod scan_match;
+mod scan_parameters;
 mod sensor;
 mod simd;
 mod summary;
@@ -37,10 +38,11 @@ pub use filter::{Estimate, Localization};
 pub use grid::{Bearings, BeliefGrid, State};
 pub use kernel::MAX_BEAMS;
 pub use model::LocalizationModel;
-pub use parameters::{BeamParameters, Gating, LocalizationParameters, OdometryError, ScanParameters, Spread, Watch};
+pub use parameters::{LocalizationParameters, OdometryError, Spread, Watch};
 pub use plane::{Activity, Plane};
 pub use reading::{Offness, ReadingModel, StateShare};
 pub use scan::ScanModel;
+pub use scan_parameters::{BeamParameters, Gating, ScanParameters};
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{NO_ECHO, SensorModel};
 pub use simd::Instructions;

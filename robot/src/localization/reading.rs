@@ -3,9 +3,9 @@
 use super::belief::Belief;
 use super::grid::State;
 use super::model::LocalizationModel;
-use super::parameters::BeamParameters;
 use super::plane::Plane;
 use super::scan::ScanModel;
+use super::scan_parameters::BeamParameters;
 use super::sensor::{BINS, BinnedScan, mixture};
 use crate::geometry::{Point, Pose};
 use rayon::prelude::*;

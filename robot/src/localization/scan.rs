@@ -2,7 +2,7 @@
 
 use super::grid::{Bearings, BeliefGrid};
 use super::kernel::TILE;
-use super::parameters::{BeamParameters, ScanParameters};
+use super::scan_parameters::{BeamParameters, ScanParameters};
 use super::sensor::{self, BINS, SensorModel};
 use crate::geometry::Point;
 use crate::occupancy::DistanceField;
@@ -172,4 +172,50 @@ fn widen_to_cones(rays: &[u8], columns: usize, half_cone: usize) -> Vec<u8> {
         }
     }
     cones
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::geometry::{Point, Pose};
+    use crate::localization::{Belief, LocalizationModel, LocalizationParameters, ScanParameters};
+    use crate::occupancy::{Cell, OccupancyGrid};
+    use crate::sensors::LaserScanner;
+
+    #[test]
+    fn scans_of_two_sensors_weigh_each_state_by_both() {
+        let scanner = LaserScanner { readings: 13, resolution_deg: 15.0, range_m: 8.0 };
+        let laser = ScanParameters::laser(&scanner);
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 60, 40, Cell::Free);
+        (0..40).for_each(|row| map.set(59, row, Cell::Occupied));
+        (10..30).for_each(|column| map.set(column, 0, Cell::Occupied));
+        let parameters = LocalizationParameters {
+            cell_m: 0.3,
+            angle_step_deg: 15,
+            sensors: vec![ScanParameters::default(), laser],
+            mixing: 0.0,
+            activity_threshold: 0.0,
+            ..LocalizationParameters::default()
+        };
+        let model = LocalizationModel::new(&map, parameters).expect("it is a map");
+        let truth = model.state_at(Pose::new(2.4, 2.1, 0.8)).expect("a pose on the map");
+        let scans_m: Vec<Vec<f32>> = (model.sensors.iter().enumerate())
+            .map(|(sensor, tables)| {
+                let expected = model.expected_scan(sensor, truth).into_iter();
+                expected.map(|bin| tables.likelihood.range_m(bin) as f32).collect()
+            })
+            .collect();
+        let [sonar_m, laser_m] = [&scans_m[0], &scans_m[1]].map(|scan_m| Some(scan_m.as_slice()));
+        let after = |heard: &[[Option<&[f32]>; 2]]| -> Vec<f64> {
+            let mut belief = Belief::uniform(&model);
+            heard.iter().for_each(|scans_m| belief.sense_ranges(&model, scans_m));
+            belief.all_states(&model).into_iter().map(|at| at.share).collect()
+        };
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>() / 2.0;
+        let both = after(&[[sonar_m, laser_m]]);
+        assert!(apart(&both, &after(&[[sonar_m, None], [None, laser_m]])) < 1e-5);
+        for one in [after(&[[sonar_m, None]]), after(&[[None, laser_m]])] {
+            assert!(apart(&both, &one) > 0.05);
+        }
+        assert_eq!(after(&[[None, None]]), after(&[]));
+    }
 }

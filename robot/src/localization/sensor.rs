@@ -1,7 +1,7 @@
 //! P(s | o): how likely a reading is where a distance is expected, as byte tables.
 
 use super::kernel;
-use super::parameters::BeamParameters;
+use super::scan_parameters::BeamParameters;
 
 /// The bin of a reading, or an expected distance, without an echo in range.
 pub const NO_ECHO: u8 = 255;

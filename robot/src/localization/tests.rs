@@ -4,7 +4,6 @@ use super::sensor::mixture;
 use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::occupancy::{Cell, OccupancyGrid};
-use crate::sensors::LaserScanner;
 use crate::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use crate::world::World;
 use rpl_random::Stream;
@@ -239,37 +238,6 @@ fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
     for (found, exact) in probabilities(&model, &belief).iter().zip(posterior.iter().map(|p| p / evidence)) {
         assert!(exact < 1e-20 || libm::fabs(libm::log(found / exact)) <= bound, "{found} {exact}");
     }
-}
-
-#[test]
-fn scans_of_two_sensors_weigh_each_state_by_both() {
-    let scanner = LaserScanner { readings: 13, resolution_deg: 15.0, range_m: 8.0 };
-    let laser = ScanParameters::laser(&scanner);
-    let model = model(LocalizationParameters {
-        sensors: vec![ScanParameters::default(), laser],
-        mixing: 0.0,
-        activity_threshold: 0.0,
-        ..parameters()
-    });
-    let truth = model.state_at(Pose::new(2.4, 2.1, 0.8)).expect("a pose on the map");
-    let scans_m: Vec<Vec<f32>> = (model.sensors.iter().enumerate())
-        .map(|(sensor, tables)| {
-            let expected = model.expected_scan(sensor, truth).into_iter();
-            expected.map(|bin| tables.likelihood.range_m(bin) as f32).collect()
-        })
-        .collect();
-    let [sonar_m, laser_m] = [&scans_m[0], &scans_m[1]].map(|scan_m| Some(scan_m.as_slice()));
-    let after = |heard: &[[Option<&[f32]>; 2]]| {
-        let mut belief = Belief::uniform(&model);
-        heard.iter().for_each(|scans_m| belief.sense_ranges(&model, scans_m));
-        probabilities(&model, &belief)
-    };
-    let both = after(&[[sonar_m, laser_m]]);
-    assert!(total_variation(&both, &after(&[[sonar_m, None], [None, laser_m]])) < 1e-5);
-    for one in [after(&[[sonar_m, None]]), after(&[[None, laser_m]])] {
-        assert!(total_variation(&both, &one) > 0.05);
-    }
-    assert_eq!(after(&[[None, None]]), after(&[]));
 }
 
 #[test]

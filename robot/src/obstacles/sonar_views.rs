@@ -33,7 +33,7 @@ impl SonarView {
     fn passed(&self, sonars: &SonarArray, point_in_odom: Point) -> bool {
         let (dx, dy) = (point_in_odom.x - self.from_in_odom.x_m, point_in_odom.y - self.from_in_odom.y_m);
         let in_base = Point::new(self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx);
-        sonars.hearing(in_base).any(|(sonar, off)| f64::from(self.heard_m[sonar]) > off.norm() + PASSED_M)
+        sonars.is_heard(in_base, |sonar, off| f64::from(self.heard_m[sonar]) > off.norm() + PASSED_M)
     }
 }
 

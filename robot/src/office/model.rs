@@ -151,3 +151,19 @@ impl OfficeModel {
         topology.survey(&navigation.planner, reach_m)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sonars_are_read_beside_a_laser_where_they_alone_see_something() {
+        let robot = RobotDescription::builtin("b21-laser").expect("built in");
+        let read = |world: &str| -> Vec<RangeSensor> {
+            let world = World::builtin(world).expect("built in");
+            telling(&ScanParameters::of(&robot), &world).iter().map(|sensor| sensor.source).collect()
+        };
+        assert_eq!(read("dept"), [RangeSensor::Laser]);
+        assert_eq!(read("sensing"), [RangeSensor::Laser, RangeSensor::Sonar]);
+    }
+}

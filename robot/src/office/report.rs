@@ -156,6 +156,11 @@ impl ReportKind {
         Self::ALL.into_iter().find(|kind| kind.name() == what)
     }
 
+    /// Whether it is about the pace of a host in another process.
+    pub fn is_of_pace(self) -> bool {
+        matches!(self, Self::PerceptLate | Self::PerceptsMissing | Self::DecisionLong)
+    }
+
     /// Whether somebody has moved the robot.
     pub fn is_by_hand(self) -> bool {
         matches!(self, Self::RotatedByHand | Self::CarriedByHand)

@@ -14,6 +14,10 @@ const WIDEST_RAD: f64 = TAU / 3.0;
 /// and runs that were recorded would not be repeated.
 const EDGES_OF_24: [f64; 3] = [0.131_652_497_587_395_85, 0.414_213_562_373_095_03, 0.767_326_987_978_960_3];
 
+/// Which eighth of the turn lies at which signs, and whether its angles run back from the axis.
+const EIGHTHS: [(u8, bool); 8] =
+    [(0, false), (1, true), (3, true), (2, false), (7, true), (6, false), (4, false), (5, true)];
+
 /// Sonars, by the sectors that their cones cover. Sector 0 is the one after the last edge, around
 /// straight ahead; the others follow counter-clockwise.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,17 +26,21 @@ pub struct Sectors {
     ends: Vec<Vector>,
     /// By the signs of y and x, and by which of them is larger.
     octants: [Octant; 8],
+    /// Of the edges, measured from the axis of their octant, ascending in each; octant after octant.
+    tangents: Vec<f64>,
+    /// The sectors between these edges: in each octant one more than edges.
+    between: Vec<usize>,
     /// The sonars whose cones cover each sector.
     sonars: Vec<Vec<usize>>,
 }
 
 /// An eighth of the turn, from an axis to a diagonal.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Octant {
-    /// Of the edges in it, measured from the axis, ascending.
-    tangents: Vec<f64>,
-    /// The sector behind so many of them.
-    sectors: Vec<usize>,
+    /// The first of its edges among the tangents.
+    first: usize,
+    /// How many it has.
+    edges: usize,
 }
 
 impl Sectors {
@@ -41,7 +49,7 @@ impl Sectors {
         let edges_rad = (0..cones).map(|cone| (cone as f64 + 0.5) * TAU / cones as f64).collect();
         let mut sectors = Self::cut(edges_rad);
         if cones == 24 {
-            sectors.octants.iter_mut().for_each(|octant| octant.tangents = EDGES_OF_24.to_vec());
+            sectors.tangents = EDGES_OF_24.repeat(sectors.octants.len());
         }
         sectors.sonars = (0..cones).map(|cone| vec![cone]).collect();
         sectors
@@ -70,25 +78,24 @@ impl Sectors {
     fn cut(edges_rad: Vec<f64>) -> Self {
         let count = edges_rad.len();
         let before = |angle_rad: f64| edges_rad.iter().filter(|&&edge_rad| edge_rad < angle_rad).count();
-        let octants = std::array::from_fn(|signs| {
-            let (eighth, runs_back) =
-                [(0, false), (1, true), (3, true), (2, false), (7, true), (6, false), (4, false), (5, true)][signs];
+        let (mut octants, mut tangents, mut between) = ([Octant::default(); 8], Vec::new(), Vec::new());
+        for (octant, (eighth, runs_back)) in octants.iter_mut().zip(EIGHTHS) {
             let (from_rad, to_rad) = (f64::from(eighth) * FRAC_PI_4, f64::from(eighth + 1) * FRAC_PI_4);
             let inside = edges_rad.iter().filter(|&&edge_rad| edge_rad >= from_rad && edge_rad < to_rad);
             let mut folded_rad: Vec<f64> =
                 inside.map(|edge_rad| if runs_back { to_rad - edge_rad } else { edge_rad - from_rad }).collect();
             folded_rad.sort_by(f64::total_cmp);
+            *octant = Octant { first: tangents.len(), edges: folded_rad.len() };
             let sector = |passed: usize| if runs_back { before(to_rad) - passed } else { before(from_rad) + passed };
-            Octant {
-                sectors: (0..=folded_rad.len()).map(|passed| sector(passed) % count).collect(),
-                tangents: folded_rad.into_iter().map(libm::tan).collect(),
-            }
-        });
+            between.extend((0..=folded_rad.len()).map(|passed| sector(passed) % count));
+            tangents.extend(folded_rad.into_iter().map(libm::tan));
+        }
         let unit = |angle_rad: &f64| {
             let (sin, cos) = libm::sincos(*angle_rad);
             Vector::new(cos, sin)
         };
-        Self { ends: edges_rad.iter().map(unit).collect(), octants, sonars: vec![Vec::new(); count] }
+        let ends = edges_rad.iter().map(unit).collect();
+        Self { ends, octants, tangents, between, sonars: vec![Vec::new(); count] }
     }
 
     /// How many there are.
@@ -101,8 +108,12 @@ impl Sectors {
         let (x, y) = (direction.x.abs(), direction.y.abs());
         let (across, along) = (x.min(y), x.max(y));
         let signs = 4 * usize::from(direction.y < 0.0) + 2 * usize::from(direction.x < 0.0) + usize::from(y > x);
-        let octant = &self.octants[signs];
-        octant.sectors[octant.tangents.iter().filter(|&&tangent| across > tangent * along).count()]
+        let Octant { first, edges } = self.octants[signs];
+        let mut passed = 0;
+        for tangent in &self.tangents[first..first + edges] {
+            passed += usize::from(across > tangent * along);
+        }
+        self.between[first + signs + passed]
     }
 
     /// Unit vector along the edge at which a sector ends, counter-clockwise.

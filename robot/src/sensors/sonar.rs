@@ -95,6 +95,15 @@ impl SonarArray {
         })
     }
 
+    /// Whether any sonar in whose cone a point lies, and where the point is from its apex, is as asked: for
+    /// what is asked often, [`SonarArray::hearing`] without its cost.
+    pub fn is_heard(&self, point_in_base: Point, asked: impl Fn(usize, Vector) -> bool) -> bool {
+        self.apexes.iter().any(|apex| {
+            let from_apex = point_in_base - apex.at_in_base;
+            apex.sectors.sonars(apex.sectors.around(from_apex)).iter().any(|&sonar| asked(sonar, from_apex))
+        })
+    }
+
     /// Whether a sonar looks in a direction.
     pub fn looks(&self, direction_rad: f64) -> bool {
         let off_rad = |mount: &SonarMount| wrap_angle_rad(direction_rad - mount.heading_rad).abs();

@@ -93,6 +93,7 @@ fn ended(system: &System<OfficeRobot<Script>>) -> (String, Vec<&str>) {
     (system.machine.show(&system.program, failure), printed)
 }
 
+/// r[fail.host]
 #[test]
 fn a_host_that_is_gone_ends_the_run_whatever_its_handlers() {
     let plan = "(loop (with-failure-handling ((failure (f) (print 'handled) nil))
