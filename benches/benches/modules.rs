@@ -63,11 +63,8 @@ fn play() -> io::Result<()> {
     Ok(())
 }
 
-const IN_PYTHON: &str = "
-from rpl_module import Module
-module = Module('echo')
-module.each_tick(lambda tick: module.set('x*', tick.position.x_m))
-module.run()";
+const IN_PYTHON: &str = "from rpl_module import Module; module = Module('echo'); \
+    module.each_tick(lambda tick: module.set('x*', tick.position.x_m)); module.run()";
 
 fn main() -> io::Result<()> {
     if env::args().nth(1).as_deref() == Some(AS_MODULE) {

@@ -162,7 +162,7 @@ impl Process {
             }
             let left = until.saturating_duration_since(Instant::now());
             let ready = self.wait(left)?;
-            if ready.output && self.read()? == 0 {
+            if ready.output && !self.read()? {
                 return Ok(Heard::Closed(self.incoming.split_off(self.taken)));
             }
             if ready.input {
@@ -189,16 +189,15 @@ impl Process {
         Some(if line.len() > self.most_line { Heard::TooLong } else { Heard::Line(line) })
     }
 
-    /// How many bytes of standard output came; none means its end. One byte too many of a pipe without
-    /// bytes is told as one, so that nobody takes it for the end.
-    fn read(&mut self) -> io::Result<usize> {
+    /// Takes in what has come of standard output; tells whether that may go on, or is closed.
+    fn read(&mut self) -> io::Result<bool> {
         self.incoming.drain(..self.taken);
         self.taken = 0;
         let had = self.incoming.len();
         self.incoming.resize(had + CHUNK, 0);
         let read = read_some(&mut self.output, &mut self.incoming[had..]);
         self.incoming.truncate(had + read.as_ref().ok().copied().flatten().unwrap_or(0));
-        Ok(read?.unwrap_or(1))
+        Ok(read? != Some(0))
     }
 
     fn write(&mut self) -> io::Result<()> {
@@ -275,7 +274,7 @@ impl Process {
             let pause = Duration::from_millis(2);
             let closed = match self.wait(pause) {
                 Ok(ready) => {
-                    let is_closed = ready.output && !matches!(self.read(), Ok(1..));
+                    let is_closed = ready.output && !matches!(self.read(), Ok(true));
                     is_closed | (ready.errors && self.hear_errors().is_err())
                 }
                 Err(_) => true,

@@ -9,6 +9,8 @@ from typing import Any, BinaryIO, Callable, Dict, Optional, Type, TypeVar
 
 from ._values import Failure, Tick, Value, heard, python_name, said, tick_of
 
+encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+
 VERSION = 1
 """The version of the protocol."""
 
@@ -175,8 +177,10 @@ class Module:
     def _say(self, message: Dict[str, Any]) -> None:
         if self._output is None:
             raise RuntimeError("the module does not run yet; call `run()` first")
-        self._output.write(json.dumps(message, allow_nan=False, separators=(",", ":")).encode() + b"\n")
-        self._output.flush()
+        self._output.write(encode(message).encode() + b"\n")
+        # What belongs to one turn goes out at once: each part of it would wake rpl.
+        if message["type"] in ("hello", "done"):
+            self._output.flush()
 
 
 class Missing(Behaviour):

@@ -21,6 +21,7 @@ use crate::trace::{self, Header, TraceFile};
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_robot::description::RobotDescription;
 use rpl_runtime::run::library::Loaded;
 use rpl_runtime::run::system::System;
 use std::path::PathBuf;
@@ -211,7 +212,7 @@ fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
         rpl: Some(env!("CARGO_PKG_VERSION").to_string()),
         plan: arguments.file.clone(),
         world: arguments.site.world.clone(),
-        robot: arguments.site.robot.clone(),
+        robot: arguments.site.robot.clone().filter(|name| name != RobotDescription::PAPERS),
         map: arguments.site.world.is_some().then(|| arguments.site.map.name().to_string()),
         scenario: arguments.site.scenario.clone(),
         seed: arguments.site.seed,

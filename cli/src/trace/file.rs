@@ -27,7 +27,7 @@ pub struct Header {
     /// The world, if there is one.
     #[serde(default)]
     pub world: Option<String>,
-    /// The robot, if one is named.
+    /// The robot, if it is not that of the papers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
     /// What the robot knows of the world, if there is one: `world` or `none`.

@@ -157,7 +157,7 @@ fn names_that_have_a_meaning_are_refused_with_their_place() {
             "\"print\"",
             "`print` of the module `lamp` (lamp.toml:21:8) has a meaning in the language or its library",
         ),
-        ("valve = \"lamp\"", "valve = \"lmp\"", "needs the valve `lmp`, and no module has it (lamp.toml:11:8)"),
+        ("valve = \"lamp\"", "valve = \"lmp\"", "needs the valve `lmp`, and no module has it (lamp.toml:10:8)"),
     ];
     for (at, (from, to, told)) in faults.into_iter().enumerate() {
         let folder = folder_of_lamp(&format!("module-names-{at}"), "", (from, to));
@@ -173,7 +173,7 @@ fn names_that_have_a_meaning_are_refused_with_their_place() {
     let Ended { errors, status, .. } = run_in(&folder, &[&IN_A_ROOM[..], &["--module", "other.toml"]].concat());
     assert!(
         errors.contains(
-            "of the module `light` (other.toml:11:8) has a meaning already: the module `lamp` (lamp.toml:11:8)"
+            "of the module `light` (other.toml:10:8) has a meaning already: the module `lamp` (lamp.toml:10:8)"
         ),
         "{errors}"
     );
@@ -214,4 +214,24 @@ fn a_session_that_goes_back_hears_the_same_again_and_nothing_new() {
         other.contains("module-failure: the module `lamp` cannot be asked: ") && other.contains("\"times\":1"),
         "{other}"
     );
+}
+
+#[test]
+fn a_recorded_run_is_repeated_without_its_module() {
+    let folder = folder_of_lamp("module-record", "(blink-lamp 2) (blink-lamp 1) (wait-time 1)", ("", ""));
+    let live = [&IN_A_ROOM[..], &["--record", "r.jsonl", "--trace", "live.jsonl"]].concat();
+    let Ended { errors, status, .. } = run_in(&folder, &live);
+    assert_eq!(status, 0, "{errors}");
+    std::fs::remove_file(folder.join("lamp.py")).expect("it was there");
+    let Ended { errors, status, .. } = run_in(&folder, &["replay", "r.jsonl", "--trace", "again.jsonl"]);
+    assert_eq!(status, 0, "{errors}");
+    let trace = |name: &str| std::fs::read(folder.join(name)).expect("it was written");
+    assert!(trace("live.jsonl") == trace("again.jsonl"), "the traces differ");
+    put(&folder, "plan.rpl", "(blink-lamp 2) (blink-lamp 5)");
+    let Ended { errors, status, .. } = run_in(&folder, &["replay", "r.jsonl"]);
+    assert!(errors.contains("the run acts differently from ") && errors.contains("\"times\":5"), "{errors}");
+    assert_eq!(status, 1);
+    put(&folder, "lamp.toml", crate::folder::text_in(&folder, "lamp.toml").replace("to 1.", "to one."));
+    let Ended { errors, .. } = run_in(&folder, &["replay", "r.jsonl"]);
+    assert!(errors.contains("`lamp.toml` is not what it was when the run was recorded"), "{errors}");
 }
