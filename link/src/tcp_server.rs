@@ -111,13 +111,16 @@ struct Mission {
     unanswered: VecDeque<(u64, Instant)>,
 }
 
+/// Events of connections, each with the number of its connection.
+type Events = (Sender<(u64, Event)>, Receiver<(u64, Event)>);
+
 /// A host that is served.
 struct Server<'a, H> {
     host: &'a mut H,
     listener: TcpListener,
     service: Service,
     tell: &'a mut dyn FnMut(Notice),
-    events: (Sender<(u64, Event)>, Receiver<(u64, Event)>),
+    events: Events,
     connections: u64,
     mission: Option<Mission>,
     guard: Guard,

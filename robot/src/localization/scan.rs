@@ -216,6 +216,6 @@ mod tests {
         for one in [after(&[[sonar_m, None]]), after(&[[None, laser_m]])] {
             assert!(apart(&both, &one) > 0.05);
         }
-        assert_eq!(after(&[[None, None]]), after(&[]));
+        assert!(apart(&after(&[[None, None]]), &after(&[])) < 1e-5);
     }
 }

@@ -68,7 +68,9 @@ impl ScanParameters {
             beam: BeamParameters { max_range_m: laser.range_m, ..MISSION_RAY },
             // Rays side by side meet the same wall, and what is missing in the map.
             tempering: 0.08,
-            watch_sigma_m: 0.2,
+            // Far along a corridor rays meet its walls at small angles, and the coarse headings are 6° apart:
+            // a narrower Gaussian gives up right poses there.
+            watch_sigma_m: 0.35,
             watch_tempering: 0.2,
         }
     }

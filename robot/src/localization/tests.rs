@@ -558,7 +558,7 @@ fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
                 ..Commands::default()
             };
             let percept = simulator.step(&mut state, &commands);
-            let sonar_m = percept.sonar_m.as_ref().map(|ranges_m| ranges_m.as_slice());
+            let sonar_m = percept.sonar_m.as_deref();
             if localization.observe(&model, percept.odometry_in_odom, &[sonar_m]) {
                 for pose in [state.true_pose(), mirrored(state.true_pose())] {
                     let mass = localization.belief().mass_near(&model, pose);
