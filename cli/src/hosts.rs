@@ -163,8 +163,20 @@ pub fn recorded(recording: &Recording<RecordedRun>) -> Result<HostSource> {
 pub fn astray(divergence: &Divergence, period_us: u64) -> String {
     let Divergence { turn, recorded, now } = divergence;
     let time_s = (*turn * period_us) as f64 / 1e6;
+    let (recorded, now) = first_difference(recorded, now);
     format!(
         "the run acts differently from {time_s:.2} s on, and what comes then is not recorded\n  recorded: {recorded}\n  \
          now:      {now}"
     )
+}
+
+/// Of several messages at a turn, the first that is another one.
+fn first_difference(recorded: &str, now: &str) -> (String, String) {
+    let messages = |text: &str| serde_json::from_str::<Vec<serde_json::Value>>(text).ok();
+    let (Some(then), Some(here)) = (messages(recorded), messages(now)) else {
+        return (recorded.to_string(), now.to_string());
+    };
+    let at = then.iter().zip(&here).take_while(|(then, here)| then == here).count();
+    let shown = |messages: &[serde_json::Value]| messages.get(at).map_or("nothing".to_string(), ToString::to_string);
+    (shown(&then), shown(&here))
 }
