@@ -45,9 +45,14 @@ fn git(arguments: &[&str]) -> Option<String> {
     (output.status.success() && !answer.is_empty()).then_some(answer)
 }
 
+/// The plans of a folder, and of those in it; plans beside a manifest of a module or of a crate need what that
+/// brings.
 fn collect(folder: &Path, plans: &mut Vec<PathBuf>) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
+    let paths = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<PathBuf>>>()?;
+    if paths.iter().any(|path| path.extension().is_some_and(|extension| extension == "toml")) {
+        return Ok(());
+    }
+    for path in paths {
         if path.is_dir() {
             collect(&path, plans)?;
         } else if path.extension().is_some_and(|extension| extension == "rpl") {
