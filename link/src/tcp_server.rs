@@ -15,7 +15,7 @@ use rpl_protocol::host::{
     Bye, CommandsMessage, FromHost, HostHello, MissionHello, PROTOCOL, PerceptMessage, ToHost, read, written,
 };
 use rpl_robot::geometry::Pose;
-use rpl_robot::office::{Host, Report};
+use rpl_robot::office::{Host, HostLost, Report};
 use rpl_robot::simulator::{Commands, GripperCommand, Percept};
 use std::collections::VecDeque;
 use std::io::{self, BufReader, ErrorKind, Write};
@@ -54,6 +54,8 @@ pub struct Service {
     pub until_us: Option<u64>,
     /// It ends when the first mission has gone and the robot stands.
     pub once: bool,
+    /// The robot stands where the world says it starts; only the first mission is told.
+    pub start_known: bool,
 }
 
 /// What is worth telling while a host is served.
@@ -84,6 +86,8 @@ pub struct ServiceRecord {
     pub latencies_s: Vec<f32>,
     /// How often the host itself was too far behind the clock.
     pub delays: u32,
+    /// Why the host could make no step any more, if that is how it ended.
+    pub lost: Option<HostLost>,
 }
 
 /// What comes from those who are connected.
@@ -215,7 +219,14 @@ impl<H: Host> Server<'_, H> {
         let mut reports = Vec::new();
         let percept = self.host.step(&permitted, &mut reports);
         reports.into_iter().for_each(|report| (self.tell)(Notice::Happened(report)));
-        let Ok(percept) = percept else { return false };
+        let percept = match percept {
+            Ok(percept) => percept,
+            Err(lost) => {
+                self.leave(Some(lost.0.clone()));
+                self.record.lost = Some(lost);
+                return false;
+            }
+        };
         self.record.percepts += 1;
         if let Some(mission) = &mut self.mission
             && !mission.send(&percept)
@@ -298,7 +309,7 @@ impl<H: Host> Server<'_, H> {
             robot: self.service.robot.clone(),
             period_us: self.service.period_us,
             factor: self.service.factor,
-            start_known: self.percept.is_none(),
+            start_known: self.service.start_known && self.percept.is_none(),
         };
         mission.percepts.try_send(written(&FromHost::Hello(hello))).ok();
     }
@@ -419,4 +430,72 @@ fn write_percepts(mut stream: TcpStream, lines: &Receiver<String>) {
     // A line that cannot be written is the last: the reader of the mission sees that it is gone.
     lines.iter().try_for_each(|line| stream.write_all(line.as_bytes())).ok();
     stream.shutdown(Shutdown::Both).ok();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_robot::simulator::{GripperMotion, GripperStatus};
+
+    /// A host that makes one step.
+    struct Mayfly {
+        steps: u64,
+    }
+
+    impl Host for Mayfly {
+        fn step(&mut self, _: &Commands, _: &mut Vec<Report>) -> Result<Percept, HostLost> {
+            self.steps += 1;
+            if self.steps > 1 {
+                return Err(HostLost("the wheels say nothing".to_string()));
+            }
+            Ok(Percept {
+                time_us: 1_000,
+                odometry_in_odom: Pose::default(),
+                translation_mps: 0.0,
+                rotation_radps: 0.0,
+                sonar_m: None,
+                laser_m: None,
+                bumped: false,
+                gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
+                battery: 1.0,
+                messages: Vec::new(),
+                others: Default::default(),
+            })
+        }
+    }
+
+    #[test]
+    fn a_mission_is_told_why_its_host_is_lost() {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("an address");
+        let mission = thread::spawn(move || {
+            let mut stream = TcpStream::connect(address).expect("somebody listens");
+            let hello = MissionHello { protocol: PROTOCOL, rpl: "1".to_string(), robot: "fly".to_string() };
+            let commands = CommandsMessage::new(0, &Commands::default());
+            for message in [ToHost::Hello(hello), ToHost::Commands(commands)] {
+                stream.write_all(written(&message).as_bytes()).expect("it hears");
+            }
+            let mut reading = BufReader::new(stream);
+            std::iter::from_fn(|| match read_line(&mut reading) {
+                ReadLine::Text(line) => Some(read(&line).expect("a message")),
+                ReadLine::End | ReadLine::Fault(_) => None,
+            })
+            .collect::<Vec<FromHost>>()
+        });
+        let service = Service {
+            robot: "fly".to_string(),
+            period_us: 1_000,
+            factor: 1.0,
+            until_us: None,
+            once: false,
+            start_known: false,
+        };
+        let record = serve(&mut Mayfly { steps: 0 }, listener, service, &|| false, &mut |_| {}).expect("a listener");
+        let told = mission.join().expect("a mission");
+        assert!(matches!(&told[0], FromHost::Hello(hello) if !hello.start_known), "{told:?}");
+        assert!(matches!(&told[1], FromHost::Percept(percept) if percept.number == 0), "{told:?}");
+        let why = "the wheels say nothing".to_string();
+        assert_eq!(told[2..], [FromHost::Bye(Bye { reason: Some(why.clone()) })]);
+        assert_eq!((record.percepts, record.lost), (1, Some(HostLost(why))));
+    }
 }

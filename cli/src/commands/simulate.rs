@@ -71,6 +71,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         factor: arguments.speed,
         until_us: arguments.until,
         once: arguments.once,
+        start_known: true,
     };
     let cannot_listen = || format!("cannot listen at `{}`", arguments.listen);
     let listener = TcpListener::bind(&arguments.listen).with_context(cannot_listen)?;
