@@ -20,7 +20,8 @@
 //! assert!(matches!(reached, Reached::End(_)));
 //!
 //! let sight = run.outside.sight().ok_or("there is a robot")?;
-//! assert!(sight.robot_in_map.distance_m(sight.estimate_in_map) < 0.3);
+//! let robot_in_map = sight.robot_in_map.ok_or("its host knows where it is")?;
+//! assert!(robot_in_map.distance_m(sight.estimate_in_map) < 0.3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
