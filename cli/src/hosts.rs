@@ -7,9 +7,9 @@ use crate::files::robot_files;
 use crate::recorded_run::{HostHeard, RecordedRun};
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
-use rpl_link::recording::{Recorder, Recording};
+use rpl_link::recording::{Recorder, Recording, Turn};
 use rpl_link::tcp_client::TcpHost;
-use rpl_link::transcript::{Divergence, Kept, Transcript, Turn};
+use rpl_link::transcript::{Divergence, Kept, Transcript};
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
 use rpl_protocol::host::{CommandsMessage, HostAnswer, HostHello, MissionHello, PROTOCOL};
@@ -154,7 +154,7 @@ impl HostSource {
 /// Its turns cannot be read.
 pub fn recorded(recording: &Recording<RecordedRun>) -> Result<HostSource> {
     match &recording.run.host {
-        Some(heard) => Ok(HostSource::Recorded { heard: heard.clone(), turns: recording.turns(HOST)? }),
+        Some(heard) => Ok(HostSource::Recorded { heard: heard.clone(), turns: recording.turns.of(HOST)? }),
         None => Ok(HostSource::Simulated),
     }
 }

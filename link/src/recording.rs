@@ -4,7 +4,6 @@
 //! (`{"line":…,"turn":…,"words":…,"answer":…}`, or `fault` in the place of `answer`), or what was typed
 //! (`{"typed":…,"time_us":…}`). A last line that was not written to its end is left out when it is read.
 
-use crate::transcript::Turn;
 use rpl_protocol::line::LineFault;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -108,6 +107,15 @@ impl Recorder {
     }
 }
 
+/// What was said at a turn, and what came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn<Q, A> {
+    /// What was said.
+    pub words: Q,
+    /// The answer, or why there was none.
+    pub answer: Result<A, LineFault>,
+}
+
 /// A recording that was read.
 #[derive(Debug)]
 pub struct Recording<H> {
@@ -115,8 +123,15 @@ pub struct Recording<H> {
     pub run: H,
     /// What was typed, in its order.
     pub typed: Vec<Typed>,
-    /// The turns as they are written, each with its number of line in the file.
-    turns: Vec<(usize, String, String)>,
+    /// What was said to others, and what they said.
+    pub turns: RecordedTurns,
+}
+
+/// The turns of all lines of a recording.
+#[derive(Debug)]
+pub struct RecordedTurns {
+    /// As they are written: the number in the file, the name of the line, and the text.
+    written: Vec<(usize, String, String)>,
 }
 
 /// What is wrong with a recording.
@@ -161,19 +176,18 @@ impl<H: DeserializeOwned> Recording<H> {
                 }
             }
         }
-        Ok(Self { run, typed, turns })
+        Ok(Self { run, typed, turns: RecordedTurns { written: turns } })
     }
+}
 
+impl RecordedTurns {
     /// The turns of a line.
     ///
     /// # Errors
     /// A turn cannot be read, or is not the next of its line.
-    pub fn turns<Q: DeserializeOwned, A: DeserializeOwned>(
-        &self,
-        name: &str,
-    ) -> Result<Vec<Turn<Q, A>>, RecordingFault> {
+    pub fn of<Q: DeserializeOwned, A: DeserializeOwned>(&self, name: &str) -> Result<Vec<Turn<Q, A>>, RecordingFault> {
         let mut turns: Vec<Turn<Q, A>> = Vec::new();
-        for (line, _, text) in self.turns.iter().filter(|(_, of, _)| of == name) {
+        for (line, _, text) in self.written.iter().filter(|(_, of, _)| of == name) {
             let fault = |why: String| RecordingFault::Line { line: *line, why };
             let read: TurnLine<String, Q, A> = serde_json::from_str(text).map_err(|error| fault(said(&error)))?;
             if read.turn != turns.len() as u64 {
@@ -188,12 +202,6 @@ impl<H: DeserializeOwned> Recording<H> {
             turns.push(Turn { words: read.words, answer });
         }
         Ok(turns)
-    }
-
-    /// The names of its lines.
-    pub fn lines(&self) -> impl Iterator<Item = &str> {
-        let names: std::collections::BTreeSet<&str> = self.turns.iter().map(|(_, name, _)| name.as_str()).collect();
-        names.into_iter()
     }
 }
 
@@ -234,7 +242,7 @@ mod tests {
 
     fn read(rest: &str) -> Result<Vec<Turn<u8, f64>>, String> {
         let recording = Recording::<String>::read(&format!("{HEAD}{rest}")).map_err(|fault| fault.to_string())?;
-        recording.turns("host").map_err(|fault| fault.to_string())
+        recording.turns.of("host").map_err(|fault| fault.to_string())
     }
 
     #[test]
@@ -247,7 +255,6 @@ mod tests {
         assert_eq!(read(text), Ok(vec![Turn { words: 7, answer: Ok(0.1) }, Turn { words: 8, answer: gone }]));
         let recording = Recording::<String>::read(&format!("{HEAD}{text}")).expect("it is whole");
         assert_eq!(recording.typed, [Typed { typed: "(go)".to_string(), time_us: 5 }]);
-        assert_eq!(recording.lines().collect::<Vec<_>>(), ["camera", "host"]);
     }
 
     #[test]

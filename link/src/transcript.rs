@@ -2,7 +2,7 @@
 //! copy hears the same again; only what nobody has said yet is spoken. A transcript without anybody behind
 //! it is a recording heard again.
 
-use crate::recording::Recorder;
+use crate::recording::{Recorder, Turn};
 use rpl_protocol::line::{Line, LineFault};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -16,15 +16,6 @@ pub trait Live<Q, A>: Debug + Send {
     /// # Errors
     /// There is none, and there will be none.
     fn answer(&mut self, words: &Q) -> Result<A, LineFault>;
-}
-
-/// What was said at a turn, and what came of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Turn<Q, A> {
-    /// What was said.
-    pub words: Q,
-    /// The answer, or why there was none.
-    pub answer: Result<A, LineFault>,
 }
 
 /// How many turns stay in memory.

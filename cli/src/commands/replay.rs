@@ -45,8 +45,8 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     let recording: Recording<RecordedRun> =
         Recording::read(&text).with_context(|| format!("the recording `{shown}` cannot be read"))?;
     let source = hosts::recorded(&recording).with_context(|| format!("the recording `{shown}` cannot be read"))?;
-    let voices = ModuleVoices::Recording(&recording);
-    let (recorded, typed) = (recording.run.clone(), recording.typed.clone());
+    let voices = ModuleVoices::Recording(&recording.turns);
+    let (recorded, typed) = (recording.run, recording.typed);
     let plan = arguments.plan.clone().or_else(|| recorded.plan.as_ref().map(|plan| plan.name.clone()));
     if plan.as_deref() == Some(inputs::STANDARD_INPUT) {
         bail!("the plan was read from standard input; name a file that has it with `--plan FILE`");

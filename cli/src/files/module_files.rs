@@ -1,10 +1,9 @@
 //! Modules in other processes, as the command line names them: by the files of their manifests.
 
 use super::inputs;
-use crate::recorded_run::RecordedRun;
 use anyhow::{Result, anyhow, bail};
 use rpl_link::process_opener::{Opener, line_name};
-use rpl_link::recording::{Recorder, Recording};
+use rpl_link::recording::{RecordedTurns, Recorder};
 use rpl_link::transcript::{Divergence, Kept, Transcript};
 use rpl_mission::site::Site;
 use rpl_protocol::module::manifest::Manifest;
@@ -32,7 +31,7 @@ pub enum ModuleVoices<'r> {
     /// Their processes.
     Processes(GoingBack),
     /// A recording of them.
-    Recording(&'r Recording<RecordedRun>),
+    Recording(&'r RecordedTurns),
 }
 
 /// Whether a run can go back, and needs to hear again what its modules have said.
@@ -82,9 +81,9 @@ impl Modules {
     fn open(&mut self, manifest: Arc<Manifest>, folder: &Path, voices: ModuleVoices<'_>) -> Result<Arc<OpenLine>> {
         let going_back = match voices {
             ModuleVoices::Processes(going_back) => going_back,
-            ModuleVoices::Recording(recording) => {
+            ModuleVoices::Recording(turns) => {
                 let name = line_name(&manifest.name);
-                let transcript = Arc::new(Transcript::recorded(&name, recording.turns(&name)?));
+                let transcript = Arc::new(Transcript::recorded(&name, turns.of(&name)?));
                 self.recorded.push(transcript.clone());
                 return Ok(Arc::new(move |_| transcript.clone()));
             }
