@@ -14,8 +14,8 @@ use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::Tree;
+use rpl_mission::modules;
 use rpl_mission::site::Site;
-use rpl_robot::office;
 use rpl_runtime::state::failure::CLASSES;
 use std::collections::BTreeMap;
 pub use topics::{TOPICS, Topic};
@@ -117,7 +117,7 @@ impl Reference {
                 reference.add(name, NameKind::SpecialForm, form.form.to_string(), form.doc.to_string(), form.example);
             }
         }
-        for behaviour in &office::tables().behaviours {
+        for behaviour in &modules::tables().behaviours {
             let valve =
                 behaviour.valve.as_deref().map_or(String::new(), |valve| format!(" Drives with the valve `{valve}`."));
             let signature = call("activate", format!("{} {}", behaviour.name, behaviour.parameters).trim_end());
@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn everything_a_robot_offers_has_its_entry() {
         let reference = reference();
-        let missing: Vec<&str> = office::tables().names().filter(|name| reference.find(name).is_none()).collect();
+        let missing: Vec<&str> = modules::tables().names().filter(|name| reference.find(name).is_none()).collect();
         assert!(missing.is_empty(), "{missing:?}");
     }
 

@@ -1,8 +1,9 @@
 //! What plans and scenarios can call: native functions, the prelude, and the plans of the robot.
 
 use crate::error::SiteError;
+use crate::modules::{self, own_modules};
 use rpl_lang::compile::{NoFiles, special_forms};
-use rpl_robot::office::{self, Composition, Module, PlanText, office_modules};
+use rpl_robot::office::{self, Composition, Module, PlanText};
 use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::step::native::Native;
@@ -15,7 +16,7 @@ pub fn base_natives() -> Vec<Native> {
 
 /// All native functions of plans on a robot, with their documentation.
 pub fn natives() -> Vec<Native> {
-    [base_natives(), office::natives()].concat()
+    [base_natives(), modules::natives()].concat()
 }
 
 /// What plans without a robot can call, and these native functions. The names of the robot are known
@@ -24,7 +25,7 @@ pub fn natives() -> Vec<Native> {
 /// # Errors
 /// One of them has a name that is taken, or the prelude does not compile.
 pub fn library_without_robot(own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
-    robotless_library(office_modules(), own)
+    robotless_library(own_modules(), own)
 }
 
 /// The same where the robot, if there were one, would have these modules.
@@ -110,8 +111,8 @@ mod tests {
 
     #[test]
     fn a_function_of_the_program_takes_no_name_that_has_a_meaning() {
-        assert!(robot_library(office_modules(), vec![native("of-mine"), native("of-mine-too")]).is_ok());
-        let taken = |natives: Vec<Native>| match robot_library(office_modules(), natives) {
+        assert!(robot_library(own_modules(), vec![native("of-mine"), native("of-mine-too")]).is_ok());
+        let taken = |natives: Vec<Native>| match robot_library(own_modules(), natives) {
             Err(SiteError::NativeTaken(name)) => name,
             Err(other) => panic!("{other}"),
             Ok(_) => panic!("there are two of a name"),

@@ -3,8 +3,11 @@
 
 use crate::error::SiteError;
 use crate::libraries::{is_taken, robot_library};
+use rpl_lola::Lola;
 use rpl_protocol::module::process_modules::{ModuleSource, ModuleSources, ProcessModules};
-use rpl_robot::office::{Composition, OfficeModules, OfficeRobot, SimulatedHost, office_modules};
+use rpl_robot::office::{Composition, OfficeModules, OfficeRobot, SimulatedHost};
+use rpl_runtime::robot::RobotTables;
+use rpl_runtime::step::native::Native;
 use std::sync::{Arc, LazyLock};
 
 rpl_robot::modules! {
@@ -12,6 +15,8 @@ rpl_robot::modules! {
     pub struct SiteModules {
         /// Those of the office robot.
         pub office: OfficeModules,
+        /// What it takes to follow instructions without a map.
+        pub lola: Lola,
         /// Those in other processes.
         pub processes: ProcessModules,
     }
@@ -20,14 +25,24 @@ rpl_robot::modules! {
 /// A simulated robot with the modules of a site.
 pub type SiteRobot = OfficeRobot<SimulatedHost, SiteModules>;
 
-/// A robot without modules in other processes.
-pub(crate) fn own_modules() -> &'static Arc<Composition<SiteModules>> {
+/// The modules of a robot without any in other processes.
+pub fn own_modules() -> &'static Arc<Composition<SiteModules>> {
     static MODULES: LazyLock<Arc<Composition<SiteModules>>> =
         LazyLock::new(|| match Composition::new(Default::default()) {
             Ok(modules) => modules,
             Err(fault) => unreachable!("the modules of the robot fit together: {fault}"),
         });
     &MODULES
+}
+
+/// What plans see of that robot.
+pub fn tables() -> &'static RobotTables {
+    &own_modules().tables
+}
+
+/// Its functions.
+pub fn natives() -> Vec<Native> {
+    own_modules().functions.clone()
 }
 
 /// A robot with these modules in other processes beside its own.
@@ -39,9 +54,9 @@ pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModule
         return Ok(own_modules().clone());
     }
     let sources = ModuleSources(sources);
-    let library = robot_library(office_modules(), Vec::new())?;
+    let library = robot_library(own_modules(), Vec::new())?;
     // What belongs to the robot is told by its composition, with the name of the module.
-    let is_robots = |name: &str| office_modules().tables.names().any(|known| known == name);
+    let is_robots = |name: &str| own_modules().tables.names().any(|known| known == name);
     for manifest in sources.0.iter().map(|source| &source.manifest) {
         if let Some(name) = manifest.names().find(|name| !is_robots(name) && is_taken(&library, name)) {
             let (module, place) = (&manifest.name, manifest.place(name));
@@ -52,5 +67,6 @@ pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModule
         }
     }
     let told = sources.clone();
-    Composition::new((Default::default(), sources)).map_err(|fault| SiteError::Modules(told.told(&fault)))
+    Composition::new((Default::default(), Default::default(), sources))
+        .map_err(|fault| SiteError::Modules(told.told(&fault)))
 }

@@ -3,10 +3,11 @@
 use crate::{detail, outcome_text, output_text};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::libraries;
+use rpl_mission::modules::{SiteModules, SiteRobot, own_modules};
 use rpl_mission::run::{Reached, fluent_value, run_to, silence_continuous_fluents};
 use rpl_mission::site::Site;
 use rpl_robot::localization::LocalizationParameters;
-use rpl_robot::office::{OfficeModel, OfficeModules, OfficeRobot, OfficeSettings, office_modules};
+use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
@@ -62,7 +63,7 @@ pub fn test_room() -> Arc<OfficeModel> {
 /// What plans can call on a robot, compiled once.
 pub fn robot_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
-    let compile = || libraries::robot_library(office_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    let compile = || libraries::robot_library(own_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     LIBRARY.get_or_init(compile).clone()
 }
 
@@ -71,13 +72,13 @@ pub fn robot_library() -> Arc<Library> {
 pub struct Mission {
     /// The plan, compiled.
     pub plan: Loaded,
-    site: Site<OfficeModules>,
+    site: Site<SiteModules>,
 }
 
 impl Mission {
     /// A plan in a world.
     pub fn new(model: Arc<OfficeModel>, plan: &str) -> Self {
-        let site = Site::of(robot_library(), model, office_modules().clone());
+        let site = Site::of(robot_library(), model, own_modules().clone());
         let plan = site.compile("plan.rpl", plan, &mut NoFiles);
         Self { plan: plan.unwrap_or_else(|error| panic!("{error}")), site }
     }
@@ -91,18 +92,18 @@ impl Mission {
     }
 
     /// The robot at the start.
-    pub fn robot(&self, seed: u64) -> OfficeRobot {
+    pub fn robot(&self, seed: u64) -> SiteRobot {
         let Some(robot) = self.site.office_robot(seed) else { panic!("a world has a robot") };
         robot
     }
 
     /// The run at its start, with its trace switched on.
-    pub fn start(&self, seed: u64) -> System<OfficeRobot> {
+    pub fn start(&self, seed: u64) -> System<SiteRobot> {
         self.start_with(self.robot(seed), seed)
     }
 
     /// The run at its start, with a robot that was changed.
-    pub fn start_with(&self, robot: OfficeRobot, seed: u64) -> System<OfficeRobot> {
+    pub fn start_with(&self, robot: SiteRobot, seed: u64) -> System<SiteRobot> {
         let mut system = System::new(robot_library(), self.plan.clone(), robot, seed);
         system.machine.trace.enabled = true;
         silence_continuous_fluents(&mut system);
@@ -110,7 +111,7 @@ impl Mission {
     }
 
     /// A run read back from its saved bytes, as another process would.
-    pub fn load(&self, bytes: &[u8], seed: u64) -> System<OfficeRobot> {
+    pub fn load(&self, bytes: &[u8], seed: u64) -> System<SiteRobot> {
         match System::load(bytes, robot_library(), self.plan.clone(), self.robot(seed)) {
             Ok(system) => system,
             Err(error) => panic!("{error}"),
@@ -126,7 +127,7 @@ impl Mission {
 }
 
 /// The value of a robot's fluent, as it could be read.
-pub fn fluent_text(system: &System<OfficeRobot>, name: &str) -> String {
+pub fn fluent_text(system: &System<SiteRobot>, name: &str) -> String {
     match fluent_value(system, name) {
         Some(value) => system.machine.write(&system.program, value),
         None => panic!("there is no fluent `{name}`"),
@@ -135,9 +136,9 @@ pub fn fluent_text(system: &System<OfficeRobot>, name: &str) -> String {
 
 /// Goes on until something is true of the run, or it ends; tells whether it became true.
 pub fn run_until(
-    system: &mut System<OfficeRobot>,
+    system: &mut System<SiteRobot>,
     until_s: f64,
-    mut stop: impl FnMut(&mut System<OfficeRobot>) -> bool,
+    mut stop: impl FnMut(&mut System<SiteRobot>) -> bool,
 ) -> bool {
     let mut is_met = false;
     let reached = run_to(system, (until_s * 1e6) as u64, |system| {
@@ -154,7 +155,7 @@ pub fn run_until(
 /// What came of a run.
 pub struct Run {
     /// The run as it stands.
-    pub system: System<OfficeRobot>,
+    pub system: System<SiteRobot>,
     /// Its trace.
     pub events: Vec<Event>,
     /// What it printed and logged.
@@ -163,7 +164,7 @@ pub struct Run {
 
 impl Run {
     /// Takes trace and output out of a run.
-    pub fn of(mut system: System<OfficeRobot>) -> Self {
+    pub fn of(mut system: System<SiteRobot>) -> Self {
         let events = system.machine.trace.take();
         let output = std::mem::take(&mut system.machine.output).into_iter().map(output_text).collect();
         Self { system, events, output }

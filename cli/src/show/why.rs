@@ -2,7 +2,7 @@
 
 use crate::show::situation::{Ended, Situation, Standing, is_within};
 use rpl_lang::suggest::suggest;
-use rpl_robot::office;
+use rpl_mission::modules;
 use rpl_runtime::step::tasks::condition::FluentReading;
 use std::borrow::Cow;
 
@@ -151,7 +151,7 @@ fn tell_reading(
     let value = shortened(later.unwrap_or(&reading.value));
     let since = match change {
         Some(change) => format!(", since {:.3} s, by {}", change.time_us as f64 / 1e6, change.by),
-        None if standing.told < u64::MAX && office::tables().continuous_fluents().any(|known| known == name) => {
+        None if standing.told < u64::MAX && modules::tables().continuous_fluents().any(|known| known == name) => {
             " when the wait began; its changes are not in the trace".to_string()
         }
         None => String::new(),

@@ -3,7 +3,7 @@
 use super::filter::{Filter, concerns, lies_in};
 use crate::show::events::detail;
 use rpl_lang::suggest::suggest;
-use rpl_robot::office;
+use rpl_mission::modules;
 use rpl_runtime::state::trace::{Event, EventKind};
 use std::collections::BTreeSet;
 
@@ -43,7 +43,7 @@ impl Named {
             return Some(unknown("task or plan call", task, &self.tasks));
         }
         let fluent = filter.fluent.as_deref().filter(|_| !self.has_fluent)?;
-        if office::tables().continuous_fluents().any(|known| known == fluent) {
+        if modules::tables().continuous_fluents().any(|known| known == fluent) {
             return Some(format!(
                 "`{fluent}` changes in every step and is not recorded; `rpl run --trace-poses 5` records where the robot is"
             ));

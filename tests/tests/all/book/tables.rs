@@ -7,6 +7,7 @@ use rpl_lang::reader::read;
 use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, NodeKind, Tree};
+use rpl_mission::modules;
 use rpl_robot::office::{self, PLANS};
 use rpl_runtime::robot::FluentSpec;
 use rpl_runtime::step::native::Native;
@@ -39,7 +40,7 @@ impl Table {
 }
 
 fn behaviours() -> Table {
-    let rows = office::tables().behaviours.iter().map(|behaviour| {
+    let rows = modules::tables().behaviours.iter().map(|behaviour| {
         let valve = behaviour.valve.as_deref().map_or("–".to_string(), |valve| format!("`{valve}`"));
         vec![format!("`{}`", behaviour.name), valve, behaviour.doc.to_string()]
     });
@@ -80,8 +81,8 @@ fn plans() -> Table {
 fn the_tables_of_the_book_are_those_of_the_code() {
     let tables = [
         behaviours(),
-        fluents("fluents", &office::tables().fluents),
-        functions("functions", &office::natives()),
+        fluents("fluents", &modules::tables().fluents),
+        functions("functions", &modules::natives()),
         plans(),
         fluents("fluents of scenarios", &office::oracle_tables().fluents),
         functions("functions of scenarios", &office::oracle_natives()),

@@ -4,6 +4,7 @@
 use rpl_lang::compile::{foreign_words, special_forms};
 use rpl_lang::kind::Kind;
 use rpl_mission::libraries::base_natives;
+use rpl_mission::modules;
 use rpl_robot::office;
 use rpl_runtime::run::library::Library;
 use rpl_runtime::step::native::Native;
@@ -18,7 +19,7 @@ fn parameters(native: &Native) -> (Vec<&'static str>, Option<&'static str>) {
 
 #[test]
 fn every_parameter_has_a_kind() {
-    for native in [base_natives(), office::natives(), office::oracle_natives()].concat() {
+    for native in [base_natives(), modules::natives(), office::oracle_natives()].concat() {
         for word in native.parameters.split_whitespace().filter(|word| !word.starts_with('&')) {
             assert!(Kind::of_parameter(word).is_some(), "`{word}` of `{}` names no kind", native.name);
         }

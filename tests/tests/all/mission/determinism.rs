@@ -1,6 +1,7 @@
 //! Same program, world and seed: the same trace, byte for byte.
 
-use rpl_robot::office::{OfficeRobot, ReportKind};
+use rpl_mission::modules::SiteRobot;
+use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::{System, Turn};
 use rpl_tests::detail;
 use rpl_tests::mission::{Mission, Run, fluent_text, run_until, test_room};
@@ -96,7 +97,7 @@ fn slices_of_an_instant_change_nothing() {
 fn a_fork_in_the_middle_of_it_goes_on_alike() {
     let mut system = errand().start(SEED);
     // The robot has been turned and has lost its position.
-    let is_lost = |system: &mut System<OfficeRobot>| {
+    let is_lost = |system: &mut System<SiteRobot>| {
         system.machine.now_s() > 14.0
             && fluent_text(system, "pos-certainty*").parse().is_ok_and(|certainty: f64| certainty <= 0.8)
     };

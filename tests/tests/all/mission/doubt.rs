@@ -1,19 +1,20 @@
 //! A position that leads to a contradiction is given up: `go-to` after a false relocalization.
 
 use super::world::{closed_room, wheels_are_free};
+use rpl_mission::modules::SiteRobot;
 use rpl_robot::geometry::Pose;
 use rpl_robot::localization::Spread;
-use rpl_robot::office::{OfficeRobot, ReportKind};
+use rpl_robot::office::ReportKind;
 use rpl_tests::mission::{Mission, Run, run_until};
 
 /// Another room, whose door is closed.
 const ELSEWHERE: Pose = Pose { x_m: 6.5, y_m: 3.0, heading_rad: 0.0 };
 
-fn believes_to_be_elsewhere(robot: &mut OfficeRobot) {
+fn believes_to_be_elsewhere(robot: &mut SiteRobot) {
     believes_to_be_about(robot, Spread::default());
 }
 
-fn believes_to_be_about(robot: &mut OfficeRobot, spread: Spread) {
+fn believes_to_be_about(robot: &mut SiteRobot, spread: Spread) {
     robot.tell_position(ELSEWHERE, spread);
 }
 

@@ -1,7 +1,7 @@
 //! A mission that is saved and loaded on the way goes on as if nothing had happened.
 
 use super::determinism::{ERRAND, TURN, errand};
-use rpl_robot::office::OfficeRobot;
+use rpl_mission::modules::SiteRobot;
 use rpl_runtime::run::save::SaveError;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_tests::mission::{Grid, Mission, builtin, lines, test_room};
@@ -63,7 +63,7 @@ fn a_fork_goes_its_own_way() {
 }
 
 fn refusal(mission: &Mission, bytes: &[u8]) -> String {
-    match System::<OfficeRobot>::load(bytes, mission.start(SEED).library, mission.plan.clone(), mission.robot(SEED)) {
+    match System::<SiteRobot>::load(bytes, mission.start(SEED).library, mission.plan.clone(), mission.robot(SEED)) {
         Ok(_) => panic!("these bytes fit"),
         Err(error) => error.to_string(),
     }

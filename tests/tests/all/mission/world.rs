@@ -1,6 +1,7 @@
 //! Small worlds, and what is asserted of most runs.
 
-use rpl_robot::office::{OfficeModel, OfficeRobot};
+use rpl_mission::modules::SiteRobot;
+use rpl_robot::office::OfficeModel;
 use rpl_robot::world::World;
 use rpl_runtime::run::system::System;
 use rpl_tests::mission::{Grid, model};
@@ -17,7 +18,7 @@ pub fn closed_room() -> Arc<OfficeModel> {
 }
 
 /// Nobody holds the wheels, and nobody waits for them.
-pub fn wheels_are_free(system: &System<OfficeRobot>) -> bool {
+pub fn wheels_are_free(system: &System<SiteRobot>) -> bool {
     let machine = &system.machine;
     let wheels = machine.valves.iter().find(|valve| machine.symbols.name(valve.name) == "wheels").expect("a valve");
     wheels.is_at_rest()
