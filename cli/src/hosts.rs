@@ -142,7 +142,8 @@ impl HostSource {
             HostSource::Recorded { turns, .. } => Transcript::recorded(HOST, turns),
         });
         let line: Arc<dyn Line<CommandsMessage, HostAnswer>> = transcript.clone();
-        let host = RemoteHost::new(&heard.address, line, period_us, office.sensors.clone());
+        let camera = office.settings.robot.camera.map(|camera| camera.view);
+        let host = RemoteHost::new(&heard.address, line, period_us, office.sensors.clone(), camera);
         let robot = site.robot_of(host, heard.start_known, seed).context("a host needs a world; add `--world dept`")?;
         Ok((robot, Some(transcript)))
     }

@@ -164,7 +164,7 @@ impl RecordedRun {
             module: self.modules.iter().map(|module| module.name.clone()).collect(),
         };
         let robot = robot_files::named(site.robot.as_deref())?;
-        let world = site.world.as_deref().map(|name| world_files::named(name, &robot)).transpose()?;
+        let world = site.world.as_deref().map(|name| world_files::named(name, &robot, site.seed)).transpose()?;
         let now = Self::at(&site, world.as_ref())?;
         let texts = [
             ("world", &self.world, &now.world),

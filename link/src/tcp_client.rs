@@ -331,6 +331,7 @@ mod tests {
             rotation_radps: 0.1,
             sonars_on: true,
             gripper: Some(GripperOrder::Release),
+            camera: None,
             others: BTreeMap::new(),
         };
         let mut standing = Standing { commands, since: start, is_silent: false };

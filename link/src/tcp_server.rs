@@ -455,6 +455,7 @@ mod tests {
                 rotation_radps: 0.0,
                 sonar_m: None,
                 laser_m: None,
+                camera: None,
                 bumped: false,
                 gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
                 battery: 1.0,

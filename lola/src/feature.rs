@@ -90,6 +90,13 @@ pub struct Percept {
 }
 
 impl Percept {
+    /// The same as seen by one who drives the other way, with the axis reversed: what was at `turned_at_m`
+    /// is at 0, and left is right. Twice around the same place it is what it was.
+    #[must_use]
+    pub fn turned(&self, turned_at_m: f64) -> Self {
+        Self { side: self.side.other(), from_m: turned_at_m - self.to_m, to_m: turned_at_m - self.from_m, ..*self }
+    }
+
     /// Its middle, along the axis.
     pub fn middle_m(&self) -> f64 {
         (self.from_m + self.to_m) / 2.0

@@ -5,10 +5,23 @@
 //! camera tell of a hallway's sides.
 //!
 //! Read in this order: `feature` (what there is beside a hallway, and what is perceived of it) and
-//! `instruction`; then `module`, which binds all to plans.
+//! `instruction`; `registration` (which way the hallway runs), `beside` and `features` (what the sonars
+//! hear at its sides), `markers` (what the camera sees); `state_set` (how far the robot has got with an
+//! instruction) and `judgement` (whether the instruction is wrong); `topological` (the same with a
+//! complete map); `routines` (driving); then `module`, which binds all to plans, and `arena` (offices to
+//! try it in).
 
+pub mod arena;
+pub mod beside;
 pub mod feature;
+pub mod features;
 pub mod instruction;
+pub mod judgement;
+pub mod markers;
 mod module;
+pub mod registration;
+pub mod routines;
+pub mod state_set;
+pub mod topological;
 
 pub use module::Lola;

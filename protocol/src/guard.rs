@@ -75,8 +75,10 @@ impl Guard {
         }
         let halted = Commands { motors_off: true, sonars_on: wanted.sonars_on, ..Commands::default() };
         match self.halt {
-            // A mission that is there still has its hand.
-            Some(Halt::Bumper) => (Commands { gripper: wanted.gripper.clone(), ..halted }, begins),
+            // A mission that is there still has its hand and its eye.
+            Some(Halt::Bumper) => {
+                (Commands { gripper: wanted.gripper.clone(), camera: wanted.camera, ..halted }, begins)
+            }
             _ => (Commands { gripper: GripperCommand::None, ..halted }, begins),
         }
     }

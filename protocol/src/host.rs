@@ -4,9 +4,11 @@
 //! the mission. From then on the host says what the robot perceives once a period, and the mission what the
 //! robot is to do as soon as it has decided. Either says `bye` before it goes, with a reason if there is one.
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use rpl_robot::geometry::Pose;
-use rpl_robot::sensors::{RangeSensors, Signal, Signals};
-use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, GripperStatus, Percept};
+use rpl_robot::sensors::{CameraImage, CameraReading, CameraView, RangeSensors, Signal, Signals};
+use rpl_robot::simulator::{CameraCommand, Commands, GripperCommand, GripperMotion, GripperStatus, Percept};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -89,6 +91,9 @@ pub struct CommandsMessage {
     /// What the gripper is to begin, if anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gripper: Option<GripperOrder>,
+    /// What the camera is to do; it is off without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraOrder>,
     /// What actuators of other kinds are told, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub others: SignalMessages,
@@ -102,6 +107,14 @@ pub enum GripperOrder {
     Grasp(String),
     /// Let go.
     Release,
+}
+
+/// What a camera that is on is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraOrder {
+    /// Wanted turning speed of its pan unit, counter-clockwise.
+    pub pan_radps: f64,
 }
 
 /// What the robot perceives at the end of a period.
@@ -129,6 +142,9 @@ pub struct PerceptMessage {
     /// The same of each reading of the laser, from right to left. None if there is no laser.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laser_m: Option<Vec<f32>>,
+    /// What the camera tells. None if there is no camera, or it is off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraMessage>,
     /// Whether something presses against the body.
     pub bumped: bool,
     /// How the gripper stands.
@@ -144,6 +160,18 @@ pub struct PerceptMessage {
     /// What sensors of other kinds perceive, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub others: SignalMessages,
+}
+
+/// What a camera that is on tells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraMessage {
+    /// Where it is turned to, counter-clockwise from straight ahead.
+    pub pan_rad: f64,
+    /// The newest image, if there is one since the last percept: red, green and blue of each pixel, a byte
+    /// each, the top row first, in Base64. It is as wide and high as the file of the robot says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<String>,
 }
 
 /// What a sensor perceives or an actuator is told, by its name, that rpl knows nothing else of.
@@ -232,6 +260,7 @@ impl CommandsMessage {
                 GripperCommand::Grasp(item) => Some(GripperOrder::Grasp(item.clone())),
                 GripperCommand::Release => Some(GripperOrder::Release),
             },
+            camera: commands.camera.map(|camera| CameraOrder { pan_radps: finite(camera.pan_radps) }),
             others: messages_of(&commands.others),
         }
     }
@@ -247,6 +276,7 @@ impl CommandsMessage {
                 Some(GripperOrder::Grasp(item)) => GripperCommand::Grasp(item.clone()),
                 Some(GripperOrder::Release) => GripperCommand::Release,
             },
+            camera: self.camera.map(|camera| CameraCommand { pan_radps: camera.pan_radps }),
             others: signals_of(&self.others),
             ..Commands::default()
         }
@@ -266,6 +296,10 @@ impl PerceptMessage {
             rotation_radps: percept.rotation_radps,
             sonar_m: percept.sonar_m.as_ref().map(|readings| readings.to_vec()),
             laser_m: percept.laser_m.clone(),
+            camera: percept.camera.as_ref().map(|reading| CameraMessage {
+                pan_rad: reading.pan_rad,
+                image: reading.image.as_ref().map(|image| BASE64_STANDARD.encode(&image.rgb)),
+            }),
             bumped: percept.bumped,
             gripper: match percept.gripper.motion {
                 GripperMotion::Open => GripperMotionMessage::Open,
@@ -279,11 +313,11 @@ impl PerceptMessage {
         }
     }
 
-    /// The percept of a robot with these range sensors.
+    /// The percept of a robot with these range sensors and this camera.
     ///
     /// # Errors
     /// One clause that says what no robot of this kind can have perceived.
-    pub fn percept(&self, sensors: &RangeSensors) -> Result<Percept, String> {
+    pub fn percept(&self, sensors: &RangeSensors, camera: Option<&CameraView>) -> Result<Percept, String> {
         let PoseMessage { x_m, y_m, heading_rad } = self.odometry_in_odom;
         let numbers = [
             ("odometry_in_odom.x_m", x_m),
@@ -303,6 +337,7 @@ impl PerceptMessage {
         let sonar_m = self.sonar_m.as_deref().map(|readings| ranges("sonar_m", readings, sonars)).transpose()?;
         let readings = sensors.laser.map_or(0, |laser| laser.readings);
         let laser_m = self.laser_m.as_deref().map(|found| ranges("laser_m", found, readings)).transpose()?;
+        let camera = self.camera.as_ref().map(|told| told.reading(camera)).transpose()?;
         let motion = match self.gripper {
             GripperMotionMessage::Open => GripperMotion::Open,
             GripperMotionMessage::Moving => GripperMotion::Moving,
@@ -315,6 +350,7 @@ impl PerceptMessage {
             rotation_radps: self.rotation_radps,
             sonar_m: sonar_m.map(<[f32]>::to_vec),
             laser_m: laser_m.map(<[f32]>::to_vec),
+            camera,
             bumped: self.bumped,
             gripper: GripperStatus { motion, holding: self.holding.clone() },
             battery: self.battery,
@@ -322,6 +358,30 @@ impl PerceptMessage {
             others: signals_of(&self.others),
         })
     }
+}
+
+impl CameraMessage {
+    fn reading(&self, view: Option<&CameraView>) -> Result<CameraReading, String> {
+        let Some(view) = view else { return Err("`camera` is there, and the robot has none".to_string()) };
+        if self.pan_rad.abs() > std::f64::consts::PI {
+            return Err(format!("`camera.pan_rad` is {}, and a pan unit turns by half a turn at most", self.pan_rad));
+        }
+        let image = self.image.as_deref().map(|text| image(text, view)).transpose()?;
+        Ok(CameraReading { pan_rad: self.pan_rad, image })
+    }
+}
+
+fn image(text: &str, view: &CameraView) -> Result<CameraImage, String> {
+    let rgb = BASE64_STANDARD.decode(text).map_err(|error| format!("`camera.image` is no Base64: {error}"))?;
+    let CameraView { columns, rows, .. } = *view;
+    if rgb.len() != 3 * columns * rows {
+        let expected = 3 * columns * rows;
+        return Err(format!(
+            "`camera.image` has {} bytes, and {expected} are expected, 3 for each of {columns} by {rows} pixels",
+            rgb.len()
+        ));
+    }
+    Ok(CameraImage { columns, rgb })
 }
 
 fn messages_of(signals: &Signals) -> SignalMessages {

@@ -4,7 +4,7 @@ use crate::host::{CommandsMessage, HostAnswer, PerceptMessage};
 use crate::line::{Conversation, Line, LineFault};
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{Host, HostLost, Report};
-use rpl_robot::sensors::RangeSensors;
+use rpl_robot::sensors::{CameraView, RangeSensors};
 use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use serde::Serialize;
 use std::sync::Arc;
@@ -18,6 +18,8 @@ pub struct RemoteHost {
     period_us: u64,
     /// How many readings it gives.
     sensors: RangeSensors,
+    /// How its images lie.
+    camera: Option<CameraView>,
     /// The decision that told the gripper something, until the host has heard of it.
     gripper_told: Option<u64>,
     /// Where its odometry was at the last percept, and whether its bumper was pressed.
@@ -46,18 +48,21 @@ pub struct HostRecord {
 }
 
 impl RemoteHost {
-    /// A host at the start of a mission, called by its address, of a robot with these range sensors.
+    /// A host at the start of a mission, called by its address, of a robot with these range sensors and
+    /// this camera.
     pub fn new(
         address: &str,
         line: Arc<dyn Line<CommandsMessage, HostAnswer>>,
         period_us: u64,
         sensors: RangeSensors,
+        camera: Option<CameraView>,
     ) -> Self {
         Self {
             name: address.to_string(),
             conversation: Conversation::new(line),
             period_us,
             sensors,
+            camera,
             gripper_told: None,
             last: (Pose::default(), false),
             record: HostRecord::default(),
@@ -67,7 +72,7 @@ impl RemoteHost {
     /// Where the robot is by what it has heard, as the run counts time: a host may have gone on while the
     /// run stood still.
     fn percept(&mut self, message: &PerceptMessage) -> Result<Percept, String> {
-        let mut percept = message.percept(&self.sensors)?;
+        let mut percept = message.percept(&self.sensors, self.camera.as_ref())?;
         percept.time_us = self.conversation.turn() * self.period_us;
         // A hand that was told to move, by commands that had not arrived, is about to.
         if self.gripper_told.is_some_and(|told| message.commands < Some(told)) {

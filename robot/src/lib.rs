@@ -3,7 +3,7 @@
 //! rays); `world` (what stands where); `localization` (where the robot is) and `recording` (the same on
 //! recorded drives); `active` (how it finds out); `planning` (ways and plans); `simulator` (the robot
 //! and its world, step by step); `avoidance` (keeping off); `obstacles` (what its sensors have found);
-//! `navigation` (driving by all of these). `office` binds them to the runtime.
+//! `vision` (what its camera has found); `navigation` (driving by all of these). `office` binds them to the runtime.
 //!
 //! Every algorithm here is a pure function of its inputs and of seeded random streams: no clock,
 //! no thread order, no file. Each module separates an immutable *model* (built once from a world,
@@ -26,4 +26,5 @@ pub mod planning;
 pub mod recording;
 pub mod sensors;
 pub mod simulator;
+pub mod vision;
 pub mod world;

@@ -193,6 +193,7 @@ impl RosHost {
             rotation_radps: velocity.rotation_radps,
             sonar_m,
             laser_m,
+            camera: None,
             bumped: was_pressed,
             gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
             battery: self.charge,

@@ -5,10 +5,10 @@ use crate::arguments::overrides;
 use crate::experiment;
 use crate::files::examples;
 use crate::files::plans;
+use crate::files::world_files;
 use clap::builder::StyledStr;
 use clap_complete::engine::{CompletionCandidate, PathCompleter, ValueCompleter};
 use rpl_robot::description::RobotDescription;
-use rpl_robot::world::World;
 use std::env;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -38,9 +38,8 @@ fn files(typed: &OsStr, extensions: &'static [&'static str]) -> Offers {
 
 /// Worlds: built-in ones, and files.
 pub fn worlds(typed: &OsStr) -> Offers {
-    let purposes: Vec<(&str, String)> =
-        World::builtin_names().map(|name| (name, World::builtin_purpose(name).unwrap_or_default())).collect();
-    let mut found = beginning_with(typed, purposes.iter().map(|(name, purpose)| (*name, purpose.as_str())));
+    let purposes: Vec<_> = world_files::names().collect();
+    let mut found = beginning_with(typed, purposes.iter().map(|(name, purpose)| (*name, purpose.as_ref())));
     found.extend(files(typed, &["toml", "yaml", "yml"]));
     found
 }

@@ -18,7 +18,7 @@ use rpl_robot::world::World;
 /// Arguments that say where a plan runs.
 #[derive(clap::Args, Clone, Debug)]
 pub struct SiteArguments {
-    /// The world the robot is in: a built-in name, or a .toml file
+    /// The world the robot is in: a built-in name, or a .toml file; `arena` is drawn from the seed
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     pub world: Option<String>,
     /// The robot: a built-in name, or a .toml file; `b21` without
@@ -94,7 +94,7 @@ impl SiteArguments {
     /// There is no such world, scenario, robot or module, or it has faults.
     pub fn build(&self, voices: ModuleVoices<'_>) -> Result<(Site, Option<World>, Modules)> {
         let robot = robot_files::named(self.robot.as_deref())?;
-        let world = self.world.as_deref().map(|name| world_files::named(name, &robot)).transpose()?;
+        let world = self.world.as_deref().map(|name| world_files::named(name, &robot, self.seed)).transpose()?;
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
         let (modules, sources) = module_files::named(&self.module, voices)?;
         let usual = OfficeSettings::of(robot);

@@ -58,7 +58,7 @@ pub struct Arguments {
 /// The world or the scenario is wrong, or nobody can be listened to.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let robot = robot_files::named(arguments.robot.as_deref())?;
-    let world = world_files::named(&arguments.world, &robot)?;
+    let world = world_files::named(&arguments.world, &robot, arguments.seed)?;
     let scenario = arguments.scenario.as_deref().map(plans::scenario).transpose()?;
     // The host needs no map: it has the world.
     let settings = OfficeSettings { map_known: false, ..OfficeSettings::of(robot.clone()) };

@@ -194,8 +194,8 @@ fn summary(report: &TestReport) -> String {
     format!("{tests}, {how}, in {:.1} s", report.wall_s)
 }
 
-/// World and scenario of a test.
-type TestPlace = (Option<String>, Option<String>);
+/// The world of a test with the seed it is drawn from, 0 if it is drawn from none, and the scenario.
+type TestPlace = (Option<String>, u64, Option<String>);
 
 struct TestSession<'a> {
     arguments: &'a Arguments,
@@ -259,7 +259,9 @@ impl TestSession<'_> {
             return self.run_test(site, loaded.clone(), test, None);
         }
         let (_, loaded) = without_world;
-        match self.set_up(plan, (world.clone(), scenario)) {
+        let is_drawn = world.as_deref().is_some_and(world_files::is_drawn);
+        let drawn_from = if is_drawn { self.seed_of(test) } else { 0 };
+        match self.set_up(plan, (world.clone(), drawn_from, scenario)) {
             Ok((site, loaded)) => self.run_test(&site, loaded, test, world),
             Err(error) => Ok(self.never_run(test, loaded, world, &format!("it cannot run: {error:#}"))),
         }
@@ -283,7 +285,7 @@ impl TestSession<'_> {
             outcome: "failed",
             time_s: 0.0,
             wall_s: 0.0,
-            seed: test.options.seed.unwrap_or(self.arguments.seed),
+            seed: self.seed_of(test),
             world,
             failure: Some(FailureRecord::of_set_up(reason)),
             output: Vec::new(),
@@ -291,12 +293,16 @@ impl TestSession<'_> {
         }
     }
 
+    fn seed_of(&self, test: &Test) -> u64 {
+        test.options.seed.unwrap_or(self.arguments.seed)
+    }
+
     fn site(&mut self, place: TestPlace) -> Result<Site> {
         if let Some(site) = self.sites.get(&place) {
             return Ok(site.clone());
         }
-        let (world, scenario) = &place;
-        let world = world.as_deref().map(|name| world_files::named(name, &self.robot)).transpose()?;
+        let (world, seed, scenario) = &place;
+        let world = world.as_deref().map(|name| world_files::named(name, &self.robot, *seed)).transpose()?;
         let scenario = scenario.as_deref().map(plans::scenario).transpose()?;
         let settings = OfficeSettings::of(self.robot.clone());
         let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario, self.modules.clone())?;
@@ -309,7 +315,7 @@ impl TestSession<'_> {
         let code = loaded.tests.iter().find(|known| known.name == test.name).map_or(test.code, |known| known.code);
         loaded.main = code;
         let (file, line) = place(test, &loaded);
-        let seed = test.options.seed.unwrap_or(self.arguments.seed);
+        let seed = self.seed_of(test);
         let until_us = match test.options.until_s {
             // The clock goes no further.
             Some(until_s) => microseconds(until_s).unwrap_or(LAST_INSTANT_US),

@@ -121,11 +121,12 @@ fn draw(reader: &mut TraceReader, folder: &Path, filter: &Filter) -> Result<()> 
     let Some(world) = reader.header.as_ref().and_then(|header| header.world.clone()) else {
         bail!("the trace `{name}` names no world to draw the paths in");
     };
+    let seed = reader.header.as_ref().map_or(0, |header| header.seed);
     let robot = reader.header.as_ref().and_then(|header| header.robot.clone());
     let robot =
         robot_files::named(robot.as_deref()).with_context(|| format!("the robot of the trace `{name}` is missing"))?;
-    let world =
-        world_files::named(&world, &robot).with_context(|| format!("the world of the trace `{name}` is missing"))?;
+    let world = world_files::named(&world, &robot, seed)
+        .with_context(|| format!("the world of the trace `{name}` is missing"))?;
     let mut folder = figures::open_folder(folder)?;
     reader.by_ref().for_each(drop);
     let is_wanted = |seen: &&TracedPose| {

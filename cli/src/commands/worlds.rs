@@ -39,6 +39,12 @@ pub struct Arguments {
     /// The robot that is to drive there: a built-in name, or a .toml file; `b21` without
     #[arg(long, value_name = "R", requires = "name", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
+    /// Seed of an arena
+    #[arg(long, value_name = "N", requires = "name", default_value_t = 1)]
+    seed: u64,
+    /// Writes the world file, for `--world`
+    #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
+    toml: Option<PathBuf>,
     /// Draws the robot's map of the world into this file
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     svg: Option<PathBuf>,
@@ -54,19 +60,28 @@ pub struct Arguments {
 /// No world has the name, or a drawing cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let Some(name) = &arguments.name else {
-        for name in World::builtin_names() {
-            let purpose = World::builtin_purpose(name).unwrap_or_default();
+        for (name, purpose) in world_files::names() {
             console.explain_hanging(&format!("{name:NAME_COLUMNS$}  {purpose}"), NAME_COLUMNS + 2)?;
         }
         return Ok(Status::Succeeded);
     };
     let robot = robot_files::named(arguments.robot.as_deref())?;
-    let world = world_files::named(name, &robot)?;
+    let world = world_files::named(name, &robot, arguments.seed)?;
     let open = |path: &PathBuf| OutputFile::open(path, "the drawing");
+    let toml = arguments.toml.as_ref().map(|path| OutputFile::open(path, "the world")).transpose()?;
     let (svg, png) = (arguments.svg.as_ref().map(open).transpose()?, arguments.png.as_ref().map(open).transpose()?);
     console.explain(&describe(&world))?;
-    for warning in warnings(name, &world, &robot)? {
+    if let Some(arena) = world_files::arena(name, arguments.seed) {
+        console.explain(&format!("the way from `start` into `goal`: {}", arena.told()))?;
+    }
+    for warning in warnings(name, arguments.seed, &world, &robot)? {
         console.note(&format!("warning: {warning}"));
+    }
+    if let Some(toml) = toml {
+        if world_files::file_name(name).is_none() {
+            bail!("the world `{name}` is a recorded map and has no text; leave `--toml` away");
+        }
+        toml.write(world_files::text(name, arguments.seed)?.as_bytes())?;
     }
     if svg.is_some() || png.is_some() {
         draw(&world, robot.radius_m, svg, png)?;
@@ -96,7 +111,7 @@ fn draw(world: &World, robot_radius_m: f64, svg: Option<OutputFile>, png: Option
 }
 
 /// What is probably not meant as it stands in a world, with its place in the file if there is one.
-fn warnings(name: &str, world: &World, robot: &Arc<RobotDescription>) -> Result<Vec<String>> {
+fn warnings(name: &str, seed: u64, world: &World, robot: &Arc<RobotDescription>) -> Result<Vec<String>> {
     let settings = OfficeSettings::of(robot.clone());
     if let Some(too_large) = TooLarge::of(world, &settings, MEMORY_GIB) {
         let unseen = "it has not been looked over for places the robot cannot get to";
@@ -106,7 +121,7 @@ fn warnings(name: &str, world: &World, robot: &Arc<RobotDescription>) -> Result<
     let Some(file) = world_files::file_name(name) else {
         return Ok(concerns.into_iter().map(|concern| format!("{}: {}", world.name, concern.message)).collect());
     };
-    let text = if concerns.is_empty() { String::new() } else { world_files::text(name)? };
+    let text = if concerns.is_empty() { String::new() } else { world_files::text(name, seed)? };
     Ok(concerns.iter().map(|concern| concern.in_file(&file, &text).to_string()).collect())
 }
 

@@ -8,7 +8,7 @@ use super::request::ExperimentRequest;
 use super::row_result::RowResult;
 use super::trial::{Goal, MissionTrial, one_trial};
 use super::trials::{raw_rows, run_all};
-use crate::files::plans::{self, PlanText};
+use crate::files::plans;
 use crate::files::world_files;
 use crate::sites;
 use crate::status::Status;
@@ -18,6 +18,7 @@ use anyhow::{Result, bail};
 use rpl_lang::suggest::suggest;
 use rpl_mission::site::{Setup, Site};
 use rpl_robot::office::OfficeSettings;
+use rpl_runtime::run::library::Loaded;
 use serde_json::json;
 use std::path::Path;
 
@@ -48,12 +49,13 @@ pub(super) fn missions(
 
 fn trials_of(request: &ExperimentRequest, console: &mut Console, row: &Row) -> Result<Vec<MissionTrial>> {
     let (site, goal) = site_of(request, row)?;
-    all_trials(request, console, &site, &plans::plan(row.plan)?, goal, row.name)
+    let loaded = sites::load(&site, &plans::plan(row.plan)?, console.colour)?;
+    all_trials(request, console, |_| Ok((site.clone(), loaded.clone())), goal, row.name)
 }
 
 /// Where a row takes place, and where its robot must be at the end.
 pub(super) fn site_of(request: &ExperimentRequest, row: &Row) -> Result<(Site, Option<Goal<'static>>)> {
-    let world = world_files::named(request.world.as_deref().unwrap_or(row.world), &request.robot)?;
+    let world = world_files::for_all_seeds(request.world.as_deref().unwrap_or(row.world), &request.robot)?;
     let place = row.goal.map(|goal| world.place(goal)).transpose()?;
     let goal = place.map(|place| Goal { pose_in_map: place.pose_in_map, item: row.item });
     let scenario_name = row.scenario.map(|scenario| request.scenario.as_deref().unwrap_or(scenario));
@@ -99,11 +101,21 @@ pub(super) fn own_plan(request: &ExperimentRequest, console: &mut Console) -> Re
             None => error,
         }
     })?;
-    let world = request.world.as_deref().map(|name| world_files::named(name, &request.robot)).transpose()?;
     let scenario = request.scenario.as_deref().map(plans::scenario).transpose()?;
-    let settings = OfficeSettings::of(request.robot.clone());
-    let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario, Vec::new())?;
-    let trials = all_trials(request, console, &site, &plan, None, &request.name)?;
+    let colour = console.colour;
+    let at = |seed: u64| {
+        let world = request.world.as_deref().map(|name| world_files::named(name, &request.robot, seed)).transpose()?;
+        let settings = OfficeSettings::of(request.robot.clone());
+        let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario.clone(), Vec::new())?;
+        let loaded = sites::load(&site, &plan, colour)?;
+        Ok((site, loaded))
+    };
+    let first = at(request.first_seed)?;
+    let is_drawn = request.world.as_deref().is_some_and(world_files::is_drawn);
+    let trials = match is_drawn {
+        true => all_trials(request, console, at, None, &request.name)?,
+        false => all_trials(request, console, |_| Ok(first.clone()), None, &request.name)?,
+    };
     let result = RowResult::of(&request.name, &trials);
     let (status, blocks) = (status(&trials), result.blocks());
     let stem = Path::new(&request.name).file_stem().map_or(request.name.as_str().into(), |stem| stem.to_string_lossy());
@@ -112,19 +124,19 @@ pub(super) fn own_plan(request: &ExperimentRequest, console: &mut Console) -> Re
     Ok(ExperimentResult { status, blocks, figures: json!({ "rows": [result] }) })
 }
 
+/// The runs of a plan, each at a site that has it loaded.
 fn all_trials(
     request: &ExperimentRequest,
     console: &mut Console,
-    site: &Site,
-    plan: &PlanText,
+    at: impl Fn(u64) -> Result<(Site, Loaded)> + Sync,
     goal: Option<Goal<'_>>,
     name: &str,
 ) -> Result<Vec<MissionTrial>> {
-    let loaded = sites::load(site, plan, console.colour)?;
     let seeds = request.seeds();
     let bar = progress::runs(seeds.len() as u64, name, console);
     let one = |seed: u64| -> Result<MissionTrial> {
-        let system = site.start_traced(loaded.clone(), seed);
+        let (site, loaded) = at(seed)?;
+        let system = site.start_traced(loaded, seed);
         one_trial(system, seed, request.until_us, goal)
     };
     let trials = run_all(&seeds, request.jobs, one, || bar.inc(1));

@@ -33,7 +33,7 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
     if chosen.is_empty() {
         bail!(request.no_row(request.row.as_deref().unwrap_or_default(), &row_names()));
     }
-    let hall = Hall::new(world_files::named(request.world.as_deref().unwrap_or("sensing"), &request.robot)?)?;
+    let hall = Hall::new(world_files::for_all_seeds(request.world.as_deref().unwrap_or("sensing"), &request.robot)?)?;
     let until_us = request.until_us.min(NEVER_LONGER_US);
     let seeds = request.seeds();
     let mut rows = SensingRuns::new();

@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_thing_is_as_far_off_as_it_lies_and_not_as_far_as_the_robot() {
-        let world = world_files::named("test-room", &RobotDescription::papers()).expect("built in");
+        let world = world_files::for_all_seeds("test-room", &RobotDescription::papers()).expect("built in");
         let site = Site::new(Setup { world: Some(world), ..Setup::default() }).expect("a site");
         let Robot::Office(robot) = site.robot(1) else { panic!("a world has a robot") };
         let off_m = item_off_m(&robot, "cup", Point::new(3.0, 4.1)).expect("it lies on the table");

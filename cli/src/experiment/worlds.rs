@@ -54,7 +54,7 @@ pub(super) struct TestGround {
 
 impl TestGround {
     fn new(name: &str, robot: &Arc<RobotDescription>) -> Result<Self> {
-        let world = world_files::named(name, robot)?;
+        let world = world_files::for_all_seeds(name, robot)?;
         let inflation = Inflation {
             comfortable_distance_m: robot.radius_m,
             closeness_weight: 0.0,

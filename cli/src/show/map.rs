@@ -163,7 +163,7 @@ mod tests {
 
     /// What the map of a world looks like in so many characters.
     fn drawn(world: &str, width: usize, height: usize) -> Vec<String> {
-        let world = world_files::named(world, &RobotDescription::papers()).expect("there is such a world");
+        let world = world_files::for_all_seeds(world, &RobotDescription::papers()).expect("there is such a world");
         let map = world.map(0.1);
         let site = Site::new(Setup { world: Some(world), ..Setup::default() }).expect("a site");
         super::map(&map, &site.robot(1), width, height, false).expect("there is a robot")

@@ -102,6 +102,7 @@ impl Played {
             rotation_radps: 0.0,
             sonar_m: None,
             laser_m: None,
+            camera: None,
             bumped: false,
             gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
             battery: 1.0,

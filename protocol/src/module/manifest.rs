@@ -340,7 +340,7 @@ fn fluent<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Na
             doc
         }
     };
-    Some(ModuleFluent { spec: FluentSpec { name: name.into(), doc: doc.into(), continuous }, kind })
+    Some(ModuleFluent { spec: FluentSpec { name: name.into(), doc: doc.into(), continuous, first: None }, kind })
 }
 
 /// The name of a behaviour or a fluent, as plans write it.

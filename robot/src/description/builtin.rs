@@ -5,8 +5,13 @@ use crate::file_text::FileFaults;
 use std::sync::{Arc, LazyLock};
 
 /// A robot's name, its text, and what it is if it is another with more to it.
-const ROBOTS: [(&str, &str, &str); 6] = [
+const ROBOTS: [(&str, &str, &str); 7] = [
     ("b21", include_str!("../../robots/b21.toml"), ""),
+    (
+        "b21-camera",
+        concat!(include_str!("../../robots/b21.toml"), include_str!("../../robots/camera-of-b21.toml")),
+        "`b21` with a colour camera besides, on a pan unit.",
+    ),
     (
         "b21-laser",
         concat!(include_str!("../../robots/b21.toml"), include_str!("../../robots/laser-of-b21.toml")),
@@ -48,8 +53,8 @@ impl RobotDescription {
         }
     }
 
-    /// A robot by its name: `b21`, the papers' robot, with 24 sonars; `b21-laser`, the same with a laser
-    /// besides; `nomad-200` with 16 sonars; `pioneer-2dx` with sonars before and behind, `pioneer-front` with
+    /// A robot by its name: `b21`, the papers' robot, with 24 sonars; `b21-camera` and `b21-laser`, the same
+    /// with a camera or a laser besides; `nomad-200` with 16 sonars and a camera; `pioneer-2dx` with sonars before and behind, `pioneer-front` with
     /// those before alone; `turtlebot`, small, with a laser.
     pub fn builtin(name: &str) -> Option<Arc<Self>> {
         BUILTIN.iter().find(|robot| robot.name == name).cloned()

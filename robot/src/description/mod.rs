@@ -9,7 +9,7 @@ mod parse;
 #[cfg(test)]
 mod tests;
 
-use crate::sensors::{LaserScanner, RangeSensors, SonarArray, SonarLayout};
+use crate::sensors::{CameraView, LaserScanner, RangeSensors, SonarArray, SonarLayout};
 use serde::{Deserialize, Serialize};
 
 /// No robot is smaller.
@@ -34,6 +34,8 @@ pub struct RobotDescription {
     pub sonar: Option<Sonar>,
     /// Its laser range finder.
     pub laser: Option<Laser>,
+    /// Its camera.
+    pub camera: Option<Camera>,
     /// Whether it feels that it touches something.
     pub bumper: bool,
     /// Its gripper.
@@ -125,6 +127,23 @@ pub struct Laser {
     pub dropout_probability: f64,
 }
 
+/// The camera of a robot on its pan unit, and its errors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// How it sees.
+    pub view: CameraView,
+    /// Time from one image to the next while it is on.
+    pub period_us: u64,
+    /// So far it turns from straight ahead to either side.
+    pub pan_range_rad: f64,
+    /// Fastest turning of the pan unit.
+    pub max_pan_radps: f64,
+    /// How fast that picks up and slows down.
+    pub pan_acceleration_radps2: f64,
+    /// Spread of a colour's value, in a range of 0 to 1.
+    pub noise: f64,
+}
+
 /// A gripper.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GripperDescription {
@@ -205,6 +224,9 @@ impl RobotDescription {
         }
         if let Some(laser) = &mut self.laser {
             (laser.noise_m, laser.dropout_probability) = (0.0, 0.0);
+        }
+        if let Some(camera) = &mut self.camera {
+            camera.noise = 0.0;
         }
         if let Some(gripper) = &mut self.gripper {
             (gripper.grasp_failure_probability, gripper.release_failure_probability) = (0.0, 0.0);

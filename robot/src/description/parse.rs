@@ -1,18 +1,21 @@
 //! Reading a robot file.
 
 use super::{
-    BatteryDescription, Driving, GripperDescription, LEAST_RADIUS_M, Laser, Motors, OdometryDrift, RobotDescription,
-    Sonar,
+    BatteryDescription, Camera, Driving, GripperDescription, LEAST_RADIUS_M, Laser, Motors, OdometryDrift,
+    RobotDescription, Sonar,
 };
 use crate::file_text::{FileFaults, Findings, Reader, TomlTable, TomlValue, example_help};
 use crate::geometry::Point;
-use crate::sensors::{LaserScanner, SonarLayout, SonarMount};
-use std::f64::consts::TAU;
+use crate::sensors::{CameraView, LaserScanner, SonarLayout, SonarMount};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::RangeInclusive;
 use toml::de::DeTable;
 
 /// The keys at the top of a robot file.
-const ROBOT_KEYS: [&str; 11] =
-    ["name", "step", "radius", "bumper", "motors", "driving", "sonar", "laser", "gripper", "battery", "odometry"];
+const ROBOT_KEYS: [&str; 12] = [
+    "name", "step", "radius", "bumper", "motors", "driving", "sonar", "laser", "camera", "gripper", "battery",
+    "odometry",
+];
 
 /// More sonars are more than a filter weighs.
 pub(super) const MOST_SONARS: usize = 128;
@@ -22,6 +25,12 @@ const FEWEST_IN_RING: usize = 3;
 
 /// A laser has at most so many readings.
 const MOST_READINGS: usize = 2_000;
+
+/// An image is at least so many pixels wide and high ...
+const FEWEST_PIXELS: usize = 8;
+
+/// ... and at most so many: a line that a host says holds one.
+const MOST_PIXELS: usize = 320;
 
 /// Of the motors' braking and turning so much is counted on, unless the file says otherwise.
 const COUNTED_ON: f64 = 0.9;
@@ -88,6 +97,7 @@ fn read_robot<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Ro
     let driving = reader.required_table(top, "driving").and_then(|table| read_driving(reader, &table, motors.as_ref()));
     let sonar = optional(reader, top, "sonar", |reader, table| read_sonar(reader, table, radius_m));
     let laser = optional(reader, top, "laser", read_laser);
+    let camera = optional(reader, top, "camera", read_camera);
     let gripper = optional(reader, top, "gripper", read_gripper);
     let battery = optional(reader, top, "battery", read_battery);
     let odometry = reader.required_table(top, "odometry").and_then(|table| read_odometry(reader, &table));
@@ -105,6 +115,7 @@ fn read_robot<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Ro
         driving: driving?,
         sonar: sonar?,
         laser: laser?,
+        camera: camera?,
         bumper,
         gripper: gripper?,
         battery: battery?,
@@ -251,12 +262,7 @@ fn read_layout<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, radius_m:
     let help = "write `ring = 24` for sonars all around, or `mounts = [[x, y, \"heading\"], ...]`";
     match (table.values.get("ring"), table.values.get("mounts")) {
         (Some(ring), None) => {
-            let number = ring.get_ref().as_integer().and_then(|digits| digits.to_string().parse::<usize>().ok());
-            let count = number.filter(|count| (FEWEST_IN_RING..=MOST_SONARS).contains(count));
-            if count.is_none() {
-                reader.expected(ring, "ring", &format!("a whole number from {FEWEST_IN_RING} to {MOST_SONARS}"), "24");
-            }
-            count.map(SonarLayout::Ring)
+            whole_number(reader, ring, "ring", FEWEST_IN_RING..=MOST_SONARS, "24").map(SonarLayout::Ring)
         }
         (None, Some(mounts)) => read_mounts(reader, mounts, radius_m).map(SonarLayout::Mounts),
         (found, _) => {
@@ -330,6 +336,76 @@ fn read_laser<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<
 /// An angle as it was written: to a millionth of a degree.
 fn whole_deg(angle_rad: f64) -> f64 {
     libm::round(angle_rad.to_degrees() * 1e6) / 1e6
+}
+
+fn read_camera<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Camera> {
+    let keys = [
+        "columns",
+        "rows",
+        "field_of_view",
+        "height",
+        "tilt",
+        "period",
+        "pan_range",
+        "pan_speed",
+        "pan_acceleration",
+        "noise",
+    ];
+    reader.only_keys(table, &keys);
+    let columns = pixels(reader, table, "columns", "80");
+    let rows = pixels(reader, table, "rows", "60");
+    let field = Angles { least_deg: 10.0, most_deg: 120.0, example: "\"60deg\"" };
+    let field_of_view_rad = angle(reader, table, "field_of_view", field);
+    let height_m = number(reader, table, "height", metres(0.05, 3.0, "1.1"));
+    let down = Angles { least_deg: 0.0, most_deg: 80.0, example: "\"28deg\"" };
+    let tilt_rad = angle(reader, table, "tilt", down);
+    let period_s = number(reader, table, "period", seconds(0.01, 10.0, "0.2"));
+    let aside = Angles { least_deg: 0.0, most_deg: 180.0, example: "\"159deg\"" };
+    let pan_range_rad = angle(reader, table, "pan_range", aside);
+    let max_pan_radps = angle(reader, table, "pan_speed", TURNING);
+    let quick = Angles { most_deg: 10_000.0, ..TURNING };
+    let pan_acceleration_radps2 = angle(reader, table, "pan_acceleration", quick);
+    let noise = number(reader, table, "noise", SHARE);
+    let view = CameraView {
+        columns: columns?,
+        rows: rows?,
+        field_of_view_rad: field_of_view_rad?,
+        height_m: height_m?,
+        tilt_rad: tilt_rad?,
+    };
+    if view.tilt_rad + view.half_height_rad() >= FRAC_PI_2 {
+        let message = "the lower edge of the image looks behind the camera";
+        reader.note(table.span_of("tilt"), "tilt", message, "take a smaller `tilt`, or fewer `rows`");
+        return None;
+    }
+    Some(Camera {
+        view,
+        period_us: libm::round(period_s? * 1e6) as u64,
+        pan_range_rad: pan_range_rad?,
+        max_pan_radps: max_pan_radps?,
+        pan_acceleration_radps2: pan_acceleration_radps2?,
+        noise: noise?,
+    })
+}
+
+fn pixels<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, key: &str, example: &str) -> Option<usize> {
+    let value = reader.required(table, key, example)?;
+    whole_number(reader, value, key, FEWEST_PIXELS..=MOST_PIXELS, example)
+}
+
+fn whole_number(
+    reader: &mut Reader,
+    value: &TomlValue,
+    key: &str,
+    range: RangeInclusive<usize>,
+    example: &str,
+) -> Option<usize> {
+    let number = value.get_ref().as_integer().and_then(|digits| digits.to_string().parse::<usize>().ok());
+    let count = number.filter(|count| range.contains(count));
+    if count.is_none() {
+        reader.expected(value, key, &format!("a whole number from {} to {}", range.start(), range.end()), example);
+    }
+    count
 }
 
 fn read_gripper<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<GripperDescription> {

@@ -25,8 +25,11 @@ pub enum DriveTask {
         /// For how much longer.
         left_s: f64,
     },
-    /// Keep walls on the right-hand side.
-    WallFollow,
+    /// Keep walls on one side.
+    WallFollow {
+        /// 1 on the left, −1 on the right: the sign of `y` in `base`.
+        side: i8,
+    },
     /// Spin by a quarter of a turn, back up a little, wait, and again: what a robot does that has a
     /// fixed routine for being stuck.
     SpinAndBackUp {
@@ -76,10 +79,10 @@ const WANDER_HORIZON_M: f64 = 2.0;
 const WANDER_S: (f64, f64) = (5.0, 15.0);
 /// A wall counts as one to follow within this distance.
 const WALL_NEAR_M: f64 = 1.2;
-/// A wall is followed in the rightmost direction with this much room.
+/// A wall is followed in the outermost direction with this much room.
 const WALL_ROOM_M: f64 = 0.9;
-/// So many directions all around are tried, and of these a robot at a wall tries those from the right to
-/// the left.
+/// So many directions all around are tried, and of these a robot at a wall tries those from the side of
+/// the wall to the other.
 const DIRECTIONS: u32 = 24;
 const DIRECTION_RAD: f64 = std::f64::consts::TAU / DIRECTIONS as f64;
 const WALL_DIRECTIONS: std::ops::RangeInclusive<i32> = -5..=11;
@@ -168,11 +171,15 @@ impl LocalDrive {
                 *heading_in_odom_rad = Some(heading_rad);
                 Some((ahead_of(here, heading_rad), WANDER_HORIZON_M))
             }
-            DriveTask::WallFollow => {
+            DriveTask::WallFollow { side } => {
+                let side = f64::from(*side);
                 let here = input.odometry_in_odom;
                 let room_m =
                     |direction_rad: f64| open_distance_m(limits, obstacles_in_base, direction_rad, WANDER_HORIZON_M);
-                Some((ahead_of(here, here.heading_rad + along_wall_rad(obstacles_in_base, room_m)), WANDER_HORIZON_M))
+                Some((
+                    ahead_of(here, here.heading_rad + along_wall_rad(side, obstacles_in_base, room_m)),
+                    WANDER_HORIZON_M,
+                ))
             }
             DriveTask::SpinAndBackUp { .. } => None,
         }
@@ -184,14 +191,15 @@ fn ahead_of(here: Pose, heading_rad: f64) -> Point {
     Pose::new(here.x_m, here.y_m, heading_rad).transform(Point::new(1.0, 0.0))
 }
 
-/// The rightmost direction with room, relative to the robot; straight ahead where no wall is near.
-fn along_wall_rad(obstacles_in_base: &[Point], room_m: impl Fn(f64) -> f64) -> f64 {
+/// The direction with room that is outermost on the side of the wall, relative to the robot; straight ahead
+/// where no wall is near.
+fn along_wall_rad(side: f64, obstacles_in_base: &[Point], room_m: impl Fn(f64) -> f64) -> f64 {
     let near = obstacles_in_base.iter().any(|obstacle| obstacle.coords.norm_squared() < WALL_NEAR_M * WALL_NEAR_M);
     if !near {
         return 0.0;
     }
     WALL_DIRECTIONS
-        .map(|step| f64::from(step) * DIRECTION_RAD)
+        .map(|step| -side * f64::from(step) * DIRECTION_RAD)
         .find(|&direction_rad| room_m(direction_rad) > WALL_ROOM_M)
         .unwrap_or(std::f64::consts::PI)
 }

@@ -23,3 +23,4 @@ pub use local_drive::{DriveOutput, DriveStatus, DriveTask, LocalDrive};
 pub use look_around::LookAround;
 pub use mapless::MaplessNavigation;
 pub use mapped::{MappedNavigation, NavigationModel, Obstruction};
+pub use turning::turn_to;

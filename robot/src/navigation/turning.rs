@@ -11,12 +11,7 @@ const STANDING_MPS: f64 = 0.02;
 const STANDING_RADPS: f64 = 0.1;
 
 /// The velocity that turns the robot on the spot to a heading; `None` once it stands and looks there.
-pub(super) fn turn_to(
-    limits: &DriveLimits,
-    wanted_rad: Option<f64>,
-    here: Pose,
-    velocity: Velocity,
-) -> Option<Velocity> {
+pub fn turn_to(limits: &DriveLimits, wanted_rad: Option<f64>, here: Pose, velocity: Velocity) -> Option<Velocity> {
     let off_rad = wanted_rad.map_or(0.0, |wanted_rad| wrap_angle_rad(wanted_rad - here.heading_rad));
     if off_rad.abs() > HEADING_TOLERANCE_RAD {
         return Some(Velocity { translation_mps: 0.0, rotation_radps: limits.braked_turn_radps(off_rad) });

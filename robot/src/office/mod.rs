@@ -43,7 +43,7 @@ pub use functions::{act, board, look, model};
 pub use host::{Host, HostLost, SimulatedHost};
 pub use model::{MapModel, OfficeModel, OfficeSettings};
 pub use module::{
-    Layout, Module, ModuleSpec, Moment, Part, PlanText, Start, Telling, continuous, fluent, fluent_number,
+    Layout, Module, ModuleSpec, Moment, Part, PlanText, Start, Telling, continuous, counter, fluent, fluent_number,
 };
 pub use names::scenario_names;
 pub use position::Position;

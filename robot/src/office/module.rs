@@ -157,8 +157,8 @@ impl<'a> Moment<'a> {
         Self { phases: &self.phases[part.behaviours.clone()], ..*self }
     }
 
-    /// What navigation and active localization drive by.
-    pub(super) fn input(&self) -> NavigationInput<'a> {
+    /// What a module drives by that keeps off what its sensors see.
+    pub fn input(&self) -> NavigationInput<'a> {
         let (percept, sensors) = (self.percept, &self.model.sensors);
         let sonar = sensors.sonars.as_ref().zip(percept.sonar_m.as_deref());
         let laser = sensors.laser.as_ref().zip(percept.laser_m.as_deref());
@@ -244,12 +244,17 @@ impl Layout {
 
 /// A fluent that changes now and then.
 pub const fn fluent(name: &'static str, doc: &'static str) -> FluentSpec {
-    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: false }
+    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: false, first: None }
+}
+
+/// A fluent that counts, from 0 on.
+pub const fn counter(name: &'static str, doc: &'static str) -> FluentSpec {
+    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: false, first: Some(0) }
 }
 
 /// A fluent that changes with every step.
 pub const fn continuous(name: &'static str, doc: &'static str) -> FluentSpec {
-    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: true }
+    FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: true, first: None }
 }
 
 /// The place of a fluent in a module's table; an unknown name is refused by the compiler.

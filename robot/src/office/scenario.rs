@@ -43,7 +43,8 @@ pub fn oracle_tables() -> &'static RobotTables {
 }
 
 fn new_oracle_tables() -> RobotTables {
-    let fluent = |name, doc| FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: true };
+    let fluent =
+        |name, doc| FluentSpec { name: Cow::Borrowed(name), doc: Cow::Borrowed(doc), continuous: true, first: None };
     let fluents = vec![
         fluent("true-x*", "The robot's true x, in metres."),
         fluent("true-y*", "The robot's true y, in metres."),

@@ -1,14 +1,16 @@
-//! The range sensors of a robot, as everybody knows them who uses their readings: how many readings
-//! there are, where each of them looks, and how far.
+//! The sensors of a robot, as everybody knows them who uses their readings: how many readings there are,
+//! where each of them looks, and how far.
 //!
 //! What a reading is worth is the business of those who use it: the simulator's noise, the filter's
 //! likelihood, the memory's doubts.
 
+mod camera;
 mod laser;
 mod sectors;
 mod signal;
 mod sonar;
 
+pub use camera::{CameraImage, CameraReading, CameraView, Pixel, Rgb, Sight};
 pub use laser::{LaserScan, LaserScanner};
 pub use sectors::Sectors;
 pub use signal::{Signal, Signals};

@@ -1,5 +1,5 @@
 //! The simulated robot: a round body that drives and turns on the spot, with the sonars, the laser, the
-//! bumper, the gripper and the drifting odometry of its description, in a world with doors, objects and
+//! camera, the bumper, the gripper and the drifting odometry of its description, in a world with doors, objects and
 //! people.
 //!
 //! `SimulatorModel` is everything that never changes (surfaces with their lookup grid, settings);
@@ -24,17 +24,21 @@
 //! assert!(state.distance_driven_m() > 0.1);
 //! ```
 
+mod appearance;
 mod arc;
 mod battery;
 mod candidates;
 mod crowd;
+mod fan;
 mod gripper;
 mod model;
 mod motion;
 mod odometry;
 mod oracle;
 mod orca;
+mod pan;
 mod people;
+mod place_draws;
 mod sensors;
 mod settings;
 mod start;
@@ -50,7 +54,8 @@ pub use arc::drive_arc;
 pub use gripper::{Gripper, GripperCommand, GripperMotion, GripperStatus, ItemPlace, ItemState};
 pub use model::SimulatorModel;
 pub use oracle::OracleError;
-pub use sensors::{Commands, Percept, SensorStreams};
+pub use pan::Pan;
+pub use sensors::{CameraCommand, Commands, Percept, SensorStreams};
 pub use settings::SimulatorSettings;
 pub use state::{Contacts, SimulatorState, Streams};
 pub use sweep::Echo;

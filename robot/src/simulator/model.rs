@@ -2,12 +2,14 @@
 
 use super::candidates::Candidates;
 use super::crowd::Crowd;
+use super::fan::Fan;
+use super::sensors::{Eye, SIGHT_M};
 use super::settings::SimulatorSettings;
 use super::surface::{Surface, SurfaceForm, surfaces_of};
 use super::walker::FARTHEST_WALL_M;
 use crate::description::RobotDescription;
-use crate::geometry::{Point, Vector};
-use crate::sensors::{LaserScanner, RangeSensors, SonarMount};
+use crate::geometry::Point;
+use crate::sensors::{RangeSensors, SonarMount};
 use crate::world::{Rect, SeenBy, Solid, SolidOrigin, World};
 use std::sync::Arc;
 
@@ -28,8 +30,10 @@ pub struct SimulatorModel {
     pub sensors: RangeSensors,
     /// How far the rim of the robot is from each sonar, along its axis.
     pub(super) sonar_rims_m: Vec<f64>,
-    /// Unit vectors of the laser readings, in `base`.
-    pub(super) laser_directions: Vec<Vector>,
+    /// The readings of the laser.
+    pub(super) laser_fan: Option<Fan>,
+    /// None if the robot has no camera.
+    pub(super) eye: Option<Eye>,
 }
 
 impl SimulatorModel {
@@ -40,12 +44,10 @@ impl SimulatorModel {
         let candidates = Candidates::new(&surfaces, world.bounds(), reaches_m(&settings.robot));
         let sensors = settings.robot.range_sensors();
         let rim_m = |mount: &SonarMount| to_rim_m(mount, settings.robot.radius_m);
-        let laser_directions = |laser: &LaserScanner| {
-            (0..laser.readings).map(|reading| unit(laser.direction_rad(reading))).collect::<Vec<_>>()
-        };
         Self {
             sonar_rims_m: sensors.sonars.iter().flat_map(|sonars| sonars.mounts.iter().map(rim_m)).collect(),
-            laser_directions: sensors.laser.iter().flat_map(laser_directions).collect(),
+            laser_fan: sensors.laser.map(Fan::new),
+            eye: settings.robot.camera.map(Eye::new),
             sensors,
             crowd: Crowd::new(&world),
             world,
@@ -80,13 +82,9 @@ fn reaches_m(robot: &RobotDescription) -> [f64; 3] {
         .as_ref()
         .map_or(0.0, |sonar| sonar.range_m + sonar.layout.mounts().iter().map(off_m).fold(0.0, f64::max));
     let laser_m = robot.laser.map_or(0.0, |laser| laser.scanner.range_m);
+    let camera_m = robot.camera.map_or(0.0, |_| SIGHT_M);
     let touch_m = robot.radius_m + 2.0 * robot.motors.max_translation_mps * robot.step_s();
-    [sonar_m.max(laser_m), touch_m, FARTHEST_WALL_M]
-}
-
-fn unit(angle_rad: f64) -> Vector {
-    let (sin, cos) = libm::sincos(angle_rad);
-    Vector::new(cos, sin)
+    [sonar_m.max(laser_m).max(camera_m), touch_m, FARTHEST_WALL_M]
 }
 
 /// How far it is from a sonar to the rim of the body that it sits on: nothing can be nearer.

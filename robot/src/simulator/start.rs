@@ -3,6 +3,7 @@
 use super::gripper::Gripper;
 use super::model::SimulatorModel;
 use super::odometry::OdometryBias;
+use super::pan::Pan;
 use super::sensors::SensorStreams;
 use super::state::{Contacts, SimulatorState, Streams};
 use crate::geometry::Pose;
@@ -26,6 +27,7 @@ impl SimulatorModel {
             objects_added: Vec::new(),
             people: self.people_at_start(&mut people),
             gripper: Gripper::open_among(&self.world.items),
+            pan: Pan::default(),
             battery: 1.0,
             messages: Vec::new(),
             messages_given: 0,
@@ -40,7 +42,7 @@ impl SimulatorModel {
                 gripper: Stream::new(seed, "gripper"),
                 people,
             },
-            specular_seed: seed,
+            place_seed: seed,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::gripper::Gripper;
 use super::odometry::OdometryBias;
+use super::pan::Pan;
 use super::sensors::SensorStreams;
 use super::walker::Walker;
 use crate::geometry::Pose;
@@ -58,6 +59,8 @@ pub struct SimulatorState {
     pub people: Vec<Walker>,
     /// The gripper and the things it can take.
     pub gripper: Gripper,
+    /// Where the camera is turned to.
+    pub pan: Pan,
     /// Charge of the battery, from 0 to 1.
     pub battery: f64,
     /// What people have sent to the robot, word by word.
@@ -76,8 +79,8 @@ pub struct SimulatorState {
     pub distance_driven_m: f64,
     /// Random streams.
     pub streams: Streams,
-    /// Decides which surfaces a sonar misses from where.
-    pub(super) specular_seed: u64,
+    /// Decides what depends on places: which surfaces a sonar misses from where, and how light it is there.
+    pub(super) place_seed: u64,
 }
 
 impl SimulatorState {

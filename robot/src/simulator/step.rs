@@ -21,6 +21,10 @@ impl SimulatorModel {
             driven.way_m,
             driven.turn_rad,
         );
+        if let Some(camera) = &self.robot().camera {
+            let wanted_radps = commands.camera.map_or(0.0, |command| command.pan_radps);
+            state.pan.step(camera, wanted_radps, self.robot().step_s());
+        }
         self.use_battery(state);
         if let Some(gripper) = &self.robot().gripper {
             let hand = Hand { gripper, robot_in_map: state.robot_in_map, robot_radius_m: self.robot().radius_m };

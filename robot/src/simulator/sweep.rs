@@ -10,7 +10,7 @@ use super::surface::{SurfaceForm, forms_of};
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector};
 use crate::sensors::{Sectors, SonarApex, SonarArray};
-use crate::world::SeenBy;
+use crate::world::{SeenBy, SolidOrigin};
 
 /// The nearest point of a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,17 @@ pub struct Echo {
 }
 
 const SILENCE: Echo = Echo { range_m: f64::INFINITY, incidence_cos: 1.0, corner: false };
+
+/// What a surface belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Body {
+    /// Something of the world file.
+    Solid(SolidOrigin),
+    /// `state.objects_added[i]`.
+    Added(usize),
+    /// `state.people[i]`.
+    Person(usize),
+}
 
 /// The sectors around an apex while surfaces are laid into them.
 struct Cones<'m> {
@@ -40,43 +51,46 @@ impl SimulatorModel {
     pub fn sonar_echoes(&self, sonars: &SonarArray, state: &SimulatorState, robot_in_map: Pose) -> Vec<Echo> {
         let cones_at = |apex| Cones::empty(apex, sonars.range_m);
         let mut apexes: Vec<Cones<'_>> = sonars.apexes.iter().map(cones_at).collect();
-        let add = |form: &SurfaceForm| apexes.iter_mut().for_each(|cones| cones.add(form));
+        let add = |form: &SurfaceForm, _| apexes.iter_mut().for_each(|cones| cones.add(form));
         self.for_each_visible(state, robot_in_map, |seen_by| seen_by.sonar, add);
         let mut echoes = vec![SILENCE; sonars.mounts.len()];
         apexes.iter().for_each(|cones| cones.hand_over(&mut echoes));
         echoes
     }
 
-    /// Gives every surface that may be visible and is seen by the wanted sensor to `add`, in `base`.
+    /// Gives every surface that may be visible and is seen by the wanted sensor to `add`, in `base`, with what it
+    /// belongs to.
     pub(super) fn for_each_visible(
         &self,
         state: &SimulatorState,
         robot_in_map: Pose,
         seen: impl Fn(SeenBy) -> bool,
-        mut add: impl FnMut(&SurfaceForm),
+        mut add: impl FnMut(&SurfaceForm, Body),
     ) {
         let (sin, cos) = libm::sincos(robot_in_map.heading_rad);
         let to_base = |point: Point| {
             let (x, y) = (point.x - robot_in_map.x_m, point.y - robot_in_map.y_m);
             Point::new(cos * x + sin * y, cos * y - sin * x)
         };
-        let mut place = |form: SurfaceForm| {
-            add(&match form {
+        let mut place = |form: SurfaceForm, body: Body| {
+            let form = match form {
                 SurfaceForm::Edge { a, b } => SurfaceForm::Edge { a: to_base(a), b: to_base(b) },
                 SurfaceForm::Disc { centre, radius_m } => SurfaceForm::Disc { centre: to_base(centre), radius_m },
-            });
+            };
+            add(&form, body);
         };
         for index in self.candidates.visible(robot_in_map.point()) {
             let surface = &self.surfaces[*index as usize];
             if seen(surface.seen_by) && state.is_there(surface.origin) {
-                place(surface.form);
+                place(surface.form, Body::Solid(surface.origin));
             }
         }
-        for object in state.objects_added.iter().filter(|object| seen(object.seen_by)) {
-            forms_of(&object.outline()).for_each(&mut place);
+        let added = state.objects_added.iter().enumerate().filter(|(_, object)| seen(object.seen_by));
+        for (index, object) in added {
+            forms_of(&object.outline()).for_each(|form| place(form, Body::Added(index)));
         }
-        for person in &state.people {
-            place(SurfaceForm::Disc { centre: person.at_in_map, radius_m: PERSON_RADIUS_M });
+        for (index, person) in state.people.iter().enumerate() {
+            place(SurfaceForm::Disc { centre: person.at_in_map, radius_m: PERSON_RADIUS_M }, Body::Person(index));
         }
     }
 }

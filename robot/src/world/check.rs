@@ -1,7 +1,7 @@
 //! What the values of a world file must agree on with each other.
 
 use super::lookup::is_same_name;
-use super::{Door, Item, Object, Person, Place, Rect, Region, Room, Wall, World};
+use super::{Door, Item, Marker, Object, Person, Place, Rect, Region, Room, Wall, World};
 use crate::description::LEAST_RADIUS_M;
 use crate::file_text::{Placed, Reader, TomlTable, nearest};
 use crate::geometry::{Point, Pose};
@@ -188,6 +188,16 @@ pub(super) fn items_inside(reader: &mut Reader, bounds: Rect, items: &[Placed<'_
         let message = format!("the item `{name}` is at ({}, {}), outside the world", at.x, at.y);
         let help = reach(bounds);
         reader.note(item.table.span_of("at"), "at", message, help);
+    }
+}
+
+/// Markers lie within the world.
+pub(super) fn markers_inside(reader: &mut Reader, bounds: Rect, markers: &[Placed<'_, '_, Marker>]) {
+    for marker in markers.iter().filter(|marker| !bounds.contains(marker.value.at)) {
+        let at = marker.value.at;
+        let message = format!("the marker is at ({}, {}), outside the world", at.x, at.y);
+        let help = reach(bounds);
+        reader.note(marker.table.span_of("at"), "at", message, help);
     }
 }
 

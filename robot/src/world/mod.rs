@@ -193,6 +193,45 @@ pub struct Item {
     pub at: Point,
 }
 
+/// A sheet of a bright colour that lies flat on the floor, for cameras: a square along the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Marker {
+    /// Its middle.
+    pub at: Point,
+    /// Its colour.
+    pub colour: MarkerColour,
+    /// Length of its sides.
+    pub size_m: f64,
+}
+
+/// The fluorescent colours that markers come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum MarkerColour {
+    /// Pink.
+    Pink,
+    /// Orange.
+    Orange,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+}
+
+impl MarkerColour {
+    /// All of them.
+    pub const ALL: [MarkerColour; 4] = [Self::Pink, Self::Orange, Self::Green, Self::Blue];
+
+    /// As world files and people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pink => "pink",
+            Self::Orange => "orange",
+            Self::Green => "green",
+            Self::Blue => "blue",
+        }
+    }
+}
+
 /// A world file, read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct World {
@@ -224,6 +263,8 @@ pub struct World {
     pub crowd: usize,
     /// Things that can be carried.
     pub items: Vec<Item>,
+    /// Sheets on the floor.
+    pub markers: Vec<Marker>,
 }
 
 impl World {

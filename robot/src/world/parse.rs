@@ -1,9 +1,9 @@
 //! Reading a world file.
 
 use super::check;
-use super::{Door, Item, Object, Person, Place, Region, Room, Shape, Wall, World};
+use super::{Door, Item, Marker, MarkerColour, Object, Person, Place, Region, Room, Shape, Wall, World};
 use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
-use crate::file_text::{FileFaults, Findings, Placed, Reader, TomlTable};
+use crate::file_text::{FileFaults, Findings, Placed, Reader, TomlTable, TomlValue};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::OccupancyGrid;
 use rpl_lang::symbol::fold_name;
@@ -13,8 +13,16 @@ use toml::de::DeTable;
 const WALL_THICKNESS_M: f64 = 0.15;
 
 /// The keys at the top of a world file.
-const WORLD_KEYS: [&str; 13] =
-    ["name", "size", "map", "start", "people", "wall", "room", "door", "object", "place", "region", "person", "item"];
+const WORLD_KEYS: [&str; 14] = [
+    "name", "size", "map", "start", "people", "wall", "room", "door", "object", "place", "region", "person", "item",
+    "marker",
+];
+
+/// Colour and side of a marker that states none.
+const MARKER: (MarkerColour, f64) = (MarkerColour::Pink, 0.3);
+
+/// Nobody can step over a sheet that is larger.
+const LARGEST_MARKER_M: f64 = 2.0;
 
 /// More people would be a crush in any building.
 const MOST_PEOPLE: usize = 200;
@@ -69,6 +77,7 @@ fn read_world<'i>(
     let regions = read_all(reader, top, "region", read_region);
     let people = read_all(reader, top, "person", read_person);
     let items = read_all(reader, top, "item", read_item);
+    let markers = read_all(reader, top, "marker", read_marker);
 
     check::names(reader, &rooms, &places);
     check::item_names(reader, &items);
@@ -78,6 +87,7 @@ fn read_world<'i>(
     if let Some(ground) = &ground {
         check::inside(reader, ground.bounds, start.as_ref(), &doors, &objects, &places);
         check::items_inside(reader, ground.bounds, &items);
+        check::markers_inside(reader, ground.bounds, &markers);
         check::people_inside(reader, ground.bounds, &people);
     }
     let ground = ground?;
@@ -96,6 +106,7 @@ fn read_world<'i>(
         people: values(people),
         crowd,
         items: values(items),
+        markers: values(markers),
     };
     check::start_is_free(reader, &world, top.span_of("start"));
     Some(world)
@@ -256,4 +267,28 @@ fn read_item<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<I
     let at = reader.point(table, "at", "[2.0, 3.0]");
     // It comes back to plans as a symbol, which has no capitals.
     Some(Item { name: fold_name(&name?).into_owned(), at: at? })
+}
+
+fn read_marker<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Marker> {
+    reader.only_keys(table, &["at", "colour", "size"]);
+    let at = reader.point(table, "at", "[2.0, 3.0]");
+    let colour = match table.values.contains_key("colour") {
+        true => reader.choice(table, "colour", &MarkerColour::ALL.map(|colour| (colour.name(), colour))),
+        false => Some(MARKER.0),
+    };
+    let size_m = match table.values.get("size") {
+        Some(value) => marker_size(reader, value),
+        None => Some(MARKER.1),
+    };
+    Some(Marker { at: at?, colour: colour?, size_m: size_m? })
+}
+
+fn marker_size(reader: &mut Reader, value: &TomlValue) -> Option<f64> {
+    let size_m = reader.size_value(value, "size", false, "0.3")?;
+    if size_m <= LARGEST_MARKER_M {
+        return Some(size_m);
+    }
+    let message = format!("the `size` of a marker must be at most {LARGEST_MARKER_M} m, found {size_m} m");
+    reader.note(value.span(), "size", message, "a marker is a sheet on the floor; write it like `size = 0.3`");
+    None
 }

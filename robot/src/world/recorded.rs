@@ -34,6 +34,7 @@ impl World {
             people: Vec::new(),
             crowd: 0,
             items: Vec::new(),
+            markers: Vec::new(),
         })
     }
 }

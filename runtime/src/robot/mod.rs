@@ -44,6 +44,9 @@ pub struct FluentSpec {
     /// Whether it changes with every step of the robot: a trace that told each change would tell
     /// nothing else.
     pub continuous: bool,
+    /// The number it holds before the robot tells one: what counts something counts from the start. The
+    /// others hold nil.
+    pub first: Option<i64>,
 }
 
 /// What plans see of a robot. A behaviour, a fluent and a valve are known by their place here.

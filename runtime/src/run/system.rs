@@ -104,8 +104,9 @@ impl<O: Outside> System<O> {
         let Loaded { program, symbols, main, .. } = loaded;
         let mut machine = Machine::new(&program, symbols, Stream::new(seed, outside.stream()));
         machine.trace.enabled = traced;
-        for &global in &library.robot.fluents {
-            machine.define_system_fluent(global, program.globals[global as usize].name, Value::Nil);
+        for (&global, spec) in library.robot.fluents.iter().zip(&outside.tables().fluents) {
+            let first = spec.first.map_or(Value::Nil, Value::Int);
+            machine.define_system_fluent(global, program.globals[global as usize].name, first);
         }
         let base = Arc::new(Base::new(program.clone()));
         let mut system = Self {

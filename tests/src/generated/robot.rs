@@ -43,8 +43,12 @@ static TABLES: LazyLock<RobotTables> = LazyLock::new(|| {
         valve: valve.map(Into::into),
         parameters: "".into(),
     };
-    let fluent =
-        |name: &'static str, doc: &'static str| FluentSpec { name: name.into(), doc: doc.into(), continuous: false };
+    let fluent = |name: &'static str, doc: &'static str| FluentSpec {
+        name: name.into(),
+        doc: doc.into(),
+        continuous: false,
+        first: None,
+    };
     RobotTables {
         behaviours: vec![behaviour("drive", "Drives.", Some("wheels")), behaviour("look", "Looks.", None)],
         fluents: vec![

@@ -40,12 +40,12 @@ impl Localizing {
     fn explore(&mut self, how: Exploration) {
         let begun = match (how, &self.drive.task) {
             (Exploration::Active | Exploration::Wander, DriveTask::Wander { .. })
-            | (Exploration::WallFollow, DriveTask::WallFollow)
+            | (Exploration::WallFollow, DriveTask::WallFollow { .. })
             | (Exploration::SpinAndBackUp, DriveTask::SpinAndBackUp { .. }) => return,
             (Exploration::Active | Exploration::Wander, _) => {
                 DriveTask::Wander { stream: self.wander.clone(), heading_in_odom_rad: None, left_s: 0.0 }
             }
-            (Exploration::WallFollow, _) => DriveTask::WallFollow,
+            (Exploration::WallFollow, _) => DriveTask::WallFollow { side: -1 },
             (Exploration::SpinAndBackUp, _) => DriveTask::SpinAndBackUp { elapsed_s: 0.0 },
         };
         self.drive.task = begun;

@@ -4,14 +4,17 @@
 //! One circle, on purpose: the state of the simulator holds the streams that this list makes, and a look
 //! is taken at the state.
 
+mod camera;
 mod laser;
 mod sonar;
+
+pub(super) use camera::{Eye, SIGHT_M};
 
 use super::gripper::{GripperCommand, GripperStatus};
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
 use crate::geometry::Pose;
-use crate::sensors::Signals;
+use crate::sensors::{CameraReading, Signals};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -26,11 +29,20 @@ pub struct Commands {
     pub sonars_on: bool,
     /// What the gripper is to begin.
     pub gripper: GripperCommand,
+    /// What the camera is to do; off without one.
+    pub camera: Option<CameraCommand>,
     /// The motors are cut and the brakes close, whatever speeds are wanted: what a host does by itself when
     /// nobody commands it any more. No plan commands it.
     pub motors_off: bool,
     /// What is asked of what the simulator does not know; a host that knows it takes it from here.
     pub others: Signals,
+}
+
+/// What a camera that is on is to do during one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraCommand {
+    /// Wanted turning speed of the pan unit, counter-clockwise.
+    pub pan_radps: f64,
 }
 
 /// Makes of a list of sensors the percept, their streams, and the look that all of them take.
@@ -105,4 +117,6 @@ compose! {
     /// [`LaserScanner::direction_rad`](crate::sensors::LaserScanner::direction_rad); the maximum range where
     /// nothing came back. None if there is no laser.
     laser_m: Option<Vec<f32>> = laser, SimulatorModel::scan_laser;
+    /// Where the camera is turned to, and what it sees. None if there is no camera, or it is off.
+    camera: Option<CameraReading> = camera, SimulatorModel::see;
 }

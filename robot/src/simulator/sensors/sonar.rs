@@ -3,6 +3,7 @@
 use super::Commands;
 use crate::description::Sonar;
 use crate::simulator::model::SimulatorModel;
+use crate::simulator::place_draws::PlaceDraws;
 use crate::simulator::state::SimulatorState;
 use crate::simulator::sweep::Echo;
 use rpl_random::Stream;
@@ -21,9 +22,9 @@ impl SimulatorModel {
         }
         let echoes = self.sonar_echoes(sonars, state, state.robot_in_map);
         let incidence_limit_cos = libm::cos(sonar.specular_angle_rad);
-        let pose_hash = specular_hash(sonar, state);
+        let here = specular_draws(sonar, state);
         let heard = echoes.iter().zip(&self.sonar_rims_m).enumerate().map(|(number, (echo, &rim_m))| {
-            let miss = Draws::new(pose_hash, number);
+            let miss = here.of(number as u64);
             Hearing { sonar, rim_m, incidence_limit_cos, miss }.reading_m(stream, echo) as f32
         });
         Some(heard.collect())
@@ -35,7 +36,7 @@ struct Hearing<'r> {
     sonar: &'r Sonar,
     rim_m: f64,
     incidence_limit_cos: f64,
-    miss: Draws,
+    miss: PlaceDraws,
 }
 
 impl Hearing<'_> {
@@ -72,37 +73,10 @@ impl Hearing<'_> {
 }
 
 /// One number for all poses close enough to hit the same walls in the same way.
-fn specular_hash(sonar: &Sonar, state: &SimulatorState) -> u64 {
+fn specular_draws(sonar: &Sonar, state: &SimulatorState) -> PlaceDraws {
     let pose = state.robot_in_map;
-    let patch = |value: f64, size: f64| libm::floor(value / size) as i64 as u64;
-    [
-        patch(pose.x_m, sonar.specular_coherence_m),
-        patch(pose.y_m, sonar.specular_coherence_m),
-        patch(pose.heading_rad, sonar.specular_coherence_rad),
-    ]
-    .into_iter()
-    .fold(mix(state.specular_seed), |hash, part| mix(hash ^ part))
-}
-
-/// Numbers that depend on nothing but where the robot is.
-#[derive(Clone, Copy)]
-struct Draws(u64);
-
-impl Draws {
-    fn new(pose_hash: u64, sonar: usize) -> Self {
-        Self(mix(pose_hash ^ sonar as u64))
-    }
-
-    fn uniform(&mut self) -> f64 {
-        self.0 = mix(self.0);
-        (self.0 >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
-    }
-}
-
-/// The finalizer of SplitMix64: every bit of the input changes every bit of the output.
-fn mix(value: u64) -> u64 {
-    let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    value ^ (value >> 31)
+    PlaceDraws::new(state.place_seed)
+        .at(pose.x_m, sonar.specular_coherence_m)
+        .at(pose.y_m, sonar.specular_coherence_m)
+        .at(pose.heading_rad, sonar.specular_coherence_rad)
 }

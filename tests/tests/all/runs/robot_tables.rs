@@ -22,7 +22,8 @@ struct Talker {
 impl Talker {
     /// With a fluent of this name.
     fn new(fluent: &str, says: Reading) -> Self {
-        let fluent = FluentSpec { name: fluent.to_string().into(), doc: "What it says.".into(), continuous: true };
+        let fluent =
+            FluentSpec { name: fluent.to_string().into(), doc: "What it says.".into(), continuous: true, first: None };
         Self { tables: RobotTables { fluents: vec![fluent], ..RobotTables::default() }, says }
     }
 }

@@ -1,0 +1,117 @@
+//! The end of the hallway: a wall across it, as wide as the hallway.
+
+use rpl_robot::geometry::wrap_angle_rad;
+use rpl_robot::sensors::SonarScan;
+use serde::{Deserialize, Serialize};
+
+/// Transducers that look ahead count up to here: beyond, they hear the side walls.
+const WIDEST_RAD: f64 = 0.8;
+/// No end is believed from farther off.
+const FARTHEST_M: f64 = 2.5;
+/// Echoes of one wall are within so much of each other.
+const WALL_M: f64 = 0.1;
+/// An end is heard from along so much of the way: a person walks meanwhile.
+const HEARD_M: f64 = 0.25;
+/// And across so much of it, or half of the hallway: boxes are narrower.
+const LEAST_WIDTH_M: f64 = 0.9;
+const LEAST_SHARE: f64 = 0.45;
+/// So many echoes at least.
+const LEAST_HITS: usize = 8;
+/// An echo from so much before a side wall, or behind it, may be its own.
+const SIDE_WALL_M: f64 = 0.15;
+/// Of the echoes so many must be of cones that look along the axis.
+const LEAST_AHEAD: usize = 4;
+/// Echoes are kept for so long a way.
+const KEPT_M: f64 = 1.5;
+
+/// An echo from ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Hit {
+    /// Where the robot was.
+    from_along_m: f64,
+    /// Whether the cone looked along the axis.
+    is_ahead: bool,
+    /// Where a wall across the hallway would be, and where on it the echo came from.
+    along_m: f64,
+    left_m: f64,
+}
+
+/// The monitor of the hallway's end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct EndMonitor {
+    hits: Vec<Hit>,
+    end_m: Option<f64>,
+}
+
+impl EndMonitor {
+    /// Takes in what is heard ahead.
+    pub fn take_in(
+        &mut self,
+        along_m: f64,
+        left_m: f64,
+        heading_rad: f64,
+        scan: SonarScan<'_>,
+        walls_left_m: [Option<f64>; 2],
+    ) {
+        self.hits.retain(|hit| along_m - hit.from_along_m <= KEPT_M);
+        let (sin, cos) = libm::sincos(heading_rad);
+        let half_cone_rad = scan.sonars.cone_rad / 2.0;
+        for (mount, &range_m) in scan.sonars.mounts.iter().zip(scan.ranges_m) {
+            let off_rad = wrap_angle_rad(heading_rad + mount.heading_rad);
+            let range_m = f64::from(range_m);
+            if off_rad.abs() > WIDEST_RAD || range_m <= 0.0 || range_m >= scan.sonars.range_m.min(FARTHEST_M) {
+                continue;
+            }
+            let nearest_rad = libm::copysign((off_rad.abs() - half_cone_rad).max(0.0), off_rad);
+            let at = mount.at_in_base;
+            let apex_left_m = left_m + sin * at.x + cos * at.y;
+            let is_side_wall = walls_left_m.iter().flatten().any(|wall_left_m| {
+                let edge_rad = libm::copysign(off_rad.abs() + half_cone_rad, off_rad);
+                let wall_m = (wall_left_m - apex_left_m) / libm::sin(edge_rad);
+                wall_m > 0.0 && range_m > wall_m - SIDE_WALL_M
+            });
+            if !is_side_wall {
+                self.hits.push(Hit {
+                    from_along_m: along_m,
+                    is_ahead: off_rad.abs() <= half_cone_rad,
+                    along_m: along_m + cos * at.x - sin * at.y + range_m * libm::cos(nearest_rad),
+                    left_m: apex_left_m + range_m * libm::sin(nearest_rad),
+                });
+            }
+        }
+        let found_m =
+            self.wall_across_m(walls_left_m[0].zip(walls_left_m[1]).map(|(left_m, right_m)| left_m - right_m));
+        match (self.end_m, found_m) {
+            // It was something else, which has gone.
+            (Some(end_m), _) if along_m > end_m => self.end_m = None,
+            (Some(_) | None, Some(_)) => self.end_m = found_m,
+            (Some(_) | None, None) => {}
+        }
+    }
+
+    /// The wall on which most echoes of ahead agree, if it is one across the hallway.
+    fn wall_across_m(&self, hallway_width_m: Option<f64>) -> Option<f64> {
+        let mut alongs_m: Vec<f64> = self.hits.iter().map(|hit| hit.along_m).collect();
+        alongs_m.sort_by(f64::total_cmp);
+        let agreeing = |from: usize| alongs_m[from..].partition_point(|along_m| along_m - alongs_m[from] <= WALL_M);
+        let (most, from) = (0..alongs_m.len()).map(|from| (agreeing(from), from)).max_by_key(|&(most, _)| most)?;
+        if most < LEAST_HITS {
+            return None;
+        }
+        let (least_m, farthest_m) = (alongs_m[from], alongs_m[from + most - 1]);
+        let on_wall = || self.hits.iter().filter(|hit| (least_m..=farthest_m).contains(&hit.along_m));
+        let extent = |of: fn(&Hit) -> f64| {
+            let least = on_wall().map(of).fold(f64::INFINITY, f64::min);
+            on_wall().map(of).fold(f64::NEG_INFINITY, f64::max) - least
+        };
+        let needed_m = hallway_width_m.map_or(LEAST_WIDTH_M, |width_m| (LEAST_SHARE * width_m).max(LEAST_WIDTH_M));
+        let is_ahead = on_wall().filter(|hit| hit.is_ahead).count() >= LEAST_AHEAD;
+        let is_across = is_ahead && extent(|hit| hit.left_m) >= needed_m && extent(|hit| hit.from_along_m) >= HEARD_M;
+        is_across.then(|| alongs_m[from + most / 2])
+    }
+
+    /// Where the hallway ends.
+    pub fn end_m(&self) -> Option<f64> {
+        self.end_m
+    }
+}

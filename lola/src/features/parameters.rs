@@ -1,0 +1,86 @@
+//! What feature detection goes by, each with its reason.
+
+/// The one place with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FeatureParameters {
+    /// Transducers so far off the perpendicular still count: with a cone of 15° that is two to each side, and the
+    /// echo comes from less than 25° off, where walls reflect the pulse back.
+    pub widest_rad: f64,
+    /// The robot drives so far from one kept scan to the next: three times as fine as the grain of misses.
+    pub scan_m: f64,
+    /// So much of the way is kept: the widest door, and wall on both sides of it.
+    pub kept_m: f64,
+    /// A reading so much beyond the wall is of an opening: deeper than any leaf in a wall of half a metre.
+    pub opening_m: f64,
+    /// A reading so much before the wall is of something that stands there, a box or a person: more than
+    /// noise and the wall's own waves.
+    pub obstacle_m: f64,
+    /// The side reference is the median over so much of the way, as in the paper.
+    pub reference_m: f64,
+    /// What is heard off the reference for so long is a wall of its own.
+    pub new_wall_m: f64,
+    /// An opening has ended when the wall was heard again for so long.
+    pub wall_again_m: f64,
+    /// The shortest way on which an opening is heard through: below it, it is a corner that gave no echo.
+    pub least_heard_m: f64,
+    /// Of the cones that look wholly into an opening, so many must hear that it is one.
+    pub least_share: f64,
+    /// Narrower ones are false alarms: doors are 0.9 m to 1 m wide, and a box may hide a third of one.
+    pub least_width_m: f64,
+    /// Half-way between a door of 1 m and a hallway of 2 m.
+    pub hallway_m: f64,
+    /// Half-way between a hallway of 2.5 m and a foyer of 3.5 m.
+    pub foyer_m: f64,
+    /// Closed doors are so wide, from and to.
+    pub door_m: (f64, f64),
+    /// Places and widths of closed doors are tried so far apart.
+    pub grain_m: f64,
+    /// Wall that is fitted before and behind an indentation.
+    pub beside_m: f64,
+    /// Wall that must have been passed behind it.
+    pub behind_m: f64,
+    /// Leaves are so deep in their walls, from and to: the depth in a wall of 15 cm is 5.5 cm, in one of 30 cm 13 cm.
+    pub leaf_m: (f64, f64),
+    /// The wall's direction is known to so much from the axis.
+    pub slope_rad: f64,
+    /// An indentation must be so many times deeper than its standard deviation ...
+    pub least_significance: f64,
+    /// ... which is at least that of a sonar that makes the errors of an echo at a metre.
+    pub least_noise_m: f64,
+    /// Readings of the leaf alone that are needed.
+    pub least_readings: f64,
+    /// So near to the hallway's end the robot goes no farther.
+    pub at_end_m: f64,
+    /// A marker stands at a door if it is so near to its edges.
+    pub marker_beside_m: f64,
+    /// And so far before its wall, or into it.
+    pub marker_aside_m: f64,
+}
+
+pub(super) const PARAMETERS: FeatureParameters = FeatureParameters {
+    widest_rad: 0.56,
+    scan_m: 0.02,
+    kept_m: 3.2,
+    opening_m: 0.25,
+    obstacle_m: 0.13,
+    reference_m: 0.25,
+    new_wall_m: 1.5,
+    wall_again_m: 0.08,
+    least_heard_m: 0.12,
+    least_share: 0.6,
+    least_width_m: 0.45,
+    hallway_m: 1.5,
+    foyer_m: 3.0,
+    door_m: (0.8, 1.1),
+    grain_m: 0.05,
+    beside_m: 0.7,
+    behind_m: 0.25,
+    leaf_m: (0.03, 0.24),
+    slope_rad: 0.02,
+    least_significance: 6.0,
+    least_noise_m: 0.015,
+    least_readings: 12.0,
+    at_end_m: 0.9,
+    marker_beside_m: 0.45,
+    marker_aside_m: 0.6,
+};

@@ -1,0 +1,1 @@
+//! Hallways whose features are known.

@@ -1,0 +1,43 @@
+//! What is expected of hallways, percepts and instructions before anything was seen.
+
+use crate::feature::Feature;
+use crate::state_set::Matrix;
+use serde::{Deserialize, Serialize};
+
+/// What judgements start from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Expectation {
+    /// How likely each percept is for each feature.
+    pub matrix: Matrix,
+    /// How likely one instruction is wrong.
+    pub wrong: f64,
+    /// How likely another look sees the same as the first, right or wrong, because there is a reason for it:
+    /// a box before a door, a leaf flush with the wall.
+    pub same_again: f64,
+    /// Openings for each metre of a hallway's side.
+    pub openings_per_m: f64,
+}
+
+/// Of the things beside a hallway, how many are of each kind, in the order of [`Feature::ALL`]; walls, of
+/// which there is a stretch before each of them, have no share.
+pub(super) const SHARES: [f64; 5] = [0.0, 0.33, 0.34, 0.28, 0.05];
+
+impl Expectation {
+    /// In an event in which one of two lists of about four instructions has an error.
+    #[must_use]
+    pub fn of_event(matrix: Matrix) -> Self {
+        Self { matrix, wrong: 0.12, same_again: 0.5, openings_per_m: 0.25 }
+    }
+
+    /// C(what all looks saw | feature). With the chance `same_again` one look decides for all of them, else
+    /// each sees for itself; so a second look is worth less than a first one, for misses as for confusions.
+    /// A look that did not come there says nothing.
+    pub(super) fn certainty(&self, seen: &[Option<Feature>], feature: Feature) -> f64 {
+        let mut looks = seen.iter().flatten();
+        let Some(&first) = looks.next() else { return 1.0 };
+        let of_first = self.matrix.certainty(first, feature);
+        let apart: f64 = looks.clone().map(|&seen| self.matrix.certainty(seen, feature)).product();
+        let together = if looks.all(|&seen| seen == first) { 1.0 } else { 0.0 };
+        of_first * (self.same_again * together + (1.0 - self.same_again) * apart)
+    }
+}

@@ -1,0 +1,168 @@
+//! Registration: the direction of the hallway the robot is in, by line segments fitted to what its sonars
+//! hear at the sides (Gutierrez-Osuna and Luo, "Registration").
+//!
+//! Read in this order: `views` (what is kept of the drive), `walls` (what a direction explains of it),
+//! `search` (the direction that explains most).
+
+mod search;
+mod views;
+mod walls;
+
+#[cfg(test)]
+mod tests;
+
+use crate::feature::Side;
+use rpl_robot::geometry::{Pose, wrap_angle_rad};
+use rpl_robot::sensors::SonarScan;
+use search::{best_axis_within, refined};
+use serde::{Deserialize, Serialize};
+use views::Views;
+pub use walls::HallwayAxis;
+use walls::{Explained, explain};
+
+/// What registration goes by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RegistrationParameters {
+    /// A heading that is guessed, by a door frame say, is off by less.
+    guess_gate_rad: f64,
+    /// A heading known from the way so far is off by less. 6° would never recover after a U-turn with slipping
+    /// wheels, and beyond 20° the other walls of a crossing come into reach.
+    known_gate_rad: f64,
+    /// The robot's heading may have been turned against the axis by more than any gate; it still drives along
+    /// the hallway rather than across.
+    lost_gate_rad: f64,
+    /// Wall on one side that must have been driven along: a leaf or a jamb passed at the start tilts a shorter
+    /// fit by 5° to 9°.
+    least_wall_m: f64,
+    /// Standard deviation from which on the direction is good enough for the transducers to be chosen by it.
+    most_deviation_rad: f64,
+    /// The robot drives so far between two fits.
+    between_fits_m: f64,
+    /// What is newer than this decides whether the axis still holds.
+    recent_m: f64,
+    /// The present axis is wrong when another explains so many times what it explains of the newest readings.
+    better_by: f64,
+    /// Wall that another axis must explain on one side for that.
+    lost_wall_m: f64,
+}
+
+const PARAMETERS: RegistrationParameters = RegistrationParameters {
+    guess_gate_rad: 0.61,
+    known_gate_rad: 0.3,
+    lost_gate_rad: 0.79,
+    least_wall_m: 0.8,
+    most_deviation_rad: 0.015,
+    between_fits_m: 0.1,
+    recent_m: 0.5,
+    better_by: 2.0,
+    lost_wall_m: 0.3,
+};
+
+/// What is known of the direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Knowledge {
+    /// A guess, and how far off it may be.
+    Guess { axis_in_odom_rad: f64, gate_rad: f64 },
+    /// Fitted to walls.
+    Registered(HallwayAxis),
+}
+
+/// The state of registration in a hallway. A plain value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Registration {
+    knowledge: Knowledge,
+    views: Views,
+    fitted_at_m: f64,
+}
+
+impl Registration {
+    /// Begins in a hallway whose direction is roughly known, within about 35°: the way one will drive along
+    /// it, in `odom`.
+    pub fn start(heading_guess_in_odom_rad: f64) -> Self {
+        let guess = wrap_angle_rad(heading_guess_in_odom_rad);
+        Self {
+            knowledge: Knowledge::Guess { axis_in_odom_rad: guess, gate_rad: PARAMETERS.guess_gate_rad },
+            views: Views::default(),
+            fitted_at_m: 0.0,
+        }
+    }
+
+    /// Takes in what the sonars hear. Cost: nothing on most steps; every 10 cm a fit, about a millisecond.
+    pub fn take_in(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) {
+        self.views.take_in(odometry_in_odom, scan);
+        if self.views.driven_m() - self.fitted_at_m < PARAMETERS.between_fits_m {
+            return;
+        }
+        self.fitted_at_m = self.views.driven_m();
+        self.knowledge = match self.knowledge {
+            Knowledge::Guess { axis_in_odom_rad, gate_rad } => self.register(scan, axis_in_odom_rad, gate_rad),
+            Knowledge::Registered(axis) => self.keep_up(scan, axis, odometry_in_odom),
+        };
+    }
+
+    /// The first registration.
+    fn register(&self, scan: SonarScan<'_>, axis_in_odom_rad: f64, gate_rad: f64) -> Knowledge {
+        let guess = Knowledge::Guess { axis_in_odom_rad, gate_rad };
+        let views = self.views.latest(f64::INFINITY);
+        let Some(best_rad) = best_axis_within(views, scan.sonars, axis_in_odom_rad, gate_rad) else { return guess };
+        let axis = refined(views, scan.sonars, best_rad);
+        let is_known = axis.wall_m >= PARAMETERS.least_wall_m && axis.deviation_rad <= PARAMETERS.most_deviation_rad;
+        if is_known { Knowledge::Registered(axis) } else { guess }
+    }
+
+    /// Later ones: the walls confirm the axis or correct it a little, are not to be heard, or show that it is
+    /// wrong because the robot was turned by hand.
+    fn keep_up(&mut self, scan: SonarScan<'_>, axis: HallwayAxis, odometry_in_odom: Pose) -> Knowledge {
+        let recent = self.views.latest(PARAMETERS.recent_m);
+        if let Some(other_rad) = self.contradiction(scan, &axis, odometry_in_odom) {
+            self.views.forget_before(PARAMETERS.recent_m);
+            return Knowledge::Guess { axis_in_odom_rad: other_rad, gate_rad: PARAMETERS.known_gate_rad };
+        }
+        let near = best_axis_within(recent, scan.sonars, axis.heading_in_odom_rad, PARAMETERS.known_gate_rad);
+        if near.is_none() {
+            return Knowledge::Registered(axis);
+        }
+        let views = self.views.latest(f64::INFINITY);
+        let best = best_axis_within(views, scan.sonars, axis.heading_in_odom_rad, PARAMETERS.known_gate_rad);
+        let Some(best_rad) = best else { return Knowledge::Registered(axis) };
+        let fitted = refined(views, scan.sonars, best_rad);
+        let is_known =
+            fitted.wall_m >= PARAMETERS.least_wall_m && fitted.deviation_rad <= PARAMETERS.most_deviation_rad;
+        Knowledge::Registered(if is_known { fitted.with_walls_of(&axis, odometry_in_odom) } else { axis })
+    }
+
+    /// Another axis, near to where the robot looks, that explains much more of what was heard last.
+    fn contradiction(&self, scan: SonarScan<'_>, axis: &HallwayAxis, odometry_in_odom: Pose) -> Option<f64> {
+        let recent = self.views.latest(PARAMETERS.recent_m);
+        let held = explain(recent, scan.sonars, axis.heading_in_odom_rad);
+        let heading_rad = odometry_in_odom.heading_rad;
+        let other_rad = best_axis_within(recent, scan.sonars, heading_rad, PARAMETERS.lost_gate_rad)?;
+        let off_rad = wrap_angle_rad(other_rad - axis.heading_in_odom_rad).abs();
+        let other: Explained = explain(recent, scan.sonars, other_rad);
+        let is_better = other.score > PARAMETERS.better_by * held.score && other.wall_m >= PARAMETERS.lost_wall_m;
+        (is_better && off_rad > PARAMETERS.known_gate_rad / 3.0).then_some(other_rad)
+    }
+
+    /// The axis, as soon as enough wall was driven along; none again after the robot was found to look another
+    /// way than its odometry says, until that is put right.
+    pub fn axis(&self) -> Option<&HallwayAxis> {
+        match &self.knowledge {
+            Knowledge::Guess { .. } => None,
+            Knowledge::Registered(axis) => Some(axis),
+        }
+    }
+
+    /// The direction to drive in: the axis, or the guess as long as there is none. In `odom`.
+    pub fn heading_in_odom_rad(&self) -> f64 {
+        match self.knowledge {
+            Knowledge::Guess { axis_in_odom_rad, .. } => axis_in_odom_rad,
+            Knowledge::Registered(axis) => axis.heading_in_odom_rad,
+        }
+    }
+
+    /// Distance to the wall on a side, from the middle of the robot: the median of what was heard over the last
+    /// 25 cm. `None` where nothing was, as beside an opening that is deeper than the sonars hear.
+    pub fn wall_distance_m(&self, scan: SonarScan<'_>, odometry_in_odom: Pose, side: Side) -> Option<f64> {
+        walls::median_distance_m(&self.views, scan.sonars, self.heading_in_odom_rad(), odometry_in_odom, side)
+    }
+}

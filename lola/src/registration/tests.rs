@@ -1,0 +1,1 @@
+//! Hallways whose direction is known.

@@ -1,0 +1,187 @@
+//! What a direction explains of a drive: the walls there would be.
+
+use super::views::{View, Views};
+use crate::beside::{aside_m, axes_in_odom, side_readings};
+use crate::feature::Side;
+use rpl_robot::geometry::Pose;
+use rpl_robot::sensors::SonarArray;
+use serde::{Deserialize, Serialize};
+
+/// Transducers beside the one nearest to the perpendicular count up to here: their cones still reach to less
+/// than 25° from it, where a wall reflects the pulse back.
+const WIDEST_RAD: f64 = 0.56;
+
+/// Readings count as a wall's within so much of it: twice the noise of an echo over a hallway, and less than the
+/// depth of a closed door in a wall of 15 cm.
+pub(super) const WALL_M: f64 = 0.045;
+
+/// Cells in which the readings of a side vote for the place of its wall.
+const CELL_M: f64 = 0.03;
+
+/// No wall is sought farther off: hallways are narrower.
+const FARTHEST_M: f64 = 4.0;
+
+/// The hallway's direction, and what it was fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HallwayAxis {
+    /// The direction, the way the robot drives along it, in `odom`.
+    pub heading_in_odom_rad: f64,
+    /// Its standard deviation, if the readings' errors are independent.
+    pub deviation_rad: f64,
+    /// The way on which a wall was heard that it was fitted to, on the side with more.
+    pub wall_m: f64,
+    /// Where the walls are, left and right: how far to their side of the line through the origin of `odom`
+    /// along the axis. `None` where none was heard.
+    pub walls_aside_m: [Option<f64>; 2],
+}
+
+impl HallwayAxis {
+    /// Distance to the wall on a side, from a pose in `odom`.
+    pub fn wall_distance_m(&self, pose_in_odom: Pose, side: Side) -> Option<f64> {
+        let wall_m = self.walls_aside_m[side as usize]?;
+        Some(wall_m - aside_m(pose_in_odom, self.heading_in_odom_rad, side))
+    }
+
+    /// Itself, with the walls of an earlier fit, as they lie from here, where it has none of its own.
+    pub(super) fn with_walls_of(mut self, earlier: &HallwayAxis, here_in_odom: Pose) -> Self {
+        for side in Side::ALL {
+            let here_m = aside_m(here_in_odom, self.heading_in_odom_rad, side);
+            let before_m = earlier.wall_distance_m(here_in_odom, side).map(|distance_m| here_m + distance_m);
+            let own = &mut self.walls_aside_m[side as usize];
+            *own = own.or(before_m);
+        }
+        self
+    }
+}
+
+/// Where a reading puts the wall: how far to its side of the line through the origin of `odom`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WallPoint {
+    pub side: Side,
+    pub aside_m: f64,
+    /// Along the axis, in `odom`.
+    pub along_m: f64,
+    /// Where along the axis the robot was.
+    pub from_along_m: f64,
+}
+
+/// What a direction explains.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Explained {
+    /// Readings that lie on one wall of their side, each counted by how near it is to it.
+    pub score: f64,
+    /// The way on which they were taken, on the side with more.
+    pub wall_m: f64,
+    /// The walls, left and right.
+    pub walls_aside_m: [Option<f64>; 2],
+}
+
+/// All readings at the sides of a hallway of this direction. Cost: linear.
+pub(super) fn wall_points(views: &[View], sonars: &SonarArray, axis_in_odom_rad: f64) -> Vec<WallPoint> {
+    let (along, left) = axes_in_odom(axis_in_odom_rad);
+    let mut points = Vec::with_capacity(views.len() * 12);
+    for view in views {
+        let at = view.from_in_odom.point().coords;
+        let (at_along_m, at_left_m) = (along.dot(&at), left.dot(&at));
+        let heading_rad = view.from_in_odom.heading_rad - axis_in_odom_rad;
+        for side in Side::ALL {
+            for reading in side_readings(view.scan(sonars), heading_rad, side, WIDEST_RAD) {
+                let perpendicular_m = reading.perpendicular_m();
+                if perpendicular_m <= FARTHEST_M {
+                    points.push(WallPoint {
+                        side,
+                        aside_m: side.sign() * at_left_m + reading.apex_aside_m + perpendicular_m,
+                        along_m: at_along_m + reading.foot_m(perpendicular_m),
+                        from_along_m: at_along_m,
+                    });
+                }
+            }
+        }
+    }
+    points
+}
+
+/// What a direction explains of some views. Cost: linear in them.
+pub(super) fn explain(views: &[View], sonars: &SonarArray, axis_in_odom_rad: f64) -> Explained {
+    explain_points(&wall_points(views, sonars, axis_in_odom_rad))
+}
+
+pub(super) fn explain_points(points: &[WallPoint]) -> Explained {
+    let mut explained = Explained::default();
+    for side in Side::ALL {
+        let Some(wall_m) = wall_aside_m(points, side) else { continue };
+        let mut driven = Vec::new();
+        for point in points.iter().filter(|point| point.side == side) {
+            let off = (point.aside_m - wall_m) / WALL_M;
+            if off.abs() < 1.0 {
+                let nearness = 1.0 - off * off;
+                explained.score += nearness * nearness;
+                driven.push(libm::floor(point.from_along_m / VOTE_WAY_M) as i64);
+            }
+        }
+        driven.sort_unstable();
+        driven.dedup();
+        explained.wall_m = explained.wall_m.max(driven.len() as f64 * VOTE_WAY_M);
+        explained.walls_aside_m[side as usize] = Some(wall_m);
+    }
+    explained
+}
+
+/// The grain in which the way along a wall is counted.
+const VOTE_WAY_M: f64 = 0.05;
+
+/// The place with most readings on a side, to the mean of those around it. A tie is the nearest one's.
+fn wall_aside_m(points: &[WallPoint], side: Side) -> Option<f64> {
+    let here = || points.iter().filter(|point| point.side == side);
+    let least_m = here().map(|point| point.aside_m).fold(f64::INFINITY, f64::min);
+    if least_m == f64::INFINITY {
+        return None;
+    }
+    let most_m = here().map(|point| point.aside_m).fold(f64::NEG_INFINITY, f64::max);
+    let mut votes = vec![0_u32; ((most_m - least_m) / CELL_M) as usize + 1];
+    for point in here() {
+        votes[((point.aside_m - least_m) / CELL_M) as usize] += 1;
+    }
+    let around = |cell: usize| {
+        votes[cell] * 2 + cell.checked_sub(1).map_or(0, |before| votes[before]) + votes.get(cell + 1).unwrap_or(&0)
+    };
+    let most = (0..votes.len()).max_by(|&a, &b| around(a).cmp(&around(b)).then(b.cmp(&a)))?;
+    let mut wall_m = least_m + (most as f64 + 0.5) * CELL_M;
+    for _ in 0..3 {
+        let (mut sum_m, mut weights) = (0.0, 0.0);
+        for point in here() {
+            let off = (point.aside_m - wall_m) / WALL_M;
+            let weight = (1.0 - off * off).max(0.0);
+            sum_m += weight * point.aside_m;
+            weights += weight;
+        }
+        if weights > 0.0 {
+            wall_m = sum_m / weights;
+        }
+    }
+    Some(wall_m)
+}
+
+/// The side reference: the median over the last 25 cm of what the transducer nearest to the perpendicular heard.
+pub(super) fn median_distance_m(
+    views: &Views,
+    sonars: &SonarArray,
+    axis_in_odom_rad: f64,
+    from_in_odom: Pose,
+    side: Side,
+) -> Option<f64> {
+    let here_m = aside_m(from_in_odom, axis_in_odom_rad, side);
+    let distance_m = |view: &View| {
+        let heading_rad = view.from_in_odom.heading_rad - axis_in_odom_rad;
+        let readings = side_readings(view.scan(sonars), heading_rad, side, WIDEST_RAD);
+        let nearest = readings.min_by(|a, b| a.off_rad().total_cmp(&b.off_rad()))?;
+        let heard_m = nearest.apex_aside_m + nearest.perpendicular_m();
+        Some(aside_m(view.from_in_odom, axis_in_odom_rad, side) + heard_m - here_m)
+    };
+    let mut heard_m: Vec<f64> = views.latest(REFERENCE_M).iter().filter_map(distance_m).collect();
+    heard_m.sort_by(f64::total_cmp);
+    heard_m.get(heard_m.len() / 2).copied().filter(|distance_m| distance_m.is_finite())
+}
+
+/// Over so much of the way the median is taken.
+const REFERENCE_M: f64 = 0.25;

@@ -1,0 +1,216 @@
+//! The certainties of an instruction's nodes, and how percepts move them.
+
+use super::chain::Chain;
+use super::counter;
+use super::inference::{Inference, Method};
+use super::literal;
+use super::matrix::Matrix;
+use crate::feature::{Feature, Percept};
+use crate::instruction::Instruction;
+use serde::{Deserialize, Serialize};
+
+/// How many percepts are remembered as possibly the goal; the least certain is forgotten.
+const MOST_CANDIDATES: usize = 12;
+
+/// How far the robot has got with an instruction, given what it perceived: a plain value of bounded size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StateSet {
+    /// Which one.
+    pub instruction: Instruction,
+    certainties: Certainties,
+    /// Percepts with a smaller number were taken in.
+    next_number: u64,
+    /// How many of them concerned this instruction.
+    counted: u64,
+}
+
+/// They sum to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Certainties {
+    /// That the robot has passed so many of the nodes before the goal: none, one, ….
+    before: Vec<f64>,
+    /// That the goal was perceived, and as which percept; in the order of percepts.
+    candidates: Vec<Candidate>,
+    /// That the goal was passed and nothing perceived of it.
+    unseen: f64,
+}
+
+/// A percept that may be the goal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Which one.
+    pub percept: Percept,
+    /// That it is the goal.
+    pub certainty: f64,
+}
+
+/// Where the robot is in an instruction, as far as it knows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Standing {
+    /// The goal is most likely still ahead.
+    OnTheWay,
+    /// This percept is most likely the goal; it may be an earlier one than the last.
+    Arrived(Percept),
+    /// The goal was most likely passed, and nothing perceived of it.
+    PassedUnseen,
+}
+
+impl StateSet {
+    /// At the start of an instruction; none for those that are followed without counting: to leave a room,
+    /// and to go to the end of a hallway.
+    #[must_use]
+    pub fn start(instruction: Instruction) -> Option<Self> {
+        let mut before = vec![0.0; Chain::of(instruction)?.length];
+        before[0] = 1.0;
+        let certainties = Certainties { before, candidates: Vec::new(), unseen: 0.0 };
+        Some(Self { instruction, certainties, next_number: 0, counted: 0 })
+    }
+
+    /// Takes in the percepts of a step, in the order of their numbers; what was taken in before, by its
+    /// number, is left out. Cost: the number of percepts times that of nodes.
+    pub fn progress(&mut self, inference: &Inference, percepts: &[Percept]) {
+        let Some(chain) = Chain::of(self.instruction) else { return };
+        for percept in percepts.iter().filter(|percept| chain.concerns(percept)) {
+            if percept.number >= self.next_number {
+                self.next_number = percept.number + 1;
+                self.counted += 1;
+                self.take_in(&chain, inference, percept);
+            }
+        }
+    }
+
+    /// Where the robot is, asked when all percepts of a step were taken in: arrived when the goal's certainty
+    /// is the greatest.
+    ///
+    /// # Deviation
+    /// The certainty of one percept to be the goal is compared with that of all nodes before the goal
+    /// together: the robot stops at an opening, not at a node. A threshold would have to know how far off the
+    /// goal is, because certainty is lost with each opening that is passed.
+    pub fn standing(&self) -> Standing {
+        let on_the_way: f64 = self.certainties.before.iter().sum();
+        let unseen = self.certainties.unseen;
+        match self.best() {
+            Some(best) if best.certainty >= on_the_way.max(unseen) => Standing::Arrived(best.percept),
+            _ if unseen > on_the_way => Standing::PassedUnseen,
+            _ => Standing::OnTheWay,
+        }
+    }
+
+    /// The percept that is the goal, if the goal was most likely passed.
+    pub fn arrived(&self) -> Option<Percept> {
+        match self.standing() {
+            Standing::Arrived(percept) => Some(percept),
+            Standing::OnTheWay | Standing::PassedUnseen => None,
+        }
+    }
+
+    /// The percept that is most likely the goal, whether that is likely or not.
+    pub fn best(&self) -> Option<Candidate> {
+        let better = |best: Candidate, other: Candidate| if other.certainty > best.certainty { other } else { best };
+        self.candidates().iter().copied().reduce(better)
+    }
+
+    /// Every percept that may be the goal, in the order in which they came.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.certainties.candidates
+    }
+
+    /// Of each node: the start, those that are counted, the goal, and beyond it without having perceived it.
+    /// They sum to 1.
+    pub fn certainties(&self) -> Vec<f64> {
+        let Certainties { before, unseen, .. } = &self.certainties;
+        before.iter().copied().chain([self.certainties.of_goal(), *unseen]).collect()
+    }
+
+    /// How many percepts concerned this instruction.
+    pub fn counted(&self) -> u64 {
+        self.counted
+    }
+
+    /// A percept that no node explains changes nothing.
+    fn take_in(&mut self, chain: &Chain, inference: &Inference, percept: &Percept) {
+        let certainties = &self.certainties;
+        let progressed = match inference.method {
+            Method::StateSet => certainties.progressed(chain, &inference.matrix, percept),
+            Method::LiteralEquations => certainties.progressed_literally(chain, &inference.matrix, percept),
+            Method::PlainCounter => certainties.counted(self.counted >= chain.length as u64, percept),
+            Method::CounterWithClass => certainties.counted(counter::is_goal(chain, self.counted, percept), percept),
+        };
+        self.certainties = progressed.normalised().unwrap_or_else(|| certainties.clone());
+    }
+}
+
+impl Certainties {
+    /// Eqs. (1) to (3) for one percept.
+    ///
+    /// # Deviation
+    /// The features in the first bracket of Eq. (3) are those of S_i: printed is S_j, by which a percept would
+    /// be compared with what the robot has left behind. A state may stay (j = i), because a wall may be
+    /// perceived as something, and because a foyer is not counted; with j < i alone every false alarm counts.
+    /// What comes after the goal is any opening, so that one sum stands for all nodes beyond it, and each
+    /// percept that may have been the goal keeps a certainty of its own: the robot can go back to it.
+    fn progressed(&self, chain: &Chain, matrix: &Matrix, percept: &Percept) -> Self {
+        let seen = percept.seen;
+        let go = 1.0 - chain.uncounted_share;
+        let stay = matrix.certainty(seen, Feature::Wall) + chain.uncounted_share * matrix.mean(seen, chain.uncounted);
+        let counted = go * matrix.mean(seen, chain.counted);
+        let missed = matrix.mean(Feature::Wall, chain.counted);
+        // After the goal, however many were missed before this percept.
+        let next = counted / (1.0 - missed).max(f64::MIN_POSITIVE);
+
+        let mut before = Vec::with_capacity(self.before.len());
+        // What comes to a node from all earlier ones when everything between was missed (Eq. 2).
+        let mut reaching = 0.0;
+        for &earlier in &self.before {
+            before.push(earlier * stay + reaching * counted);
+            reaching = reaching * missed + earlier;
+        }
+        let passed = |certainty: f64| certainty * (stay + next);
+        let unseen = passed(self.unseen) + reaching * matrix.missed(chain.goal) * next;
+        let arriving = Candidate { percept: *percept, certainty: reaching * go * matrix.certainty(seen, chain.goal) };
+        let earlier = self
+            .candidates
+            .iter()
+            .map(|&Candidate { percept, certainty }| Candidate { percept, certainty: passed(certainty) });
+        Self { before, candidates: earlier.chain([arriving]).collect(), unseen }.with_likeliest_candidates()
+    }
+
+    /// By [`literal::progressed`].
+    fn progressed_literally(&self, chain: &Chain, matrix: &Matrix, percept: &Percept) -> Self {
+        let mut before = literal::progressed(chain, matrix, &self.before, percept.seen);
+        let certainty = before.pop().unwrap_or(0.0);
+        Self { before, candidates: vec![Candidate { percept: *percept, certainty }], unseen: 0.0 }
+    }
+
+    /// What a counter knows: that this percept is the goal, or nothing new.
+    fn counted(&self, is_goal: bool, percept: &Percept) -> Self {
+        if !is_goal || !self.candidates.is_empty() {
+            return self.clone();
+        }
+        let candidates = vec![Candidate { percept: *percept, certainty: 1.0 }];
+        Self { before: vec![0.0; self.before.len()], candidates, unseen: 0.0 }
+    }
+
+    fn with_likeliest_candidates(mut self) -> Self {
+        let certainty = |at: &usize| self.candidates[*at].certainty;
+        if self.candidates.len() > MOST_CANDIDATES
+            && let Some(least) = (0..self.candidates.len()).min_by(|a, b| certainty(a).total_cmp(&certainty(b)))
+        {
+            self.candidates.remove(least);
+        }
+        self
+    }
+
+    fn of_goal(&self) -> f64 {
+        self.candidates.iter().map(|candidate| candidate.certainty).sum()
+    }
+
+    /// None if nothing is left.
+    fn normalised(mut self) -> Option<Self> {
+        let sum = self.before.iter().sum::<f64>() + self.of_goal() + self.unseen;
+        self.before.iter_mut().for_each(|certainty| *certainty /= sum);
+        self.candidates.iter_mut().for_each(|candidate| candidate.certainty /= sum);
+        self.unseen /= sum;
+        (sum > 0.0).then_some(self)
+    }
+}
