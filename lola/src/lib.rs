@@ -24,4 +24,4 @@ pub mod routines;
 pub mod state_set;
 pub mod topological;
 
-pub use module::Lola;
+pub use module::{Lola, LolaSettings};

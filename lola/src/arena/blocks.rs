@@ -11,7 +11,7 @@ use rpl_robot::world::Axis;
 const BLIND_END: f64 = 0.3;
 
 /// How often a hallway between two crossings is left out, if all others stay connected.
-const LEFT_OUT: f64 = 0.3;
+const LEFT_OUT: f64 = 0.2;
 
 /// The grid. A cell is a block (even column, even row), a crossing (odd, odd) or a stretch of hallway between
 /// them.

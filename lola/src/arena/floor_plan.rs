@@ -116,8 +116,11 @@ const FOYER_MM: Interval = (3500, 5500);
 /// A foyer keeps so far from crossings and from the ends of its hallway.
 const FOYER_OFF_CROSSING_MM: Millimetres = 1000;
 
+/// Two foyers of a hallway are so far apart along it: one can be told to go past the next.
+const FOYERS_APART_MM: Millimetres = 4000;
+
 /// How often a room that could be a foyer is one.
-const FOYER: f64 = 0.2;
+const FOYER: f64 = 0.3;
 
 /// The width of a room along its hallway.
 const ROOM_MM: Interval = (3000, 5500);
@@ -293,6 +296,13 @@ impl FloorPlan {
         crossings.map(|found| (found.from_mm, found.to_mm))
     }
 
+    /// Where foyers are beside a hallway, on either side.
+    fn foyers_mm(&self, hallway: usize) -> impl Iterator<Item = Interval> {
+        let features = self.hallways[hallway].sides.iter().flatten();
+        let foyers = features.filter(|found| found.feature == Feature::Foyer);
+        foyers.map(|found| (found.from_mm, found.to_mm))
+    }
+
     fn can_be_foyer(&self, edge: WallLine, hallway: usize) -> bool {
         let (from_mm, to_mm) = shrunk(edge.along_mm, self.walls_mm / 2);
         let (least_mm, most_mm) = FOYER_MM;
@@ -302,6 +312,7 @@ impl FloorPlan {
             && hallway_mm.0 <= off_mm.0
             && off_mm.1 <= hallway_mm.1
             && !self.crossings_mm(hallway).any(|crossing_mm| overlap(crossing_mm, off_mm))
+            && !self.foyers_mm(hallway).any(|foyer_mm| overlap(foyer_mm, shrunk((from_mm, to_mm), -FOYERS_APART_MM)))
     }
 
     /// Adds a room, and what is seen of it from its hallway.

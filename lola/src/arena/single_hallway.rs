@@ -10,7 +10,7 @@ use super::{ArenaSettings, read};
 use rpl_random::Stream;
 use rpl_robot::world::World;
 
-/// A hallway of some fifty metres with openings of all kinds on both sides, the robot at its western end.
+/// A hallway of some sixty metres with openings of all kinds on both sides, the robot at its western end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingleHallway {
     /// The world file.
@@ -22,7 +22,7 @@ pub struct SingleHallway {
 }
 
 /// Other hallways that branch off.
-const BRANCHES: (usize, usize) = (2, 4);
+const BRANCHES: (usize, usize) = (4, 5);
 
 impl SingleHallway {
     /// The hallway of a seed.

@@ -64,49 +64,31 @@ impl ContourPoint {
     }
 }
 
-/// The side reference: where the wall is.
+/// The side reference as long as registration knows of no wall on a side: the median of what the nearest transducer
+/// heard over the last 25 cm, where that is flat.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct WallReference {
     /// How far to the side of the line on which the detection was started.
     pub aside_m: Option<f64>,
     /// What was heard lately: where along, and how far aside.
     recent_m: Vec<(f64, f64)>,
-    /// Where along it was last heard to be right.
-    held_at_m: f64,
 }
 
-impl WallReference {
-    pub fn new(aside_m: Option<f64>) -> Self {
-        Self { aside_m, recent_m: Vec::new(), held_at_m: 0.0 }
-    }
+/// With fewer readings there is no median.
+const LEAST_READINGS: usize = 6;
 
+impl WallReference {
     /// Takes in what the nearest transducer heard: where a wall of this echo would be.
     pub fn take_in(&mut self, along_m: f64, heard_aside_m: f64) {
         self.recent_m.push((along_m, heard_aside_m));
         self.recent_m.retain(|(at_m, _)| (along_m - at_m).abs() <= PARAMETERS.reference_m);
         let mut asides_m: Vec<f64> = self.recent_m.iter().map(|(_, aside_m)| *aside_m).collect();
         asides_m.sort_by(f64::total_cmp);
-        let (median_m, spread_m) =
-            (asides_m[asides_m.len() / 2], asides_m[asides_m.len() * 3 / 4] - asides_m[asides_m.len() / 4]);
-        let is_flat = spread_m < PARAMETERS.obstacle_m && asides_m.len() >= 6;
-        match self.aside_m {
-            None if is_flat => self.hold(along_m, median_m),
-            None => {}
-            Some(aside_m) if (median_m - aside_m).abs() <= PARAMETERS.obstacle_m => {
-                // A leaf pulls it a little, the wall behind pulls it back.
-                self.hold(along_m, aside_m + (median_m - aside_m) * PARAMETERS.scan_m / PARAMETERS.reference_m);
-            }
-            Some(aside_m) => {
-                let is_new = median_m < aside_m && (along_m - self.held_at_m).abs() > PARAMETERS.new_wall_m;
-                if is_flat && is_new {
-                    self.hold(along_m, median_m);
-                }
-            }
+        let quarter_m = |quarters: usize| asides_m[asides_m.len() * quarters / 4];
+        if asides_m.len() >= LEAST_READINGS && quarter_m(3) - quarter_m(1) < PARAMETERS.obstacle_m {
+            // A box or a person is nearer than a wall, the wall of a room behind a door is farther.
+            let median_m = quarter_m(2);
+            self.aside_m = Some(self.aside_m.map_or(median_m, |aside_m| aside_m.min(median_m)));
         }
-    }
-
-    fn hold(&mut self, along_m: f64, aside_m: f64) {
-        self.aside_m = Some(aside_m);
-        self.held_at_m = along_m;
     }
 }

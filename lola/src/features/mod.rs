@@ -50,6 +50,8 @@ pub struct FeatureDetection {
 /// One side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct SideMonitor {
+    /// How far the wall is to the side of the line on which the detection was started.
+    wall_aside_m: Option<f64>,
     reference: WallReference,
     kept: Vec<ContourPoint>,
     openings: OpeningMonitor,
@@ -62,7 +64,8 @@ impl FeatureDetection {
     /// Begins where the robot is.
     pub fn start(axis: &HallwayAxis, odometry_in_odom: Pose) -> Self {
         let side = |side| SideMonitor {
-            reference: WallReference::new(axis.wall_distance_m(odometry_in_odom, side)),
+            wall_aside_m: axis.wall_distance_m(odometry_in_odom, side),
+            reference: WallReference::default(),
             kept: Vec::new(),
             openings: OpeningMonitor::default(),
             indentations: IndentationMonitor::default(),
@@ -103,6 +106,8 @@ impl FeatureDetection {
         for side in Side::ALL {
             let (along_m, aside_m) = (self.along_m, side.sign() * self.left_m);
             let monitor = &mut self.sides[side as usize];
+            let wall_m = axis.wall_distance_m(odometry_in_odom, side);
+            monitor.wall_aside_m = wall_m.map(|wall_m| aside_m + wall_m).or(monitor.reference.aside_m);
             found.extend(monitor.take_in(along_m, aside_m, heading_rad, side, scan).into_iter().map(|one| (side, one)));
         }
         if self.hallway_end_m().is_some_and(|end_m| end_m - self.along_m <= PARAMETERS.at_end_m) {
@@ -130,7 +135,7 @@ impl FeatureDetection {
 
     /// Where the walls are, to the left of the line on which the detection was started.
     fn walls_left_m(&self) -> [Option<f64>; 2] {
-        Side::ALL.map(|side| self.sides[side as usize].reference.aside_m.map(|aside_m| side.sign() * aside_m))
+        Side::ALL.map(|side| self.sides[side as usize].wall_aside_m.map(|aside_m| side.sign() * aside_m))
     }
 
     /// Merges with vision and numbers what is left.
@@ -145,7 +150,7 @@ impl FeatureDetection {
             .map(|markers| markers.iter().map(|&marker| self.in_hallway(axis, marker)).collect::<Vec<_>>());
         let mut percepts = Vec::new();
         for (side, found) in found {
-            let wall_aside_m = self.sides[side as usize].reference.aside_m;
+            let wall_aside_m = self.sides[side as usize].wall_aside_m;
             let merged = merging::merged(found, side, wall_aside_m, markers.as_deref());
             if let Some((seen, marked)) = merged {
                 let Found { from_m, to_m, depth_m, .. } = found;
@@ -195,7 +200,7 @@ impl SideMonitor {
         if heard_aside_m.is_finite() {
             self.reference.take_in(along_m, heard_aside_m);
         }
-        let Some(wall_aside_m) = self.reference.aside_m else { return Vec::new() };
+        let Some(wall_aside_m) = self.wall_aside_m else { return Vec::new() };
         self.kept.retain(|point| along_m - point.robot_along_m <= PARAMETERS.kept_m);
         let point = |reading| ContourPoint {
             robot_along_m: along_m,

@@ -15,20 +15,47 @@ pub(super) struct Found {
     pub depth_m: f64,
 }
 
+/// Readings of beyond the wall in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Stretch {
+    /// The part of the wall that their cones looked through.
+    from_m: f64,
+    to_m: f64,
+    /// Where the robot was when the first and the last of them were heard.
+    heard_from_m: f64,
+    heard_to_m: f64,
+    /// The nearest that was heard.
+    depth_m: f64,
+}
+
+impl Stretch {
+    fn of(point: &ContourPoint) -> Self {
+        let (from_m, to_m) = point.footprint_m();
+        let heard_m = point.robot_along_m;
+        Self { from_m, to_m, heard_from_m: heard_m, heard_to_m: heard_m, depth_m: point.depth_m() }
+    }
+
+    fn with(self, later: &Self) -> Self {
+        Self {
+            to_m: self.to_m.max(later.to_m),
+            heard_to_m: later.heard_to_m,
+            depth_m: self.depth_m.min(later.depth_m),
+            ..self
+        }
+    }
+
+    fn heard_m(&self) -> f64 {
+        self.heard_to_m - self.heard_from_m
+    }
+}
+
 /// An opening under way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Passing {
-    /// The part of the wall that the cones which heard beyond it looked through.
-    from_m: f64,
-    to_m: f64,
-    /// Where the robot was when the first and the last of them did.
-    heard_from_m: f64,
-    heard_to_m: f64,
-    /// The nearest that was heard in it.
-    depth_m: f64,
-    /// Where the wall was heard again, without a break since, and how often.
-    wall_from_m: Option<f64>,
-    wall_count: u32,
+    /// All of its stretches.
+    whole: Stretch,
+    /// The longest.
+    longest_m: f64,
     /// Whether it was open when the detection began, so that its beginning is not known.
     is_cut: bool,
 }
@@ -37,6 +64,9 @@ struct Passing {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct OpeningMonitor {
     passing: Option<Passing>,
+    stretch: Option<Stretch>,
+    /// Where the wall was heard again, without a break since, and how often.
+    wall: Option<(f64, u32)>,
     has_heard_wall: bool,
 }
 
@@ -49,87 +79,86 @@ impl OpeningMonitor {
         let along_m = point.robot_along_m;
         match point.heard() {
             Heard::Beyond => {
+                self.wall = None;
                 self.beyond(point);
                 None
             }
             Heard::Obstacle => None,
             Heard::Wall => {
+                let (from_m, count) = self.wall.unwrap_or((along_m, 0));
+                self.wall = Some((from_m, count + 1));
+                if count + 1 < WALL_READINGS || along_m - from_m < PARAMETERS.wall_again_m {
+                    return None;
+                }
                 self.has_heard_wall = true;
-                let passing = self.passing.as_mut()?;
-                let from_m = *passing.wall_from_m.get_or_insert(along_m);
-                passing.wall_count += 1;
-                let has_ended = passing.wall_count >= WALL_READINGS && along_m - from_m >= PARAMETERS.wall_again_m;
-                if has_ended { self.passing.take().and_then(|passing| passing.judged(kept)) } else { None }
+                self.stretch = None;
+                self.passing.take().and_then(|passing| passing.judged(kept))
             }
         }
     }
 
     fn beyond(&mut self, point: &ContourPoint) {
-        let (from_m, to_m) = point.footprint_m();
-        let along_m = point.robot_along_m;
+        let heard = Stretch::of(point);
+        let goes_on = |stretch: &Stretch| heard.heard_to_m - stretch.heard_to_m <= PARAMETERS.break_m;
+        let stretch = self.stretch.filter(goes_on).map_or(heard, |stretch| stretch.with(&heard));
+        self.stretch = Some(stretch);
+        if stretch.heard_m() < PARAMETERS.least_stretch_m {
+            return;
+        }
         let is_cut = !self.has_heard_wall;
-        let passing = self.passing.get_or_insert(Passing {
-            from_m,
-            to_m,
-            heard_from_m: along_m,
-            heard_to_m: along_m,
-            depth_m: f64::INFINITY,
-            wall_from_m: None,
-            wall_count: 0,
-            is_cut,
-        });
-        passing.to_m = passing.to_m.max(to_m);
-        passing.heard_to_m = along_m;
-        passing.depth_m = passing.depth_m.min(point.depth_m());
-        (passing.wall_from_m, passing.wall_count) = (None, 0);
+        let passing = self.passing.get_or_insert(Passing { whole: stretch, longest_m: 0.0, is_cut });
+        passing.whole = passing.whole.with(&stretch);
+        passing.longest_m = passing.longest_m.max(stretch.heard_m());
     }
 
     /// Nothing comes any more: an opening under way ends at the hallway's end, which is the far wall of one that
     /// has no other, or where it was heard last.
     pub fn close(&mut self, end_m: Option<f64>, kept: &[ContourPoint]) -> Option<Found> {
-        let passing = self.passing.take()?;
-        let is_open = passing.wall_from_m.is_none();
-        let to_m = end_m.filter(|_| is_open).map_or(passing.to_m, |end_m| end_m.max(passing.to_m));
-        Passing { to_m, ..passing }.judged(kept)
+        let mut passing = self.passing.take()?;
+        if let (Some(end_m), None) = (end_m, self.wall) {
+            passing.whole.to_m = passing.whole.to_m.max(end_m);
+        }
+        passing.judged(kept)
     }
 
     /// The part of the wall that is open as far as was heard, while an opening is passed.
     pub fn passing_m(&self) -> Option<(f64, f64)> {
-        self.passing.as_ref().map(|passing| (passing.from_m, passing.to_m))
+        self.passing.as_ref().map(|passing| (passing.whole.from_m, passing.whole.to_m))
     }
 }
 
 impl Passing {
     /// What it was, by its width.
     fn judged(&self, kept: &[ContourPoint]) -> Option<Found> {
-        let width_m = self.to_m - self.from_m;
-        let heard_m = self.heard_to_m - self.heard_from_m;
+        let Stretch { from_m, to_m, depth_m, .. } = self.whole;
         let p = &PARAMETERS;
-        if heard_m < p.least_heard_m || width_m < p.least_width_m || self.share(kept) < p.least_share {
+        let is_narrow = to_m - from_m < p.least_width_m || self.longest_m < p.least_heard_m;
+        if is_narrow || !self.is_heard_through(kept) {
             return None;
         }
-        let seen = opening_of_width(width_m);
+        let seen = opening_of_width(to_m - from_m);
         let is_own_door = self.is_cut && seen == Feature::OpenDoor;
-        (!is_own_door).then_some(Found { seen, from_m: self.from_m, to_m: self.to_m, depth_m: self.depth_m })
+        (!is_own_door).then_some(Found { seen, from_m, to_m, depth_m })
     }
 
-    /// Of the cones that looked wholly into it, the share that heard beyond the wall; something that stands
-    /// before it says nothing. What is no longer kept was wide enough.
-    fn share(&self, kept: &[ContourPoint]) -> f64 {
-        let (mut beyond, mut all) = (0.0, 0.0);
+    /// Whether most of the cones that looked wholly into it heard beyond the wall. What is no longer kept was wide
+    /// enough.
+    fn is_heard_through(&self, kept: &[ContourPoint]) -> bool {
+        let (mut beyond, mut wall, mut obstacle) = (0.0, 0.0, 0.0);
         for point in kept {
             let (from_m, to_m) = point.footprint_m();
             // A cone that looks in aslant hears the side of the jamb, too, near it.
             let edge_m = 0.03 + 0.2 * point.reading.off_rad();
-            if from_m >= self.from_m + edge_m && to_m <= self.to_m - edge_m {
+            if from_m >= self.whole.from_m + edge_m && to_m <= self.whole.to_m - edge_m {
                 match point.heard() {
-                    Heard::Beyond => (beyond, all) = (beyond + 1.0, all + 1.0),
-                    Heard::Wall => all += 1.0,
-                    Heard::Obstacle => {}
+                    Heard::Beyond => beyond += 1.0,
+                    Heard::Wall => wall += 1.0,
+                    Heard::Obstacle => obstacle += 1.0,
                 }
             }
         }
-        if all > 0.0 { beyond / all } else { 1.0 }
+        let p = &PARAMETERS;
+        beyond >= p.least_share * (beyond + wall) && beyond >= p.least_share_past * (beyond + wall + obstacle)
     }
 }
 

@@ -17,14 +17,19 @@ pub(super) struct FeatureParameters {
     pub obstacle_m: f64,
     /// The side reference is the median over so much of the way, as in the paper.
     pub reference_m: f64,
-    /// What is heard off the reference for so long is a wall of its own.
-    pub new_wall_m: f64,
     /// An opening has ended when the wall was heard again for so long.
     pub wall_again_m: f64,
-    /// The shortest way on which an opening is heard through: below it, it is a corner that gave no echo.
+    /// Readings of beyond the wall are in a row if they are no farther apart.
+    pub break_m: f64,
+    /// So long a row begins an opening: the corner of a box or a person walking by gives no echo on shorter
+    /// ways.
+    pub least_stretch_m: f64,
+    /// The longest row of an opening must be so long.
     pub least_heard_m: f64,
-    /// Of the cones that look wholly into an opening, so many must hear that it is one.
+    /// Of the cones that look wholly into an opening, so many must hear beyond the wall rather than it ...
     pub least_share: f64,
+    /// ... and so many although something stands before it.
+    pub least_share_past: f64,
     /// Narrower ones are false alarms: doors are 0.9 m to 1 m wide, and a box may hide a third of one.
     pub least_width_m: f64,
     /// Half-way between a door of 1 m and a hallway of 2 m.
@@ -64,10 +69,12 @@ pub(super) const PARAMETERS: FeatureParameters = FeatureParameters {
     opening_m: 0.25,
     obstacle_m: 0.13,
     reference_m: 0.25,
-    new_wall_m: 1.5,
-    wall_again_m: 0.08,
-    least_heard_m: 0.12,
+    wall_again_m: 0.12,
+    break_m: 0.06,
+    least_stretch_m: 0.12,
+    least_heard_m: 0.2,
     least_share: 0.6,
+    least_share_past: 0.4,
     least_width_m: 0.45,
     hallway_m: 1.5,
     foyer_m: 3.0,

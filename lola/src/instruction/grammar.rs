@@ -5,12 +5,12 @@
 //! phrase   = leave | foyer | end | opening | straight | enter
 //! leave    = ( LEAVE | [ GO ] OUT ) [ room ] [ [ "then" ] [ TURN | GO ] side ]
 //!          | ( TURN | GO ) side [ AFTER ] ( LEAVE | OUT ) [ room ]
-//! foyer    = [ GO ] { straight } [ hallway ] [ UNTIL ] ( PAST | AFTER | THROUGH | PASS ) foyer
-//! end      = [ GO ] { straight } [ hallway ] [ UNTIL ] [ REACH ] [ hallway ] end [ hallway ]
-//! opening  = [ verb ] mention [ AFTER foyer | end [ hallway ] ]
-//! verb     = [ room ] IS [ room ] [ IN ] | ENTER | [ GO ] ( IN | THROUGH )
+//! foyer    = { GO } { straight } [ hallway ] [ UNTIL ] ( PAST | AFTER | THROUGH | PASS ) foyer
+//! end      = { GO } { straight } [ hallway ] [ UNTIL ] [ REACH ] [ hallway ] end [ hallway ]
+//! opening  = [ verb ] mention [ AFTER foyer | end [ hallway ] ] [ IS room ]
+//! verb     = [ room ] IS [ room ] [ IN | AFTER ] | ENTER | [ GO ] ( IN | THROUGH )
 //!          | TURN [ IN ] | GO { straight } | [ GO ] { straight } [ hallway ] UNTIL [ REACH ]
-//! mention  = side ordinal [ noun ] | noun ordinal side
+//! mention  = side [ "then" | IN ] ordinal [ noun ] | noun ordinal side
 //!          | ordinal [ noun ] side [ noun ] | [ noun ] side [ noun ] | ordinal [ noun ]
 //! straight = GO { straight } [ hallway ]
 //! enter    = ENTER [ room ]
@@ -123,7 +123,7 @@ fn maybe<'t>(known: Word) -> impl Parser<'t, Words<'t>, ()> + Clone {
 
 /// `[ GO ] { straight } [ hallway ]`
 fn on_the_way<'t>() -> impl Parser<'t, Words<'t>, ()> + Clone {
-    maybe(Word::Go).then(just(Word::Straight).repeated()).then(maybe(Word::Hallway)).ignored()
+    just(Word::Go).repeated().then(just(Word::Straight).repeated()).then(maybe(Word::Hallway)).ignored()
 }
 
 fn leave<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
@@ -157,12 +157,17 @@ fn opening<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
         the_end().to(Place::AtEnd),
         empty().to(Place::InHallway),
     ));
-    verb().then(mention()).then(place).map(|((verb, mention), place)| Phrase::Opening { verb, mention, place })
+    let is_room = just(Word::Is).then(just(Word::Room)).or_not();
+    let phrase = verb().then(mention()).then(place).then(is_room);
+    phrase.map(|(((verb, mention), place), is_room)| {
+        let verb = if is_room.is_some() { Verb::Enter } else { verb };
+        Phrase::Opening { verb, mention, place }
+    })
 }
 
 fn verb<'t>() -> impl Parser<'t, Words<'t>, Verb> {
     let room = || maybe(Word::Room);
-    let is = room().then(just(Word::Is)).then(room()).then(maybe(Word::In));
+    let is = room().then(just(Word::Is)).then(room()).then(one_of([Word::In, Word::After]).or_not());
     let into = maybe(Word::Go).then(just(Word::Straight).repeated()).then(one_of([Word::In, Word::Through]));
     let turn = just(Word::Turn).then(just(Word::Straight).repeated()).then(maybe(Word::In));
     let until = on_the_way().then(just(Word::Until)).then(maybe(Word::Reach)).ignored();
@@ -181,12 +186,14 @@ fn mention<'t>() -> impl Parser<'t, Words<'t>, Mention> {
     let of = |(ordinal, side, noun)| Mention { ordinal, side, noun };
     let some_side = || side().map(Some);
     let counted = || ordinal().map(Some);
-    // "on the right the second door", but not "left, second right".
-    let side_first = some_side().then(counted()).then(noun().or_not()).then_ignore(side().not());
+    // "on the right, the second door", but not "left, second right".
+    let between = one_of([Word::Then, Word::In]).or_not();
+    let side_first = some_side().then_ignore(between).then(counted()).then(noun().or_not());
+    let side_first = side_first.then_ignore(side().not());
     let numbered = noun().map(Some).then(counted()).then(some_side());
     let plain = counted().then(noun().or_not()).then(some_side()).then(noun().or_not());
-    let uncounted = noun().or_not().then(some_side()).then(noun().or_not());
-    let sideless = counted().then(noun().or_not());
+    let uncounted = noun().or_not().then(some_side()).then(noun().or_not()).then_ignore(side().not());
+    let sideless = counted().then(noun().or_not()).then_ignore(just(Word::Unknown).not());
     choice((
         side_first.map(move |((side, ordinal), noun)| of((ordinal, side, noun))),
         numbered.map(move |((noun, ordinal), side)| of((ordinal, side, noun))),

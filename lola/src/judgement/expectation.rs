@@ -23,10 +23,10 @@ pub struct Expectation {
 pub(super) const SHARES: [f64; 5] = [0.0, 0.33, 0.34, 0.28, 0.05];
 
 impl Expectation {
-    /// In an event in which one of two lists of about four instructions has an error.
+    /// In an event in which one of two lists has an error, in one of two or three instructions that count.
     #[must_use]
     pub fn of_event(matrix: Matrix) -> Self {
-        Self { matrix, wrong: 0.12, same_again: 0.5, openings_per_m: 0.25 }
+        Self { matrix, wrong: 0.2, same_again: 0.5, openings_per_m: 0.25 }
     }
 
     /// C(what all looks saw | feature). With the chance `same_again` one look decides for all of them, else

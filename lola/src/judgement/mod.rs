@@ -22,8 +22,6 @@ pub enum FaultKind {
     NoSuchOpening,
     /// The opening is of another kind.
     OtherKind,
-    /// There is no such opening on this side, or it is of another kind; the one on the other side is meant.
-    OtherSide,
 }
 
 impl FaultKind {
@@ -32,7 +30,6 @@ impl FaultKind {
         match self {
             Self::NoSuchOpening => "no-such-opening",
             Self::OtherKind => "other-kind",
-            Self::OtherSide => "other-side",
         }
     }
 }
@@ -48,7 +45,7 @@ pub enum Verdict {
     LookAgain,
 }
 
-/// How likely an instruction is right, and in which way it is wrong, given what was seen; these sum to 1.
+/// How likely an instruction is right, and in which way it is wrong, given what was seen; these three sum to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
     /// The opening that was asked for.
@@ -59,15 +56,15 @@ pub struct Judgement {
     pub no_such_opening: f64,
     /// That it is of another kind.
     pub other_kind: f64,
-    /// That the other side is meant.
-    pub other_side: f64,
-    /// Where the opening is that was asked for, if it was most likely seen, right or wrong.
+    /// Where the opening that was asked for most likely is, if there is one and it was seen.
     pub at: Option<Percept>,
     /// What might have been meant, and where it is; the likeliest first. It sums to 1, if there is any.
     pub readings: Vec<Reading>,
     /// What was seen, in words: "the third left is a door; I saw hallways at the first and second".
     pub sentence: String,
     looks: usize,
+    /// Whether the opening may be where no look has come.
+    is_ahead: bool,
 }
 
 /// What might have been meant by a wrong instruction.
@@ -81,18 +78,23 @@ pub struct Reading {
     pub probability: f64,
 }
 
-/// An instruction is called wrong if it is right with less than this: to accuse falsely costs four times as
-/// much as to look for what is not there.
-const WRONG_BELOW: f64 = 0.2;
-
-/// What is less likely there is not gone to.
-const LEAST_READING: f64 = 0.25;
+/// Below this an instruction is called wrong without another look: the look would not save it.
+const WRONG_BELOW: f64 = 0.03;
 
 /// Below this an instruction is doubted, so that another look is worth its time.
-const DOUBTED_BELOW: f64 = 0.7;
+const DOUBTED_BELOW: f64 = 0.8;
+
+/// Below this an instruction is called wrong when no other look is worth its time; where the opening was seen.
+const WRONG_IF_SEEN: f64 = 0.5;
+
+/// The same where it was not: the robot cannot go there, so that little is lost by asking.
+const WRONG_IF_UNSEEN: f64 = 0.7;
 
 /// More looks see what two saw.
 const MOST_LOOKS: usize = 2;
+
+/// What is less likely there is not gone to.
+const LEAST_READING: f64 = 0.25;
 
 impl Judgement {
     /// Judges an instruction by everything that was seen in the hallway, which ends at `end_m` if that is
@@ -104,28 +106,25 @@ impl Judgement {
         let unseen = side.nth_unseen(usize::from(goal.ordinal));
         let (right, none, other) = probabilities(goal, &nth, &unseen, expectation.wrong);
         let readings = readings(goal, looks, end_m, expectation);
-        let of_mirrored = |reading: &&Reading| reading.goal.side != goal.side;
-        let other_side = readings.iter().find(of_mirrored).map_or(0.0, |reading| reading.probability);
         Self {
             goal,
             right,
-            no_such_opening: none * (1.0 - other_side),
-            other_kind: other * (1.0 - other_side),
-            other_side: (none + other) * other_side,
-            at: nth.at(goal.kind).filter(|(_, certainty)| *certainty > 0.5).map(|(percept, _)| percept),
+            no_such_opening: none,
+            other_kind: other,
+            at: nth.at(goal.kind).filter(|(_, mass)| *mass > 0.5 * nth.of_kind(goal.kind)).map(|(percept, _)| percept),
             sentence: sentence::sentence(goal, &nth, &side, readings.first()),
             readings,
             looks: looks.len(),
+            is_ahead: end_m.is_none(),
         }
     }
 
     /// What is to be done.
     pub fn verdict(&self) -> Verdict {
-        if self.right < WRONG_BELOW {
-            Verdict::Wrong(self.likeliest_fault())
-        } else if self.needs_second_look() {
+        let wrong_below = if self.at.is_some() || self.is_ahead { WRONG_IF_SEEN } else { WRONG_IF_UNSEEN };
+        if self.needs_second_look() {
             Verdict::LookAgain
-        } else if self.right < 0.5 {
+        } else if self.right < wrong_below {
             Verdict::Wrong(self.likeliest_fault())
         } else {
             Verdict::Right
@@ -144,13 +143,13 @@ impl Judgement {
 
     /// What is wrong, if anything is.
     pub fn likeliest_fault(&self) -> FaultKind {
-        if self.other_side >= self.no_such_opening.max(self.other_kind) {
-            FaultKind::OtherSide
-        } else if self.no_such_opening >= self.other_kind {
-            FaultKind::NoSuchOpening
-        } else {
-            FaultKind::OtherKind
-        }
+        if self.no_such_opening >= self.other_kind { FaultKind::NoSuchOpening } else { FaultKind::OtherKind }
+    }
+
+    /// That it is wrong, and the other side is meant.
+    pub fn other_side(&self) -> f64 {
+        let mirrored = self.readings.iter().filter(|reading| reading.goal.side != self.goal.side);
+        self.wrong() * mirrored.map(|reading| reading.probability).sum::<f64>()
     }
 
     /// What most likely was meant.

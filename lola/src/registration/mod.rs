@@ -44,6 +44,8 @@ struct RegistrationParameters {
     better_by: f64,
     /// Wall that another axis must explain on one side for that.
     lost_wall_m: f64,
+    /// And how well its walls must be as far apart as those of the hallway were.
+    width_m: f64,
 }
 
 const PARAMETERS: RegistrationParameters = RegistrationParameters {
@@ -56,6 +58,7 @@ const PARAMETERS: RegistrationParameters = RegistrationParameters {
     recent_m: 0.5,
     better_by: 2.0,
     lost_wall_m: 0.3,
+    width_m: 0.15,
 };
 
 /// What is known of the direction.
@@ -113,22 +116,26 @@ impl Registration {
     /// Later ones: the walls confirm the axis or correct it a little, are not to be heard, or show that it is
     /// wrong because the robot was turned by hand.
     fn keep_up(&mut self, scan: SonarScan<'_>, axis: HallwayAxis, odometry_in_odom: Pose) -> Knowledge {
-        let recent = self.views.latest(PARAMETERS.recent_m);
         if let Some(other_rad) = self.contradiction(scan, &axis, odometry_in_odom) {
             self.views.forget_before(PARAMETERS.recent_m);
             return Knowledge::Guess { axis_in_odom_rad: other_rad, gate_rad: PARAMETERS.known_gate_rad };
         }
-        let near = best_axis_within(recent, scan.sonars, axis.heading_in_odom_rad, PARAMETERS.known_gate_rad);
-        if near.is_none() {
-            return Knowledge::Registered(axis);
-        }
+        let held =
+            axis.after_driving(PARAMETERS.between_fits_m, self.views.turned_since_rad(PARAMETERS.between_fits_m));
         let views = self.views.latest(f64::INFINITY);
-        let best = best_axis_within(views, scan.sonars, axis.heading_in_odom_rad, PARAMETERS.known_gate_rad);
-        let Some(best_rad) = best else { return Knowledge::Registered(axis) };
+        let around_rad = held.heading_in_odom_rad;
+        let best = best_axis_within(views, scan.sonars, around_rad, PARAMETERS.known_gate_rad);
+        let Some(best_rad) = best else { return Knowledge::Registered(held) };
         let fitted = refined(views, scan.sonars, best_rad);
-        let is_known =
-            fitted.wall_m >= PARAMETERS.least_wall_m && fitted.deviation_rad <= PARAMETERS.most_deviation_rad;
-        Knowledge::Registered(if is_known { fitted.with_walls_of(&axis, odometry_in_odom) } else { axis })
+        if fitted.wall_m < PARAMETERS.least_wall_m || fitted.deviation_rad > PARAMETERS.most_deviation_rad {
+            return Knowledge::Registered(held);
+        }
+        // What is far off is a wall of something else.
+        Knowledge::Registered(if held.agrees_with(&fitted) {
+            held.corrected_by(&fitted, odometry_in_odom)
+        } else {
+            held
+        })
     }
 
     /// Another axis, near to where the robot looks, that explains much more of what was heard last.
@@ -140,7 +147,8 @@ impl Registration {
         let off_rad = wrap_angle_rad(other_rad - axis.heading_in_odom_rad).abs();
         let other: Explained = explain(recent, scan.sonars, other_rad);
         let is_better = other.score > PARAMETERS.better_by * held.score && other.wall_m >= PARAMETERS.lost_wall_m;
-        (is_better && off_rad > PARAMETERS.known_gate_rad / 3.0).then_some(other_rad)
+        let is_hallway = is_same_hallway(axis, &HallwayAxis { walls_aside_m: other.walls_aside_m, ..*axis });
+        (is_hallway && is_better && off_rad > PARAMETERS.known_gate_rad / 3.0).then_some(other_rad)
     }
 
     /// The axis, as soon as enough wall was driven along; none again after the robot was found to look another
@@ -165,4 +173,11 @@ impl Registration {
     pub fn wall_distance_m(&self, scan: SonarScan<'_>, odometry_in_odom: Pose, side: Side) -> Option<f64> {
         walls::median_distance_m(&self.views, scan.sonars, self.heading_in_odom_rad(), odometry_in_odom, side)
     }
+}
+
+/// Whether walls on both sides are as far apart as those of the hallway were: in a crossing or a foyer there are
+/// walls in all directions, but not two such.
+fn is_same_hallway(known: &HallwayAxis, other: &HallwayAxis) -> bool {
+    let widths_m = known.width_m.zip(other.walls_apart_m());
+    widths_m.is_some_and(|(known_m, other_m)| (known_m - other_m).abs() <= PARAMETERS.width_m)
 }

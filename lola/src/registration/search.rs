@@ -1,7 +1,7 @@
 //! The direction that explains most.
 
 use super::views::View;
-use super::walls::{HallwayAxis, WALL_M, explain, explain_points, wall_points};
+use super::walls::{Explained, HallwayAxis, WALL_M, explain, explain_points, wall_points};
 use rpl_robot::geometry::wrap_angle_rad;
 use rpl_robot::sensors::SonarArray;
 
@@ -62,10 +62,10 @@ pub(super) fn refined(views: &[View], sonars: &SonarArray, start_rad: f64) -> Ha
         deviation_rad = deviation;
     }
     let Explained { wall_m, walls_aside_m, .. } = explain(views, sonars, axis_rad);
-    HallwayAxis { heading_in_odom_rad: axis_rad, deviation_rad, wall_m, walls_aside_m }
+    let mut axis = HallwayAxis { heading_in_odom_rad: axis_rad, deviation_rad, wall_m, walls_aside_m, width_m: None };
+    axis.width_m = axis.walls_apart_m();
+    axis
 }
-
-use super::walls::Explained;
 
 /// Sums of a weighted fit of one slope to several walls, each with an offset of its own.
 #[derive(Default)]

@@ -72,6 +72,13 @@ impl Views {
         &self.kept[first..]
     }
 
+    /// How much the robot turned, to and fro alike, on so much of the way up to now.
+    pub fn turned_since_rad(&self, way_m: f64) -> f64 {
+        let turn_rad =
+            |pair: &[View]| wrap_angle_rad(pair[1].from_in_odom.heading_rad - pair[0].from_in_odom.heading_rad).abs();
+        self.latest(way_m).windows(2).map(turn_rad).sum()
+    }
+
     /// Drops what is older.
     pub fn forget_before(&mut self, way_m: f64) {
         let driven_m = self.driven_m;

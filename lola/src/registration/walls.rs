@@ -3,7 +3,7 @@
 use super::views::{View, Views};
 use crate::beside::{aside_m, axes_in_odom, side_readings};
 use crate::feature::Side;
-use rpl_robot::geometry::Pose;
+use rpl_robot::geometry::{Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarArray;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,8 @@ pub struct HallwayAxis {
     pub deviation_rad: f64,
     /// The way on which a wall was heard that it was fitted to, on the side with more.
     pub wall_m: f64,
+    /// How far its walls are apart, once both were heard.
+    pub width_m: Option<f64>,
     /// Where the walls are, left and right: how far to their side of the line through the origin of `odom`
     /// along the axis. `None` where none was heard.
     pub walls_aside_m: [Option<f64>; 2],
@@ -42,16 +44,97 @@ impl HallwayAxis {
         Some(wall_m - aside_m(pose_in_odom, self.heading_in_odom_rad, side))
     }
 
-    /// Itself, with the walls of an earlier fit, as they lie from here, where it has none of its own.
-    pub(super) fn with_walls_of(mut self, earlier: &HallwayAxis, here_in_odom: Pose) -> Self {
-        for side in Side::ALL {
-            let here_m = aside_m(here_in_odom, self.heading_in_odom_rad, side);
-            let before_m = earlier.wall_distance_m(here_in_odom, side).map(|distance_m| here_m + distance_m);
-            let own = &mut self.walls_aside_m[side as usize];
-            *own = own.or(before_m);
-        }
+    /// How far the walls of this fit are apart.
+    pub(super) fn walls_apart_m(&self) -> Option<f64> {
+        let [left_m, right_m] = self.walls_aside_m;
+        Some(left_m? + right_m?)
+    }
+
+    /// Itself, less sure by what dead reckoning may err on a way with turns.
+    pub(super) fn after_driving(mut self, way_m: f64, turned_rad: f64) -> Self {
+        let drift_rad2 = DRIFT2_RAD2PM * way_m + TURN_DRIFT2_RAD * turned_rad;
+        self.deviation_rad = (self.deviation_rad * self.deviation_rad + drift_rad2).sqrt();
         self
     }
+
+    /// Whether the difference to another fit is one of their errors.
+    pub(super) fn agrees_with(&self, fitted: &HallwayAxis) -> bool {
+        let off_rad = wrap_angle_rad(fitted.heading_in_odom_rad - self.heading_in_odom_rad);
+        let variance_rad2 = self.deviation_rad * self.deviation_rad + fit_variance_rad2(fitted);
+        off_rad * off_rad <= AGREEMENT * AGREEMENT * variance_rad2
+    }
+
+    /// The mean of itself and a later fit, each by how sure it is.
+    pub(super) fn corrected_by(&self, fitted: &HallwayAxis, here_in_odom: Pose) -> Self {
+        let off_rad = wrap_angle_rad(fitted.heading_in_odom_rad - self.heading_in_odom_rad);
+        let variance_rad2 = self.deviation_rad * self.deviation_rad;
+        let gain = variance_rad2 / (variance_rad2 + fit_variance_rad2(fitted));
+        let mut corrected = Self {
+            heading_in_odom_rad: wrap_angle_rad(self.heading_in_odom_rad + gain * off_rad),
+            deviation_rad: ((1.0 - gain) * variance_rad2).sqrt(),
+            wall_m: fitted.wall_m,
+            ..*self
+        };
+        let distances_m = |axis: &Self| Side::ALL.map(|side| axis.wall_distance_m(here_in_odom, side));
+        let (width_m, walls_m) = walls_of_hallway(self.width_m, distances_m(self), distances_m(fitted));
+        corrected.width_m = width_m;
+        for side in Side::ALL {
+            let here_m = aside_m(here_in_odom, corrected.heading_in_odom_rad, side);
+            corrected.walls_aside_m[side as usize] = walls_m[side as usize].map(|wall_m| here_m + wall_m);
+        }
+        corrected
+    }
+}
+
+/// Which of the walls that were heard last are those of the hallway, whose width is known, and not boxes or the
+/// back of a foyer: two that are as far apart, or one where it was before. Distances from the robot, left and right.
+fn walls_of_hallway(
+    width_m: Option<f64>,
+    held_m: [Option<f64>; 2],
+    heard_m: [Option<f64>; 2],
+) -> (Option<f64>, [Option<f64>; 2]) {
+    let Some(width_m) = width_m else {
+        // So far only one wall was heard.
+        let walls_m = [0, 1].map(|side| heard_m[side].or(held_m[side]));
+        return (walls_m[0].zip(walls_m[1]).map(|(left_m, right_m)| left_m + right_m), walls_m);
+    };
+    if let [Some(left_m), Some(right_m)] = heard_m
+        && left_m + right_m < width_m + SAME_WALL_M
+        && (left_m + right_m > width_m - SAME_WALL_M || held_m.iter().any(Option::is_none))
+    {
+        return (Some(width_m), heard_m);
+    }
+    let is_held = |side: usize| {
+        let distances_m = held_m[side].zip(heard_m[side]);
+        distances_m.is_some_and(|(held_m, heard_m)| (held_m - heard_m).abs() <= SAME_WALL_M)
+    };
+    let other_m = |wall_m: Option<f64>| wall_m.map(|wall_m| width_m - wall_m);
+    let walls_m = match (is_held(0), is_held(1)) {
+        (true, true) => heard_m,
+        (true, false) => [heard_m[0], other_m(heard_m[0])],
+        (false, true) => [other_m(heard_m[1]), heard_m[1]],
+        (false, false) => held_m,
+    };
+    (Some(width_m), walls_m)
+}
+
+/// A wall is the same if it is heard so near to where it was.
+const SAME_WALL_M: f64 = 0.15;
+
+/// How much dead reckoning turns over a metre: 0.6°, squared.
+const DRIFT2_RAD2PM: f64 = 0.0105 * 0.0105;
+
+/// And how much over a turn: 2.3° after half a turn, squared.
+const TURN_DRIFT2_RAD: f64 = 0.0225 * 0.0225;
+
+/// The readings of a fit share errors, above all those of doors: it is no better than 1°, however many they are.
+const FIT_RAD: f64 = 0.0175;
+
+/// Two fits agree within so many standard deviations.
+const AGREEMENT: f64 = 3.0;
+
+fn fit_variance_rad2(fitted: &HallwayAxis) -> f64 {
+    fitted.deviation_rad * fitted.deviation_rad + FIT_RAD * FIT_RAD
 }
 
 /// Where a reading puts the wall: how far to its side of the line through the origin of `odom`.

@@ -17,7 +17,13 @@ const THROUGH_M: f64 = 0.45;
 const THICKEST_M: f64 = 0.9;
 
 /// A post is looked for so far to both sides of abeam.
-const ABEAM_RAD: f64 = 0.8;
+const ABEAM_RAD: f64 = 0.6;
+
+/// The way the robot came is remembered in pieces of so much, so many of them: who comes through a door was
+/// before it, and did not turn round in a corner.
+const TRAIL_M: f64 = 0.1;
+const TRAIL: usize = 15;
+const BEFORE_M: f64 = 0.3;
 
 /// A doorway that the robot has passed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,13 +39,15 @@ pub struct Doorway {
 pub struct DoorwayDetection {
     /// The narrowest there was since it became narrow.
     narrowest: Option<Doorway>,
-    before_in_odom: Option<Pose>,
+    /// Where the robot was, the last place last.
+    trail_in_odom: Vec<Point>,
 }
 
 impl DoorwayDetection {
     /// Takes a scan in; a doorway is told once, when the robot is through.
     pub fn take_in(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> Option<Doorway> {
         let here = odometry_in_odom;
+        self.go_on(here.point());
         let (left, right) = (post(here, scan, FRAC_PI_2), post(here, scan, -FRAC_PI_2));
         if let (Some(left), Some(right)) = (left, right) {
             let width_m = distance_m(left, right);
@@ -56,11 +64,30 @@ impl DoorwayDetection {
             self.narrowest = None;
         }
         let is_open = |post: Option<Point>| post.is_none_or(|post| distance_m(post, here.point()) > OPEN_M);
-        if beyond.x_m > THROUGH_M && gone_m <= THICKEST_M && is_open(left) && is_open(right) {
+        let is_through = beyond.x_m > THROUGH_M && gone_m <= THICKEST_M && self.came_through(doorway.middle_in_odom);
+        if is_through && is_open(left) && is_open(right) {
             self.narrowest = None;
             return Some(doorway);
         }
         None
+    }
+
+    fn go_on(&mut self, here: Point) {
+        if self.trail_in_odom.last().is_none_or(|&last| distance_m(last, here) >= TRAIL_M) {
+            self.trail_in_odom.push(here);
+        }
+        if self.trail_in_odom.len() > TRAIL {
+            self.trail_in_odom.remove(0);
+        }
+    }
+
+    /// Whether the robot was before the doorway, and went between its posts.
+    fn came_through(&self, middle_in_odom: Pose) -> bool {
+        let frame = middle_in_odom.inverse();
+        let trail: Vec<Point> = self.trail_in_odom.iter().map(|&place| frame.transform(place)).collect();
+        let was_before = trail.iter().any(|place| place.x < -BEFORE_M);
+        let between = trail.iter().filter(|place| place.x.abs() < TRAIL_M);
+        was_before && between.clone().count() > 0 && between.into_iter().all(|place| place.y.abs() < POST_M / 2.0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! How likely each percept is for each feature.
 
 use crate::feature::Feature;
+use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// C(percept | feature) (Gutierrez-Osuna and Luo, note 2). A percept of `Wall` is nothing perceived; the
@@ -72,6 +73,18 @@ impl Matrix {
     /// C(nothing perceived | feature).
     pub fn missed(&self, feature: Feature) -> f64 {
         self.certainty(Feature::Wall, feature)
+    }
+
+    /// A percept of a feature, drawn by these certainties.
+    pub fn draw(&self, feature: Feature, stream: &mut Stream) -> Feature {
+        let sum: f64 = Feature::ALL.iter().map(|&percept| self.certainty(percept, feature)).sum();
+        let mut left = stream.uniform() * sum;
+        let is_it = |percept: &Feature| {
+            left -= self.certainty(*percept, feature);
+            left < 0.0
+        };
+        // Rounding may leave nothing.
+        Feature::ALL.into_iter().find(is_it).unwrap_or(feature)
     }
 
     /// C(percept | one of these features, each as likely as the others): a mean, where Eq. (3) has a sum.

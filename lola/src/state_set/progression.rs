@@ -9,6 +9,9 @@ use crate::feature::{Feature, Percept};
 use crate::instruction::Instruction;
 use serde::{Deserialize, Serialize};
 
+/// Between two openings on a side; the distance before the first percept is not known.
+pub const USUAL_DISTANCE_M: f64 = 4.0;
+
 /// How many percepts are remembered as possibly the goal; the least certain is forgotten.
 const MOST_CANDIDATES: usize = 12;
 
@@ -22,6 +25,8 @@ pub struct StateSet {
     next_number: u64,
     /// How many of them concerned this instruction.
     counted: u64,
+    /// Where the last of those ended, along the hallway's axis.
+    last_m: Option<f64>,
 }
 
 /// They sum to 1.
@@ -63,7 +68,15 @@ impl StateSet {
         let mut before = vec![0.0; Chain::of(instruction)?.length];
         before[0] = 1.0;
         let certainties = Certainties { before, candidates: Vec::new(), unseen: 0.0 };
-        Some(Self { instruction, certainties, next_number: 0, counted: 0 })
+        Some(Self { instruction, certainties, next_number: 0, counted: 0, last_m: None })
+    }
+
+    /// The same if it begins at a place along the hallway's axis: then it is known how far it was to the first
+    /// percept.
+    #[must_use]
+    pub fn starting_at(mut self, along_m: f64) -> Self {
+        self.last_m = Some(along_m);
+        self
     }
 
     /// Takes in the percepts of a step, in the order of their numbers; what was taken in before, by its
@@ -130,8 +143,10 @@ impl StateSet {
     /// A percept that no node explains changes nothing.
     fn take_in(&mut self, chain: &Chain, inference: &Inference, percept: &Percept) {
         let certainties = &self.certainties;
+        let passed_m = self.last_m.map_or(USUAL_DISTANCE_M, |last_m| (percept.from_m - last_m).max(0.0));
+        self.last_m = Some(percept.to_m);
         let progressed = match inference.method {
-            Method::StateSet => certainties.progressed(chain, &inference.matrix, percept),
+            Method::StateSet => certainties.progressed(chain, &inference.matrix, percept, passed_m),
             Method::LiteralEquations => certainties.progressed_literally(chain, &inference.matrix, percept),
             Method::PlainCounter => certainties.counted(self.counted >= chain.length as u64, percept),
             Method::CounterWithClass => certainties.counted(counter::is_goal(chain, self.counted, percept), percept),
@@ -141,37 +156,35 @@ impl StateSet {
 }
 
 impl Certainties {
-    /// Eqs. (1) to (3) for one percept.
+    /// Eqs. (1) to (3) for one percept that came so many metres after the last.
     ///
     /// # Deviation
     /// The features in the first bracket of Eq. (3) are those of S_i: printed is S_j, by which a percept would
     /// be compared with what the robot has left behind. A state may stay (j = i), because a wall may be
     /// perceived as something, and because a foyer is not counted; with j < i alone every false alarm counts.
-    /// What comes after the goal is any opening, so that one sum stands for all nodes beyond it, and each
-    /// percept that may have been the goal keeps a certainty of its own: the robot can go back to it.
-    fn progressed(&self, chain: &Chain, matrix: &Matrix, percept: &Percept) -> Self {
+    /// In the product of Eq. (2) stands how many nodes can have been missed on so many metres (Poisson): along
+    /// ten metres more than along two. What comes after the goal is any opening, so that one sum stands for
+    /// all nodes beyond it, and each percept that may have been the goal keeps a certainty of its own: the
+    /// robot can go back to it.
+    fn progressed(&self, chain: &Chain, matrix: &Matrix, percept: &Percept, passed_m: f64) -> Self {
         let seen = percept.seen;
         let go = 1.0 - chain.uncounted_share;
         let stay = matrix.certainty(seen, Feature::Wall) + chain.uncounted_share * matrix.mean(seen, chain.uncounted);
         let counted = go * matrix.mean(seen, chain.counted);
         let missed = matrix.mean(Feature::Wall, chain.counted);
-        // After the goal, however many were missed before this percept.
-        let next = counted / (1.0 - missed).max(f64::MIN_POSITIVE);
+        let missed_goal = matrix.missed(chain.goal) / missed.max(f64::MIN_POSITIVE);
 
-        let mut before = Vec::with_capacity(self.before.len());
-        // What comes to a node from all earlier ones when everything between was missed (Eq. 2).
-        let mut reaching = 0.0;
-        for &earlier in &self.before {
-            before.push(earlier * stay + reaching * counted);
-            reaching = reaching * missed + earlier;
-        }
-        let passed = |certainty: f64| certainty * (stay + next);
-        let unseen = passed(self.unseen) + reaching * matrix.missed(chain.goal) * next;
-        let arriving = Candidate { percept: *percept, certainty: reaching * go * matrix.certainty(seen, chain.goal) };
+        let reaching = reaching(&self.before, missed * passed_m / USUAL_DISTANCE_M);
+        let to_goal = reaching.goal * go * matrix.certainty(seen, chain.goal);
+        let before = self.before.iter().zip(&reaching.nodes).map(|(&at, to)| at * stay + to * counted).collect();
+        // After the goal, however many were missed since; a false alarm may come after it as well.
+        let passed = |certainty: f64| certainty * (stay + counted);
+        let unseen = passed(self.unseen) + reaching.beyond_goal * missed_goal * counted;
         let earlier = self
             .candidates
             .iter()
             .map(|&Candidate { percept, certainty }| Candidate { percept, certainty: passed(certainty) });
+        let arriving = Candidate { percept: *percept, certainty: to_goal };
         Self { before, candidates: earlier.chain([arriving]).collect(), unseen }.with_likeliest_candidates()
     }
 
@@ -213,4 +226,35 @@ impl Certainties {
         self.unseen /= sum;
         (sum > 0.0).then_some(self)
     }
+}
+
+/// What comes from all earlier nodes when everything between was missed (Eq. 2).
+struct Reaching {
+    /// To each node before the goal.
+    nodes: Vec<f64>,
+    /// To the goal.
+    goal: f64,
+    /// To the nodes beyond the goal.
+    beyond_goal: f64,
+}
+
+/// With so many nodes missed on the mean. Cost: the square of the nodes.
+fn reaching(before: &[f64], missed: f64) -> Reaching {
+    let mut nodes = vec![0.0; before.len()];
+    let mut reaching = Reaching { nodes: Vec::new(), goal: 0.0, beyond_goal: 0.0 };
+    for (from, certainty) in before.iter().enumerate() {
+        let mut of_missing = libm::exp(-missed);
+        let mut left = 1.0;
+        for (number, to) in (from + 1..=before.len()).enumerate() {
+            match nodes.get_mut(to) {
+                Some(node) => *node += certainty * of_missing,
+                None => reaching.goal += certainty * of_missing,
+            }
+            left -= of_missing;
+            of_missing *= missed / (number + 1) as f64;
+        }
+        reaching.beyond_goal += certainty * f64::max(left, 0.0);
+    }
+    reaching.nodes = nodes;
+    reaching
 }

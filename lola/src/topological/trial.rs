@@ -81,20 +81,7 @@ fn turn(map: &TopologicalMap, localization: &TopologicalLocalization, at: State,
 fn seen(map: &TopologicalMap, truth: &Matrix, passed: Option<State>, stream: &mut Stream) -> BothSides {
     let mut on = |side| {
         let feature = passed.map_or(Feature::Wall, |state| map.feature(state, side));
-        perceived(truth, feature, stream)
+        truth.draw(feature, stream)
     };
     BothSides { left: on(Side::Left), right: on(Side::Right) }
-}
-
-/// A percept of a feature, drawn from a matrix.
-pub(crate) fn perceived(matrix: &Matrix, feature: Feature, stream: &mut Stream) -> Feature {
-    let sum: f64 = Feature::ALL.iter().map(|&percept| matrix.certainty(percept, feature)).sum();
-    let mut left = stream.uniform() * sum;
-    for percept in Feature::ALL {
-        left -= matrix.certainty(percept, feature);
-        if left < 0.0 {
-            return percept;
-        }
-    }
-    feature
 }

@@ -105,7 +105,8 @@ impl LocalDrive {
         Self::new(DriveTask::Wander { stream, heading_in_odom_rad: None, left_s: 0.0 })
     }
 
-    fn new(task: DriveTask) -> Self {
+    /// Will do this.
+    pub fn new(task: DriveTask) -> Self {
         Self { task, memory: ObstacleMemory::default(), window: CollisionAvoidance::default() }
     }
 

@@ -1,0 +1,33 @@
+//! How far the robot has got with an instruction.
+
+use crate::feature::Percept;
+use crate::instruction::Instruction;
+use crate::state_set::{Inference, StateSet};
+use serde::{Deserialize, Serialize};
+
+/// What begins so little before where counting begins may begin behind it: a percept's edges are not sharper.
+const EDGE_M: f64 = 0.1;
+
+/// An instruction under way: its state set, and from where on along the hallway it counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Counting {
+    /// Its certainties.
+    pub state_set: StateSet,
+    from_m: f64,
+}
+
+impl Counting {
+    /// Begins with an instruction; none for one that is followed without counting.
+    pub fn start(instruction: Instruction, from_m: f64) -> Option<Self> {
+        Some(Self { state_set: StateSet::start(instruction)?, from_m })
+    }
+
+    /// Takes in what was perceived since, each percept once. Answers the one that is most likely the goal, if the
+    /// robot has most likely passed that.
+    pub fn progress(&mut self, inference: &Inference, percepts: &[Percept]) -> Option<Percept> {
+        let counts = |percept: &&Percept| percept.from_m > self.from_m - EDGE_M;
+        let own: Vec<Percept> = percepts.iter().filter(counts).copied().collect();
+        self.state_set.progress(inference, &own);
+        self.state_set.arrived()
+    }
+}

@@ -1,0 +1,146 @@
+//! Its functions.
+
+use super::Lola;
+use super::counting::Counting;
+use super::data::{instruction_data, instruction_of, percept_data, pose_data, said, side_named};
+use crate::instruction::parse;
+use crate::state_set::Inference;
+use rpl_robot::file_text::FileFaults;
+use rpl_robot::geometry::Pose;
+use rpl_robot::office::{act, look};
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Native, Reply};
+
+/// The table.
+pub(super) fn functions() -> Vec<Native> {
+    vec![
+        look(
+            "parse-instructions",
+            "instructions",
+            "A list of instructions as data, from words in a text or a message, such as \"take the third left, then it is the second door on the right\"; or from data, which is checked: (leave left), (turn 3 left), (enter 2 right), (past foyer), (hallway-end).",
+            parse_instructions,
+        ),
+        act(
+            "start-state-set",
+            "instruction &optional from",
+            "Begins to count for an instruction, given as data: (turn 3 left), (enter 2 right), (past foyer); openings count that begin at `from` metres along the hallway or beyond, without it at its beginning. Others need no counting.",
+            start_state_set,
+        ),
+        act(
+            "progress-state-set",
+            "",
+            "Takes into the state set what was perceived since, each opening once. The value is the percept that is most likely the goal of the instruction, a list (number side kind from to), or nil as long as the robot is more likely on the way.",
+            progress_state_set,
+        ),
+        look(
+            "opening-at-end",
+            "side",
+            "The percept on this side of the robot that reaches to the end of the hallway, before which the robot stands; nil if there is none.",
+            opening_at_end,
+        ),
+        look(
+            "opening-pose",
+            "percept",
+            "The middle of a perceived opening on the line of the wall, looking in: x, y, heading in the frame of the odometry.",
+            opening_pose,
+        ),
+        look(
+            "pose-from",
+            "pose ahead left &optional turn",
+            "The pose so far ahead and to the left of another one, turned by so much: x, y, heading.",
+            pose_from,
+        ),
+        look(
+            "hallway-position",
+            "",
+            "How far the robot is along its hallway, in metres from its beginning.",
+            hallway_position,
+        ),
+    ]
+}
+
+fn parse_instructions(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let instructions = match said(call.machine, call.argument(0)) {
+        Some(text) => {
+            call.burn_text(text.len());
+            parse(&text).map_err(unclear)?
+        }
+        None => {
+            let given = call.list(0)?;
+            given.into_iter().map(|data| instruction_of(call.machine, data)).collect::<Result<_, _>>()?
+        }
+    };
+    let data: Vec<Value> = instructions.into_iter().map(|one| instruction_data(call.machine, one)).collect();
+    Ok(Reply::Value(call.machine.heap.list(&data)))
+}
+
+/// All that was not understood, in one line each.
+fn unclear(faults: FileFaults) -> Raise {
+    let told: Vec<String> = faults.findings.iter().map(|found| format!("{}; {}", found.message, found.help)).collect();
+    Raise::new("unclear-instruction", told.join("\n"))
+}
+
+/// What leads off at the end of a hallway is no farther before the robot, who stands there, than its end.
+fn opening_at_end(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let side =
+        side_named(&name).ok_or_else(|| Raise::type_error(format!("`{name}` is no side; there are left and right")))?;
+    let hallway = call.part::<Lola>()?.hallway.as_ref().ok_or_else(no_hallway)?;
+    let percept = hallway.percepts.iter().rev().find(|one| one.side == side && one.to_m > hallway.along_m()).copied();
+    Ok(Reply::Value(percept.map_or(Value::Nil, |percept| percept_data(call.machine, &percept))))
+}
+
+fn start_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let instruction = instruction_of(call.machine, call.argument(0))?;
+    let from_m = if call.arguments.len() > 1 { call.number(1)? } else { 0.0 };
+    let lola = call.part::<Lola>()?;
+    lola.counting = Counting::start(instruction, from_m);
+    lola.has_news = true;
+    Ok(Reply::Value(Value::Nil))
+}
+
+fn progress_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let has_camera = false;
+    let lola = call.part::<Lola>()?;
+    let inference = lola.settings.inference.clone().unwrap_or_else(|| Inference::of_robot(has_camera));
+    let arrived = match (&mut lola.counting, &lola.hallway) {
+        (Some(counting), Some(hallway)) => counting.progress(&inference, &hallway.percepts),
+        _ => None,
+    };
+    lola.has_news = true;
+    Ok(Reply::Value(arrived.map_or(Value::Nil, |percept| percept_data(call.machine, &percept))))
+}
+
+fn opening_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let wrong = || Raise::type_error("`opening-pose` takes a percept, a list `(number side kind from to)`");
+    let number = call.list(0).map_err(|_| wrong())?.first().copied();
+    let Some(Value::Int(number)) = number else { return Err(wrong()) };
+    let lola = call.part::<Lola>()?;
+    let hallway = lola.hallway.as_ref().ok_or_else(no_hallway)?;
+    let percept = hallway.percepts.iter().find(|percept| i64::try_from(percept.number) == Ok(number));
+    let Some(percept) = percept else {
+        return Err(Raise::new("plan-failure", format!("nothing of number {number} was perceived in this hallway")));
+    };
+    let pose = hallway.opening_in_odom(percept);
+    Ok(Reply::Value(pose_data(call.machine, pose)))
+}
+
+fn hallway_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let along_m = call.part::<Lola>()?.hallway.as_ref().ok_or_else(no_hallway)?.along_m();
+    Ok(Reply::Value(Value::Float(along_m)))
+}
+
+fn no_hallway() -> Raise {
+    Raise::new("registration-failure", "the robot is in no hallway that it knows; `registration` comes first")
+}
+
+fn pose_from(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let wrong =
+        || Raise::type_error("`pose-from` takes a pose `(x y heading)`, metres ahead and to the left, and an angle");
+    let numbers: Option<Vec<f64>> = call.list(0).map_err(|_| wrong())?.into_iter().map(Value::as_f64).collect();
+    let Some(&[x_m, y_m, heading_rad]) = numbers.as_deref() else { return Err(wrong()) };
+    let turn_rad = if call.arguments.len() > 3 { call.number(3)? } else { 0.0 };
+    let pose = Pose::new(x_m, y_m, heading_rad).compose(Pose::new(call.number(1)?, call.number(2)?, turn_rad));
+    Ok(Reply::Value(pose_data(call.machine, pose)))
+}

@@ -1,0 +1,101 @@
+//! What plans see of it: the only part of this crate that knows the runtime.
+//!
+//! Read in this order: `hallway` (what the robot knows of the hallway it is in), `drive` and `hallway_drive`
+//! (what it does with the wheels), `counting` (how far it has got with an instruction); `behaviours`, `fluents`
+//! and `functions` (what plans have of all that).
+
+mod behaviours;
+mod counting;
+mod data;
+mod drive;
+mod fluents;
+mod functions;
+mod hallway;
+mod hallway_drive;
+mod settings;
+
+pub use settings::LolaSettings;
+
+use crate::routines::Doorway;
+use counting::Counting;
+use drive::Drive;
+use hallway::Hallway;
+use rpl_robot::office::{Commands, Phase, TravelMode, Velocity};
+use rpl_robot::office::{
+    Module, ModuleSpec, Moment, OfficeModel, PlanText, Position, Raise, Start, StopReason, Telling,
+};
+use serde::{Deserialize, Serialize};
+
+/// The plans that belong to it.
+pub const PLANS: &str = include_str!("../../plans/instructions.rpl");
+
+/// The state of following instructions. As long as no plan uses it, it does nothing and tells nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Lola {
+    #[serde(skip)]
+    settings: LolaSettings,
+    /// The hallway the robot is in, since it was registered.
+    hallway: Option<Hallway>,
+    /// What it does with the wheels.
+    drive: Drive,
+    /// The doorway it came through last.
+    doorway: Option<Doorway>,
+    /// How far it has got with an instruction.
+    counting: Option<Counting>,
+    /// Whether something has changed since plans were told.
+    has_news: bool,
+}
+
+impl Module for Lola {
+    type Settings = LolaSettings;
+
+    fn specs(_: &LolaSettings) -> Vec<ModuleSpec> {
+        vec![ModuleSpec {
+            name: "lola".into(),
+            behaviours: behaviours::behaviours(),
+            fluents: fluents::FLUENTS.to_vec(),
+            functions: functions::functions(),
+            plans: vec![PlanText { name: "instructions".into(), text: PLANS.into() }],
+            ..ModuleSpec::default()
+        }]
+    }
+
+    fn new(settings: &LolaSettings, _: &OfficeModel, _: u64) -> Self {
+        Self { settings: settings.clone(), ..Self::default() }
+    }
+
+    fn resume(&mut self, settings: &LolaSettings) -> Result<(), String> {
+        self.settings = settings.clone();
+        Ok(())
+    }
+
+    fn start(
+        &mut self,
+        behaviour: usize,
+        start: &Start<'_>,
+        position: &mut Position,
+        _: &mut Telling<'_>,
+    ) -> Result<(), Raise> {
+        self.begin(behaviour, start, position.odometry_in_odom())
+    }
+
+    fn stop(&mut self, behaviour: usize, why: StopReason, _: &mut Telling<'_>) {
+        self.end(behaviour, why);
+    }
+
+    /// Who goes by what is beside the robot needs to hear it, in doorways too.
+    fn command(&mut self, _: TravelMode, phases: &[Phase], commands: &mut Commands) {
+        commands.sonars_on |= phases.contains(&Phase::Active);
+    }
+
+    fn step(&mut self, now: &Moment<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
+        if !now.phases.contains(&Phase::Active) {
+            return None;
+        }
+        self.drive_on(now, tell)
+    }
+
+    fn publish(&mut self, now: &Moment<'_>, _: &Position, tell: &mut Telling<'_>) {
+        self.tell(now, tell);
+    }
+}
