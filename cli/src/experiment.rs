@@ -8,6 +8,7 @@ mod choices;
 mod day;
 mod doors;
 mod findings;
+mod instructions;
 mod missions;
 mod request;
 mod row_result;
@@ -49,6 +50,10 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
         ExperimentSubject::Worlds => worlds::run(request, console),
         ExperimentSubject::Doors => doors::run(request, console),
         ExperimentSubject::Sensing => sensing::run(request, console),
+        ExperimentSubject::HallwayFeatures => instructions::hallway_features(request, console),
+        ExperimentSubject::CountOpenings => instructions::count_openings(request, console),
+        ExperimentSubject::OfficeDelivery => instructions::office_delivery(request, console),
+        ExperimentSubject::TopologicalGlobal => instructions::topological_global(request, console),
         ExperimentSubject::Choices => choices::run(request, &chosen()?, console),
         ExperimentSubject::Success => {
             let rows = missions(request, &chosen()?, console)?;
@@ -101,6 +106,10 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
         ExperimentSubject::Sensing => sensing::row_names(),
+        ExperimentSubject::HallwayFeatures => instructions::feature_rows(),
+        ExperimentSubject::CountOpenings => instructions::counting_rows(),
+        ExperimentSubject::OfficeDelivery => instructions::delivery_rows(),
+        ExperimentSubject::TopologicalGlobal => instructions::map_rows(),
         ExperimentSubject::Success
         | ExperimentSubject::Comparison
         | ExperimentSubject::Calibration

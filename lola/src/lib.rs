@@ -13,6 +13,8 @@
 
 pub mod arena;
 pub mod beside;
+#[cfg(test)]
+mod drive;
 pub mod feature;
 pub mod features;
 pub mod instruction;
@@ -24,4 +26,4 @@ pub mod routines;
 pub mod state_set;
 pub mod topological;
 
-pub use module::{Lola, LolaSettings};
+pub use module::{Hallway, Lola, LolaSettings};

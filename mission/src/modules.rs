@@ -3,7 +3,7 @@
 
 use crate::error::SiteError;
 use crate::libraries::{is_taken, robot_library};
-use rpl_lola::Lola;
+use rpl_lola::{Lola, LolaSettings};
 use rpl_protocol::module::process_modules::{ModuleSource, ModuleSources, ProcessModules};
 use rpl_robot::office::{Composition, OfficeModules, OfficeRobot, SimulatedHost};
 use rpl_runtime::robot::RobotTables;
@@ -33,6 +33,15 @@ pub fn own_modules() -> &'static Arc<Composition<SiteModules>> {
             Err(fault) => unreachable!("the modules of the robot fit together: {fault}"),
         });
     &MODULES
+}
+
+/// The same modules, following instructions in another way: the rows of experiments.
+///
+/// # Errors
+/// Never: what follows from the settings has no names.
+pub fn modules_with(lola: LolaSettings) -> Result<Arc<Composition<SiteModules>>, SiteError> {
+    Composition::new((Default::default(), lola, Default::default()))
+        .map_err(|fault| SiteError::Modules(fault.to_string()))
 }
 
 /// What plans see of that robot.

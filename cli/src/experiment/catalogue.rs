@@ -32,6 +32,14 @@ pub enum ExperimentSubject {
     Barn,
     /// Where to look: no missions, and rows of its own.
     Sensing,
+    /// What is perceived of hallways: no missions, and rows of its own.
+    HallwayFeatures,
+    /// Whether openings are counted right: the same.
+    CountOpenings,
+    /// Whole routes by instructions: the same.
+    OfficeDelivery,
+    /// Where the robot is on a complete topological map: the same.
+    TopologicalGlobal,
 }
 
 /// One row of a table.
@@ -196,6 +204,10 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
     Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
     Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
+    Experiment { name: "hallway-features", subject: ExperimentSubject::HallwayFeatures, rows: &[] },
+    Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },
+    Experiment { name: "office-delivery", subject: ExperimentSubject::OfficeDelivery, rows: &[] },
+    Experiment { name: "topological-global", subject: ExperimentSubject::TopologicalGlobal, rows: &[] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {

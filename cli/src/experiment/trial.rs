@@ -186,7 +186,7 @@ fn fault_of(system: &System<Robot>, ending: RunEnd) -> Option<String> {
 }
 
 /// A failure, its class first.
-fn described(machine: &Machine, program: &Program, failure: Value) -> String {
+pub fn described(machine: &Machine, program: &Program, failure: Value) -> String {
     match (Reporter { machine, program, colour: false }).record(failure) {
         Some(record) => format!("{}: {}", record.class, record.message),
         None => "plan-failure".to_string(),

@@ -30,7 +30,7 @@ pub struct Furniture {
 const START_OFF_MM: Millimetres = 450;
 
 /// A robot that starts in a hallway stands so far off its blind end ...
-const START_OFF_END_MM: Millimetres = 1000;
+const START_OFF_END_MM: Millimetres = 450;
 
 /// ... and is turned by up to so much.
 const ROUGHLY_DEG: usize = 10;

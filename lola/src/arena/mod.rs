@@ -9,7 +9,8 @@
 //! Lengths are whole millimetres inside, so that the text says exactly what the truth says.
 //!
 //! Read in this order: `hallway` (the truth about a hallway's sides), `floor_plan` (hallways, rooms and
-//! walls, with `bands` and `blocks`), `route` and `fault` (instructions), `furniture`, `text`.
+//! walls, with `bands` and `blocks`), `route` and `fault` (instructions), `furniture`, `text`;
+//! `topological` (the complete map).
 
 mod bands;
 mod blocks;
@@ -22,6 +23,7 @@ mod single_hallway;
 #[cfg(test)]
 mod tests;
 mod text;
+mod topological;
 mod walls;
 
 pub use fault::{Fault, FaultKind, Finding};
@@ -64,6 +66,9 @@ impl ArenaSettings {
     /// The same with six people, and with boxes in the hallways.
     pub const CROWDED: Self = Self { boxes: true, people: 6, ..Self::CALM };
 
+    /// The same as calm with a marker before each door.
+    pub const MARKED: Self = Self { markers: true, ..Self::CALM };
+
     /// The settings of an arena that has a name among worlds.
     pub fn named(name: &str) -> Option<Self> {
         ARENAS.iter().find(|(known, ..)| *known == name).map(|(.., settings)| *settings)
@@ -71,9 +76,10 @@ impl ArenaSettings {
 }
 
 /// The arenas that have names among worlds, each with what it is in a sentence.
-pub const ARENAS: [(&str, &str, ArenaSettings); 2] = [
+pub const ARENAS: [(&str, &str, ArenaSettings); 3] = [
     ("arena", "An office to find a room in by instructions, another one for each seed.", ArenaSettings::CALM),
     ("arena-crowded", "The same with six people, and boxes in the hallways.", ArenaSettings::CROWDED),
+    ("arena-marked", "`arena` with a coloured marker before each door, for a camera.", ArenaSettings::MARKED),
 ];
 
 /// An office and how to find a room in it, with the truth about it.

@@ -3,6 +3,7 @@
 use super::route::Step;
 use super::*;
 use crate::feature::{Feature, Side};
+use crate::topological::{Direction, State, Turn};
 use rpl_robot::geometry::Point;
 use rpl_robot::planning::{CostGrid, CostToGo, Inflation};
 use rpl_robot::world::{Axis, SolidOrigin};
@@ -96,8 +97,8 @@ fn the_truth_about_the_sides_is_what_stands_there() {
                     // Wall all the way to the next one.
                     for step in 1..10 {
                         let along_mm = walls_from_mm + (found.from_mm - walls_from_mm) * step / 10;
-                        let is_wall = found.from_mm - walls_from_mm < 20
-                            || self::depth_m(&arena, hallway, side, along_mm) < 0.02;
+                        let is_wall =
+                            found.from_mm - walls_from_mm < 20 || self::depth_m(&arena, hallway, side, along_mm) < 0.02;
                         assert!(is_wall, "{seed}: before {found:?} at {along_mm}\n{}", arena.text);
                     }
                     walls_from_mm = found.to_mm;
@@ -159,4 +160,31 @@ fn single_hallways_have_more_than_ten_openings_on_their_sides() {
         .collect();
     let long = counts.iter().filter(|count| **count >= 10).count();
     assert!(long * 2 > counts.len(), "{counts:?}");
+}
+
+#[test]
+fn on_the_map_of_an_arena_one_passes_what_is_beside_its_hallways() {
+    for seed in 0..20 {
+        let arena = Arena::draw(seed, &ArenaSettings::CALM);
+        let map = arena.topological_map();
+        for hallway in &arena.hallways {
+            let heading = match hallway.axis {
+                Axis::X => Direction::East,
+                Axis::Y => Direction::North,
+            };
+            let truth: Vec<Vec<Feature>> =
+                Side::ALL.map(|side| hallway.side(side).iter().map(|found| found.feature).collect()).to_vec();
+            // Each hallway is a line of nodes from one without another behind it.
+            let is_line = map.states().any(|first| {
+                let is_first = map.ahead(State { heading: heading.turned(Turn::Around), ..first }).is_none();
+                let line: Vec<State> = std::iter::successors(Some(first), |state| map.ahead(*state)).collect();
+                let passed = Side::ALL.map(|side| {
+                    let seen = line.iter().map(|state| map.feature(*state, side));
+                    seen.filter(|feature| *feature != Feature::Wall).collect::<Vec<_>>()
+                });
+                first.heading == heading && is_first && passed.to_vec() == truth
+            });
+            assert!(is_line, "{seed}: {hallway:?}");
+        }
+    }
 }

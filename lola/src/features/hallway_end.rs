@@ -12,9 +12,9 @@ const FARTHEST_M: f64 = 2.5;
 const WALL_M: f64 = 0.1;
 /// An end is heard from along so much of the way: a person walks meanwhile.
 const HEARD_M: f64 = 0.25;
-/// And across so much of it, or half of the hallway: boxes are narrower.
-const LEAST_WIDTH_M: f64 = 0.9;
-const LEAST_SHARE: f64 = 0.45;
+/// And across so much of it, or so much of the hallway: boxes are narrower.
+const LEAST_WIDTH_M: f64 = 1.0;
+const LEAST_SHARE: f64 = 0.52;
 /// So many echoes at least.
 const LEAST_HITS: usize = 8;
 /// An echo from so much before a side wall, or behind it, may be its own.

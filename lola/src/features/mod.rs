@@ -19,6 +19,8 @@ mod tests;
 use crate::beside::{axes_in_odom, side_readings};
 use crate::feature::{Feature, Percept, Side};
 use crate::registration::HallwayAxis;
+#[cfg(test)]
+use crate::registration::Registration;
 pub use contour::ContourPoint;
 use contour::WallReference;
 use hallway_end::EndMonitor;
@@ -145,19 +147,22 @@ impl FeatureDetection {
         axis: &HallwayAxis,
         markers_in_odom: Option<&[Point]>,
     ) -> Vec<Percept> {
-        found.sort_by(|(_, a), (_, b)| a.to_m.total_cmp(&b.to_m));
-        let markers = markers_in_odom
-            .map(|markers| markers.iter().map(|&marker| self.in_hallway(axis, marker)).collect::<Vec<_>>());
-        let mut percepts = Vec::new();
-        for (side, found) in found {
-            let wall_aside_m = self.sides[side as usize].wall_aside_m;
-            let merged = merging::merged(found, side, wall_aside_m, markers.as_deref());
-            if let Some((seen, marked)) = merged {
-                let Found { from_m, to_m, depth_m, .. } = found;
-                percepts.push(Percept { number: self.count, side, seen, from_m, to_m, depth_m, marked });
-                self.count += 1;
-            }
+        let in_odom = markers_in_odom.unwrap_or_default().iter();
+        let markers: Vec<Point> = in_odom.map(|&marker| self.in_hallway(axis, marker)).collect();
+        let markers_m =
+            Side::ALL.map(|side| merging::markers_beside(&markers, side, self.sides[side as usize].wall_aside_m));
+        for side in Side::ALL {
+            let door = self.sides[side as usize].door_of_marker(self.along_m, &markers_m[side as usize]);
+            found.extend(door.map(|door| (side, door)));
         }
+        found.sort_by(|(_, a), (_, b)| a.to_m.total_cmp(&b.to_m));
+        let numbered = (self.count..).zip(found).map(|(number, (side, found))| {
+            let (seen, marked) = merging::merged(&found, &markers_m[side as usize]);
+            let Found { from_m, to_m, depth_m, .. } = found;
+            Percept { number, side, seen, from_m, to_m, depth_m, marked }
+        });
+        let percepts: Vec<Percept> = numbered.collect();
+        self.count += percepts.len() as u64;
         percepts
     }
 
@@ -232,6 +237,14 @@ impl SideMonitor {
             self.tell(indentation, &mut found);
         }
         found
+    }
+
+    /// The door of a marker that was passed without a find.
+    fn door_of_marker(&mut self, along_m: f64, markers_m: &[f64]) -> Option<Found> {
+        let door = merging::door_of_marker(markers_m, along_m, &self.kept, &self.taken_m())?;
+        let mut found = Vec::new();
+        self.tell(door, &mut found);
+        found.pop()
     }
 
     /// What overlaps with what was told of is the rest of it.

@@ -92,7 +92,8 @@ impl OpeningMonitor {
                 }
                 self.has_heard_wall = true;
                 self.stretch = None;
-                self.passing.take().and_then(|passing| passing.judged(kept))
+                let has_ended = self.passing.as_ref().is_some_and(|passing| passing.is_wall_behind(kept));
+                self.passing.take_if(|_| has_ended).and_then(|passing| passing.judged(kept))
             }
         }
     }
@@ -136,9 +137,26 @@ impl Passing {
         if is_narrow || !self.is_heard_through(kept) {
             return None;
         }
-        let seen = opening_of_width(to_m - from_m);
+        let is_hidden = is_hidden(from_m - HIDDEN_M, from_m, kept) || is_hidden(to_m, to_m + HIDDEN_M, kept);
+        let seen = opening_of_width(to_m - from_m, is_hidden);
         let is_own_door = self.is_cut && seen == Feature::OpenDoor;
         (!is_own_door).then_some(Found { seen, from_m, to_m, depth_m })
+    }
+
+    /// Whether it is the wall that was heard where it seems to end, and not somebody who stands in it: the cones
+    /// that look ahead and back have looked through there.
+    fn is_wall_behind(&self, kept: &[ContourPoint]) -> bool {
+        let to_m = self.whole.to_m;
+        let (mut wall, mut beyond) = (0.0, 0.0);
+        for point in kept {
+            let is_behind = point.footprint_m().0 >= to_m - PARAMETERS.grain_m && point.foot_m() <= to_m + BEHIND_M;
+            match point.heard() {
+                Heard::Wall if is_behind => wall += 1.0,
+                Heard::Beyond if is_behind => beyond += 1.0,
+                Heard::Wall | Heard::Beyond | Heard::Obstacle => {}
+            }
+        }
+        wall >= PARAMETERS.least_share * (wall + beyond)
     }
 
     /// Whether most of the cones that looked wholly into it heard beyond the wall. What is no longer kept was wide
@@ -162,11 +180,27 @@ impl Passing {
     }
 }
 
-/// Door, hallway or foyer.
-pub(super) fn opening_of_width(width_m: f64) -> Feature {
-    if width_m < PARAMETERS.hallway_m {
+/// Of the wall behind an opening so much is looked at.
+const BEHIND_M: f64 = 0.4;
+
+/// Something that stands within this of an edge hides it.
+const HIDDEN_M: f64 = 0.2;
+
+/// Whether something stands before most of a part of the wall.
+fn is_hidden(from_m: f64, to_m: f64, kept: &[ContourPoint]) -> bool {
+    let here = kept.iter().filter(|point| point.is_nearest && (from_m..=to_m).contains(&point.foot_m()));
+    let (all, hidden) =
+        here.fold((0, 0), |(all, hidden), point| (all + 1, hidden + u32::from(point.heard() == Heard::Obstacle)));
+    2 * hidden > all
+}
+
+/// Door, hallway or foyer: of one that is partly hidden, as much wider as the widest of its kind may be.
+fn opening_of_width(width_m: f64, is_hidden: bool) -> Feature {
+    let p = &PARAMETERS;
+    let [hallway_m, foyer_m] = if is_hidden { p.hidden_m } else { [p.hallway_m, p.foyer_m] };
+    if width_m < hallway_m {
         Feature::OpenDoor
-    } else if width_m < PARAMETERS.foyer_m {
+    } else if width_m < foyer_m {
         Feature::Hallway
     } else {
         Feature::Foyer

@@ -36,6 +36,8 @@ pub(super) struct FeatureParameters {
     pub hallway_m: f64,
     /// Half-way between a hallway of 2.5 m and a foyer of 3.5 m.
     pub foyer_m: f64,
+    /// The same of an opening of which something hides a part: just wider than a door, than a hallway.
+    pub hidden_m: [f64; 2],
     /// Closed doors are so wide, from and to.
     pub door_m: (f64, f64),
     /// Places and widths of closed doors are tried so far apart.
@@ -56,10 +58,14 @@ pub(super) struct FeatureParameters {
     pub least_readings: f64,
     /// So near to the hallway's end the robot goes no farther.
     pub at_end_m: f64,
-    /// A marker stands at a door if it is so near to its edges.
+    /// A marker is of a door if it lies between its edges or so near to one.
     pub marker_beside_m: f64,
-    /// And so far before its wall, or into it.
+    /// And so far from the face of its wall.
     pub marker_aside_m: f64,
+    /// What the sonars make of a door they have made when its marker is so far behind.
+    pub marker_behind_m: f64,
+    /// With a marker, even a wider opening is a door: no hallway has one.
+    pub marked_hallway_m: f64,
 }
 
 pub(super) const PARAMETERS: FeatureParameters = FeatureParameters {
@@ -78,16 +84,19 @@ pub(super) const PARAMETERS: FeatureParameters = FeatureParameters {
     least_width_m: 0.45,
     hallway_m: 1.5,
     foyer_m: 3.0,
+    hidden_m: [1.15, 2.7],
     door_m: (0.8, 1.1),
     grain_m: 0.05,
     beside_m: 0.7,
     behind_m: 0.25,
-    leaf_m: (0.03, 0.24),
+    leaf_m: (0.033, 0.17),
     slope_rad: 0.02,
     least_significance: 6.0,
     least_noise_m: 0.015,
     least_readings: 12.0,
     at_end_m: 0.9,
-    marker_beside_m: 0.45,
-    marker_aside_m: 0.6,
+    marker_beside_m: 0.3,
+    marker_aside_m: 0.5,
+    marker_behind_m: 1.3,
+    marked_hallway_m: 1.8,
 };

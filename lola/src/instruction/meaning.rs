@@ -11,8 +11,8 @@ use rpl_robot::file_text::{FileFaults, Finding, Findings};
 /// right". Several sentences may follow each other; "after the foyer" may stand behind the opening it is about.
 ///
 /// Whether one turns into an opening or enters it follows from what it is called; if that is not said, from
-/// the verb; and if there is none, the last opening is entered, because it is a room that is looked for. An
-/// opening without a number is the first.
+/// the verb; and if there is none, the last opening that is counted is entered, because it is a room that is
+/// looked for. An opening without a number is the first.
 ///
 /// Cost: linear.
 ///
@@ -108,6 +108,8 @@ fn goal(verb: Verb, mention: Mention, place: Place, is_last_opening: bool) -> Re
         (Some(Noun::Hallway), _) => false,
         (Some(Noun::Opening) | None, Verb::Enter) => true,
         (Some(Noun::Opening) | None, Verb::Turn) => false,
+        // "go left"
+        (None, Verb::Unsaid) if mention.ordinal.is_none() => false,
         (Some(Noun::Opening) | None, Verb::Unsaid) => is_last_opening,
     };
     let kind = if is_room { Feature::OpenDoor } else { Feature::Hallway };

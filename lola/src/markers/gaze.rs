@@ -3,7 +3,7 @@
 use super::MarkerEye;
 use crate::feature::Side;
 use rpl_robot::sensors::CameraView;
-use rpl_robot::vision::{PanControl, third};
+use rpl_robot::vision::PanControl;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -19,19 +19,23 @@ pub enum Gaze {
 }
 
 impl Gaze {
-    /// The rows of an image that are looked at: a third on the way; all but the nearest in a look around,
-    /// where a door may be at the other end of a room.
+    /// The rows of an image that are looked at: all that show floor within three metres on the way; all in a
+    /// look around, where a door may be at the other end of a room.
+    ///
+    /// # Deviation
+    /// The paper looks at one third of the image, to save time. Two thirds also show the floor beside the
+    /// robot, where a box no longer hides a marker behind it, and cost a few microseconds.
     pub fn rows(self, view: &CameraView) -> Range<usize> {
         match self {
-            Self::Both | Self::Side(_) => third(view),
-            Self::Around => 0..third(view).end,
+            Self::Both | Self::Side(_) => view.rows / 3..view.rows,
+            Self::Around => 0..view.rows,
         }
     }
 }
 
-/// A side is looked at in this angle to the axis of the hallway: its doors are in the image from three metres
-/// ahead until the robot is a metre before them.
-const ASIDE_RAD: f64 = 30.0 / 180.0 * std::f64::consts::PI;
+/// A side is looked at in this angle to the axis of the hallway: its floor is in the image from three metres
+/// ahead until the robot is beside it.
+const ASIDE_RAD: f64 = 45.0 / 180.0 * std::f64::consts::PI;
 
 /// The camera is where it is to be.
 const THERE_RAD: f64 = 4.0 / 180.0 * std::f64::consts::PI;

@@ -5,7 +5,7 @@ use super::behaviours::{DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, REGISTRA
 use super::hallway_drive::{DriveEnd, HallwayDrive};
 use crate::routines::DoorwayDetection;
 use rpl_robot::navigation::{DriveStatus, LocalDrive, MaplessNavigation, NavigationEvent};
-use rpl_robot::office::{Moment, Phase, Telling, Velocity};
+use rpl_robot::office::{Moment, Phase, Telling, TravelMode, Velocity};
 use rpl_runtime::robot::Ending;
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +52,9 @@ impl Lola {
             Drive::Wall { drive, stuck_s } => follow_wall(drive, stuck_s, now),
             Drive::Goal { navigation, doorways } => {
                 let limits = &now.model.limits;
-                let output = navigation.step(limits, &now.input(), limits.speed_limit_mps(now.mode));
+                // In a room it drives as among furniture, and hears the posts of the door for longer.
+                let mode = if doorways.is_some() { TravelMode::Office } else { now.mode };
+                let output = navigation.step(limits, &now.input(), limits.speed_limit_mps(mode));
                 let sonar = now.input().sonar;
                 let through = doorways
                     .as_mut()

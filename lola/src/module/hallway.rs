@@ -3,30 +3,35 @@
 use crate::feature::{Percept, Side};
 use crate::features::FeatureDetection;
 use crate::registration::{HallwayAxis, Registration};
-use crate::routines::ScanAxis;
+use crate::routines::{ScanAxis, across_m};
 use rpl_robot::geometry::{Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
 
-/// The robot was turned by hand when the walls run otherwise than the axis by so much, for so long.
+/// The robot was turned by hand when the walls run otherwise than the axis by so much, and are as far apart as
+/// those of the hallway to within so much.
 const TURNED_RAD: f64 = 0.45;
-const TURNED_S: f64 = 0.8;
+const AS_WIDE_M: f64 = 0.3;
 
 /// The end of the hallway is reached so far before its wall.
 const BEFORE_END_M: f64 = 0.9;
 
+/// The axis is corrected by at most so much at a time.
+const GATE_RAD: f64 = 0.3;
+
 /// What is known of a hallway.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hallway {
-    /// Its direction.
-    pub registration: Registration,
+    /// Fits its direction.
+    registration: Registration,
+    /// The direction that it was last found to have.
+    axis: Option<HallwayAxis>,
     /// What is beside it; none before the first registration.
     detection: Option<FeatureDetection>,
     /// What was perceived in it, in the order of the numbers.
     pub percepts: Vec<Percept>,
     /// How the walls run around the robot.
     scan_axis: ScanAxis,
-    turned_s: f64,
     /// Metres along the axis from where the robot was when it began with this hallway.
     along_m: f64,
     at_in_odom: Pose,
@@ -37,10 +42,10 @@ impl Hallway {
     pub fn start(heading_in_odom_rad: f64, at_in_odom: Pose) -> Self {
         Self {
             registration: Registration::start(heading_in_odom_rad),
+            axis: None,
             detection: None,
             percepts: Vec::new(),
             scan_axis: ScanAxis::default(),
-            turned_s: 0.0,
             along_m: 0.0,
             at_in_odom,
         }
@@ -48,7 +53,7 @@ impl Hallway {
 
     /// The direction the robot goes along it.
     pub fn heading_in_odom_rad(&self) -> f64 {
-        self.registration.heading_in_odom_rad()
+        self.axis.map_or_else(|| self.registration.heading_in_odom_rad(), |axis| axis.heading_in_odom_rad)
     }
 
     /// Where the robot is along it.
@@ -63,7 +68,7 @@ impl Hallway {
 
     /// The axis, if it is known.
     pub fn axis(&self) -> Option<&HallwayAxis> {
-        self.registration.axis()
+        self.axis.as_ref()
     }
 
     /// Keeps up with how far the robot has come.
@@ -74,28 +79,70 @@ impl Hallway {
         self.at_in_odom = odometry_in_odom;
     }
 
-    /// Takes a scan in for the direction. Answers whether the robot stands otherwise in the hallway than its
-    /// odometry says: it was turned by hand, and has to register again.
-    pub fn register(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>, step_s: f64) -> bool {
-        let was_known = self.axis().is_some();
+    /// Takes a scan in for the direction. Answers whether the axis was known and turned out to be wrong: the robot
+    /// was turned by hand, and has to register again.
+    ///
+    /// In a crossing the walls of the other hallway may look like a better axis. They are believed where they stand
+    /// to the left and right of the robot as far apart as those of its own.
+    pub fn register(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
         self.registration.take_in(odometry_in_odom, scan);
-        self.scan_axis.take_in(scan);
-        let walls_rad =
-            self.scan_axis.axis_in_base_rad(scan).map(|in_base_rad| odometry_in_odom.heading_rad + in_base_rad);
-        let is_off = walls_rad
-            .is_some_and(|walls_rad| wrap_angle_rad(walls_rad - self.heading_in_odom_rad()).abs() > TURNED_RAD);
-        self.turned_s = if is_off { self.turned_s + step_s } else { 0.0 };
-        if let Some(walls_rad) = walls_rad.filter(|_| self.turned_s > TURNED_S) {
-            self.turned_s = 0.0;
-            self.registration = Registration::start(walls_rad);
-            return true;
+        let Some(known) = self.axis else {
+            self.axis = self.registration.axis().copied();
+            return false;
+        };
+        let heading_rad = self.registration.heading_in_odom_rad();
+        let is_near = wrap_angle_rad(heading_rad - known.heading_in_odom_rad).abs() < GATE_RAD;
+        match self.registration.axis() {
+            Some(axis) if is_near => self.axis = Some(*axis),
+            None if is_near => {}
+            Some(_) | None => {
+                if self.are_walls_beside(odometry_in_odom, scan, heading_rad) {
+                    self.axis = None;
+                    return true;
+                }
+                self.registration = Registration::start(known.heading_in_odom_rad);
+            }
         }
-        was_known && self.axis().is_none()
+        false
+    }
+
+    /// Whether walls as far apart as those of the hallway are heard beside the robot, square to a direction.
+    fn are_walls_beside(&self, odometry_in_odom: Pose, scan: SonarScan<'_>, heading_rad: f64) -> bool {
+        let width_m = self.width_m(odometry_in_odom);
+        let across_m = across_m(scan, wrap_angle_rad(heading_rad - odometry_in_odom.heading_rad));
+        width_m.is_some_and(|width_m| (across_m - width_m).abs() < AS_WIDE_M)
+    }
+
+    /// From wall to wall.
+    fn width_m(&self, odometry_in_odom: Pose) -> Option<f64> {
+        let wall_m = |side: Side| self.wall_distance_m(odometry_in_odom, side);
+        Some(wall_m(Side::Left)? + wall_m(Side::Right)?)
+    }
+
+    /// The same for a robot that does not get on: turned by more than registration looks for, it stands before a
+    /// wall of its hallway, which is as wide as ever and runs another way.
+    pub fn register_held_up(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
+        self.scan_axis.take_in(scan);
+        let Some(known) = self.axis else { return false };
+        let Some(in_base_rad) = self.scan_axis.axis_in_base_rad(scan) else { return false };
+        let walls_rad = odometry_in_odom.heading_rad + in_base_rad;
+        let is_off = wrap_angle_rad(walls_rad - known.heading_in_odom_rad).abs() > TURNED_RAD;
+        if !is_off || !self.are_walls_beside(odometry_in_odom, scan, walls_rad) {
+            return false;
+        }
+        self.registration = Registration::start(walls_rad);
+        self.axis = None;
+        true
+    }
+
+    /// The robot gets on: what its walls looked like before does not count.
+    pub fn is_getting_on(&mut self) {
+        self.scan_axis = ScanAxis::default();
     }
 
     /// Takes a scan in for what is beside the robot; nothing before the axis is known.
     pub fn detect(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) {
-        let Some(axis) = self.registration.axis() else { return };
+        let Some(axis) = &self.axis else { return };
         if self.detection.is_none() {
             self.along_m = 0.0;
         }
@@ -103,10 +150,27 @@ impl Hallway {
         self.percepts.extend(detection.take_in(axis, odometry_in_odom, scan, None));
     }
 
+    /// The robot goes no farther: what it is beside ends here.
+    pub fn finish(&mut self) {
+        if let (Some(detection), Some(axis)) = (&mut self.detection, &self.axis) {
+            self.percepts.extend(detection.finish(axis, None));
+        }
+    }
+
+    /// The detection of what is beside it, once its axis was known.
+    pub fn detection(&self) -> Option<&FeatureDetection> {
+        self.detection.as_ref()
+    }
+
     /// Whether the robot stands before the end of it.
     pub fn is_at_end(&self) -> bool {
-        let end_m = self.detection.as_ref().and_then(FeatureDetection::hallway_end_m);
-        end_m.is_some_and(|end_m| end_m - self.along_m <= BEFORE_END_M)
+        let to_end_m = |detection: &FeatureDetection| Some(detection.hallway_end_m()? - detection.along_m());
+        self.detection.as_ref().and_then(to_end_m).is_some_and(|to_end_m| to_end_m <= BEFORE_END_M)
+    }
+
+    /// What was heard on a side lately: from the middle of the robot to whatever is there.
+    pub fn heard_m(&self, odometry_in_odom: Pose, scan: SonarScan<'_>, side: Side) -> Option<f64> {
+        self.registration.wall_distance_m(scan, odometry_in_odom, side)
     }
 
     /// From a pose to the wall on a side, if it was heard.

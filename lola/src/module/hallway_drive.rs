@@ -20,6 +20,9 @@ const REGISTER_MPS: f64 = 0.4;
 /// A robot that is so far from where it left the hallway was somewhere else meanwhile.
 const ELSEWHERE_M: f64 = 0.5;
 
+/// Held up for so long, the robot looks whether it was turned by hand.
+const HELD_UP_S: f64 = 2.0;
+
 /// Farther back than this it turns round and drives.
 const LONGEST_REVERSE_M: f64 = 3.0;
 
@@ -167,7 +170,7 @@ impl HallwayDrive {
         let Stage::Registering { from_m, follow } = &mut self.stage else { return (Velocity::default(), None) };
         let (from_m, limits) = (*from_m, &now.model.limits);
         if let Some(scan) = input.sonar.filter(|_| registers) {
-            hallway.register(input.odometry_in_odom, scan, limits.step_s);
+            hallway.register(input.odometry_in_odom, scan);
         }
         let gone_m = hallway.along_m() - from_m;
         let speed_limit_mps = limits.speed_limit_mps(now.mode).min(REGISTER_MPS);
@@ -223,7 +226,7 @@ impl HallwayDrive {
             return (Velocity::default(), Some(DriveEnd::There));
         }
         if let Some(scan) = input.sonar {
-            if registers && hallway.register(input.odometry_in_odom, scan, limits.step_s) {
+            if registers && hallway.register(input.odometry_in_odom, scan) {
                 self.stage = Stage::Turning { registers: true };
                 return (Velocity::default(), None);
             }
@@ -238,11 +241,22 @@ impl HallwayDrive {
         let Stage::Following(follow) = &mut self.stage else { return (Velocity::default(), None) };
         let speed_limit_mps = limits.speed_limit_mps(now.mode);
         let output = follow.step(limits, &direction_input(hallway, input, self.lane_m, speed_limit_mps, remaining_m));
+        match input.sonar.filter(|_| registers && output.held_up_s > HELD_UP_S) {
+            Some(scan) if hallway.register_held_up(input.odometry_in_odom, scan) => {
+                self.stage = Stage::Turning { registers: true };
+                return (Velocity::default(), None);
+            }
+            Some(_) => {}
+            None => hallway.is_getting_on(),
+        }
         let end = if remaining_m < THERE_M || (self.until == Until::End && hallway.is_at_end()) {
             Some(DriveEnd::There)
         } else {
             (output.held_up_s > self.patience_s).then_some(DriveEnd::Blocked)
         };
+        if end.is_some() && detects {
+            hallway.finish();
+        }
         (output.velocity, end)
     }
 }
@@ -264,7 +278,7 @@ fn direction_input<'a>(
 ) -> DirectionInput<'a> {
     let wall_m = |side: Side| {
         let scan = sensors.sonar?;
-        hallway.registration.wall_distance_m(scan, sensors.odometry_in_odom, side)
+        hallway.heard_m(sensors.odometry_in_odom, scan, side)
     };
     DirectionInput {
         sensors,

@@ -14,12 +14,14 @@ mod hallway;
 mod hallway_drive;
 mod settings;
 
+pub use hallway::Hallway;
 pub use settings::LolaSettings;
 
 use crate::routines::Doorway;
+use crate::state_set::StateSet;
 use counting::Counting;
 use drive::Drive;
-use hallway::Hallway;
+
 use rpl_robot::office::{Commands, Phase, TravelMode, Velocity};
 use rpl_robot::office::{
     Module, ModuleSpec, Moment, OfficeModel, PlanText, Position, Raise, Start, StopReason, Telling,
@@ -44,6 +46,19 @@ pub struct Lola {
     counting: Option<Counting>,
     /// Whether something has changed since plans were told.
     has_news: bool,
+}
+
+/// What an experimenter sees of it.
+impl Lola {
+    /// The hallway the robot is in, since it was begun with.
+    pub fn hallway(&self) -> Option<&Hallway> {
+        self.hallway.as_ref()
+    }
+
+    /// How far it has got with the instruction it is at.
+    pub fn state_set(&self) -> Option<&StateSet> {
+        self.counting.as_ref().map(|counting| &counting.state_set)
+    }
 }
 
 impl Module for Lola {

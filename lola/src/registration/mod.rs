@@ -34,7 +34,12 @@ struct RegistrationParameters {
     /// Wall on one side that must have been driven along: a leaf or a jamb passed at the start tilts a shorter
     /// fit by 5° to 9°.
     least_wall_m: f64,
-    /// Standard deviation from which on the direction is good enough for the transducers to be chosen by it.
+    /// So small a standard deviation means that one line fits all of both sides. With doors on both the lines fit
+    /// worse ...
+    sure_deviation_rad: f64,
+    /// ... and so much more wall is needed ...
+    long_wall_m: f64,
+    /// ... and a direction good enough for the transducers to be chosen by it.
     most_deviation_rad: f64,
     /// The robot drives so far between two fits.
     between_fits_m: f64,
@@ -44,6 +49,8 @@ struct RegistrationParameters {
     better_by: f64,
     /// Wall that another axis must explain on one side for that.
     lost_wall_m: f64,
+    /// And the share of the readings.
+    lost_share: f64,
     /// And how well its walls must be as far apart as those of the hallway were.
     width_m: f64,
 }
@@ -53,11 +60,14 @@ const PARAMETERS: RegistrationParameters = RegistrationParameters {
     known_gate_rad: 0.3,
     lost_gate_rad: 0.79,
     least_wall_m: 0.8,
+    sure_deviation_rad: 0.0052,
+    long_wall_m: 1.4,
     most_deviation_rad: 0.015,
     between_fits_m: 0.1,
     recent_m: 0.5,
     better_by: 2.0,
     lost_wall_m: 0.3,
+    lost_share: 0.6,
     width_m: 0.15,
 };
 
@@ -109,8 +119,10 @@ impl Registration {
         let views = self.views.latest(f64::INFINITY);
         let Some(best_rad) = best_axis_within(views, scan.sonars, axis_in_odom_rad, gate_rad) else { return guess };
         let axis = refined(views, scan.sonars, best_rad);
-        let is_known = axis.wall_m >= PARAMETERS.least_wall_m && axis.deviation_rad <= PARAMETERS.most_deviation_rad;
-        if is_known { Knowledge::Registered(axis) } else { guess }
+        let p = &PARAMETERS;
+        let is_sure = axis.wall_m >= p.least_wall_m && axis.deviation_rad <= p.sure_deviation_rad;
+        let is_long = axis.wall_m >= p.long_wall_m && axis.deviation_rad <= p.most_deviation_rad;
+        if is_sure || is_long { Knowledge::Registered(axis) } else { guess }
     }
 
     /// Later ones: the walls confirm the axis or correct it a little, are not to be heard, or show that it is
@@ -124,7 +136,8 @@ impl Registration {
             axis.after_driving(PARAMETERS.between_fits_m, self.views.turned_since_rad(PARAMETERS.between_fits_m));
         let views = self.views.latest(f64::INFINITY);
         let around_rad = held.heading_in_odom_rad;
-        let best = best_axis_within(views, scan.sonars, around_rad, PARAMETERS.known_gate_rad);
+        let gate_rad = held.agreement_rad().min(PARAMETERS.known_gate_rad);
+        let best = best_axis_within(views, scan.sonars, around_rad, gate_rad);
         let Some(best_rad) = best else { return Knowledge::Registered(held) };
         let fitted = refined(views, scan.sonars, best_rad);
         if fitted.wall_m < PARAMETERS.least_wall_m || fitted.deviation_rad > PARAMETERS.most_deviation_rad {
@@ -140,15 +153,23 @@ impl Registration {
 
     /// Another axis, near to where the robot looks, that explains much more of what was heard last.
     fn contradiction(&self, scan: SonarScan<'_>, axis: &HallwayAxis, odometry_in_odom: Pose) -> Option<f64> {
-        let recent = self.views.latest(PARAMETERS.recent_m);
+        let p = &PARAMETERS;
+        let recent = self.views.latest(p.recent_m);
         let held = explain(recent, scan.sonars, axis.heading_in_odom_rad);
+        if p.better_by * held.share >= 1.0 {
+            return None;
+        }
         let heading_rad = odometry_in_odom.heading_rad;
-        let other_rad = best_axis_within(recent, scan.sonars, heading_rad, PARAMETERS.lost_gate_rad)?;
+        let other_rad = best_axis_within(recent, scan.sonars, heading_rad, p.lost_gate_rad)?;
         let off_rad = wrap_angle_rad(other_rad - axis.heading_in_odom_rad).abs();
         let other: Explained = explain(recent, scan.sonars, other_rad);
-        let is_better = other.score > PARAMETERS.better_by * held.score && other.wall_m >= PARAMETERS.lost_wall_m;
-        let is_hallway = is_same_hallway(axis, &HallwayAxis { walls_aside_m: other.walls_aside_m, ..*axis });
-        (is_hallway && is_better && off_rad > PARAMETERS.known_gate_rad / 3.0).then_some(other_rad)
+        let is_wall = other.wall_m >= p.lost_wall_m && other.share >= p.lost_share;
+        let is_better = other.score > p.better_by * held.score && off_rad > p.known_gate_rad / 3.0;
+        let widths_m = axis.width_m.zip(other.walls_apart_m());
+        // In a crossing or a foyer there are walls in all directions, but not two as far apart as those of the
+        // hallway.
+        let is_hallway = widths_m.is_some_and(|(known_m, other_m)| (known_m - other_m).abs() <= p.width_m);
+        (is_wall && is_better && is_hallway).then_some(other_rad)
     }
 
     /// The axis, as soon as enough wall was driven along; none again after the robot was found to look another
@@ -173,11 +194,4 @@ impl Registration {
     pub fn wall_distance_m(&self, scan: SonarScan<'_>, odometry_in_odom: Pose, side: Side) -> Option<f64> {
         walls::median_distance_m(&self.views, scan.sonars, self.heading_in_odom_rad(), odometry_in_odom, side)
     }
-}
-
-/// Whether walls on both sides are as far apart as those of the hallway were: in a crossing or a foyer there are
-/// walls in all directions, but not two such.
-fn is_same_hallway(known: &HallwayAxis, other: &HallwayAxis) -> bool {
-    let widths_m = known.width_m.zip(other.walls_apart_m());
-    widths_m.is_some_and(|(known_m, other_m)| (known_m - other_m).abs() <= PARAMETERS.width_m)
 }

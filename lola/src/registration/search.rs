@@ -1,7 +1,8 @@
 //! The direction that explains most.
 
 use super::views::View;
-use super::walls::{Explained, HallwayAxis, WALL_M, explain, explain_points, wall_points};
+use super::walls::{Explained, HallwayAxis, WallPoint, explain, explain_points, wall_points};
+use crate::feature::Side;
 use rpl_robot::geometry::wrap_angle_rad;
 use rpl_robot::sensors::SonarArray;
 
@@ -35,82 +36,154 @@ fn best_off_rad(middle_rad: f64, reach_rad: f64, grain_rad: f64, score: impl Fn(
     best.1
 }
 
-/// Rounds of least squares: each weighs the readings by their distance from the walls of the last.
-const ROUNDS: usize = 6;
+/// Readings of a side are averaged over so much of its wall: ten readings or so, whose mean tells the leaf of a closed
+/// door from the wall, which no single reading does.
+const SPOT_M: f64 = 0.1;
+/// Readings within so much of a wall are averaged: the leaf of a closed door among them.
+const NEAR_M: f64 = 0.15;
+/// Spots of one segment are within so much of its line: less than the depth of a leaf.
+const SEGMENT_M: f64 = 0.022;
+/// Slopes are tried up to here, so far apart, as tangents.
+const SLOPE: f64 = 0.09;
+const SLOPE_GRAIN: f64 = 0.004;
+/// Rounds of least squares, each from the direction that the last has found.
+const ROUNDS: usize = 3;
 
-/// Least squares over all readings that lie on the walls, both sides sharing one direction: the line that
-/// best fits, `aside = wall + slope · along` with the same slope, whose sign is that of the side. Readings
-/// farther off weigh less, and from [`WALL_M`] on nothing (Tukey's biweight), so that leaves, jambs, boxes and people
-/// do not tilt it.
+/// Line segments fitted to the walls by least squares, the ones of both sides sharing one direction. The
+/// boundary of a side has several: the wall, and parallel to it the leaves of closed doors. On each side the segment with
+/// most of it and the next are fitted, so that doors, jambs, boxes and people do not tilt the direction.
 ///
 /// # Deviation
-/// The paper fits segments by plain least squares to each boundary, which a door's leaf tilts.
+/// The paper fits segments to each boundary by plain least squares, which half a door tilts by some degrees.
 pub(super) fn refined(views: &[View], sonars: &SonarArray, start_rad: f64) -> HallwayAxis {
     let mut axis_rad = start_rad;
     let mut deviation_rad = f64::INFINITY;
     for _ in 0..ROUNDS {
         let points = wall_points(views, sonars, axis_rad);
         let explained = explain_points(&points);
+        let sides = Side::ALL.map(|side| {
+            explained.walls_aside_m[side as usize].map_or_else(Vec::new, |wall_m| spots(&points, side, wall_m))
+        });
+        let slope = best_slope(&sides);
         let mut fit = SlopeFit::default();
-        for (side, wall_m) in crate::feature::Side::ALL.into_iter().zip(explained.walls_aside_m) {
-            let Some(wall_m) = wall_m else { continue };
-            let of_side = points.iter().filter(|point| point.side == side);
-            fit.add_side(of_side.map(|point| (side.sign() * point.along_m, point.aside_m - wall_m)));
+        for spots in &sides {
+            for (_, offset_m) in segments(spots, slope).into_iter().flatten().filter(|(on_line, _)| *on_line > 0.0) {
+                fit.add_segment(spots, slope, offset_m);
+            }
         }
         let Some((slope, deviation)) = fit.slope() else { break };
         axis_rad = wrap_angle_rad(axis_rad + libm::atan(slope));
         deviation_rad = deviation;
     }
-    let Explained { wall_m, walls_aside_m, .. } = explain(views, sonars, axis_rad);
-    let mut axis = HallwayAxis { heading_in_odom_rad: axis_rad, deviation_rad, wall_m, walls_aside_m, width_m: None };
-    axis.width_m = axis.walls_apart_m();
-    axis
+    let explained: Explained = explain(views, sonars, axis_rad);
+    HallwayAxis {
+        heading_in_odom_rad: axis_rad,
+        deviation_rad,
+        wall_m: explained.wall_m,
+        width_m: explained.walls_apart_m(),
+        walls_aside_m: explained.walls_aside_m,
+    }
 }
 
-/// Sums of a weighted fit of one slope to several walls, each with an offset of its own.
+/// The mean of the readings on a bit of wall.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spot {
+    /// Along the axis, positive ahead on the left and back on the right, so that a slope is the same on both sides.
+    along_m: f64,
+    /// How far outside of the wall.
+    off_m: f64,
+    count: f64,
+}
+
+fn spots(points: &[WallPoint], side: Side, wall_m: f64) -> Vec<Spot> {
+    let mut here: Vec<(i64, f64, f64)> = points
+        .iter()
+        .filter(|point| point.side == side && (point.aside_m - wall_m).abs() <= NEAR_M)
+        .map(|point| (libm::floor(point.along_m / SPOT_M) as i64, side.sign() * point.along_m, point.aside_m - wall_m))
+        .collect();
+    here.sort_by(|a, b| a.0.cmp(&b.0));
+    let spot = |run: &[(i64, f64, f64)]| {
+        let count = run.len() as f64;
+        let mean = |of: fn(&(i64, f64, f64)) -> f64| run.iter().map(of).sum::<f64>() / count;
+        Spot { along_m: mean(|point| point.1), off_m: mean(|point| point.2), count }
+    };
+    here.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() >= LEAST_READINGS).map(spot).collect()
+}
+
+/// Fewer readings have no mean worth the name.
+const LEAST_READINGS: usize = 3;
+
+/// Tukey's biweight.
+fn nearness(off_m: f64) -> f64 {
+    let off = off_m / SEGMENT_M;
+    let nearness = (1.0 - off * off).max(0.0);
+    nearness * nearness
+}
+
+/// What of a side lies on the line of this slope through `offset_m`.
+fn on_line(spots: &[Spot], slope: f64, offset_m: f64) -> f64 {
+    let near = |spot: &Spot| spot.count.min(MOST_COUNTED) * nearness(spot.off_m - slope * spot.along_m - offset_m);
+    spots.iter().map(near).sum()
+}
+
+/// The two segments of a side with this slope that have most of it, each with how much that is: of the lines through
+/// its spots the best, and the best that is not the same. None of a side without spots.
+fn segments(spots: &[Spot], slope: f64) -> Option<[(f64, f64); 2]> {
+    let offsets_m = || spots.iter().map(|spot| spot.off_m - slope * spot.along_m);
+    let best_of = |offsets_m: &mut dyn Iterator<Item = f64>| {
+        let scored = offsets_m.map(|offset_m| (on_line(spots, slope, offset_m), offset_m));
+        scored.max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let first = best_of(&mut offsets_m())?;
+    let second = best_of(&mut offsets_m().filter(|offset_m| (offset_m - first.1).abs() >= 2.0 * SEGMENT_M));
+    Some([first, second.unwrap_or((0.0, first.1))])
+}
+
+/// More readings of a spot are not more of the wall: where the robot stood, there are many.
+const MOST_COUNTED: f64 = 12.0;
+
+fn best_slope(sides: &[Vec<Spot>; 2]) -> f64 {
+    let on_segments =
+        |spots: &Vec<Spot>, slope: f64| segments(spots, slope).map_or(0.0, |[first, second]| first.0 + second.0);
+    let score = |slope: f64| sides.iter().map(|spots| on_segments(spots, slope)).sum::<f64>();
+    best_off_rad(0.0, SLOPE, SLOPE_GRAIN, score)
+}
+
+/// Sums of a weighted fit of one slope to several segments, each with an offset of its own.
 #[derive(Default)]
 struct SlopeFit {
     along2: f64,
     along_off: f64,
     off2: f64,
-    count: f64,
+    weights: f64,
+    spots: f64,
 }
 
 impl SlopeFit {
-    /// Points as (along, off the wall).
-    fn add_side(&mut self, points: impl Iterator<Item = (f64, f64)> + Clone) {
-        let weight = |off_m: f64| {
-            let off = off_m / WALL_M;
-            let nearness = (1.0 - off * off).max(0.0);
-            nearness * nearness
-        };
-        let (mut weights, mut along, mut off) = (0.0, 0.0, 0.0);
-        for (along_m, off_m) in points.clone() {
-            let weight = weight(off_m);
-            weights += weight;
-            along += weight * along_m;
-            off += weight * off_m;
-        }
+    fn add_segment(&mut self, spots: &[Spot], slope: f64, offset_m: f64) {
+        let weight =
+            |spot: &Spot| spot.count.min(MOST_COUNTED) * nearness(spot.off_m - slope * spot.along_m - offset_m);
+        let sum = |of: &dyn Fn(&Spot) -> f64| spots.iter().map(|spot| weight(spot) * of(spot)).sum::<f64>();
+        let weights = sum(&|_| 1.0);
         if weights == 0.0 {
             return;
         }
-        let (along, off) = (along / weights, off / weights);
-        for (along_m, off_m) in points {
-            let weight = weight(off_m);
-            self.along2 += weight * (along_m - along) * (along_m - along);
-            self.along_off += weight * (along_m - along) * (off_m - off);
-            self.off2 += weight * (off_m - off) * (off_m - off);
-            self.count += weight;
-        }
+        let (along_m, off_m) = (sum(&|spot| spot.along_m) / weights, sum(&|spot| spot.off_m) / weights);
+        self.along2 += sum(&|spot| (spot.along_m - along_m) * (spot.along_m - along_m));
+        self.along_off += sum(&|spot| (spot.along_m - along_m) * (spot.off_m - off_m));
+        self.off2 += sum(&|spot| (spot.off_m - off_m) * (spot.off_m - off_m));
+        self.weights += weights;
+        self.spots += spots.iter().filter(|spot| weight(spot) > 0.0).count() as f64 - 1.0;
     }
 
     /// The slope and its standard deviation; none without extent.
     fn slope(&self) -> Option<(f64, f64)> {
-        if self.along2 <= 0.0 || self.count < 3.0 {
+        if self.along2 <= 0.0 || self.spots < 2.0 {
             return None;
         }
         let slope = self.along_off / self.along2;
-        let residual2 = (self.off2 - slope * self.along_off).max(0.0) / self.count;
-        Some((slope, (residual2 / self.along2).sqrt()))
+        // Of one spot, by how far the spots are off the line.
+        let spot2 = (self.off2 - slope * self.along_off).max(0.0) / self.spots;
+        Some((slope, (spot2 / self.along2).sqrt()))
     }
 }

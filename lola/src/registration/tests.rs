@@ -1,1 +1,101 @@
-//! Hallways whose direction is known.
+//! Hallways whose direction is known: wall lines at known places, sonars without errors, and the real simulator.
+
+use super::*;
+use crate::drive::{Drive, corridor};
+use rpl_robot::description::RobotDescription;
+use rpl_robot::geometry::Point;
+
+/// How far the axis is off the hallway's true direction.
+fn error_rad(drive: &Drive) -> Option<f64> {
+    let axis = drive.registration.axis()?;
+    Some(wrap_angle_rad(axis.heading_in_odom_rad - drive.true_axis_in_odom_rad()).abs())
+}
+
+fn register(drive: &mut Drive, most_m: f64) -> f64 {
+    while drive.registration.axis().is_none() && drive.state.distance_driven_m < most_m {
+        drive.step();
+    }
+    error_rad(drive).expect("there are walls")
+}
+
+#[test]
+fn between_two_walls_the_axis_is_theirs() {
+    for (guess_off_rad, exact) in [(0.3, true), (-0.3, true), (0.2, false), (-0.1, false)] {
+        let mut robot = RobotDescription::clone(&RobotDescription::builtin("b21").expect("built in"));
+        if exact {
+            robot = robot.without_errors();
+        }
+        let mut drive = Drive::begin(&corridor(""), robot, 3, guess_off_rad);
+        let off_rad = register(&mut drive, 2.0);
+        assert!(off_rad < if exact { 0.003 } else { 0.0175 }, "{off_rad}");
+        let axis = drive.registration.axis().expect("registered");
+        let width_m = axis.width_m.expect("two walls");
+        assert!((width_m - 2.2).abs() < 0.02, "{width_m}");
+        let distances_m = Side::ALL.map(|side| axis.wall_distance_m(drive.odometry_in_odom, side).expect("a wall"));
+        let from_south_m = drive.state.robot_in_map.y_m - 4.0;
+        assert!((distances_m[1] - from_south_m).abs() < 0.03, "{distances_m:?} {from_south_m}");
+        assert!(axis.wall_m >= 0.8);
+    }
+}
+
+#[test]
+fn half_a_door_does_not_tilt_it() {
+    // A closed door on each side, of which the robot passes the one half and not the other.
+    let doors = "[[room]]\nname = \"a\"\nrect = [1.5, 6.35, 3.5, 9.8]\n\
+        [[room]]\nname = \"b\"\nrect = [0.2, 0.2, 3.5, 3.85]\n\
+        [[door]]\nroom = \"a\"\nat = [2.2, 6.275]\nwidth = 1.0\naxis = \"x\"\nopen = false\n\
+        [[door]]\nroom = \"b\"\nat = [1.4, 3.925]\nwidth = 1.0\naxis = \"x\"\nopen = false\n";
+    for seed in 0..5 {
+        let robot = RobotDescription::clone(&RobotDescription::builtin("b21").expect("built in"));
+        let mut drive = Drive::begin(&corridor(doors), robot, seed, 0.1);
+        let off_rad = register(&mut drive, 2.5);
+        assert!(off_rad < 2_f64.to_radians(), "seed {seed}: {}°", off_rad.to_degrees());
+    }
+}
+
+#[test]
+fn turned_by_hand_it_is_found_to_be_wrong_and_put_right() {
+    let robot = RobotDescription::clone(&RobotDescription::builtin("b21").expect("built in"));
+    let mut drive = Drive::begin(&corridor(""), robot, 1, 0.0);
+    register(&mut drive, 2.0);
+    // The odometry does not notice.
+    drive.state.robot_in_map.heading_rad += 0.5;
+    assert!(error_rad(&drive).expect("still held") > 0.45);
+    let turned_at_m = drive.state.distance_driven_m;
+    let mut was_doubted = false;
+    while drive.state.distance_driven_m < turned_at_m + 2.5 {
+        drive.step();
+        was_doubted |= drive.registration.axis().is_none();
+    }
+    assert!(was_doubted);
+    let off_rad = error_rad(&drive).expect("registered again");
+    assert!(off_rad < 0.035, "{off_rad}");
+}
+
+#[test]
+fn standing_still_teaches_nothing_and_a_crossing_unteaches_nothing() {
+    let sonars = RobotDescription::papers().range_sensors().sonars.expect("it has a ring");
+    let silence = vec![sonars.range_m as f32; sonars.mounts.len()];
+    let walls = vec![1.1; sonars.mounts.len()];
+    let mut registration = Registration::start(0.2);
+    for _ in 0..200 {
+        registration.take_in(Pose::default(), SonarScan { sonars: &sonars, ranges_m: &walls });
+    }
+    assert_eq!(registration.axis(), None);
+    assert!(registration.heading_in_odom_rad() == 0.2);
+
+    let robot = RobotDescription::clone(&RobotDescription::builtin("b21").expect("built in"));
+    let mut drive = Drive::begin(&corridor(""), robot, 2, 0.0);
+    register(&mut drive, 2.0);
+    let before = *drive.registration.axis().expect("registered");
+    let here = drive.odometry_in_odom;
+    let mut registration = drive.registration.clone();
+    for step in 0..200 {
+        let at = here.transform(Point::new(0.025 * f64::from(step), 0.0));
+        let silent = SonarScan { sonars: &sonars, ranges_m: &silence };
+        registration.take_in(Pose::new(at.x, at.y, here.heading_rad), silent);
+    }
+    let after = registration.axis().expect("nothing speaks against it");
+    assert!((after.heading_in_odom_rad - before.heading_in_odom_rad).abs() < 0.01);
+    assert!(after.deviation_rad > before.deviation_rad, "it is less sure after five metres");
+}

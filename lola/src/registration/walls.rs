@@ -13,7 +13,7 @@ const WIDEST_RAD: f64 = 0.56;
 
 /// Readings count as a wall's within so much of it: twice the noise of an echo over a hallway, and less than the
 /// depth of a closed door in a wall of 15 cm.
-pub(super) const WALL_M: f64 = 0.045;
+const WALL_M: f64 = 0.045;
 
 /// Cells in which the readings of a side vote for the place of its wall.
 const CELL_M: f64 = 0.03;
@@ -44,12 +44,6 @@ impl HallwayAxis {
         Some(wall_m - aside_m(pose_in_odom, self.heading_in_odom_rad, side))
     }
 
-    /// How far the walls of this fit are apart.
-    pub(super) fn walls_apart_m(&self) -> Option<f64> {
-        let [left_m, right_m] = self.walls_aside_m;
-        Some(left_m? + right_m?)
-    }
-
     /// Itself, less sure by what dead reckoning may err on a way with turns.
     pub(super) fn after_driving(mut self, way_m: f64, turned_rad: f64) -> Self {
         let drift_rad2 = DRIFT2_RAD2PM * way_m + TURN_DRIFT2_RAD * turned_rad;
@@ -57,11 +51,14 @@ impl HallwayAxis {
         self
     }
 
+    /// How far another fit may be off if the difference is one of their errors.
+    pub(super) fn agreement_rad(&self) -> f64 {
+        AGREEMENT * (self.deviation_rad * self.deviation_rad + FIT_RAD * FIT_RAD).sqrt()
+    }
+
     /// Whether the difference to another fit is one of their errors.
     pub(super) fn agrees_with(&self, fitted: &HallwayAxis) -> bool {
-        let off_rad = wrap_angle_rad(fitted.heading_in_odom_rad - self.heading_in_odom_rad);
-        let variance_rad2 = self.deviation_rad * self.deviation_rad + fit_variance_rad2(fitted);
-        off_rad * off_rad <= AGREEMENT * AGREEMENT * variance_rad2
+        wrap_angle_rad(fitted.heading_in_odom_rad - self.heading_in_odom_rad).abs() <= self.agreement_rad()
     }
 
     /// The mean of itself and a later fit, each by how sure it is.
@@ -155,8 +152,18 @@ pub(super) struct Explained {
     pub score: f64,
     /// The way on which they were taken, on the side with more.
     pub wall_m: f64,
+    /// The share of the readings that lie on them.
+    pub share: f64,
     /// The walls, left and right.
     pub walls_aside_m: [Option<f64>; 2],
+}
+
+impl Explained {
+    /// How far the walls are apart.
+    pub fn walls_apart_m(&self) -> Option<f64> {
+        let [left_m, right_m] = self.walls_aside_m;
+        Some(left_m? + right_m?)
+    }
 }
 
 /// All readings at the sides of a hallway of this direction. Cost: linear.
@@ -191,6 +198,7 @@ pub(super) fn explain(views: &[View], sonars: &SonarArray, axis_in_odom_rad: f64
 
 pub(super) fn explain_points(points: &[WallPoint]) -> Explained {
     let mut explained = Explained::default();
+    let mut on_walls = 0.0;
     for side in Side::ALL {
         let Some(wall_m) = wall_aside_m(points, side) else { continue };
         let mut driven = Vec::new();
@@ -202,11 +210,13 @@ pub(super) fn explain_points(points: &[WallPoint]) -> Explained {
                 driven.push(libm::floor(point.from_along_m / VOTE_WAY_M) as i64);
             }
         }
+        on_walls += driven.len() as f64;
         driven.sort_unstable();
         driven.dedup();
         explained.wall_m = explained.wall_m.max(driven.len() as f64 * VOTE_WAY_M);
         explained.walls_aside_m[side as usize] = Some(wall_m);
     }
+    explained.share = on_walls / (points.len() as f64).max(1.0);
     explained
 }
 

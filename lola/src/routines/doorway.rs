@@ -5,19 +5,21 @@ use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// The posts of a door stand at most so far from the middle of the robot, and from one another.
+/// The posts of a door stand at most so far from the middle of the robot, and from one another,
 const POST_M: f64 = 0.8;
 const WIDEST_M: f64 = 1.2;
 
-/// Beyond the door there is so much room to both sides: behind a gap between a thing and a wall the wall goes on.
-const OPEN_M: f64 = 0.75;
+/// as seen from between them so far apart: the walls of a corner are square to one another.
+const OPPOSITE_RAD: f64 = 2.1;
+
+/// Beyond the door there is so much room on each side, and on both together: behind a gap between a thing and a
+/// wall the wall goes on.
+const OPEN_M: f64 = 0.65;
+const OPEN_TOGETHER_M: f64 = 2.0;
 
 /// The robot is through when it has gone so far from between the posts; a wall is no thicker.
 const THROUGH_M: f64 = 0.45;
-const THICKEST_M: f64 = 0.9;
-
-/// A post is looked for so far to both sides of abeam.
-const ABEAM_RAD: f64 = 0.6;
+const THICKEST_M: f64 = 0.95;
 
 /// The way the robot came is remembered in pieces of so much, so many of them: who comes through a door was
 /// before it, and did not turn round in a corner.
@@ -48,13 +50,12 @@ impl DoorwayDetection {
     pub fn take_in(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> Option<Doorway> {
         let here = odometry_in_odom;
         self.go_on(here.point());
-        let (left, right) = (post(here, scan, FRAC_PI_2), post(here, scan, -FRAC_PI_2));
-        if let (Some(left), Some(right)) = (left, right) {
-            let width_m = distance_m(left, right);
-            let is_post = |post: Point| distance_m(post, here.point()) < POST_M;
-            let is_narrower = self.narrowest.is_none_or(|narrowest| width_m < narrowest.width_m);
-            if is_post(left) && is_post(right) && width_m < WIDEST_M && is_narrower {
-                self.narrowest = Some(Doorway { middle_in_odom: between(left, right, here), width_m });
+        if let Some((one, other)) = posts(scan) {
+            let (one, other) = (here.transform(one), here.transform(other));
+            let width_m = distance_m(one, other);
+            if width_m < WIDEST_M && self.narrowest.is_none_or(|narrowest| width_m < narrowest.width_m) {
+                let way_rad = self.way_rad(here);
+                self.narrowest = Some(Doorway { middle_in_odom: between(one, other, way_rad), width_m });
             }
         }
         let doorway = self.narrowest?;
@@ -63,9 +64,8 @@ impl DoorwayDetection {
         if gone_m > THICKEST_M {
             self.narrowest = None;
         }
-        let is_open = |post: Option<Point>| post.is_none_or(|post| distance_m(post, here.point()) > OPEN_M);
         let is_through = beyond.x_m > THROUGH_M && gone_m <= THICKEST_M && self.came_through(doorway.middle_in_odom);
-        if is_through && is_open(left) && is_open(right) {
+        if is_through && is_open(scan, wrap_angle_rad(doorway.middle_in_odom.heading_rad - here.heading_rad)) {
             self.narrowest = None;
             return Some(doorway);
         }
@@ -81,32 +81,61 @@ impl DoorwayDetection {
         }
     }
 
+    /// The way the robot went lately; the way it looks if it has not gone.
+    fn way_rad(&self, here: Pose) -> f64 {
+        let behind = self.trail_in_odom.iter().rev().nth(3).or(self.trail_in_odom.first());
+        match behind.map(|&behind| here.point() - behind) {
+            Some(way) if way.norm() > TRAIL_M => libm::atan2(way.y, way.x),
+            Some(_) | None => here.heading_rad,
+        }
+    }
+
     /// Whether the robot was before the doorway, and went between its posts.
     fn came_through(&self, middle_in_odom: Pose) -> bool {
         let frame = middle_in_odom.inverse();
         let trail: Vec<Point> = self.trail_in_odom.iter().map(|&place| frame.transform(place)).collect();
         let was_before = trail.iter().any(|place| place.x < -BEFORE_M);
-        let between = trail.iter().filter(|place| place.x.abs() < TRAIL_M);
-        was_before && between.clone().count() > 0 && between.into_iter().all(|place| place.y.abs() < POST_M / 2.0)
+        let mut between = trail.iter().filter(|place| place.x.abs() < TRAIL_M).peekable();
+        was_before && between.peek().is_some() && between.all(|place| place.y.abs() < POST_M / 2.0)
     }
 }
 
-/// The nearest that is heard about abeam on a side, in `odom`.
-fn post(here: Pose, scan: SonarScan<'_>, abeam_rad: f64) -> Option<Point> {
-    let abeam = scan.sonars.mounts.iter().zip(scan.ranges_m).filter(|(mount, range_m)| {
-        let off_rad = wrap_angle_rad(mount.heading_rad - abeam_rad).abs();
-        off_rad < ABEAM_RAD && **range_m > 0.0 && f64::from(**range_m) < scan.sonars.range_m
-    });
-    let (mount, &range_m) = abeam.min_by(|one, other| one.1.total_cmp(other.1))?;
-    let heard = Pose::new(mount.at_in_base.x, mount.at_in_base.y, mount.heading_rad);
-    Some(here.transform(heard.transform(Point::new(f64::from(range_m), 0.0))))
+/// The nearest that is heard, and the nearest opposite to it, in `base`.
+fn posts(scan: SonarScan<'_>) -> Option<(Point, Point)> {
+    let heard: Vec<(f64, Point)> = scan
+        .sonars
+        .mounts
+        .iter()
+        .zip(scan.ranges_m)
+        .filter(|(_, range_m)| **range_m > 0.0 && f64::from(**range_m) < POST_M)
+        .map(|(mount, &range_m)| {
+            let apex = Pose::new(mount.at_in_base.x, mount.at_in_base.y, mount.heading_rad);
+            (mount.heading_rad, apex.transform(Point::new(f64::from(range_m), 0.0)))
+        })
+        .collect();
+    let nearer = |one: &&(f64, Point), other: &&(f64, Point)| one.1.coords.norm().total_cmp(&other.1.coords.norm());
+    let one = heard.iter().min_by(nearer)?;
+    let opposite = heard.iter().filter(|other| wrap_angle_rad(other.0 - one.0).abs() > OPPOSITE_RAD);
+    Some((one.1, opposite.min_by(nearer)?.1))
 }
 
-/// Between two posts, looking the way the robot does.
-fn between(left: Point, right: Point, here: Pose) -> Pose {
-    let across_rad = libm::atan2(left.y - right.y, left.x - right.x);
+/// Whether there is room on both sides of a direction.
+fn is_open(scan: SonarScan<'_>, direction_rad: f64) -> bool {
+    let ranges_m = scan.ranges_from_middle_m();
+    let sides_m = [FRAC_PI_2, -FRAC_PI_2].map(|aside_rad| {
+        let off_rad =
+            |sonar: &usize| wrap_angle_rad(scan.sonars.mounts[*sonar].heading_rad - direction_rad - aside_rad).abs();
+        let sonar = (0..ranges_m.len()).min_by(|one, other| off_rad(one).total_cmp(&off_rad(other)));
+        sonar.map_or(0.0, |sonar| f64::from(ranges_m[sonar]).min(scan.sonars.range_m))
+    });
+    sides_m.iter().all(|&side_m| side_m > OPEN_M) && sides_m.iter().sum::<f64>() > OPEN_TOGETHER_M
+}
+
+/// Between two posts, looking about the way that the robot goes.
+fn between(one: Point, other: Point, way_rad: f64) -> Pose {
+    let across_rad = libm::atan2(one.y - other.y, one.x - other.x);
     let normal_rad = wrap_angle_rad(across_rad - FRAC_PI_2);
-    let off_rad = wrap_angle_rad(normal_rad - here.heading_rad);
-    let heading_rad = if off_rad.abs() <= FRAC_PI_2 { normal_rad } else { normal_rad + 2.0 * FRAC_PI_2 };
-    Pose::new((left.x + right.x) / 2.0, (left.y + right.y) / 2.0, heading_rad)
+    let is_ahead = wrap_angle_rad(normal_rad - way_rad).abs() <= FRAC_PI_2;
+    let heading_rad = if is_ahead { normal_rad } else { normal_rad + 2.0 * FRAC_PI_2 };
+    Pose::new((one.x + other.x) / 2.0, (one.y + other.y) / 2.0, heading_rad)
 }

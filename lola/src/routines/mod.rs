@@ -17,4 +17,4 @@ pub use direction_follow::{DirectionFollow, DirectionInput, DirectionOutput};
 pub use doorway::{Doorway, DoorwayDetection};
 pub use lane::{Lane, clear_lane};
 pub use reverse::{Reverse, ReverseStatus};
-pub use scan_axis::ScanAxis;
+pub use scan_axis::{ScanAxis, across_m};

@@ -26,16 +26,8 @@ impl ScanAxis {
     /// Takes a scan in.
     pub fn take_in(&mut self, scan: SonarScan<'_>) {
         let ranges_m = scan.ranges_from_middle_m();
-        let across_m: Vec<f64> = scan
-            .sonars
-            .mounts
-            .iter()
-            .map(|mount| {
-                let opposite = nearest(scan, mount.heading_rad + PI);
-                let ahead = nearest(scan, mount.heading_rad);
-                [ahead, opposite].into_iter().map(|sonar| f64::from(ranges_m[sonar]).min(scan.sonars.range_m)).sum()
-            })
-            .collect();
+        let mounts = scan.sonars.mounts.iter();
+        let across_m: Vec<f64> = mounts.map(|mount| between_m(scan, &ranges_m, mount.heading_rad)).collect();
         if self.across_m.len() != across_m.len() {
             *self = Self { across_m, steps: 1 };
             return;
@@ -65,6 +57,17 @@ impl ScanAxis {
         let axis_rad = wrap_angle_rad(normal_rad + FRAC_PI_2);
         Some(if axis_rad.abs() <= FRAC_PI_2 { axis_rad } else { wrap_angle_rad(axis_rad + PI) })
     }
+}
+
+/// How far it is, square to an axis given in `base`, between what is heard on the left and on the right.
+pub fn across_m(scan: SonarScan<'_>, axis_in_base_rad: f64) -> f64 {
+    between_m(scan, &scan.ranges_from_middle_m(), axis_in_base_rad + FRAC_PI_2)
+}
+
+/// Between what is heard in a direction and opposite to it; silence is taken for the range of the sonars.
+fn between_m(scan: SonarScan<'_>, ranges_m: &[f32], direction_rad: f64) -> f64 {
+    let heard_m = |direction_rad: f64| f64::from(ranges_m[nearest(scan, direction_rad)]).min(scan.sonars.range_m);
+    heard_m(direction_rad) + heard_m(direction_rad + PI)
 }
 
 /// The sonar that looks nearest to a direction.

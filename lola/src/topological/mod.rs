@@ -11,7 +11,7 @@ mod map;
 mod plan;
 mod trial;
 
-pub use both_sides::{BothSides, both_sides};
+pub use both_sides::{BothSides, OPPOSITE_M, both_sides};
 pub use localization::TopologicalLocalization;
 pub use map::{Direction, MapFault, Node, State, TopologicalMap, Turn};
 pub use plan::{Action, next_action};

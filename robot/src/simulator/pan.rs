@@ -14,7 +14,7 @@ pub struct Pan {
 
 impl Pan {
     /// One step towards a wanted speed; at the end of its range it stands.
-    pub(super) fn step(&mut self, camera: &Camera, wanted_radps: f64, step_s: f64) {
+    pub(crate) fn step(&mut self, camera: &Camera, wanted_radps: f64, step_s: f64) {
         let most_radps = camera.max_pan_radps;
         let change_radps = camera.pan_acceleration_radps2 * step_s;
         let wanted_radps = wanted_radps.clamp(-most_radps, most_radps);

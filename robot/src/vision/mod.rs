@@ -10,6 +10,6 @@ mod marker_colours;
 mod pan_control;
 
 pub use back_projection::{Blob, blobs};
-pub use floor_marks::{FloorMark, FloorSighting, floor_sightings, third};
+pub use floor_marks::{FloorMark, FloorSighting, floor_sightings};
 pub use histogram::{BINS, Histogram, bin};
 pub use pan_control::PanControl;

@@ -1,3 +1,4 @@
+mod camera;
 mod hands;
 mod motion;
 mod people;

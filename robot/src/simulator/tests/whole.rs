@@ -5,7 +5,8 @@ fn busy_model() -> SimulatorModel {
     let text = World::builtin_text("dept").expect("built in");
     let text = format!("{text}[[person]]\npath = [[5.0, 9.0], [20.0, 11.0]]\nspeed = 0.9\n");
     let world = World::parse(&text, "dept.toml").expect("no faults");
-    SimulatorModel::new(Arc::new(world), SimulatorSettings::of(builtin("b21-laser")))
+    let robot = RobotDescription { camera: builtin("b21-camera").camera, ..builtin("b21-laser") };
+    SimulatorModel::new(Arc::new(world), SimulatorSettings::of(robot))
 }
 
 /// A drive with everything in it.
@@ -21,6 +22,7 @@ fn command(step: usize) -> Commands {
         rotation_radps: turn_radps,
         sonars_on: !step.is_multiple_of(7),
         gripper,
+        camera: (step % 50 > 5).then_some(CameraCommand { pan_radps: 2.0 * turn_radps }),
         ..Commands::default()
     }
 }
