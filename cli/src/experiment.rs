@@ -54,6 +54,7 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
         ExperimentSubject::CountOpenings => instructions::count_openings(request, console),
         ExperimentSubject::OfficeDelivery => instructions::office_delivery(request, console),
         ExperimentSubject::TopologicalGlobal => instructions::topological_global(request, console),
+        ExperimentSubject::MarkerDetection => instructions::marker_detection(request, console),
         ExperimentSubject::Choices => choices::run(request, &chosen()?, console),
         ExperimentSubject::Success => {
             let rows = missions(request, &chosen()?, console)?;
@@ -110,6 +111,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::CountOpenings => instructions::counting_rows(),
         ExperimentSubject::OfficeDelivery => instructions::delivery_rows(),
         ExperimentSubject::TopologicalGlobal => instructions::map_rows(),
+        ExperimentSubject::MarkerDetection => instructions::marker_rows(),
         ExperimentSubject::Success
         | ExperimentSubject::Comparison
         | ExperimentSubject::Calibration

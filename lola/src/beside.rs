@@ -41,7 +41,18 @@ impl SideReading {
     /// perpendicular wherever that lies in the cone: taken as it is, the range is the distance. With that in
     /// mind the transducers beside the nearest one measure the same wall.
     pub fn perpendicular_m(&self) -> f64 {
-        self.range_m * libm::cos(self.nearest_rad())
+        self.echo_m().1
+    }
+
+    /// Where a wall that gives this echo is met, from the apex: along the axis, and across it.
+    pub fn echo_m(&self) -> (f64, f64) {
+        let nearest_rad = self.nearest_rad();
+        // That of the sonars which hear most is on the perpendicular.
+        if nearest_rad == 0.0 || self.range_m == f64::INFINITY {
+            return (0.0, self.range_m);
+        }
+        let (sin, cos) = libm::sincos(nearest_rad);
+        (self.range_m * sin, self.range_m * cos)
     }
 
     /// Where on a wall at this perpendicular distance the echo comes from, along the axis from the middle of

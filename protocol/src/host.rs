@@ -436,3 +436,69 @@ pub fn written(message: &impl Serialize) -> String {
         Err(error) => unreachable!("every message can be written: {error}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_robot::description::RobotDescription;
+    use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
+    use rpl_robot::world::World;
+    use std::sync::Arc;
+
+    /// What a robot with a camera perceives while that is on, with an image.
+    fn seen() -> (Arc<RobotDescription>, Percept) {
+        let robot = RobotDescription::builtin("b21-camera").expect("built in");
+        let world = World::builtin("test-room").expect("built in");
+        let model = SimulatorModel::new(Arc::new(world), SimulatorSettings::of(robot.clone()));
+        let camera = Some(CameraCommand { pan_radps: 1.0 });
+        let commands = Commands { camera, sonars_on: true, ..Commands::default() };
+        let mut state = model.start(1);
+        let mut percepts = std::iter::from_fn(|| Some(model.step(&mut state, &commands))).take(10);
+        let has_image = |percept: &Percept| percept.camera.as_ref().is_some_and(|camera| camera.image.is_some());
+        (robot, percepts.find(has_image).expect("an image"))
+    }
+
+    fn taken(message: &PerceptMessage, robot: &RobotDescription) -> Result<Percept, String> {
+        message.percept(&robot.range_sensors(), robot.camera.map(|camera| camera.view).as_ref())
+    }
+
+    #[test]
+    fn an_image_is_the_same_after_it_was_said() {
+        let (robot, percept) = seen();
+        let line = written(&PerceptMessage::new(3, Some(2), &percept));
+        assert!(line.len() < 20_000, "{}", line.len());
+        assert_eq!(taken(&read(&line).expect("a message"), &robot), Ok(percept));
+    }
+
+    #[test]
+    fn what_no_camera_can_have_told_is_refused_in_words() {
+        let (robot, percept) = seen();
+        let message = PerceptMessage::new(3, Some(2), &percept);
+        let camera = |pan_rad, image: &str| PerceptMessage {
+            camera: Some(CameraMessage { pan_rad, image: Some(image.to_string()) }),
+            ..message.clone()
+        };
+        let why = |message: &PerceptMessage| taken(message, &robot).expect_err("it cannot be");
+        assert_eq!(
+            why(&camera(0.0, "AAAA")),
+            "`camera.image` has 3 bytes, and 14400 are expected, 3 for each of 80 by 60 pixels"
+        );
+        assert!(
+            why(&camera(0.0, "AA*A")).starts_with("`camera.image` is no Base64: "),
+            "{}",
+            why(&camera(0.0, "AA*A"))
+        );
+        assert!(why(&camera(9.0, "")).contains("`camera.pan_rad` is 9"));
+        let blind = RobotDescription::papers();
+        assert_eq!(taken(&message, &blind), Err("`camera` is there, and the robot has none".to_string()));
+    }
+
+    #[test]
+    fn a_camera_is_told_to_turn_and_otherwise_nothing() {
+        let looking = Commands { camera: Some(CameraCommand { pan_radps: -0.5 }), ..Commands::default() };
+        let line = written(&CommandsMessage::new(1, &looking));
+        assert!(line.contains("\"camera\":{\"pan_radps\":-0.5}"), "{line}");
+        assert_eq!(read::<CommandsMessage>(&line).map(|message| message.commands()), Ok(looking));
+        assert!(!written(&CommandsMessage::new(1, &Commands::default())).contains("camera"));
+    }
+}

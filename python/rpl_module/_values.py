@@ -52,6 +52,15 @@ class Position:
 
 
 @dataclass(frozen=True)
+class CameraReading:
+    """What a camera that is on tells."""
+
+    pan_rad: float
+    image: Optional[str] = None
+    """Red, green and blue of each pixel, a byte each, the top row first, in Base64."""
+
+
+@dataclass(frozen=True)
 class Percept:
     """What the robot perceives at the end of a step."""
 
@@ -64,6 +73,7 @@ class Percept:
     battery: float
     sonar_m: Optional[List[float]] = None
     laser_m: Optional[List[float]] = None
+    camera: Optional[CameraReading] = None
     holding: Optional[str] = None
     messages: List[List[str]] = field(default_factory=list)
     others: Dict[str, Any] = field(default_factory=dict)
@@ -95,6 +105,8 @@ def tick_of(message: Dict[str, Any]) -> Tick:
         known = {known.name for known in fields(Percept)}
         percept = {name: value for name, value in percept.items() if name in known}
         percept["odometry_in_odom"] = Pose(**percept["odometry_in_odom"])
+        if percept.get("camera") is not None:
+            percept["camera"] = CameraReading(**percept["camera"])
     return Tick(
         time_s=message["time_us"] / 1e6,
         position=None if position is None else Position(**position),

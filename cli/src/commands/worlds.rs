@@ -17,7 +17,7 @@ use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::simulator::PERSON_RADIUS_M;
-use rpl_robot::world::World;
+use rpl_robot::world::{Marker, MarkerColour, World};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -147,6 +147,16 @@ const PERSON: Colour = [30, 90, 220];
 /// Where the robot starts.
 const ROBOT: Colour = [200, 0, 60];
 
+/// A marker on the floor.
+fn of_marker(colour: MarkerColour) -> Colour {
+    match colour {
+        MarkerColour::Pink => [255, 60, 190],
+        MarkerColour::Orange => [255, 150, 60],
+        MarkerColour::Green => [120, 240, 90],
+        MarkerColour::Blue => [40, 150, 255],
+    }
+}
+
 /// Three bytes for each cell, the top row of the image first, which is the last of the grid.
 fn pixels(world: &World, map: &OccupancyGrid, robot_radius_m: f64) -> Vec<u8> {
     let floor = world.floor(map.resolution_m, |door| world.doors[door].open);
@@ -159,6 +169,10 @@ fn pixels(world: &World, map: &OccupancyGrid, robot_radius_m: f64) -> Vec<u8> {
         }
         if world.people.iter().any(|person| is_on(centre, PERSON_RADIUS_M, person.path[0])) {
             return PERSON;
+        }
+        let is_marked = |marker: &&Marker| (centre - marker.at).amax() <= marker.size_m / 2.0;
+        if let Some(marker) = world.markers.iter().find(is_marked).filter(|_| !is_there) {
+            return of_marker(marker.colour);
         }
         match (map.get(column, row), is_there) {
             (Cell::Occupied, true) => [0; 3],
@@ -234,7 +248,8 @@ mod tests {
                     [[door]]\nroom = \"r\"\nat = [1, 2]\nwidth = 1\naxis = \"x\"\nopen = false\nmapped_open = true\n\
                     [[door]]\nroom = \"r\"\nat = [3, 2]\nwidth = 1\naxis = \"x\"\nopen = true\nmapped_open = false\n\
                     [[object]]\nname = \"box\"\nrect = [2, 0.5, 2.4, 0.9]\nmapped = false\n\
-                    [[person]]\npath = [[3, 0.5], [3, 1]]\nspeed = 1\n";
+                    [[person]]\npath = [[3, 0.5], [3, 1]]\nspeed = 1\n\
+                    [[marker]]\nat = [3.5, 1.5]\ncolour = \"green\"\n";
         let world = World::parse(text, "w.toml").expect("no faults");
         let map = world.map(0.05);
         let image = pixels(&world, &map, 0.265);
@@ -249,5 +264,6 @@ mod tests {
         assert_eq!(at(3.0, 2.0), VANISHED, "an open door that is closed in the map");
         assert_eq!(at(2.2, 0.7), UNMAPPED, "an object that is not in the map");
         assert_eq!((at(3.0, 0.5), at(1.0, 1.0)), (PERSON, ROBOT));
+        assert_eq!((at(3.4, 1.6), at(3.7, 1.5)), (of_marker(MarkerColour::Green), [255; 3]), "a marker and beside it");
     }
 }

@@ -40,6 +40,8 @@ pub enum ExperimentSubject {
     OfficeDelivery,
     /// Where the robot is on a complete topological map: the same.
     TopologicalGlobal,
+    /// Whether the camera finds the markers of hallways: the same.
+    MarkerDetection,
 }
 
 /// One row of a table.
@@ -208,6 +210,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },
     Experiment { name: "office-delivery", subject: ExperimentSubject::OfficeDelivery, rows: &[] },
     Experiment { name: "topological-global", subject: ExperimentSubject::TopologicalGlobal, rows: &[] },
+    Experiment { name: "marker-detection", subject: ExperimentSubject::MarkerDetection, rows: &[] },
 ];
 
 fn literal(settings: &mut OfficeSettings) {

@@ -103,3 +103,20 @@ fn experiments_of_other_kinds_are_as_documented() {
     let choices: &[&str] = &["experiment", "choices", "--row", "turned by 180°", "--runs", "1", "--json"];
     assert_documented("rpl experiment choices", &[choices]);
 }
+
+#[test]
+fn experiments_with_instructions_are_as_documented() {
+    let features: &[&str] =
+        &["experiment", "hallway-features", "--row", "sonar alone", "--runs", "1", "--until", "40s", "--json"];
+    assert_documented("rpl experiment hallway-features", &[features]);
+    let openings: &[&str] =
+        &["experiment", "count-openings", "--row", "state set", "--runs", "1", "--until", "40s", "--json"];
+    assert_documented("rpl experiment count-openings", &[openings]);
+    let right: &[&str] =
+        &["experiment", "office-delivery", "--row", "sonar alone", "--runs", "1", "--until", "5s", "--json"];
+    let wrong: &[&str] =
+        &["experiment", "office-delivery", "--row", "wrong lists", "--runs", "2", "--until", "5s", "--json"];
+    assert_documented("rpl experiment office-delivery", &[right, wrong]);
+    let map: &[&str] = &["experiment", "topological-global", "--row", "sonar alone", "--runs", "3", "--json"];
+    assert_documented("rpl experiment topological-global", &[map]);
+}

@@ -20,7 +20,7 @@ const PLAN: &str = "(with-valve arm
 fn robots_are_listed_shown_and_written_to_start_from() {
     let folder = folder("robots");
     let list = rpl(&folder, "robots").out;
-    for name in ["b21", "b21-laser", "nomad-200", "pioneer-2dx", "pioneer-front", "turtlebot"] {
+    for name in ["b21", "b21-camera", "b21-laser", "nomad-200", "pioneer-2dx", "pioneer-front", "turtlebot"] {
         assert!(list.lines().any(|line| line.split_whitespace().next() == Some(name)), "{list}");
     }
     let shown = rpl(&folder, "robots pioneer-front").out;

@@ -82,3 +82,38 @@ fn forged_inputs_are_refused_in_words_or_used() {
     }
     assert!(refused > 20, "{refused} of 50 were refused");
 }
+
+#[test]
+fn an_arena_is_drawn_from_the_seed_and_its_file_is_the_same_building() {
+    let folder = folder("arena");
+    let Ended { out: shown, errors: told, status } = rpl(&folder, "worlds arena --seed 2 --toml two.toml");
+    assert_eq!((status, told.as_str()), (0, ""));
+    let (building, way) = shown.rsplit_once("the way from `start` into `goal`: ").expect("the way is told");
+    let file = rpl(&folder, "worlds two.toml");
+    assert_eq!((file.status, file.out.as_str()), (0, building));
+    let book = include_str!("../../../docs/instructions.md");
+    let told_twice = book.matches(way.trim()).count();
+    assert_eq!(told_twice, 2, "docs/instructions.md tells another way than {way}");
+
+    put(&folder, "drive.rpl", "(with-valve wheels (run-behaviour goal-seek :to '(0.2 0)))");
+    let drive =
+        |line: &str| rpl(&folder, &format!("run drive.rpl --map none --seed 2 {line} --trace t --trace-poses 1"));
+    let traced = || {
+        let text = std::fs::read_to_string(folder.join("t")).expect("there is a trace");
+        text.lines().skip(1).map(str::to_string).collect::<Vec<String>>()
+    };
+    drive("--world arena");
+    let drawn = traced();
+    drive("--world two.toml");
+    assert!(drawn.len() > 10 && drawn == traced());
+
+    assert_ne!(rpl(&folder, "worlds arena --seed 3").out, shown);
+    let refused = rpl(&folder, "experiment rotated --world arena --runs 1");
+    assert!(
+        refused.status == 2 && refused.errors.contains("`arena` is another world for each seed"),
+        "{}",
+        refused.errors
+    );
+    let suggested = rpl(&folder, "worlds arenas").errors;
+    assert!(suggested.contains("did you mean `arena`?"), "{suggested}");
+}

@@ -18,7 +18,7 @@ const LEAST_SHARE: f64 = 0.52;
 /// So many echoes at least.
 const LEAST_HITS: usize = 8;
 /// An echo from so much before a side wall, or behind it, may be its own.
-const SIDE_WALL_M: f64 = 0.15;
+const SIDE_WALL_M: f64 = 0.08;
 /// Of the echoes so many must be of cones that look along the axis.
 const LEAST_AHEAD: usize = 4;
 /// Echoes are kept for so long a way.

@@ -41,7 +41,9 @@ impl Confusion {
     /// Compares the percepts of a drive of `driven_m` with the truth. Each percept tells of the feature of its
     /// side that it overlaps most; of several that tell of one, the one that overlaps most counts, the others
     /// are doubled. A feature that was not driven past from [`BEFORE_M`] before it to [`BEHIND_M`] behind it
-    /// counts neither way. Cost: their product.
+    /// counts neither way. Percepts are where the odometry puts them, which over tens of metres is a door's width
+    /// off: shift each before by how far the robot was from where it took itself to be along the axis when it
+    /// perceived it. Cost: their product.
     pub fn of(percepts: &[Percept], truth: &[TrueFeature], driven_m: f64) -> Self {
         let mut confusion = Self { driven_m, ..Self::default() };
         let mut told: Vec<Option<(f64, Feature)>> = vec![None; truth.len()];

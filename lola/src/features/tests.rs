@@ -64,7 +64,7 @@ fn hallways_and_foyers_are_told_apart_by_their_width() {
     assert_eq!(seen.len(), 2, "{seen:?}");
     assert_near(seen[0], Side::Right, Feature::Hallway, 6.1, 2.2);
     assert_near(seen[1], Side::Left, Feature::Foyer, 11.0, 4.0);
-    assert!(drive.percepts[1].depth_m > 2.0);
+    assert!(drive.percepts.iter().all(|percept| percept.depth_m > 0.25), "no leaf is so deep");
 }
 
 #[test]

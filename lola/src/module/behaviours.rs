@@ -4,6 +4,7 @@ use super::Lola;
 use super::drive::Drive;
 use super::hallway::Hallway;
 use super::hallway_drive::{HallwayDrive, Until};
+use super::seeing::Seeing;
 use crate::routines::DoorwayDetection;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::navigation::{DriveTask, LocalDrive, MaplessNavigation};
@@ -20,6 +21,7 @@ pub(super) const WALL_FOLLOW: usize = 1;
 pub(super) const GOAL_SEEK: usize = 2;
 pub(super) const REGISTRATION: usize = 3;
 pub(super) const FEATURE_DETECTION: usize = 4;
+pub(super) const MARKER_DETECTION: usize = 5;
 
 /// Held up for so long, who is told nothing else gives up.
 const PATIENCE_S: f64 = 30.0;
@@ -68,6 +70,12 @@ pub(super) fn behaviours() -> Vec<BehaviourSpec> {
             "",
             "Perceives what is beside the hallway that direction-follow drives along, each opening once. Never ends by itself.",
         ),
+        behaviour(
+            "marker-detection",
+            None,
+            ":colour :size :around",
+            "Looks with the camera for markers on the floor, of `:colour` and of `:size`, the length of a side: on both sides of the hallway, or with `:around t` all around. What it has found counts for feature-detection. Never ends by itself.",
+        ),
     ]
 }
 
@@ -88,6 +96,7 @@ impl Lola {
                 self.hallway = Some(Hallway::start(heading_rad.unwrap_or(here.heading_rad), here));
                 self.drive = Drive::Hallway(Box::new(HallwayDrive::register(patience_s(start)?)));
             }
+            MARKER_DETECTION => self.markers = Some(Seeing::start(start, self.markers.take())?),
             _ => {}
         }
         self.has_news = true;
@@ -96,7 +105,7 @@ impl Lola {
 
     /// Stops a behaviour: what is known of the hallway is kept.
     pub(super) fn end(&mut self, behaviour: usize, _: StopReason) {
-        if behaviour != FEATURE_DETECTION {
+        if ![FEATURE_DETECTION, MARKER_DETECTION].contains(&behaviour) {
             self.drive = Drive::Idle;
         }
         self.has_news = true;

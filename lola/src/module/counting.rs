@@ -1,19 +1,18 @@
 //! How far the robot has got with an instruction.
 
+use super::hallway::EDGE_M;
 use crate::feature::Percept;
 use crate::instruction::Instruction;
 use crate::state_set::{Inference, StateSet};
 use serde::{Deserialize, Serialize};
-
-/// What begins so little before where counting begins may begin behind it: a percept's edges are not sharper.
-const EDGE_M: f64 = 0.1;
 
 /// An instruction under way: its state set, and from where on along the hallway it counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Counting {
     /// Its certainties.
     pub state_set: StateSet,
-    from_m: f64,
+    /// From there on along the hallway openings count.
+    pub from_m: f64,
 }
 
 impl Counting {

@@ -1,7 +1,8 @@
 //! Percepts, poses and instructions as plans have them.
 
-use crate::feature::{Percept, Side};
+use crate::feature::{Feature, Percept, Side};
 use crate::instruction::{Instruction, MOST_ORDINAL};
+use crate::judgement::{Judgement, Verdict};
 use rpl_robot::geometry::Pose;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -17,6 +18,28 @@ pub(super) fn percept_data(machine: &mut Machine, percept: &Percept) -> Value {
     let [side, seen] = [percept.side.in_words(), percept.seen.name()].map(|name| symbol(machine, name));
     let number = Value::Int(i64::try_from(percept.number).unwrap_or(i64::MAX));
     machine.heap.list(&[number, side, seen, Value::Float(percept.from_m), Value::Float(percept.to_m)])
+}
+
+/// The percept of such a list.
+///
+/// # Errors
+/// It is none.
+pub(super) fn percept_of(machine: &Machine, data: Value) -> Result<Percept, Raise> {
+    let understood = machine.heap.elements(data).ok().and_then(|elements| match elements[..] {
+        [Value::Int(number), Value::Symbol(side), Value::Symbol(seen), from, to] => Some(Percept {
+            number: u64::try_from(number).ok()?,
+            side: side_named(machine.symbols.name(side))?,
+            seen: Feature::ALL.into_iter().find(|feature| feature.name() == machine.symbols.name(seen))?,
+            from_m: from.as_f64()?,
+            to_m: to.as_f64()?,
+            depth_m: f64::INFINITY,
+            marked: false,
+        }),
+        _ => None,
+    });
+    understood.ok_or_else(|| {
+        Raise::type_error(format!("{} is no percept; it is a list (number side kind from to)", machine.described(data)))
+    })
 }
 
 /// A list that says the instruction.
@@ -84,6 +107,24 @@ fn words(machine: &Machine, data: Value) -> Option<Vec<Word<'_>>> {
 /// The side of a name.
 pub(super) fn side_named(name: &str) -> Option<Side> {
     Side::ALL.into_iter().find(|side| side.in_words() == name)
+}
+
+/// A list (verdict sentence probability kind opening meant).
+pub(super) fn judgement_data(machine: &mut Machine, judgement: &Judgement, opening: Option<Percept>) -> Value {
+    let verdict = match judgement.verdict() {
+        Verdict::Right => "right",
+        Verdict::Wrong(_) => "wrong",
+        Verdict::LookAgain => "look-again",
+    };
+    let elements = [
+        symbol(machine, verdict),
+        machine.heap.string(&judgement.sentence),
+        Value::Float(judgement.wrong()),
+        symbol(machine, judgement.likeliest_fault().name()),
+        opening.map_or(Value::Nil, |percept| percept_data(machine, &percept)),
+        judgement.likeliest_reading().map_or(Value::Nil, |meant| instruction_data(machine, meant.goal.instruction())),
+    ];
+    machine.heap.list(&elements)
 }
 
 /// The words of a message, or a text, as one text.

@@ -1,8 +1,9 @@
 //! What the robot does with its wheels.
 
 use super::Lola;
-use super::behaviours::{DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, REGISTRATION, WALL_FOLLOW};
-use super::hallway_drive::{DriveEnd, HallwayDrive};
+use super::behaviours::{DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, MARKER_DETECTION, REGISTRATION, WALL_FOLLOW};
+use super::hallway_drive::{DriveEnd, HallwayDrive, Perceiving};
+use super::seeing::Seeing;
 use crate::routines::DoorwayDetection;
 use rpl_robot::navigation::{DriveStatus, LocalDrive, MaplessNavigation, NavigationEvent};
 use rpl_robot::office::{Moment, Phase, Telling, TravelMode, Velocity};
@@ -46,7 +47,15 @@ impl Lola {
             Drive::Idle => return None,
             Drive::Hallway(drive) => {
                 let hallway = self.hallway.as_mut()?;
-                let (velocity, end) = drive.step(hallway, now, self.settings.registers, is_active(FEATURE_DETECTION));
+                let seen = self.markers.as_ref().filter(|_| is_active(MARKER_DETECTION)).map(Seeing::markers_in_odom);
+                // Where there are no markers at all, none beside a door says nothing.
+                let markers = seen.as_deref().filter(|markers| !markers.is_empty());
+                let perceiving = Perceiving {
+                    registers: self.settings.registers,
+                    detects: is_active(FEATURE_DETECTION),
+                    markers_in_odom: markers,
+                };
+                let (velocity, end) = drive.step(hallway, now, perceiving);
                 (velocity, end.map(DriveEnd::ending))
             }
             Drive::Wall { drive, stuck_s } => follow_wall(drive, stuck_s, now),

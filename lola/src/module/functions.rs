@@ -2,12 +2,15 @@
 
 use super::Lola;
 use super::counting::Counting;
-use super::data::{instruction_data, instruction_of, percept_data, pose_data, said, side_named};
+use super::data::{
+    instruction_data, instruction_of, judgement_data, percept_data, percept_of, pose_data, said, side_named,
+};
 use crate::instruction::parse;
+use crate::judgement::{Expectation, Judgement};
 use crate::state_set::Inference;
 use rpl_robot::file_text::FileFaults;
 use rpl_robot::geometry::Pose;
-use rpl_robot::office::{act, look};
+use rpl_robot::office::{act, look, model};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native, Reply};
@@ -34,6 +37,18 @@ pub(super) fn functions() -> Vec<Native> {
             progress_state_set,
         ),
         look(
+            "explain-instruction",
+            "instruction &optional from",
+            "Judges an instruction that counts openings by all that was seen of the hallway from `from` metres on: a list (verdict sentence probability kind opening meant). The verdict is right, wrong or look-again; the probability is that it is wrong; the kind of fault is no-such-opening, other-kind or other-side; the opening is its goal as a percept, or nil; what was likeliest meant instead is an instruction, or nil.",
+            explain_instruction,
+        ),
+        act(
+            "turn-hallway-round",
+            "",
+            "The hallway is from now on one that the robot goes back along; what was seen of it is kept for `explain-instruction`. The value is how far it is back to its beginning, in metres.",
+            turn_hallway_round,
+        ),
+        look(
             "opening-at-end",
             "side",
             "The percept on this side of the robot that reaches to the end of the hallway, before which the robot stands; nil if there is none.",
@@ -51,6 +66,7 @@ pub(super) fn functions() -> Vec<Native> {
             "The pose so far ahead and to the left of another one, turned by so much: x, y, heading.",
             pose_from,
         ),
+        look("has-camera?", "", "Whether the robot has a camera.", has_camera),
         look(
             "hallway-position",
             "",
@@ -101,9 +117,8 @@ fn start_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 }
 
 fn progress_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let has_camera = false;
+    let inference = inference(call)?;
     let lola = call.part::<Lola>()?;
-    let inference = lola.settings.inference.clone().unwrap_or_else(|| Inference::of_robot(has_camera));
     let arrived = match (&mut lola.counting, &lola.hallway) {
         (Some(counting), Some(hallway)) => counting.progress(&inference, &hallway.percepts),
         _ => None,
@@ -112,23 +127,53 @@ fn progress_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     Ok(Reply::Value(arrived.map_or(Value::Nil, |percept| percept_data(call.machine, &percept))))
 }
 
-fn opening_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
-    let wrong = || Raise::type_error("`opening-pose` takes a percept, a list `(number side kind from to)`");
-    let number = call.list(0).map_err(|_| wrong())?.first().copied();
-    let Some(Value::Int(number)) = number else { return Err(wrong()) };
+/// What percepts are judged by: as was set, or else by what the robot sees with.
+fn inference(call: &mut Call<'_, '_>) -> Result<Inference, Raise> {
+    let lola = call.part::<Lola>()?;
+    let with_markers = lola.markers.as_ref().is_some_and(|seeing| !seeing.markers_in_odom().is_empty());
+    Ok(lola.settings.inference.clone().unwrap_or_else(|| Inference::of_robot(with_markers)))
+}
+
+fn explain_instruction(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let instruction = instruction_of(call.machine, call.argument(0))?;
+    let Some(goal) = instruction.goal() else {
+        return Err(Raise::type_error(
+            "`explain-instruction` takes an instruction that counts openings, a turn or an enter",
+        ));
+    };
+    let from_m = if call.arguments.len() > 1 { call.number(1)? } else { 0.0 };
+    let expectation = Expectation::of_event(inference(call)?.matrix);
+    let hallway = call.part::<Lola>()?.hallway.as_ref().ok_or_else(no_hallway)?;
+    let (looks, end_m) = hallway.looks(from_m);
+    let judgement = Judgement::of(goal, &looks, end_m, &expectation);
+    let opening = judgement.at.map(|percept| hallway.as_seen_now(&percept));
+    Ok(Reply::Value(judgement_data(call.machine, &judgement, opening)))
+}
+
+fn turn_hallway_round(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let lola = call.part::<Lola>()?;
     let hallway = lola.hallway.as_ref().ok_or_else(no_hallway)?;
-    let percept = hallway.percepts.iter().find(|percept| i64::try_from(percept.number) == Ok(number));
-    let Some(percept) = percept else {
-        return Err(Raise::new("plan-failure", format!("nothing of number {number} was perceived in this hallway")));
-    };
-    let pose = hallway.opening_in_odom(percept);
+    let back_m = hallway.along_m();
+    lola.hallway = Some(hallway.turned_round());
+    lola.has_news = true;
+    Ok(Reply::Value(Value::Float(back_m)))
+}
+
+fn opening_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let percept = percept_of(call.machine, call.argument(0))?;
+    let hallway = call.part::<Lola>()?.hallway.as_ref().ok_or_else(no_hallway)?;
+    let pose = hallway.opening_in_odom(&percept);
     Ok(Reply::Value(pose_data(call.machine, pose)))
 }
 
 fn hallway_position(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let along_m = call.part::<Lola>()?.hallway.as_ref().ok_or_else(no_hallway)?.along_m();
     Ok(Reply::Value(Value::Float(along_m)))
+}
+
+fn has_camera(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let has_camera = model(call)?.settings.robot.camera.is_some();
+    Ok(Reply::Value(if has_camera { Value::True } else { Value::Nil }))
 }
 
 fn no_hallway() -> Raise {

@@ -2,9 +2,10 @@
 
 use crate::feature::{Percept, Side};
 use crate::features::FeatureDetection;
+use crate::judgement::Look;
 use crate::registration::{HallwayAxis, Registration};
 use crate::routines::{ScanAxis, across_m};
-use rpl_robot::geometry::{Pose, wrap_angle_rad};
+use rpl_robot::geometry::{Point, Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,9 @@ const BEFORE_END_M: f64 = 0.9;
 
 /// The axis is corrected by at most so much at a time.
 const GATE_RAD: f64 = 0.3;
+
+/// What begins so little before where counting begins may begin behind it: a percept's edges are not sharper.
+pub(super) const EDGE_M: f64 = 0.1;
 
 /// What is known of a hallway.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +38,20 @@ pub struct Hallway {
     scan_axis: ScanAxis,
     /// Metres along the axis from where the robot was when it began with this hallway.
     along_m: f64,
+    /// The farthest it has been.
+    farthest_m: f64,
     at_in_odom: Pose,
+    /// What was seen of it before the robot turned round, if it has.
+    first_look: Option<FirstLook>,
+}
+
+/// What was seen of a hallway on the way on, by a robot that looks at it again on the way back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct FirstLook {
+    percepts: Vec<Percept>,
+    /// Where the robot turned round; what was there is where it began with the way back.
+    turned_at_m: f64,
+    end_m: Option<f64>,
 }
 
 impl Hallway {
@@ -47,7 +64,9 @@ impl Hallway {
             percepts: Vec::new(),
             scan_axis: ScanAxis::default(),
             along_m: 0.0,
+            farthest_m: 0.0,
             at_in_odom,
+            first_look: None,
         }
     }
 
@@ -76,7 +95,48 @@ impl Hallway {
         let driven = odometry_in_odom.point() - self.at_in_odom.point();
         let (sin, cos) = libm::sincos(self.heading_in_odom_rad());
         self.along_m += driven.x * cos + driven.y * sin;
+        self.farthest_m = self.farthest_m.max(self.along_m);
         self.at_in_odom = odometry_in_odom;
+    }
+
+    /// The same hallway as one goes back along it, from here on. What was seen on the way on is kept for
+    /// judgements.
+    pub fn turned_round(&self) -> Self {
+        let first_look = FirstLook {
+            percepts: self.percepts.clone(),
+            turned_at_m: self.along_m,
+            end_m: self.detection.as_ref().and_then(FeatureDetection::hallway_end_m),
+        };
+        let back_rad = wrap_angle_rad(self.heading_in_odom_rad() + std::f64::consts::PI);
+        Self { first_look: Some(first_look), ..Self::start(back_rad, self.at_in_odom) }
+    }
+
+    /// What was seen of it from a place on, once or twice, as seen on the way on; and where it ends, if that is
+    /// known.
+    pub fn looks(&self, from_m: f64) -> (Vec<Look>, Option<f64>) {
+        let begins = |percept: &&Percept| percept.from_m > from_m - EDGE_M;
+        let look = |percepts: &[Percept], from_m: f64, to_m: f64| Look {
+            percepts: percepts.iter().filter(begins).copied().collect(),
+            from_m,
+            to_m,
+        };
+        match &self.first_look {
+            None => {
+                let end_m = self.detection.as_ref().and_then(FeatureDetection::hallway_end_m);
+                (vec![look(&self.percepts, from_m, self.farthest_m)], end_m)
+            }
+            Some(first) => {
+                let at_m = first.turned_at_m;
+                let back: Vec<Percept> = self.percepts.iter().map(|percept| percept.turned(at_m)).collect();
+                let second = look(&back, (at_m - self.farthest_m).max(from_m), at_m);
+                (vec![look(&first.percepts, from_m, at_m), second], first.end_m)
+            }
+        }
+    }
+
+    /// A percept as seen on the way on, as it is seen the way the robot goes now.
+    pub fn as_seen_now(&self, percept: &Percept) -> Percept {
+        self.first_look.as_ref().map_or(*percept, |first| percept.turned(first.turned_at_m))
     }
 
     /// Takes a scan in for the direction. Answers whether the axis was known and turned out to be wrong: the robot
@@ -141,19 +201,19 @@ impl Hallway {
     }
 
     /// Takes a scan in for what is beside the robot; nothing before the axis is known.
-    pub fn detect(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) {
+    pub fn detect(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>, markers_in_odom: Option<&[Point]>) {
         let Some(axis) = &self.axis else { return };
         if self.detection.is_none() {
-            self.along_m = 0.0;
+            (self.along_m, self.farthest_m) = (0.0, 0.0);
         }
         let detection = self.detection.get_or_insert_with(|| FeatureDetection::start(axis, odometry_in_odom));
-        self.percepts.extend(detection.take_in(axis, odometry_in_odom, scan, None));
+        self.percepts.extend(detection.take_in(axis, odometry_in_odom, scan, markers_in_odom));
     }
 
     /// The robot goes no farther: what it is beside ends here.
-    pub fn finish(&mut self) {
+    pub fn finish(&mut self, markers_in_odom: Option<&[Point]>) {
         if let (Some(detection), Some(axis)) = (&mut self.detection, &self.axis) {
-            self.percepts.extend(detection.finish(axis, None));
+            self.percepts.extend(detection.finish(axis, markers_in_odom));
         }
     }
 

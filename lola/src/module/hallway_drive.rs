@@ -3,7 +3,7 @@
 use super::hallway::Hallway;
 use crate::feature::Side;
 use crate::routines::{DirectionFollow, DirectionInput, Reverse, ReverseStatus};
-use rpl_robot::geometry::{Pose, Velocity};
+use rpl_robot::geometry::{Point, Pose, Velocity};
 use rpl_robot::navigation::{MaplessNavigation, NavigationEvent, NavigationInput, turn_to};
 use rpl_robot::office::Moment;
 use rpl_robot::planning::Target;
@@ -22,6 +22,11 @@ const ELSEWHERE_M: f64 = 0.5;
 
 /// Held up for so long, the robot looks whether it was turned by hand.
 const HELD_UP_S: f64 = 2.0;
+
+/// A hallway ends where no lane is free for so much, for so long: a box leaves a lane beside it, and who stands in
+/// the way walks on.
+const END_FREE_M: f64 = 1.0;
+const AT_END_S: f64 = 2.0;
 
 /// Farther back than this it turns round and drives.
 const LONGEST_REVERSE_M: f64 = 3.0;
@@ -92,6 +97,19 @@ pub struct HallwayDrive {
     until: Until,
     lane_m: f64,
     patience_s: f64,
+    /// For how long the robot has stood before what looks like the end of the hallway.
+    at_end_s: f64,
+}
+
+/// What is perceived of the hallway on the way.
+#[derive(Clone, Copy, Debug)]
+pub struct Perceiving<'a> {
+    /// Whether its axis is fitted to its walls.
+    pub registers: bool,
+    /// Whether what is beside it is perceived.
+    pub detects: bool,
+    /// Where the camera has seen markers; none without.
+    pub markers_in_odom: Option<&'a [Point]>,
 }
 
 /// What a step decides.
@@ -100,7 +118,13 @@ type Decision = (Velocity, Option<DriveEnd>);
 impl HallwayDrive {
     /// The first drive in a hallway, to register it.
     pub fn register(patience_s: f64) -> Self {
-        Self { stage: Stage::Turning { registers: true }, until: Until::Registered, lane_m: 0.0, patience_s }
+        Self {
+            stage: Stage::Turning { registers: true },
+            until: Until::Registered,
+            lane_m: 0.0,
+            patience_s,
+            at_end_s: 0.0,
+        }
     }
 
     /// A drive in a hallway that was registered, from where the robot was in it last: if it was somewhere else
@@ -111,11 +135,11 @@ impl HallwayDrive {
         } else {
             Stage::Turning { registers: hallway.axis().is_none() }
         };
-        Self { stage, until, lane_m, patience_s }
+        Self { stage, until, lane_m, patience_s, at_end_s: 0.0 }
     }
 
     /// One step.
-    pub fn step(&mut self, hallway: &mut Hallway, now: &Moment<'_>, registers: bool, detects: bool) -> Decision {
+    pub fn step(&mut self, hallway: &mut Hallway, now: &Moment<'_>, perceiving: Perceiving<'_>) -> Decision {
         let (limits, input) = (&now.model.limits, now.input());
         let here = input.odometry_in_odom;
         hallway.follow(here);
@@ -140,9 +164,9 @@ impl HallwayDrive {
                     }
                 }
             }
-            Stage::Registering { .. } => self.go_on_registering(hallway, now, &input, registers),
+            Stage::Registering { .. } => self.go_on_registering(hallway, now, &input, perceiving.registers),
             Stage::Reversing { .. } => self.go_back(hallway, now, &input),
-            Stage::Following(_) => self.go_on(hallway, now, &input, registers, detects),
+            Stage::Following(_) => self.go_on(hallway, now, &input, perceiving),
         }
     }
 
@@ -218,9 +242,9 @@ impl HallwayDrive {
         hallway: &mut Hallway,
         now: &Moment<'_>,
         input: &NavigationInput<'_>,
-        registers: bool,
-        detects: bool,
+        perceiving: Perceiving<'_>,
     ) -> Decision {
+        let Perceiving { registers, detects, markers_in_odom } = perceiving;
         let limits = &now.model.limits;
         if self.until == Until::Registered && hallway.axis().is_some() {
             return (Velocity::default(), Some(DriveEnd::There));
@@ -231,7 +255,7 @@ impl HallwayDrive {
                 return (Velocity::default(), None);
             }
             if detects {
-                hallway.detect(input.odometry_in_odom, scan);
+                hallway.detect(input.odometry_in_odom, scan, markers_in_odom);
             }
         }
         let remaining_m = match self.until {
@@ -249,15 +273,17 @@ impl HallwayDrive {
             Some(_) => {}
             None => hallway.is_getting_on(),
         }
-        let end = if remaining_m < THERE_M || (self.until == Until::End && hallway.is_at_end()) {
+        let is_at_end = self.until == Until::End && hallway.is_at_end() && output.free_m < END_FREE_M;
+        self.at_end_s = if is_at_end { self.at_end_s + limits.step_s } else { 0.0 };
+        let end = if remaining_m < THERE_M || self.at_end_s > AT_END_S {
             Some(DriveEnd::There)
         } else {
             (output.held_up_s > self.patience_s).then_some(DriveEnd::Blocked)
         };
         if end.is_some() && detects {
-            hallway.finish();
+            hallway.finish(markers_in_odom);
         }
-        (output.velocity, end)
+        (if is_at_end { Velocity::default() } else { output.velocity }, end)
     }
 }
 

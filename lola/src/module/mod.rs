@@ -12,6 +12,7 @@ mod fluents;
 mod functions;
 mod hallway;
 mod hallway_drive;
+mod seeing;
 mod settings;
 
 pub use hallway::Hallway;
@@ -26,6 +27,7 @@ use rpl_robot::office::{Commands, Phase, TravelMode, Velocity};
 use rpl_robot::office::{
     Module, ModuleSpec, Moment, OfficeModel, PlanText, Position, Raise, Start, StopReason, Telling,
 };
+use seeing::Seeing;
 use serde::{Deserialize, Serialize};
 
 /// The plans that belong to it.
@@ -44,6 +46,8 @@ pub struct Lola {
     doorway: Option<Doorway>,
     /// How far it has got with an instruction.
     counting: Option<Counting>,
+    /// The markers it looks for with its camera.
+    markers: Option<Seeing>,
     /// Whether something has changed since plans were told.
     has_news: bool,
 }
@@ -81,6 +85,7 @@ impl Module for Lola {
 
     fn resume(&mut self, settings: &LolaSettings) -> Result<(), String> {
         self.settings = settings.clone();
+        self.markers.iter_mut().for_each(Seeing::resume);
         Ok(())
     }
 
@@ -101,11 +106,20 @@ impl Module for Lola {
     /// Who goes by what is beside the robot needs to hear it, in doorways too.
     fn command(&mut self, _: TravelMode, phases: &[Phase], commands: &mut Commands) {
         commands.sonars_on |= phases.contains(&Phase::Active);
+        if let Some(seeing) = self.markers.as_ref().filter(|_| phases[behaviours::MARKER_DETECTION] == Phase::Active) {
+            commands.camera = Some(seeing.command());
+        }
     }
 
     fn step(&mut self, now: &Moment<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
         if !now.phases.contains(&Phase::Active) {
             return None;
+        }
+        let axis_rad = self.hallway.as_ref().and_then(Hallway::axis).map(|axis| axis.heading_in_odom_rad);
+        if let Some(seeing) =
+            self.markers.as_mut().filter(|_| now.phases[behaviours::MARKER_DETECTION] == Phase::Active)
+        {
+            seeing.take_in(now, axis_rad);
         }
         self.drive_on(now, tell)
     }

@@ -101,7 +101,7 @@ fn spots(points: &[WallPoint], side: Side, wall_m: f64) -> Vec<Spot> {
         .filter(|point| point.side == side && (point.aside_m - wall_m).abs() <= NEAR_M)
         .map(|point| (libm::floor(point.along_m / SPOT_M) as i64, side.sign() * point.along_m, point.aside_m - wall_m))
         .collect();
-    here.sort_by(|a, b| a.0.cmp(&b.0));
+    here.sort_by_key(|point| point.0);
     let spot = |run: &[(i64, f64, f64)]| {
         let count = run.len() as f64;
         let mean = |of: fn(&(i64, f64, f64)) -> f64| run.iter().map(of).sum::<f64>() / count;

@@ -66,6 +66,11 @@ impl Views {
         self.driven_m
     }
 
+    /// The way on which the scans were taken that are kept.
+    pub fn way_m(&self) -> f64 {
+        self.kept.first().map_or(0.0, |first| self.driven_m - first.driven_m)
+    }
+
     /// Those of so much of the way up to now.
     pub fn latest(&self, way_m: f64) -> &[View] {
         let first = self.kept.partition_point(|view| self.driven_m - view.driven_m > way_m);

@@ -176,12 +176,12 @@ pub(super) fn wall_points(views: &[View], sonars: &SonarArray, axis_in_odom_rad:
         let heading_rad = view.from_in_odom.heading_rad - axis_in_odom_rad;
         for side in Side::ALL {
             for reading in side_readings(view.scan(sonars), heading_rad, side, WIDEST_RAD) {
-                let perpendicular_m = reading.perpendicular_m();
+                let (ahead_m, perpendicular_m) = reading.echo_m();
                 if perpendicular_m <= FARTHEST_M {
                     points.push(WallPoint {
                         side,
                         aside_m: side.sign() * at_left_m + reading.apex_aside_m + perpendicular_m,
-                        along_m: at_along_m + reading.foot_m(perpendicular_m),
+                        along_m: at_along_m + reading.apex_along_m + ahead_m,
                         from_along_m: at_along_m,
                     });
                 }

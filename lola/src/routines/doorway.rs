@@ -12,6 +12,10 @@ const WIDEST_M: f64 = 1.2;
 /// as seen from between them so far apart: the walls of a corner are square to one another.
 const OPPOSITE_RAD: f64 = 2.1;
 
+/// They are heard in so many scans at about the same place: an echo over a detour is not.
+const SIGHTINGS: u32 = 6;
+const SAME_M: f64 = 0.3;
+
 /// Beyond the door there is so much room on each side, and on both together: behind a gap between a thing and a
 /// wall the wall goes on.
 const OPEN_M: f64 = 0.65;
@@ -41,6 +45,8 @@ pub struct Doorway {
 pub struct DoorwayDetection {
     /// The narrowest there was since it became narrow.
     narrowest: Option<Doorway>,
+    /// How often it was heard.
+    sightings: u32,
     /// Where the robot was, the last place last.
     trail_in_odom: Vec<Point>,
 }
@@ -53,9 +59,9 @@ impl DoorwayDetection {
         if let Some((one, other)) = posts(scan) {
             let (one, other) = (here.transform(one), here.transform(other));
             let width_m = distance_m(one, other);
-            if width_m < WIDEST_M && self.narrowest.is_none_or(|narrowest| width_m < narrowest.width_m) {
-                let way_rad = self.way_rad(here);
-                self.narrowest = Some(Doorway { middle_in_odom: between(one, other, way_rad), width_m });
+            if width_m < WIDEST_M {
+                let middle_in_odom = between(one, other, self.way_rad(here));
+                self.see(Doorway { middle_in_odom, width_m });
             }
         }
         let doorway = self.narrowest?;
@@ -64,12 +70,28 @@ impl DoorwayDetection {
         if gone_m > THICKEST_M {
             self.narrowest = None;
         }
-        let is_through = beyond.x_m > THROUGH_M && gone_m <= THICKEST_M && self.came_through(doorway.middle_in_odom);
+        let is_through = self.sightings >= SIGHTINGS
+            && beyond.x_m > THROUGH_M
+            && gone_m <= THICKEST_M
+            && self.came_through(doorway.middle_in_odom);
         if is_through && is_open(scan, wrap_angle_rad(doorway.middle_in_odom.heading_rad - here.heading_rad)) {
             self.narrowest = None;
             return Some(doorway);
         }
         None
+    }
+
+    /// Keeps the narrowest, and how often it was heard in about the same place.
+    fn see(&mut self, doorway: Doorway) {
+        let is_same =
+            |known: &Doorway| distance_m(known.middle_in_odom.point(), doorway.middle_in_odom.point()) < SAME_M;
+        match self.narrowest.filter(is_same) {
+            Some(known) => {
+                self.sightings += 1;
+                self.narrowest = Some(if doorway.width_m < known.width_m { doorway } else { known });
+            }
+            None => (self.narrowest, self.sightings) = (Some(doorway), 1),
+        }
     }
 
     fn go_on(&mut self, here: Point) {

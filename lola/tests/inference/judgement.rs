@@ -125,7 +125,7 @@ fn a_second_look_that_sees_the_same_speaks_less_than_one_that_sees_something_els
     more.percepts.sort_by(|a, b| a.from_m.total_cmp(&b.from_m));
     let expectation = Expectation::of_event(Matrix::SONAR);
     let right = |looks: &[Look]| Judgement::of(goal, looks, Some(end_m), &expectation).right;
-    let (once, again) = (right(&[first.clone()]), right(&[first.clone(), first.clone()]));
+    let (once, again) = (right(std::slice::from_ref(&first)), right(&[first.clone(), first.clone()]));
     let found = right(&[first.clone(), more]);
     assert!(again < once, "{again} {once}");
     // Were looks independent, twice nothing would be as if it were the square.

@@ -26,7 +26,7 @@ fn measured() -> String {
         MarkerColour::ALL.len()
     );
     for colour in MarkerColour::ALL {
-        let histogram = calibrate(&robot, colour, PLACES).scaled_to(PARTS);
+        let histogram = calibrate(&robot, colour, 0, PLACES).scaled_to(PARTS);
         let shares = histogram.counts.iter().map(|count| libm::round(*count) as u32).enumerate();
         let bins: Vec<String> =
             shares.filter(|(_, share)| *share >= LEAST).map(|(bin, share)| format!("({bin}, {share})")).collect();

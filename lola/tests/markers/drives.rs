@@ -20,10 +20,7 @@ fn hallway(more: &str) -> SimulatorModel {
          [[wall]]\nline = [[0.1, 1.825], [13.9, 1.825]]\n[[wall]]\nline = [[0.1, 4.175], [13.9, 4.175]]\n{markers}"
     );
     let robot = RobotDescription::builtin("nomad-200").expect("built in");
-    SimulatorModel::new(
-        Arc::new(World::parse(&text, "hallway.toml").expect("no faults")),
-        SimulatorSettings::of(robot),
-    )
+    SimulatorModel::new(Arc::new(World::parse(&text, "hallway.toml").expect("no faults")), SimulatorSettings::of(robot))
 }
 
 /// A robot that drives along and looks for markers.

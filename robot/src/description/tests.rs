@@ -83,6 +83,41 @@ fn what_no_robot_is_like_is_a_fault_with_line_and_key() {
     assert!(fault("name = \"b21\"", "").contains("name: the robot has no `name`"));
 }
 
+/// What is wrong with the papers' robot and a camera that has something else in place of a part.
+fn camera_fault(part: &str, instead: &str) -> String {
+    let camera = include_str!("../../robots/camera-of-b21.toml");
+    assert!(camera.contains(part), "{part}");
+    let found = b21_with(|text| format!("{text}{}", camera.replacen(part, instead, 1)));
+    assert_eq!(found.len(), 1, "{found:?}");
+    found[0].clone()
+}
+
+#[test]
+fn a_camera_is_as_its_file_says_or_refused_with_line_and_key() {
+    let camera = RobotDescription::builtin("b21-camera").expect("built in");
+    let b21 = RobotDescription::papers();
+    let blind =
+        RobotDescription { camera: None, name: b21.name.clone(), purpose: b21.purpose.clone(), ..(*camera).clone() };
+    assert_eq!(blind, *b21);
+    assert!(RobotDescription::builtin("nomad-200").is_some_and(|robot| robot.camera.is_some()));
+    assert!(
+        camera_fault("columns = 80", "columns = 1000")
+            .contains("`columns` must be a whole number from 8 to 320, found 1000")
+    );
+    assert!(camera_fault("rows = 60\n", "").contains("[camera] has no `rows`"));
+    assert!(camera_fault("\"60deg\"", "\"200deg\"").contains("`field_of_view` must be from 10° to 120°, found 200°"));
+    assert!(
+        camera_fault("tilt = \"28deg\"", "tilt = \"70deg\"").contains("tilt: the lower edge of the image looks behind")
+    );
+    assert!(
+        camera_fault("noise = 0.02", "nois = 0.02\nnoise = 0.02").contains("unknown key `nois`, did you mean `noise`?")
+    );
+    assert!(
+        camera_fault("pan_range = \"159deg\"", "pan_range = \"300deg\"")
+            .contains("`pan_range` must be from 0° to 180°")
+    );
+}
+
 #[test]
 fn all_faults_are_told_at_once_in_the_order_of_the_text() {
     let found = b21_with(|text| {

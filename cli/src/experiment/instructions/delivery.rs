@@ -3,6 +3,7 @@
 
 use super::figures;
 use super::setting::{Ground, Setting};
+use crate::experiment::row_result::FailedRun;
 use crate::experiment::statistics::{Dispersion, Proportion};
 use crate::experiment::trial::described;
 use crate::show::figures::{Figure, draw};
@@ -204,8 +205,8 @@ pub struct DeliveryRow {
     pub named: Option<Proportion>,
     /// Errors nobody can find, because the wrong opening is of the right kind.
     pub undetectable: usize,
-    /// What came of those that neither arrived nor found their error: seed and outcome.
-    pub others: Vec<(u64, String)>,
+    /// What came of those that neither arrived nor named their error.
+    pub others: Vec<FailedRun>,
 }
 
 impl DeliveryRow {
@@ -219,6 +220,7 @@ impl DeliveryRow {
         let arrived: Vec<&Delivery> =
             deliveries.iter().filter(|delivery| delivery.outcome == DeliveryOutcome::Arrived).collect();
         let times_s: Vec<f64> = arrived.iter().map(|delivery| delivery.time_s).collect();
+        let told = |delivery: &Delivery| FailedRun { seed: delivery.seed, fault: delivery.said() };
         let other = |delivery: &&Delivery| delivery.outcome != DeliveryOutcome::Arrived && !delivery.is_named();
         Self {
             name: name.to_string(),
@@ -230,7 +232,7 @@ impl DeliveryRow {
             found: among(detectable.iter().filter(|delivery| delivery.is_found()).count(), detectable.len()),
             named: among(detectable.iter().filter(|delivery| delivery.is_named()).count(), detectable.len()),
             undetectable: wrong.len() - detectable.len(),
-            others: deliveries.iter().filter(other).map(|delivery| (delivery.seed, delivery.said())).collect(),
+            others: deliveries.iter().filter(other).map(told).collect(),
         }
     }
 }
@@ -268,7 +270,8 @@ pub fn blocks(rows: &[DeliveryRow]) -> Vec<Block> {
     }
     let mut blocks = vec![Block::Table(table)];
     for row in rows.iter().filter(|row| !row.others.is_empty()) {
-        let named: Vec<String> = row.others.iter().take(NAMED).map(|(seed, said)| format!("{seed} ({said})")).collect();
+        let named: Vec<String> =
+            row.others.iter().take(NAMED).map(|run| format!("{} ({})", run.seed, run.fault)).collect();
         let more = row.others.len().saturating_sub(NAMED);
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
         blocks.push(Block::Lines(format!("{}: neither arrived nor named: {}{more}", row.name, named.join(", "))));

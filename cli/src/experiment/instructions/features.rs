@@ -1,6 +1,7 @@
 //! `hallway-features`: whether what is beside hallways is perceived as what it is.
 
 use super::course::Course;
+use crate::experiment::row_result::FailedRun;
 use crate::experiment::statistics::Proportion;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
@@ -32,7 +33,7 @@ pub struct FeatureRow {
     /// Contacts the robot caused.
     pub contacts: u32,
     /// Drives that did not get to the end, with the reason.
-    pub failures: Vec<(u64, String)>,
+    pub failures: Vec<FailedRun>,
 }
 
 /// How far the axis was off, over equal distances of all drives.
@@ -67,6 +68,7 @@ impl AxisOff {
 impl FeatureRow {
     /// The figures of some drives.
     pub fn of(name: &str, courses: &[Course]) -> Self {
+        let failed = |course: &Course| Some(FailedRun { seed: course.seed, fault: course.fault.clone()? });
         let mut confusion = Confusion::default();
         courses.iter().for_each(|course| confusion.add(&course.confusion()));
         Self {
@@ -76,7 +78,7 @@ impl FeatureRow {
             false_in_100_m: confusion.false_in_100_m(),
             axis_off: AxisOff::of(courses.iter().flat_map(|course| course.axis_off_deg.iter().copied()).collect()),
             contacts: courses.iter().map(|course| course.contacts).sum(),
-            failures: courses.iter().filter_map(|course| Some((course.seed, course.fault.clone()?))).collect(),
+            failures: courses.iter().filter_map(failed).collect(),
             taken: confusion.taken,
             false_alarms: confusion.false_alarms,
             doubled: confusion.doubled,
@@ -130,7 +132,7 @@ pub fn blocks(rows: &[FeatureRow]) -> Vec<Block> {
     for row in rows {
         blocks.push(Block::Lines(format!("\n{}: what features were perceived as", row.name)));
         blocks.push(Block::Table(row.matrix()));
-        let failed: Vec<String> = row.failures.iter().map(|(seed, why)| format!("{seed} ({why})")).collect();
+        let failed: Vec<String> = row.failures.iter().map(|run| format!("{} ({})", run.seed, run.fault)).collect();
         if !failed.is_empty() {
             blocks.push(Block::Lines(format!("did not get to the end with seed {}", failed.join(", "))));
         }

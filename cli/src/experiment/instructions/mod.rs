@@ -2,12 +2,14 @@
 //! openings are counted right, and whether the robot arrives.
 //!
 //! Read in this order: `setting` (what differs from row to row), `course` (drives along single hallways) with
-//! `features` and `openings`, `delivery` (whole routes), `topological` (the complete map), `figures`.
+//! `features` and `openings`, `delivery` (whole routes), `topological` (the complete map), `markers` (what the
+//! camera finds), `figures`.
 
 mod course;
 mod delivery;
 mod features;
 mod figures;
+mod markers;
 mod openings;
 mod setting;
 mod topological;
@@ -22,6 +24,7 @@ use anyhow::{Result, bail};
 use course::{Course, drive};
 use delivery::{Delivery, DeliveryRow, Lists, deliver};
 use features::FeatureRow;
+use markers::{MarkerDrive, MarkerResult, MarkerRow, look_for_markers};
 use openings::{Choice, ChoiceRow, choices};
 use rpl_lola::LolaSettings;
 use rpl_lola::state_set::{Inference, Method};
@@ -239,4 +242,36 @@ pub fn topological_global(request: &ExperimentRequest, console: &mut Console) ->
 /// What can be asked for with `--row`.
 pub fn map_rows() -> Vec<&'static str> {
     topological::ROWS.iter().map(|row| row.name).collect()
+}
+
+/// Drives along hallways with markers, row by row.
+///
+/// # Errors
+/// No row has the name, there is no camera for the robot, or the results cannot be written.
+pub fn marker_detection(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
+    let is_meant = |row: &&MarkerRow| request.row.as_deref().is_none_or(|name| name == row.name);
+    let chosen: Vec<&MarkerRow> = markers::ROWS.iter().filter(is_meant).collect();
+    if chosen.is_empty() {
+        bail!(request.no_row(request.row.as_deref().unwrap_or_default(), &marker_rows()));
+    }
+    let seeds = request.seeds();
+    let mut rows: Vec<(&str, Vec<MarkerDrive>)> = Vec::new();
+    for row in chosen {
+        let bar = progress::runs(seeds.len() as u64, row.name, console);
+        let drives = run_all(&seeds, request.jobs, |seed| look_for_markers(row, &request.robot, seed), || bar.inc(1));
+        bar.finish_and_clear();
+        rows.push((row.name, drives.into_iter().collect::<Result<_>>()?));
+    }
+    let results: Vec<MarkerResult> = rows.iter().map(|(name, drives)| MarkerResult::of(name, drives)).collect();
+    request.write(&[("runs.csv".to_string(), markers::raw_rows(&rows))])?;
+    Ok(ExperimentResult {
+        status: Status::Succeeded,
+        blocks: markers::blocks(&results),
+        figures: json!({ "rows": results }),
+    })
+}
+
+/// What can be asked for with `--row`.
+pub fn marker_rows() -> Vec<&'static str> {
+    markers::ROWS.iter().map(|row| row.name).collect()
 }

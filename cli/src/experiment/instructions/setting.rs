@@ -102,7 +102,7 @@ impl Ground {
     }
 }
 
-/// The camera of a robot that has none of its own.
-fn usual_camera() -> Option<rpl_robot::description::Camera> {
+/// A camera for a robot that has none of its own.
+pub fn usual_camera() -> Option<rpl_robot::description::Camera> {
     RobotDescription::builtin("b21-camera").and_then(|robot| robot.camera)
 }

@@ -1,4 +1,5 @@
-//! What markers look like to a camera.
+//! What markers look like to a camera. The histograms are measured and not computed: a camera cuts off what
+//! is brighter than white, so that a fluorescent sheet has not the colour it was painted with.
 
 mod measured;
 

@@ -117,6 +117,26 @@ fn items_lie_within_the_world_under_names_of_their_own() {
 }
 
 #[test]
+fn markers_lie_within_the_world_and_have_a_colour_and_a_size() {
+    let marker = |more: &str| format!("[[marker]]\nat = [1.0, 1.0]\n{more}");
+    let world = World::parse(&format!("{SMALL}{}", marker("")), "w.toml").expect("fine");
+    assert_eq!(world.markers, [Marker { at: Point::new(1.0, 1.0), colour: MarkerColour::Pink, size_m: 0.3 }]);
+    let orange = marker("colour = \"orange\"\nsize = 0.5");
+    let world = World::parse(&format!("{SMALL}{orange}"), "w.toml").expect("fine");
+    assert_eq!(world.markers, [Marker { at: Point::new(1.0, 1.0), colour: MarkerColour::Orange, size_m: 0.5 }]);
+    let found = |text: String| faults(&format!("{SMALL}{text}"));
+    assert_eq!(
+        found(marker("").replace("1.0, 1.0", "9.0, 1.0")),
+        ["5:6 at: the marker is at (9, 1), outside the world"]
+    );
+    let unknown = found(marker("colour = \"pinc\""));
+    assert_eq!(unknown, ["6:10 colour: \"pinc\" is no `colour`, did you mean \"pink\"?"]);
+    assert_eq!(found(marker("size = 0")), ["6:8 size: `size` must be more than 0, found 0"]);
+    assert_eq!(found(marker("size = 3")), ["6:8 size: the `size` of a marker must be at most 2 m, found 3 m"]);
+    assert_eq!(found(marker("color = \"pink\"")), ["6:1 color: unknown key `color`, did you mean `colour`?"]);
+}
+
+#[test]
 fn text_that_is_not_toml_has_a_place() {
     let found = faults("name = \"w\nsize = [4.0, 3.0]\n");
     assert!(found[0].starts_with("1:"), "{found:?}");

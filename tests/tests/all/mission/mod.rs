@@ -7,6 +7,7 @@ mod determinism;
 mod doubt;
 mod examples;
 mod host;
+mod instructions;
 mod interruption;
 mod mapless;
 mod office;
