@@ -26,4 +26,4 @@ pub mod routines;
 pub mod state_set;
 pub mod topological;
 
-pub use module::{Hallway, Lola, LolaSettings};
+pub use module::{Hallway, Lola, LolaSettings, PLANS};

@@ -132,5 +132,17 @@ pub const TOPICS: &[Topic] = &[
         "place place-pose at-destination? distance-to region-of generate-navigation-plan plan-remove-all-goals \
          set-travel-mode doubt-position belief-maxima odometry-pose odometry-in-map",
     ),
+    topic(
+        "instructions",
+        "Finding a room by instructions",
+        "follow-instructions follow-instruction ask-back take-likeliest exit-room begin-hallway turn-into enter-opening \
+         go-past-foyer go-hallway-end find-opening look-again opening-of sought-opening known-opening opening-ahead \
+         fail-faulty perceive-openings await-arrival seek-goal follow-hallway side-turn percept-middle direction-follow \
+         wall-follow goal-seek registration feature-detection marker-detection hallway-axis* hallway-registered?* \
+         left-distance* right-distance* last-percepts* percept-count* hallway-end?* state-set* instruction-certainty* \
+         doorway* parse-instructions instruction-in-words start-state-set progress-state-set explain-instruction \
+         absence-probability seen-both-ways? turn-hallway-round opening-at-end opening-pose pose-from has-camera? \
+         hallway-position",
+    ),
     topic(COMMANDS, "Commands", ""),
 ];

@@ -29,6 +29,14 @@ impl Expectation {
         Self { matrix, wrong: 0.2, same_again: 0.5, openings_per_m: 0.25 }
     }
 
+    /// How likely an instruction is wrong that asks for a feature where one look saw nothing (Bayes): else it was
+    /// missed.
+    #[must_use]
+    pub fn wrong_if_unseen(&self, feature: Feature) -> f64 {
+        let missed = (1.0 - self.wrong) * self.matrix.certainty(Feature::Wall, feature);
+        self.wrong / (self.wrong + missed)
+    }
+
     /// C(what all looks saw | feature). With the chance `same_again` one look decides for all of them, else
     /// each sees for itself; so a second look is worth less than a first one, for misses as for confusions.
     /// A look that did not come there says nothing.

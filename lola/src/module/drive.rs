@@ -70,7 +70,10 @@ impl Lola {
                     .zip(sonar)
                     .and_then(|(doorways, scan)| doorways.take_in(now.percept.odometry_in_odom, scan));
                 self.doorway = through.or(self.doorway);
-                let ending = if through.is_some() { Some(Ending::Success) } else { sought(output.event) };
+                let ending = match through {
+                    Some(_) => Some(Ending::Success),
+                    None => sought(output.event, doorways.is_some()),
+                };
                 (output.velocity, ending)
             }
         };
@@ -90,8 +93,11 @@ fn follow_wall(drive: &mut LocalDrive, stuck_s: &mut f64, now: &Moment<'_>) -> (
     (output.velocity, is_blocked.then(|| Ending::failure("blocked", "the robot does not get on along the wall")))
 }
 
-fn sought(event: Option<NavigationEvent>) -> Option<Ending> {
+fn sought(event: Option<NavigationEvent>, through_door: bool) -> Option<Ending> {
     match event? {
+        NavigationEvent::Arrived if through_door => {
+            Some(Ending::failure("unreachable", "the robot came far without coming through a door"))
+        }
         NavigationEvent::Arrived => Some(Ending::Success),
         NavigationEvent::Unreachable => {
             Some(Ending::failure("unreachable", "what has been seen leaves no way to the goal"))

@@ -52,7 +52,7 @@ const LAST: usize = 5;
 impl Lola {
     /// Tells plans how things stand, if there is anything new.
     pub(super) fn tell(&mut self, now: &Moment<'_>, tell: &mut Telling<'_>) {
-        let is_at_work = now.phases.iter().any(|&phase| phase == Phase::Active);
+        let is_at_work = now.phases.contains(&Phase::Active);
         if !std::mem::take(&mut self.has_news) && !is_at_work {
             return;
         }

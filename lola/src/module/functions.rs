@@ -5,6 +5,9 @@ use super::counting::Counting;
 use super::data::{
     instruction_data, instruction_of, judgement_data, percept_data, percept_of, pose_data, said, side_named,
 };
+use super::hallway::Hallway;
+use super::seeing::Seeing;
+use crate::feature::Feature;
 use crate::instruction::parse;
 use crate::judgement::{Expectation, Judgement};
 use crate::state_set::Inference;
@@ -39,8 +42,26 @@ pub(super) fn functions() -> Vec<Native> {
         look(
             "explain-instruction",
             "instruction &optional from",
-            "Judges an instruction that counts openings by all that was seen of the hallway from `from` metres on: a list (verdict sentence probability kind opening meant). The verdict is right, wrong or look-again; the probability is that it is wrong; the kind of fault is no-such-opening, other-kind or other-side; the opening is its goal as a percept, or nil; what was likeliest meant instead is an instruction, or nil.",
+            "Judges an instruction that counts openings by all that was seen of the hallway from `from` metres on: a list (verdict sentence probability kind opening meant). The verdict is right, wrong or look-again; the probability is that it is wrong; the kind of fault is no-such-opening or other-kind; the opening is its goal as a percept, or nil; what was likeliest meant instead is an instruction, or nil.",
             explain_instruction,
+        ),
+        look(
+            "absence-probability",
+            "kind",
+            "How likely an instruction is wrong that asks for something beside the hallway, a foyer, hallway, open-door or closed-door, where nothing was seen.",
+            absence_probability,
+        ),
+        look(
+            "instruction-in-words",
+            "instruction",
+            "An instruction, given as data, as people say it: \"take the third left\" for (turn 3 left).",
+            instruction_in_words,
+        ),
+        look(
+            "seen-both-ways?",
+            "",
+            "Whether the robot has come along its hallway twice: there, and back after `turn-hallway-round`.",
+            seen_both_ways,
         ),
         act(
             "turn-hallway-round",
@@ -130,7 +151,7 @@ fn progress_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 /// What percepts are judged by: as was set, or else by what the robot sees with.
 fn inference(call: &mut Call<'_, '_>) -> Result<Inference, Raise> {
     let lola = call.part::<Lola>()?;
-    let with_markers = lola.markers.as_ref().is_some_and(|seeing| !seeing.markers_in_odom().is_empty());
+    let with_markers = lola.markers.as_ref().is_some_and(Seeing::has_found);
     Ok(lola.settings.inference.clone().unwrap_or_else(|| Inference::of_robot(with_markers)))
 }
 
@@ -148,6 +169,26 @@ fn explain_instruction(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let judgement = Judgement::of(goal, &looks, end_m, &expectation);
     let opening = judgement.at.map(|percept| hallway.as_seen_now(&percept));
     Ok(Reply::Value(judgement_data(call.machine, &judgement, opening)))
+}
+
+fn absence_probability(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let kind = Feature::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+        let names = Feature::ALL.map(Feature::name).join(", ");
+        Raise::type_error(format!("nothing beside a hallway is called `{name}`; there are {names}"))
+    })?;
+    let expectation = Expectation::of_event(inference(call)?.matrix);
+    Ok(Reply::Value(Value::Float(expectation.wrong_if_unseen(kind))))
+}
+
+fn instruction_in_words(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let instruction = instruction_of(call.machine, call.argument(0))?;
+    Ok(Reply::Value(call.machine.heap.string(&instruction.to_string())))
+}
+
+fn seen_both_ways(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let is_seen = call.part::<Lola>()?.hallway.as_ref().is_some_and(Hallway::is_looked_back_at);
+    Ok(Reply::Value(if is_seen { Value::True } else { Value::Nil }))
 }
 
 fn turn_hallway_round(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -8,6 +8,7 @@ use crate::routines::{ScanAxis, across_m};
 use rpl_robot::geometry::{Point, Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The robot was turned by hand when the walls run otherwise than the axis by so much, and are as far apart as
 /// those of the hallway to within so much.
@@ -107,8 +108,13 @@ impl Hallway {
             turned_at_m: self.along_m,
             end_m: self.detection.as_ref().and_then(FeatureDetection::hallway_end_m),
         };
-        let back_rad = wrap_angle_rad(self.heading_in_odom_rad() + std::f64::consts::PI);
+        let back_rad = wrap_angle_rad(self.heading_in_odom_rad() + PI);
         Self { first_look: Some(first_look), ..Self::start(back_rad, self.at_in_odom) }
+    }
+
+    /// Whether the robot has turned round in it, to see it once more.
+    pub fn is_looked_back_at(&self) -> bool {
+        self.first_look.is_some()
     }
 
     /// What was seen of it from a place on, once or twice, as seen on the way on; and where it ends, if that is
@@ -166,6 +172,11 @@ impl Hallway {
         false
     }
 
+    /// The same for a robot that fits nothing: it takes the direction that was guessed for the axis.
+    pub fn keep_guess(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) {
+        self.axis = Some(self.registration.keep_guess(odometry_in_odom, scan));
+    }
+
     /// Whether walls as far apart as those of the hallway are heard beside the robot, square to a direction.
     fn are_walls_beside(&self, odometry_in_odom: Pose, scan: SonarScan<'_>, heading_rad: f64) -> bool {
         let width_m = self.width_m(odometry_in_odom);
@@ -185,7 +196,7 @@ impl Hallway {
         self.scan_axis.take_in(scan);
         let Some(known) = self.axis else { return false };
         let Some(in_base_rad) = self.scan_axis.axis_in_base_rad(scan) else { return false };
-        let walls_rad = odometry_in_odom.heading_rad + in_base_rad;
+        let walls_rad = one_way(odometry_in_odom.heading_rad + in_base_rad, known.heading_in_odom_rad);
         let is_off = wrap_angle_rad(walls_rad - known.heading_in_odom_rad).abs() > TURNED_RAD;
         if !is_off || !self.are_walls_beside(odometry_in_odom, scan, walls_rad) {
             return false;
@@ -246,7 +257,31 @@ impl Hallway {
         let here = Pose { heading_rad, ..self.at_in_odom };
         let wall_m = self.wall_distance_m(self.at_in_odom, percept.side).unwrap_or(HALF_WIDTH_M);
         let ahead_m = percept.middle_m() - self.along_m;
-        let inwards_rad = percept.side.sign() * std::f64::consts::FRAC_PI_2;
+        let inwards_rad = percept.side.sign() * FRAC_PI_2;
         here.compose(Pose::new(ahead_m, percept.side.sign() * wall_m, inwards_rad))
+    }
+}
+
+/// Walls run both ways: the way that is nearer to another direction. Who stands in the way may make the robot look
+/// back, and it still goes on as it went.
+fn one_way(walls_rad: f64, near_rad: f64) -> f64 {
+    let off_rad = wrap_angle_rad(walls_rad - near_rad);
+    if off_rad.abs() > FRAC_PI_2 { wrap_angle_rad(walls_rad + PI) } else { walls_rad }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_that_looks_back_goes_on_the_way_it_went() {
+        let is = |walls_rad: f64, wanted_rad: f64| {
+            let off_rad = wrap_angle_rad(one_way(walls_rad, 0.2) - wanted_rad);
+            assert!(off_rad.abs() < 1e-9, "{walls_rad}: {off_rad}");
+        };
+        is(0.2 + PI, 0.2);
+        is(0.3 - PI, 0.3);
+        is(-1.0, -1.0);
+        is(2.0, 2.0 - PI);
     }
 }

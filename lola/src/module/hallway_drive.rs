@@ -7,6 +7,7 @@ use rpl_robot::geometry::{Point, Pose, Velocity};
 use rpl_robot::navigation::{MaplessNavigation, NavigationEvent, NavigationInput, turn_to};
 use rpl_robot::office::Moment;
 use rpl_robot::planning::Target;
+use rpl_robot::sensors::SonarScan;
 use rpl_runtime::robot::Ending;
 use serde::{Deserialize, Serialize};
 
@@ -112,6 +113,17 @@ pub struct Perceiving<'a> {
     pub markers_in_odom: Option<&'a [Point]>,
 }
 
+impl Perceiving<'_> {
+    /// Takes a scan in for the direction. Answers whether the robot has to register again.
+    fn look_along(&self, hallway: &mut Hallway, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
+        if self.registers {
+            return hallway.register(odometry_in_odom, scan);
+        }
+        hallway.keep_guess(odometry_in_odom, scan);
+        false
+    }
+}
+
 /// What a step decides.
 type Decision = (Velocity, Option<DriveEnd>);
 
@@ -164,7 +176,7 @@ impl HallwayDrive {
                     }
                 }
             }
-            Stage::Registering { .. } => self.go_on_registering(hallway, now, &input, perceiving.registers),
+            Stage::Registering { .. } => self.go_on_registering(hallway, now, &input, perceiving),
             Stage::Reversing { .. } => self.go_back(hallway, now, &input),
             Stage::Following(_) => self.go_on(hallway, now, &input, perceiving),
         }
@@ -189,17 +201,17 @@ impl HallwayDrive {
         hallway: &mut Hallway,
         now: &Moment<'_>,
         input: &NavigationInput<'_>,
-        registers: bool,
+        perceiving: Perceiving<'_>,
     ) -> Decision {
         let Stage::Registering { from_m, follow } = &mut self.stage else { return (Velocity::default(), None) };
         let (from_m, limits) = (*from_m, &now.model.limits);
-        if let Some(scan) = input.sonar.filter(|_| registers) {
-            hallway.register(input.odometry_in_odom, scan);
+        if let Some(scan) = input.sonar {
+            perceiving.look_along(hallway, input.odometry_in_odom, scan);
         }
         let gone_m = hallway.along_m() - from_m;
         let speed_limit_mps = limits.speed_limit_mps(now.mode).min(REGISTER_MPS);
         let output = follow.step(limits, &direction_input(hallway, input, 0.0, speed_limit_mps, f64::INFINITY));
-        let is_known = hallway.axis().is_some() || !registers;
+        let is_known = hallway.axis().is_some();
         if is_known && gone_m >= REGISTER_M {
             self.stage = Stage::Reversing { to_m: from_m, reverse: Reverse::default() };
             return (Velocity::default(), None);
@@ -250,7 +262,7 @@ impl HallwayDrive {
             return (Velocity::default(), Some(DriveEnd::There));
         }
         if let Some(scan) = input.sonar {
-            if registers && hallway.register(input.odometry_in_odom, scan) {
+            if perceiving.look_along(hallway, input.odometry_in_odom, scan) {
                 self.stage = Stage::Turning { registers: true };
                 return (Velocity::default(), None);
             }

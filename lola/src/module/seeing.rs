@@ -21,6 +21,8 @@ pub struct Seeing {
     /// All around, or on both sides of the hallway.
     around: bool,
     detection: MarkerDetection,
+    /// Whether there are such markers here: one was seen for sure.
+    has_found: bool,
     /// What one looks like: follows from colour and size, and is no part of a saved state.
     #[serde(skip)]
     mark: Option<FloorMark>,
@@ -47,8 +49,9 @@ impl Seeing {
             }
         };
         let kept = before.filter(|before| before.colour == colour && before.size_m == size_m);
+        let has_found = kept.as_ref().is_some_and(Self::has_found);
         let detection = kept.map_or_else(MarkerDetection::default, |before| before.detection);
-        Ok(Self { colour, size_m, around, detection, mark: Some(FloorMark::marker(colour, size_m)) })
+        Ok(Self { colour, size_m, around, detection, has_found, mark: Some(FloorMark::marker(colour, size_m)) })
     }
 
     /// Takes back what is no part of a saved state.
@@ -68,6 +71,12 @@ impl Seeing {
         let eye = MarkerEye { camera, mark, step_s: now.model.limits.step_s };
         let gaze = if self.around { Gaze::Around } else { Gaze::Both };
         self.detection.take_in(&eye, gaze, axis_in_odom_rad, now.percept.odometry_in_odom, reading);
+        self.has_found |= self.detection.markers().next().is_some();
+    }
+
+    /// Whether there are such markers here, though those that were seen may be far behind by now.
+    pub fn has_found(&self) -> bool {
+        self.has_found
     }
 
     /// Where the markers are that are sure.

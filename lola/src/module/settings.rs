@@ -7,7 +7,7 @@ use crate::state_set::Inference;
 pub struct LolaSettings {
     /// How percepts become a place in an instruction; none follows from whether the robot has a camera.
     pub inference: Option<Inference>,
-    /// Whether the hallway's axis is fitted to its walls. Without, it is what was guessed when it was entered.
+    /// Whether the axis of the hallway is fitted to its walls. Without, it is what was guessed when it was entered.
     pub registers: bool,
 }
 

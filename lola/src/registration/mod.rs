@@ -113,6 +113,15 @@ impl Registration {
         };
     }
 
+    /// Takes in what the sonars hear and fits nothing: the axis that is answered runs as it was guessed, however the
+    /// walls run, and they are as far away as they were heard last.
+    pub fn keep_guess(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> HallwayAxis {
+        self.views.take_in(odometry_in_odom, scan);
+        let heading_in_odom_rad = self.heading_in_odom_rad();
+        let heard_m = Side::ALL.map(|side| self.wall_distance_m(scan, odometry_in_odom, side));
+        HallwayAxis::guessed(heading_in_odom_rad, odometry_in_odom, heard_m)
+    }
+
     /// The first registration.
     fn register(&self, scan: SonarScan<'_>, axis_in_odom_rad: f64, gate_rad: f64) -> Knowledge {
         let guess = Knowledge::Guess { axis_in_odom_rad, gate_rad };

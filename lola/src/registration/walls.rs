@@ -38,6 +38,16 @@ pub struct HallwayAxis {
 }
 
 impl HallwayAxis {
+    /// One that was fitted to nothing, with how far from the robot its walls were heard, left and right.
+    pub(super) fn guessed(heading_in_odom_rad: f64, here_in_odom: Pose, heard_m: [Option<f64>; 2]) -> Self {
+        let walls_aside_m = Side::ALL.map(|side| {
+            let wall_m = heard_m[side as usize]?;
+            Some(aside_m(here_in_odom, heading_in_odom_rad, side) + wall_m)
+        });
+        let width_m = heard_m[0].zip(heard_m[1]).map(|(left_m, right_m)| left_m + right_m);
+        Self { heading_in_odom_rad, deviation_rad: GUESS_RAD, wall_m: 0.0, width_m, walls_aside_m }
+    }
+
     /// Distance to the wall on a side, from a pose in `odom`.
     pub fn wall_distance_m(&self, pose_in_odom: Pose, side: Side) -> Option<f64> {
         let wall_m = self.walls_aside_m[side as usize]?;
@@ -114,6 +124,9 @@ fn walls_of_hallway(
     };
     (Some(width_m), walls_m)
 }
+
+/// How far off a guessed direction usually is.
+const GUESS_RAD: f64 = 0.17;
 
 /// A wall is the same if it is heard so near to where it was.
 const SAME_WALL_M: f64 = 0.15;

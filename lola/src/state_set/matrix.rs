@@ -25,14 +25,15 @@ impl Matrix {
         ],
     };
 
-    /// Of sonars and camera, where doors have markers: an estimate, with a few errors where the paper had none.
+    /// Of sonars and camera, where doors have markers: measured in the same way, in 60 calm and 60 crowded drives
+    /// past 2,718 features; each count is raised by a half, and nothing is less likely than one in a thousand.
     pub const MARKED: Matrix = Matrix {
         certainties: [
-            [0.994, 0.006, 0.002, 0.002, 0.003],
-            [0.003, 0.985, 0.006, 0.001, 0.001],
-            [0.001, 0.006, 0.988, 0.002, 0.001],
-            [0.001, 0.002, 0.003, 0.985, 0.045],
-            [0.001, 0.001, 0.001, 0.010, 0.950],
+            [0.996, 0.010, 0.006, 0.005, 0.005],
+            [0.001, 0.984, 0.006, 0.001, 0.005],
+            [0.001, 0.003, 0.986, 0.005, 0.005],
+            [0.001, 0.001, 0.001, 0.985, 0.005],
+            [0.001, 0.002, 0.001, 0.004, 0.980],
         ],
     };
 

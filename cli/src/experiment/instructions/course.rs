@@ -50,7 +50,7 @@ pub struct ContourSample {
     pub along_m: f64,
     /// On which side.
     pub side: Side,
-    /// How far from the middle of the hallway it heard something.
+    /// How far from the middle of the hallway it heard something; infinite if it heard nothing.
     pub aside_m: f64,
 }
 
@@ -136,7 +136,7 @@ impl Log {
         for side in Side::ALL {
             let heard = detection.contour(side).iter().rfind(|point| point.is_nearest);
             let heard_m = heard.map(|point| point.reading.apex_aside_m + point.reading.perpendicular_m());
-            if let Some(heard_m) = heard_m.filter(|heard_m| heard_m.is_finite()) {
+            if let Some(heard_m) = heard_m {
                 let aside_m = truth.y_m - middle_m + side.sign() * heard_m;
                 self.contour.push(ContourSample { along_m: truth.x_m, side, aside_m });
             }

@@ -10,12 +10,13 @@ use crate::show::figures::{Figure, draw};
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, bail};
-use rpl_lola::arena::{Arena, Fault, FaultKind, Finding};
+use rpl_lola::arena::{Arena, Fault, Finding};
+use rpl_lola::judgement::FaultKind;
 use rpl_mission::robot::Robot;
-use rpl_mission::run::{Reached, run_to};
+use rpl_mission::run::{Reached, fluent_value, run_to};
 use rpl_robot::geometry::Point;
 use rpl_robot::world::Room;
-use rpl_runtime::run::system::Outcome;
+use rpl_runtime::run::system::{Outcome, System};
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -26,6 +27,8 @@ pub enum Lists {
     Right,
     /// The same with an error in each.
     Wrong,
+    /// The same; the robot asks back, and the experimenter answers with what is right.
+    Answered,
 }
 
 impl Lists {
@@ -33,7 +36,26 @@ impl Lists {
     fn arena(self, seed: u64, setting: &Setting) -> Arena {
         match self {
             Self::Right => Arena::draw(seed, &setting.arena),
-            Self::Wrong => Arena::draw_with_fault(seed, &setting.arena),
+            Self::Wrong | Self::Answered => Arena::draw_with_fault(seed, &setting.arena),
+        }
+    }
+
+    /// The plan of a list. What it accuses is its value, or for as long as it asks back, that of a fluent.
+    fn plan(self, arena: &Arena) -> String {
+        let told = arena.told();
+        match self {
+            Self::Right | Self::Wrong => format!(
+                "(with-failure-handling\n    \
+                   ((faulty-instruction (f) (list 'accused (failure-slot f 'number) (failure-slot f 'kind))))\n  \
+                 (follow-instructions {told:?})\n  'arrived)",
+            ),
+            Self::Answered => format!(
+                "(def-fluent {ASKED} nil \"What the robot asks about.\")\n\
+                 (def-plan ask-experimenter (f)\n  \
+                   (setf (value {ASKED}) (list 'accused (failure-slot f 'number) (failure-slot f 'kind) (now)))\n  \
+                   (unwind-protect (ask-back f) (setf (value {ASKED}) nil)))\n\
+                 (follow-instructions {told:?} :on-fault ask-experimenter)\n'arrived",
+            ),
         }
     }
 }
@@ -45,6 +67,8 @@ pub struct Delivery {
     pub seed: u64,
     /// What was wrong with its list, if anything.
     pub drawn: Option<Fault>,
+    /// What the robot said first of a wrong instruction, if it did.
+    pub accused: Option<Accusation>,
     /// What came of it.
     pub outcome: DeliveryOutcome,
     /// How long it took.
@@ -64,11 +88,26 @@ pub enum DeliveryOutcome {
     Arrived,
     /// It says so, and is somewhere else.
     Elsewhere,
-    /// It says that an instruction is wrong: which one, from 1, and in which way.
-    Accused { number: usize, kind: String },
+    /// It says that an instruction is wrong, and goes no farther.
+    Accused,
     /// Anything else, and why.
     Failed(String),
 }
+
+/// What a robot says of a wrong instruction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accusation {
+    /// Which one it is, from 1.
+    number: usize,
+    /// In which way it is wrong.
+    kind: String,
+}
+
+/// The fluent that says what a plan asks about.
+const ASKED: &str = "asked";
+
+/// Nobody answers more often than this.
+const MOST_ANSWERS: usize = 3;
 
 /// Where the robot is drawn, so often.
 const BETWEEN_POINTS_US: u64 = 500_000;
@@ -76,39 +115,34 @@ const BETWEEN_POINTS_US: u64 = 500_000;
 /// Edge of a cell in drawings of routes.
 const DRAWN_CELL_M: f64 = 0.1;
 
-/// The plan of a list.
-fn plan(arena: &Arena) -> String {
-    format!(
-        "(with-failure-handling\n    \
-           ((faulty-instruction (f) (list 'accused (failure-slot f 'number) (failure-slot f 'kind))))\n  \
-         (follow-instructions {:?})\n  'arrived)",
-        arena.told()
-    )
-}
-
 /// Follows the list of a seed.
 ///
 /// # Errors
 /// The robot cannot be simulated there, or the list is not understood.
 pub fn deliver(ground: &Ground, setting: &Setting, lists: Lists, seed: u64, until_us: u64) -> Result<Delivery> {
     let arena = lists.arena(seed, setting);
-    let (site, loaded) = ground.site(arena.world.clone(), &plan(&arena))?;
+    let (site, loaded) = ground.site(arena.world.clone(), &lists.plan(&arena))?;
     let mut system = site.start(loaded, seed);
     let mut track = Vec::new();
+    let mut experimenter = Experimenter::default();
     let reached = run_to(&mut system, until_us, |system| {
         if let Robot::Office(robot) = &system.outside
             && system.machine.now_us >= BETWEEN_POINTS_US * track.len() as u64
         {
             track.push(robot.true_pose_in_map().point());
         }
-        ControlFlow::Continue(())
+        experimenter.look(system, &arena)
     });
     let Robot::Office(robot) = &system.outside else { bail!("a world has a robot") };
+    let mut accused = experimenter.asked.first().cloned();
     let outcome = match reached {
         Reached::End(Outcome::Succeeded(value)) => {
-            let said = system.machine.write(&system.program, value);
-            match accusation(&said) {
-                Some((number, kind)) => DeliveryOutcome::Accused { number, kind },
+            let said = accusation(&system.machine.write(&system.program, value));
+            match &said {
+                Some(_) => {
+                    accused = said;
+                    DeliveryOutcome::Accused
+                }
                 None if arena.is_goal(robot.true_pose_in_map()) => DeliveryOutcome::Arrived,
                 None => DeliveryOutcome::Elsewhere,
             }
@@ -117,11 +151,13 @@ pub fn deliver(ground: &Ground, setting: &Setting, lists: Lists, seed: u64, unti
             DeliveryOutcome::Failed(described(&system.machine, &system.program, failure))
         }
         Reached::End(Outcome::Evaporated) => DeliveryOutcome::Failed("ended itself".to_string()),
-        Reached::Time | Reached::Stop => DeliveryOutcome::Failed("time is up".to_string()),
+        Reached::Time => DeliveryOutcome::Failed("time is up".to_string()),
+        Reached::Stop => DeliveryOutcome::Failed("it does not believe the answers".to_string()),
     };
     Ok(Delivery {
         seed,
         drawn: arena.fault,
+        accused,
         outcome,
         time_s: system.machine.now_s(),
         distance_m: robot.distance_driven_m(),
@@ -130,56 +166,85 @@ pub fn deliver(ground: &Ground, setting: &Setting, lists: Lists, seed: u64, unti
     })
 }
 
-/// What the plan says of a wrong instruction: `(accused NUMBER KIND)`.
-fn accusation(said: &str) -> Option<(usize, String)> {
-    let mut words = said.strip_prefix("(accused ")?.strip_suffix(')')?.split_whitespace();
-    let number = words.next()?.parse().ok()?;
-    Some((number, words.next()?.to_string()))
+/// Who answers the robot with the right instruction.
+#[derive(Default)]
+struct Experimenter {
+    /// What was asked so far.
+    asked: Vec<Accusation>,
+    /// The question that was answered last, with its time: the robot may ask the same again at once.
+    answered: String,
 }
 
-/// Whether an accusation names what is wrong: as it was made, or as it shows.
+impl Experimenter {
+    fn look(&mut self, system: &mut System<Robot>, arena: &Arena) -> ControlFlow<()> {
+        let Some(value) = fluent_value(system, ASKED) else { return ControlFlow::Continue(()) };
+        let question = system.machine.write(&system.program, value);
+        let Some(asked) = accusation(&question).filter(|_| question != self.answered) else {
+            return ControlFlow::Continue(());
+        };
+        let right = asked.number.checked_sub(1).and_then(|index| arena.right_instructions().get(index).copied());
+        self.asked.push(asked);
+        self.answered = question;
+        let (Some(right), Robot::Office(robot)) = (right, &mut system.outside) else { return ControlFlow::Break(()) };
+        if self.asked.len() > MOST_ANSWERS {
+            return ControlFlow::Break(());
+        }
+        robot.host.state.send_message(right.to_string().split_whitespace().map(str::to_string).collect());
+        ControlFlow::Continue(())
+    }
+}
+
+/// What a plan says of a wrong instruction: `(accused NUMBER KIND)`, and when, if it asks.
+fn accusation(said: &str) -> Option<Accusation> {
+    let mut words = said.strip_prefix("(accused ")?.strip_suffix(')')?.split_whitespace();
+    let number = words.next()?.parse().ok()?;
+    Some(Accusation { number, kind: words.next()?.to_string() })
+}
+
+/// Whether an accusation names what shows of an error to somebody who counts right.
 fn is_named(fault: &Fault, kind: &str) -> bool {
-    let made = match fault.kind {
-        FaultKind::NoSuchOpening => Some("no-such-opening"),
-        FaultKind::AnotherKind => Some("other-kind"),
-        FaultKind::OtherSide => Some("other-side"),
-        FaultKind::OrdinalOff => None,
-    };
     let shows = match fault.finding {
-        Finding::NoSuchOpening => Some("no-such-opening"),
-        Finding::AnotherKind(_) => Some("other-kind"),
+        Finding::NoSuchOpening => Some(FaultKind::NoSuchOpening),
+        Finding::AnotherKind(_) => Some(FaultKind::OtherKind),
         Finding::Nothing => None,
     };
-    [made, shows].contains(&Some(kind))
+    shows.is_some_and(|shows| shows.name() == kind)
 }
 
 impl Delivery {
-    /// Whether the fault of the list was found: the right instruction is accused.
+    /// Whether the fault of the list was found: the right instruction is accused, before any other.
     fn is_found(&self) -> bool {
-        match (&self.outcome, &self.drawn) {
-            (DeliveryOutcome::Accused { number, .. }, Some(fault)) => *number == fault.number,
-            _ => false,
-        }
+        let numbers = self.accused.as_ref().zip(self.drawn.as_ref());
+        numbers.is_some_and(|(accused, fault)| accused.number == fault.number)
     }
 
     /// Whether it was also named by its kind.
     fn is_named(&self) -> bool {
-        match (&self.outcome, &self.drawn) {
-            (DeliveryOutcome::Accused { kind, .. }, Some(fault)) => self.is_found() && is_named(fault, kind),
-            _ => false,
+        let kinds = self.accused.as_ref().zip(self.drawn.as_ref());
+        self.is_found() && kinds.is_some_and(|(accused, fault)| is_named(fault, &accused.kind))
+    }
+
+    /// Whether it ended as well as it could: in the goal room, with its fault named, or led astray by an error that
+    /// nobody can find.
+    fn is_well(&self) -> bool {
+        match self.outcome {
+            DeliveryOutcome::Arrived => true,
+            DeliveryOutcome::Accused => self.is_named(),
+            DeliveryOutcome::Elsewhere => self.drawn.is_some_and(|fault| !fault.is_detectable()),
+            DeliveryOutcome::Failed(_) => false,
         }
     }
 
-    fn is_accused(&self) -> bool {
-        matches!(self.outcome, DeliveryOutcome::Accused { .. })
-    }
-
     fn said(&self) -> String {
-        match &self.outcome {
-            DeliveryOutcome::Arrived => "arrived".to_string(),
-            DeliveryOutcome::Elsewhere => "elsewhere".to_string(),
-            DeliveryOutcome::Accused { number, kind } => format!("accused {number} of {kind}"),
-            DeliveryOutcome::Failed(why) => why.clone(),
+        let end = match &self.outcome {
+            DeliveryOutcome::Arrived => "arrived",
+            DeliveryOutcome::Elsewhere => "elsewhere",
+            DeliveryOutcome::Accused => "goes no farther",
+            DeliveryOutcome::Failed(why) => why,
+        };
+        match &self.accused {
+            Some(Accusation { number, kind }) => format!("accused {number} of {kind}; {end}"),
+            None => end.to_string(),
         }
     }
 }
@@ -203,9 +268,11 @@ pub struct DeliveryRow {
     pub found: Option<Proportion>,
     /// The same, with the right kind.
     pub named: Option<Proportion>,
+    /// Those that arrived after the robot had asked back about an error that can be found, and was answered.
+    pub arrived_after_answer: Option<Proportion>,
     /// Errors nobody can find, because the wrong opening is of the right kind.
     pub undetectable: usize,
-    /// What came of those that neither arrived nor named their error.
+    /// What came of those that neither arrived nor named an error that can be found.
     pub others: Vec<FailedRun>,
 }
 
@@ -214,25 +281,38 @@ impl DeliveryRow {
     pub fn of(name: &str, deliveries: &[Delivery]) -> Self {
         let (right, wrong): (Vec<&Delivery>, Vec<&Delivery>) =
             deliveries.iter().partition(|delivery| delivery.drawn.is_none());
-        let detectable: Vec<&&Delivery> =
-            wrong.iter().filter(|delivery| delivery.drawn.is_some_and(|fault| fault.is_detectable())).collect();
+        let detectable: Vec<&Delivery> = wrong
+            .iter()
+            .copied()
+            .filter(|delivery| delivery.drawn.is_some_and(|fault| fault.is_detectable()))
+            .collect();
         let among = |count: usize, of: usize| (of > 0).then(|| Proportion::new(count, of));
         let arrived: Vec<&Delivery> =
             deliveries.iter().filter(|delivery| delivery.outcome == DeliveryOutcome::Arrived).collect();
         let times_s: Vec<f64> = arrived.iter().map(|delivery| delivery.time_s).collect();
         let told = |delivery: &Delivery| FailedRun { seed: delivery.seed, fault: delivery.said() };
-        let other = |delivery: &&Delivery| delivery.outcome != DeliveryOutcome::Arrived && !delivery.is_named();
+        let count = |those: &[&Delivery], is_meant: &dyn Fn(&Delivery) -> bool| {
+            those.iter().filter(|delivery| is_meant(delivery)).count()
+        };
+        // Who goes no farther has had no answer.
+        let has_asked =
+            |delivery: &&Delivery| delivery.accused.is_some() && delivery.outcome != DeliveryOutcome::Accused;
+        let asked: Vec<&Delivery> = detectable.iter().copied().filter(has_asked).collect();
         Self {
             name: name.to_string(),
             runs: deliveries.len(),
             arrived: Proportion::new(arrived.len(), deliveries.len()),
             contacts: deliveries.iter().map(|delivery| delivery.contacts).sum(),
             median_time_s: Dispersion::of(&times_s).map(|times| times.median),
-            false_accusations: among(right.iter().filter(|delivery| delivery.is_accused()).count(), right.len()),
-            found: among(detectable.iter().filter(|delivery| delivery.is_found()).count(), detectable.len()),
-            named: among(detectable.iter().filter(|delivery| delivery.is_named()).count(), detectable.len()),
+            false_accusations: among(count(&right, &|delivery| delivery.accused.is_some()), right.len()),
+            found: among(count(&detectable, &Delivery::is_found), detectable.len()),
+            named: among(count(&detectable, &Delivery::is_named), detectable.len()),
+            arrived_after_answer: among(
+                count(&asked, &|delivery| delivery.outcome == DeliveryOutcome::Arrived),
+                asked.len(),
+            ),
             undetectable: wrong.len() - detectable.len(),
-            others: deliveries.iter().filter(other).map(told).collect(),
+            others: deliveries.iter().filter(|delivery| !delivery.is_well()).map(told).collect(),
         }
     }
 }
@@ -251,6 +331,7 @@ pub fn blocks(rows: &[DeliveryRow]) -> Vec<Block> {
         "falsely accused",
         "error found",
         "and named",
+        "arrived after an answer",
         "undetectable",
     ];
     let mut table = Table::new(&heads);
@@ -265,6 +346,7 @@ pub fn blocks(rows: &[DeliveryRow]) -> Vec<Block> {
             share(&row.false_accusations),
             share(&row.found),
             share(&row.named),
+            share(&row.arrived_after_answer),
             row.undetectable.to_string(),
         ]);
     }
@@ -299,7 +381,7 @@ pub fn raw_rows(rows: &[(&str, Vec<Delivery>)]) -> String {
 pub fn route(row: &str, lists: Lists, setting: &Setting, delivery: &Delivery) -> (String, String) {
     let arena = lists.arena(delivery.seed, setting);
     let map = arena.world.map(DRAWN_CELL_M);
-    let title = arena.told();
+    let title = format!("{row}, seed {}", delivery.seed);
     let is_shown = |room: &&Room| ["start", "goal"].contains(&room.name.as_str());
     let rooms: Vec<Room> = arena.world.rooms.iter().filter(is_shown).cloned().collect();
     let mut figure = Figure::of_map(&title, &map, &rooms);

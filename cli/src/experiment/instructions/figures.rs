@@ -83,6 +83,9 @@ fn letter(feature: Feature) -> &'static str {
     }
 }
 
+/// So much of the way beyond the arrival is drawn.
+const BEYOND_M: f64 = 4.0;
+
 /// The opening that is asked for in the drawing of a state set, at the most.
 const DRAWN_ORDINAL: usize = 4;
 
@@ -108,21 +111,27 @@ fn state_set(name: &str, course: &Course) -> Option<String> {
     let goal = drawn_goal(course)?;
     let inference = Inference::of_robot(name.contains("markers"));
     let mut state_set = StateSet::start(goal.instruction())?;
-    let mut columns = vec![(0.0, state_set.certainties(), false)];
+    let mut columns = vec![(0.0, state_set.certainties())];
+    let mut arrived_m = None;
     for percept in course.percepts.iter().filter(|percept| percept.side == goal.side) {
         state_set.progress(&inference, &[*percept]);
-        columns.push((percept.to_m, state_set.certainties(), state_set.arrived().is_some()));
+        columns.push((percept.to_m, state_set.certainties()));
+        if state_set.arrived().is_some() {
+            arrived_m = Some(percept.to_m);
+            break;
+        }
     }
+    let end_m = arrived_m.map_or(course.driven_m, |arrived_m| arrived_m + BEYOND_M);
     let nodes = columns[0].1.len();
     let row_px = 34.0;
     let y = |node: usize| TOP_PX + row_px * (nodes - 1 - node) as f64;
     let title = format!("state set of \"{}\", {name}, seed {}", goal.instruction(), course.seed);
-    let mut document = sheet(course.driven_m, row_px * nodes as f64, &title);
+    let mut document = sheet(end_m, row_px * nodes as f64, &title);
     for node in 0..nodes {
         document = document.add(text(&node_name(node, nodes), LEFT_PX - 45.0, y(node) + row_px / 2.0 + 4.0));
     }
-    let ends = columns.iter().skip(1).map(|(from_m, ..)| *from_m).chain([course.driven_m]);
-    for ((from_m, certainties, arrived), to_m) in columns.iter().zip(ends) {
+    let ends = columns.iter().skip(1).map(|(from_m, _)| *from_m).chain([end_m]);
+    for ((from_m, certainties), to_m) in columns.iter().zip(ends) {
         for (node, certainty) in certainties.iter().enumerate() {
             let cell = Rectangle::new().set("x", x(*from_m)).set("y", y(node)).set("height", row_px);
             let cell = cell.set("width", rounded((to_m - from_m).max(0.0) * ALONG_PX)).set("fill", "black");
@@ -131,12 +140,9 @@ fn state_set(name: &str, course: &Course) -> Option<String> {
         let border = Line::new().set("x1", x(*from_m)).set("x2", x(*from_m)).set("y1", TOP_PX);
         let border = border.set("y2", TOP_PX + row_px * nodes as f64).set("stroke", "black").set("stroke-width", 0.5);
         document = document.add(border);
-        if *arrived {
-            let label = text("arrived", x(*from_m), TOP_PX - 6.0);
-            return Some(document.add(label).to_string());
-        }
     }
-    Some(document.to_string())
+    let label = arrived_m.map(|arrived_m| text("arrived", x(arrived_m), TOP_PX - 6.0));
+    Some(label.into_iter().fold(document, Document::add).to_string())
 }
 
 fn node_name(node: usize, nodes: usize) -> String {

@@ -76,7 +76,7 @@ const fn counting(name: &'static str, lola: fn(&mut LolaSettings)) -> DeliverySe
 }
 
 /// The rows of `office-delivery`.
-const DELIVERIES: [DeliverySetting; 13] = [
+const DELIVERIES: [DeliverySetting; 15] = [
     right(CALM),
     right(MARKED),
     right(THIN),
@@ -90,6 +90,8 @@ const DELIVERIES: [DeliverySetting; 13] = [
     right(UNREGISTERED),
     DeliverySetting { name: "wrong lists", setting: CALM, lists: Lists::Wrong },
     DeliverySetting { name: "wrong lists, crowded", setting: CROWDED, lists: Lists::Wrong },
+    DeliverySetting { name: "asked back", setting: CALM, lists: Lists::Answered },
+    DeliverySetting { name: "asked back, crowded", setting: CROWDED, lists: Lists::Answered },
 ];
 
 /// Drives along hallways, row by row.

@@ -93,8 +93,11 @@ pub fn blocks(rows: &[MapResult]) -> Vec<Block> {
     vec![Block::Table(table)]
 }
 
+/// A seed, and the drive it gave.
+pub type SeededDrive = (u64, Vec<Step>);
+
 /// Every step of every drive as a line of comma-separated values.
-pub fn raw_rows(rows: &[(&str, Vec<(u64, Vec<Step>)>)]) -> String {
+pub fn raw_rows(rows: &[(&str, Vec<SeededDrive>)]) -> String {
     let mut text = String::from("row,seed,percept,right,certainty\n");
     for (name, drives) in rows {
         for (seed, steps) in drives {

@@ -60,10 +60,16 @@ fn functions(name: &'static str, natives: &[Native]) -> Table {
     Table::new(name, &["function", "what it does"], rows)
 }
 
-/// The definitions of the robot's library, each with how it is called and its documentation.
+/// The definitions of the robot's libraries.
 fn plans() -> Table {
+    let rows = [PLANS, rpl_lola::PLANS].into_iter().flat_map(definitions);
+    Table::new("plans", &["plan", "what it does"], rows)
+}
+
+/// The definitions of a library, each with how it is called and its documentation.
+fn definitions(library: &str) -> Vec<Vec<String>> {
     let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
-    let (forms, faults) = read(PLANS, SourceId(0), &mut symbols, &mut tree);
+    let (forms, faults) = read(library, SourceId(0), &mut symbols, &mut tree);
     assert!(faults.is_empty(), "{faults:?}");
     let word = |node: NodeId| tree.symbol(node).map_or("", |name| symbols.name(name));
     let rows = forms.iter().filter_map(|&form| {
@@ -74,7 +80,7 @@ fn plans() -> Table {
         let words = std::iter::once(name).chain(tree.items(*parameters)).map(|&node| word(node)).collect::<Vec<_>>();
         is_called.then(|| vec![format!("`({})`", words.join(" ")), doc.to_string()])
     });
-    Table::new("plans", &["plan", "what it does"], rows)
+    rows.collect()
 }
 
 #[test]
