@@ -3,6 +3,7 @@
 
 pub mod completion;
 pub mod duration;
+pub mod journal;
 pub mod numbers;
 pub mod overrides;
 pub mod plan_files;

@@ -8,10 +8,12 @@ pub mod eval;
 pub mod examples;
 pub mod experiment;
 pub mod fmt;
+pub mod journal;
 pub mod localize;
 pub mod man;
 pub mod repl;
 pub mod replay;
+pub mod resume;
 pub mod robots;
 pub mod run;
 pub mod simulate;
@@ -58,6 +60,8 @@ pub enum Command {
     Repl(repl::Arguments),
     /// The same, stopped before the first form of a file
     Step(repl::Arguments),
+    Resume(resume::Arguments),
+    Journal(journal::Arguments),
     Replay(Box<replay::Arguments>),
     Simulate(simulate::Arguments),
     Trace(trace::Arguments),
@@ -85,6 +89,8 @@ impl Command {
             Command::Run(arguments) => run::run(arguments, console),
             Command::Repl(arguments) => repl::run(arguments, CommandLine::command(), false, console),
             Command::Step(arguments) => repl::run(arguments, CommandLine::command(), true, console),
+            Command::Journal(arguments) => journal::run(arguments, console),
+            Command::Resume(arguments) => resume::run(arguments, console),
             Command::Replay(arguments) => replay::run(arguments, CommandLine::command(), console),
             Command::Simulate(arguments) => simulate::run(arguments, console),
             Command::Trace(arguments) => trace::run(arguments, console),

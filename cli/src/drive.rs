@@ -5,7 +5,8 @@ use crate::run_record::{BeliefScene, Incident, Records, RunEnd};
 use crate::show::events::{self, ToldLine};
 use crate::show::whereabouts::whereabouts;
 use crate::terminal::console::Console;
-use crate::trace::TracedPose;
+use crate::trace::{TraceFile, TracedPose};
+use rpl_link::journal::ledger::Written;
 use rpl_link::recording::Typed;
 use rpl_mission::robot::Robot;
 use rpl_robot::office::ReportKind;
@@ -66,16 +67,9 @@ pub fn drive(
     records: &mut Records,
 ) -> io::Result<RunEnd> {
     console.begin_status();
-    let mut driver = RunDriver {
-        system,
-        pace,
-        console,
-        records,
-        began: Instant::now(),
-        track_due_us: 0,
-        pose_due_us: 0,
-        state: RunState::Runs,
-    };
+    let (began, from_us) = (Instant::now(), system.machine.now_us);
+    let state = RunState::Runs;
+    let mut driver = RunDriver { system, pace, console, records, began, from_us, track_due_us: 0, state };
     let ending = driver.run();
     driver.console.end_status();
     ending
@@ -86,9 +80,10 @@ struct RunDriver<'a> {
     pace: Pace,
     console: &'a mut Console,
     records: &'a mut Records,
+    /// When the run went on, and where it stood then.
     began: Instant,
+    from_us: u64,
     track_due_us: u64,
-    pose_due_us: u64,
     state: RunState,
 }
 
@@ -96,8 +91,11 @@ impl RunDriver<'_> {
     fn run(&mut self) -> io::Result<RunEnd> {
         self.record_pose()?;
         let ending = self.go()?;
+        if ending == RunEnd::TimeUp {
+            self.stand_still();
+        }
         // Where it came to, whenever the next look was due.
-        self.pose_due_us = 0;
+        self.records.pose_due_us = 0;
         self.record_pose()?;
         Ok(ending)
     }
@@ -119,6 +117,11 @@ impl RunDriver<'_> {
                 RunState::CleansUp(until) if Instant::now() >= until => return Ok(RunEnd::GivenUp),
                 RunState::Runs | RunState::CleansUp(_) => {}
             }
+            self.take_changes().inspect_err(|_| self.stop_quietly())?;
+            if self.state == RunState::Runs && self.write_journal() {
+                self.stop();
+                continue;
+            }
             if let Some(next_us) = self.system.next_instant_us() {
                 let is_late = self.pace.until_us.is_some_and(|until_us| next_us > until_us);
                 if is_late && self.state == RunState::Runs {
@@ -134,14 +137,45 @@ impl RunDriver<'_> {
         }
     }
 
+    /// The journal has a checkpoint from which the run goes on as if it had not stood still.
+    fn stand_still(&mut self) {
+        let Records { journal, trace, pose_due_us, relocalizations, .. } = &mut *self.records;
+        if let Some(journal) = journal {
+            let trace = trace.as_mut().and_then(TraceFile::ledger);
+            journal.stand_still(self.system, trace, *pose_due_us, *relocalizations);
+        }
+    }
+
+    /// New definitions that a run with a journal has been given take effect when it has come to where it was.
+    fn take_changes(&mut self) -> io::Result<()> {
+        let Records { journal, trace, .. } = &mut *self.records;
+        let Some(journal) = journal else { return Ok(()) };
+        let trace = trace.as_mut().and_then(TraceFile::ledger);
+        journal.take_changes(self.system, trace).map_err(io::Error::other)
+    }
+
+    /// Writes a checkpoint if it is time for one. Whether the journal must be written and cannot.
+    fn write_journal(&mut self) -> bool {
+        let Records { journal, trace, pose_due_us, relocalizations, .. } = &mut *self.records;
+        let Some(journal) = journal else { return false };
+        if journal.is_due(self.system.machine.now_us) {
+            let trace = trace.as_mut().and_then(TraceFile::ledger);
+            journal.checkpoint(self.system, trace, *pose_due_us, *relocalizations);
+        }
+        if let Some(note) = journal.take_note() {
+            self.console.note(&note);
+        }
+        journal.stops_run()
+    }
+
     /// Tells the trace where the robot is, if it is to know and it is time.
     fn record_pose(&mut self) -> io::Result<()> {
         let time_us = self.system.machine.now_us;
         if let (Some(trace), Some(every_us)) = (&mut self.records.trace, self.records.pose_every_us)
-            && time_us >= self.pose_due_us
+            && time_us >= self.records.pose_due_us
             && let Some(sight) = self.system.outside.sight()
         {
-            self.pose_due_us = time_us + every_us;
+            self.records.pose_due_us = time_us + every_us;
             trace.write_pose(&TracedPose { time_us, sight })?;
         }
         Ok(())
@@ -175,7 +209,9 @@ impl RunDriver<'_> {
     fn is_cut_short(&self) -> bool {
         match self.state {
             // What is recorded stops where all tasks are blocked: only that can be repeated.
-            RunState::Runs => interrupt::is_asked() && self.records.recorder.is_none(),
+            RunState::Runs => {
+                interrupt::is_asked() && self.records.recorder.is_none() && self.records.journal.is_none()
+            }
             RunState::CleansUp(until) => Instant::now() >= until,
         }
     }
@@ -187,10 +223,9 @@ impl RunDriver<'_> {
             match self.system.step_slice() {
                 Turn::Idle => break,
                 Turn::Over if !self.system.machine.is_output_full() => {}
-                Turn::Over => self.hand_on()?,
+                Turn::Over => self.write_out()?,
                 Turn::Cut => {
-                    self.hand_on()?;
-                    self.console.flush()?;
+                    self.write_out()?;
                     // An instant without end is left all the same.
                     if self.state == RunState::Runs && interrupt::is_asked() {
                         break;
@@ -201,8 +236,18 @@ impl RunDriver<'_> {
                 break;
             }
         }
+        self.write_out()
+    }
+
+    /// Hands on what happened and what plans wrote; then the journal notes that it was.
+    fn write_out(&mut self) -> io::Result<()> {
         self.hand_on()?;
-        self.console.flush()
+        self.console.flush()?;
+        if let Some(journal) = &mut self.records.journal {
+            let trace = self.records.trace.as_mut().and_then(TraceFile::ledger);
+            journal.flush(trace, self.system.machine.now_us);
+        }
+        Ok(())
     }
 
     fn hand_on(&mut self) -> io::Result<()> {
@@ -215,11 +260,17 @@ impl RunDriver<'_> {
         let logged = output.iter().filter(|output| output.channel == Channel::Log);
         self.records.logs.extend(logged.map(|output| output.text.clone()));
         for told in events::in_order(&events, output, is_lost) {
-            match told {
-                ToldLine::Event(line) if !self.console.quiet => self.console.note(&line),
-                ToldLine::Event(_) => {}
-                ToldLine::Print(text) => self.console.print(&text)?,
-                ToldLine::Log(line) => self.console.note(&line),
+            let written = self.records.journal.as_mut().map_or(Written::Now, |journal| match &told {
+                ToldLine::Print(text) => journal.printed(text),
+                ToldLine::Event(line) | ToldLine::Log(line) => journal.told(line),
+            });
+            match (told, written) {
+                // It was handed out before the run was killed.
+                (_, Written::Before) => {}
+                (ToldLine::Event(line), Written::Now) if !self.console.quiet => self.console.note(&line),
+                (ToldLine::Event(_), Written::Now) => {}
+                (ToldLine::Print(text), Written::Now) => self.console.print(&text)?,
+                (ToldLine::Log(line), Written::Now) => self.console.note(&line),
             }
         }
         events.iter().try_for_each(|event| self.record(event, is_lost))
@@ -257,7 +308,7 @@ impl RunDriver<'_> {
     /// Waits until the wall clock has come as far as the plan. False if something happened before.
     fn wait_for_clock(&self, next_us: u64) -> bool {
         let Some(factor) = self.pace.factor else { return true };
-        let due = Duration::from_secs_f64(next_us as f64 / 1e6 / factor);
+        let due = Duration::from_secs_f64(next_us.saturating_sub(self.from_us) as f64 / 1e6 / factor);
         while let Some(left) = due.checked_sub(self.began.elapsed()).filter(|left| !left.is_zero()) {
             match self.state {
                 RunState::Runs if interrupt::is_asked() => return false,

@@ -11,6 +11,8 @@ mod experiment;
 mod files;
 mod hosts;
 mod interrupt;
+mod journal;
+mod prepared_run;
 mod recorded_run;
 mod reference;
 mod repl;
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
             colour::choose(color);
             command.unwrap_or(Command::Repl(commands::repl::Arguments {
                 file: None,
+                at: None,
                 site,
                 host: HostArguments::default(),
             }))
@@ -51,6 +54,7 @@ fn main() -> ExitCode {
     let quiet = match &command {
         Command::Run(arguments) => arguments.output.quiet,
         Command::Replay(arguments) => arguments.output.quiet,
+        Command::Resume(arguments) => arguments.quiet,
         _ => false,
     };
     let mut console = Console::new(quiet);

@@ -3,6 +3,7 @@
 use crate::arguments::site::{GridArgument, MapArgument, SiteArguments};
 use crate::files::plans::PlanText;
 use crate::files::{inputs, robot_files, world_files};
+use crate::trace::{self, Header};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use rpl_robot::description::RobotDescription;
@@ -134,7 +135,7 @@ impl RecordedRun {
             set: Vec::new(),
             world: site.world.as_deref().zip(world).map(|(name, world)| RecordedText::of_world(name, world)),
             robot: world.map(|_| RecordedText::of_robot(site.robot.as_deref().unwrap_or_default(), &robot)),
-            map: value_name(site.map),
+            map: site.map.name().to_string(),
             grid: value_name(site.grid),
             memory_gib: site.memory,
             scenario: scenario.transpose()?,
@@ -144,6 +145,21 @@ impl RecordedRun {
             max_steps: None,
             host: None,
         })
+    }
+
+    /// The first line of its trace.
+    pub fn trace_header(&self) -> Header {
+        let name = |text: &Option<RecordedText>| text.as_ref().map(|text| text.name.clone());
+        Header {
+            version: trace::VERSION,
+            rpl: Some(self.rpl.clone()),
+            plan: name(&self.plan).unwrap_or_default(),
+            world: name(&self.world),
+            robot: name(&self.robot).filter(|name| !name.is_empty() && name != RobotDescription::PAPERS),
+            map: self.world.is_some().then(|| self.map.clone()),
+            scenario: name(&self.scenario),
+            seed: self.seed,
+        }
     }
 
     /// The arguments that lead to the same site.

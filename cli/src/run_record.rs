@@ -1,5 +1,6 @@
 //! What is kept of a run that is driven: how it ended, where the robot was, what was reported.
 
+use crate::journal::RunJournal;
 use crate::trace::TraceFile;
 use rpl_link::recording::Recorder;
 use rpl_mission::sight::{PositionBelief, Sight};
@@ -26,10 +27,14 @@ pub enum RunEnd {
 pub struct Records {
     /// Where the trace goes.
     pub trace: Option<TraceFile>,
+    /// Where the run is written down so that it can be gone on with.
+    pub journal: Option<RunJournal>,
     /// Where it is written that the run was told to stop.
     pub recorder: Option<Arc<Recorder>>,
     /// How often the trace tells where the robot is, if it does.
     pub pose_every_us: Option<u64>,
+    /// When it does so next.
+    pub pose_due_us: u64,
     /// What was seen of the robot, ten times a second.
     pub track: Vec<Sight>,
     /// What the plan logged.

@@ -8,6 +8,7 @@ use rpl_robot::geometry::{Pose, Vector};
 use rpl_robot::localization::Localization;
 use rpl_robot::office::{Module, OfficeRobot, Oracle, SimulatedHost};
 use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
@@ -174,5 +175,38 @@ impl<M: Module> Outside for Robot<M> {
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
         self.outside_mut().part(of)
+    }
+}
+
+/// A saved robot ends with who moves it.
+const NOBODY: u8 = 0;
+const SIMULATED: u8 = 1;
+const REMOTE: u8 = 2;
+
+impl<M: Module> SaveOutside for Robot<M> {
+    fn save(&self) -> Vec<u8> {
+        let (who, mut state) = match self {
+            Robot::Absent(robot) => (NOBODY, robot.save()),
+            Robot::Office(robot) => (SIMULATED, robot.save()),
+            Robot::Remote(robot) => (REMOTE, robot.save()),
+        };
+        state.push(who);
+        state
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let Some((&who, state)) = bytes.split_last() else { return Err("its state is damaged: it is empty".into()) };
+        match (who, self) {
+            (NOBODY, Robot::Absent(robot)) => robot.load(state),
+            (SIMULATED, Robot::Office(robot)) => robot.load(state),
+            (REMOTE, Robot::Remote(robot)) => robot.load(state),
+            (NOBODY, _) => Err("the run was saved without a robot, and there is one".into()),
+            (_, Robot::Absent(_)) => Err("the run was saved with a robot, and there is none".into()),
+            (SIMULATED, _) => {
+                Err("the run was saved in the simulator, and its robot is moved by another process".into())
+            }
+            (REMOTE, _) => Err("the run was saved with a robot that another process moves, and it is simulated".into()),
+            _ => Err("its state is damaged: nobody moves it".into()),
+        }
     }
 }

@@ -44,6 +44,11 @@ impl<Q, A> Conversation<Q, A> {
         Ok(answer)
     }
 
+    /// A conversation that was saved after so many turns goes on there.
+    pub fn go_on_at(&mut self, turn: u64) {
+        self.turn = turn;
+    }
+
     /// Turns that are over.
     pub fn turn(&self) -> u64 {
         self.turn

@@ -3,10 +3,10 @@
 use crate::host::{CommandsMessage, HostAnswer, PerceptMessage};
 use crate::line::{Conversation, Line, LineFault};
 use rpl_robot::geometry::Pose;
-use rpl_robot::office::{Host, HostLost, Report};
+use rpl_robot::office::{Host, HostLost, Report, SaveHost};
 use rpl_robot::sensors::{CameraView, RangeSensors};
 use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, Percept};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A host in another process. A copy shares the line, and hears what was said already.
@@ -29,7 +29,7 @@ pub struct RemoteHost {
 }
 
 /// How the conversation with a host went.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HostRecord {
     /// Percepts that were taken in.
     pub percepts: u64,
@@ -124,5 +124,27 @@ impl Host for RemoteHost {
         })?;
         self.follow(&percept);
         Ok(percept)
+    }
+}
+
+/// What changes of it: turns that are over, the decision the gripper waits for, the last percept, the record.
+type Changing = (u64, Option<u64>, (Pose, bool), HostRecord);
+
+impl SaveHost for RemoteHost {
+    fn save(&self) -> Vec<u8> {
+        let changing: Changing = (self.conversation.turn(), self.gripper_told, self.last, self.record);
+        match postcard::to_allocvec(&changing) {
+            Ok(bytes) => bytes,
+            Err(error) => unreachable!("every length is known: {error}"),
+        }
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let changing: Changing =
+            postcard::from_bytes(bytes).map_err(|error| format!("where it stood with its host is damaged: {error}"))?;
+        let turn;
+        (turn, self.gripper_told, self.last, self.record) = changing;
+        self.conversation.go_on_at(turn);
+        Ok(())
     }
 }

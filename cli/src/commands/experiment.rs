@@ -17,7 +17,8 @@ use std::path::PathBuf;
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, or a plan of your own; `-` for standard
+    /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, `marker-detection`, `hallway-features`,
+    /// `count-openings`, `office-delivery`, `topological-global`, or a plan of your own; `-` for standard
     /// input
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]
     name: String,

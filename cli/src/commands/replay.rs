@@ -1,6 +1,7 @@
 //! `rpl replay FILE`: a recorded run again, without the host or the processes that it had.
 
 use crate::arguments::completion;
+use crate::arguments::journal::JournalArguments;
 use crate::commands::run::{self, Output};
 use crate::files::inputs;
 use crate::files::module_files::ModuleVoices;
@@ -74,6 +75,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
         file: plan,
         site,
         host: hosts::HostArguments::default(),
+        journal: JournalArguments::default(),
         set: recorded.set,
         until: recorded.until_us,
         realtime: None,

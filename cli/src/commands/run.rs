@@ -2,29 +2,32 @@
 
 use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
+use crate::arguments::journal::JournalArguments;
 use crate::arguments::overrides::{Overrides, OverridingLoader};
 use crate::arguments::site::SiteArguments;
-use crate::drive::{Pace, drive};
+use crate::drive::Pace;
 use crate::files::module_files::{GoingBack, ModuleVoices};
 use crate::files::outputs::OutputFile;
 use crate::files::plans;
 use crate::files::plans::PlanText;
-use crate::hosts::{HostArguments, HostSource, Use, astray};
-use crate::interrupt;
+use crate::hosts::{HostArguments, HostSource, Use};
+use crate::journal::{KeptRun, KeptText, RunJournal, Writing};
+use crate::prepared_run::PreparedRun;
 use crate::recorded_run::{RecordedRun, RecordedText};
 use crate::run_record::Records;
 use crate::show::figures;
-use crate::show::summary::{report, status, summarize};
 use crate::status::Status;
 use crate::terminal::console::Console;
-use crate::trace::{self, Header, TraceFile};
+use crate::trace::TraceFile;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
-use rpl_robot::description::RobotDescription;
-use rpl_runtime::run::library::Loaded;
+use rpl_mission::robot::Robot;
+use rpl_mission::site::Site;
+use rpl_robot::world::World;
+use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Runs a plan
@@ -49,6 +52,8 @@ pub struct Arguments {
     /// Steps a task may make in one instant before it counts as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
+    #[command(flatten)]
+    pub journal: JournalArguments,
     #[command(flatten)]
     pub output: Output,
 }
@@ -118,107 +123,124 @@ pub fn run_on(
 ) -> Result<Status> {
     let began = Instant::now();
     let plan = plans::plan(&arguments.file)?;
-    let recorded_plan = RecordedText::of(&arguments.file, &plan);
-    let mut overrides = Overrides::parse(&arguments.set)?;
+    let (recorded_plan, kept_plan) = (RecordedText::of(&arguments.file, &plan), KeptText::of(&plan));
     let output = &arguments.output;
     let (site, world, modules) = arguments.site.build(voices)?;
     if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
         bail!("without a robot there are no poses and no figures; add `--world dept`");
     }
-    let Some(loaded) = load(&site.library, plan, &mut overrides, console) else { return Ok(Status::Wrong) };
-    overrides.check_all_used()?;
+    let Some(loaded) = load(&site.library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
 
     let figures = output.figures.as_deref().map(figures::open_folder).transpose()?;
     let scenes = output.figures.is_some().then(Vec::new);
     let pose_every_us = output.trace_poses.map(|rate| (1e6 / rate).round() as u64);
-    let mut records = Records { trace: create_trace(arguments)?, pose_every_us, scenes, ..Records::default() };
-    let wants_events = records.trace.is_some() || world.is_some();
     let seed = arguments.site.seed;
-    let recorder = arguments.host.record(&RecordedRun {
+    let recorded = RecordedRun {
         plan: Some(recorded_plan),
         set: arguments.set.clone(),
         until_us: arguments.until,
         max_steps: arguments.max_steps,
         host: source.heard(),
         ..RecordedRun::at(&arguments.site, world.as_ref())?
-    })?;
+    };
+    let recorder = arguments.host.record(&recorded)?;
+    let (journal, trace) = match &arguments.journal.journal {
+        Some(path) => {
+            let (journal, trace) = begin_journal(path, arguments, recorded, kept_plan, (&site, world.as_ref()))?;
+            (Some(journal), trace)
+        }
+        None => (None, create_trace(output, &recorded)?),
+    };
+    let wants_events = trace.is_some() || world.is_some();
     modules.start(&site, seed, recorder.as_ref())?;
-    records.recorder = recorder.clone();
     let (robot, transcript) = source.robot(&site, seed, Use::Run, recorder.clone())?;
+    let system = begun(&site, loaded, robot, seed, arguments.max_steps, wants_events);
+    let records = Records { trace, journal, recorder, pose_every_us, scenes, ..Records::default() };
+    let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
+    let json = output.json;
+    PreparedRun { site, world, system, seed, pace, records, figures, transcript, modules, json, began }.drive(console)
+}
+
+/// A run at its start.
+pub fn begun(
+    site: &Site,
+    loaded: Loaded,
+    robot: Robot,
+    seed: u64,
+    max_steps: Option<u32>,
+    wants_events: bool,
+) -> System<Robot> {
     let mut system = match wants_events {
         true => site.start_traced_with(robot, loaded, seed),
         false => System::new(site.library.clone(), loaded, robot, seed),
     };
-    if let Some(steps) = arguments.max_steps {
+    if let Some(steps) = max_steps {
         system.machine.limits.steps = steps;
     }
-    let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
-    let ending = {
-        let _stops = interrupt::stops_runs();
-        drive(&mut system, pace, console, &mut records)?
-    };
-    if let Some(trace) = &mut records.trace {
-        trace.finish().context("the trace cannot be written")?;
-    }
-    if let Some(recorder) = recorder {
-        recorder.finish().context("the recording cannot be written")?;
-    }
-    if let (Some(mut folder), Some(world)) = (figures, &world) {
-        let radius_m = site.office().map_or(0.0, |office| office.limits.robot_radius_m);
-        figures::write_mission(&mut folder, world, radius_m, &records, system.outside.belief().as_ref())?;
-    }
-    let summary = summarize(&system, ending, &records, arguments.site.seed, began);
-    report(&system, ending, &summary, console);
-    let divergence = transcript.and_then(|line| line.divergence()).or_else(|| modules.divergence());
-    if let (Some(divergence), Some(office)) = (divergence, site.office()) {
-        console.note(&astray(&divergence, office.settings.robot.step_us));
-    }
-    if output.json {
-        console.print(&summary.as_json()?)?;
-    }
-    console.flush()?;
-    Ok(status(&system, ending))
+    system
 }
 
-/// Compiles a plan, and shows what was found. None if it cannot run.
-fn load(
-    library: &rpl_runtime::run::library::Library,
-    plan: PlanText,
-    overrides: &mut Overrides,
-    console: &mut Console,
-) -> Option<Loaded> {
+/// The journal of a run that is about to begin, and its trace.
+fn begin_journal(
+    path: &Path,
+    arguments: &Arguments,
+    recorded: RecordedRun,
+    plan: KeptText,
+    (site, world): (&Site, Option<&World>),
+) -> Result<(RunJournal, Option<TraceFile>)> {
+    let output = &arguments.output;
+    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
+        bail!("a run with a host or a module in another process has no journal yet; `--record FILE` writes it down");
+    }
+    if let Some(trace) = &output.trace
+        && trace.metadata().is_ok_and(|known| !known.is_file())
+    {
+        bail!("the trace of a run with a journal is a file, and `{}` is none", trace.display());
+    }
+    let trace = output.trace.as_deref();
+    let writing = Writing {
+        trace: trace.map(std::path::absolute).transpose().context("the working folder is gone")?,
+        pose_every_us: output.trace_poses.map(|rate| (1e6 / rate).round() as u64),
+        factor: arguments.realtime,
+        sync: arguments.journal.sync,
+        must: arguments.journal.journal_must,
+    };
+    let kept = KeptRun::new(recorded, plan, site, world, writing)?;
+    let file = trace.map(|trace| OutputFile::open(trace, "the trace")).transpose()?;
+    let (journal, ledger) = RunJournal::begin(path, &kept, file)?;
+    let trace = ledger.map(|ledger| TraceFile::with_ledger(ledger, Some(&kept.head.run.trace_header()))).transpose()?;
+    Ok((journal, trace))
+}
+
+/// Compiles a plan with other first values for its variables, and shows what was found. None if it cannot run.
+///
+/// # Errors
+/// The first values are wrong.
+pub fn load(library: &Library, plan: PlanText, set: &[String], console: &mut Console) -> Result<Option<Loaded>> {
+    let mut overrides = Overrides::parse(set)?;
     let PlanText { name, text, mut folder } = plan;
     let text = overrides.apply(text);
-    let mut loader = OverridingLoader { inner: &mut folder, overrides };
+    let mut loader = OverridingLoader { inner: &mut folder, overrides: &mut overrides };
     match library.load(&name, &text, &mut loader) {
         Ok(loaded) => {
             if !loaded.warnings.is_empty() && !console.quiet {
                 let sources = &loaded.program.sources;
                 console.note(rpl_lang::diagnostic::render(&loaded.warnings, sources, console.colour).trim_end());
             }
-            Some(loaded)
+            overrides.check_all_used()?;
+            Ok(Some(loaded))
         }
         Err(rejected) => {
             console.note(rejected.render(console.colour).trim_end());
-            None
+            Ok(None)
         }
     }
 }
 
-fn create_trace(arguments: &Arguments) -> Result<Option<TraceFile>> {
-    let Some(path) = &arguments.output.trace else { return Ok(None) };
-    let header = Header {
-        version: trace::VERSION,
-        rpl: Some(env!("CARGO_PKG_VERSION").to_string()),
-        plan: arguments.file.clone(),
-        world: arguments.site.world.clone(),
-        robot: arguments.site.robot.clone().filter(|name| name != RobotDescription::PAPERS),
-        map: arguments.site.world.is_some().then(|| arguments.site.map.name().to_string()),
-        scenario: arguments.site.scenario.clone(),
-        seed: arguments.site.seed,
-    };
+fn create_trace(output: &Output, recorded: &RecordedRun) -> Result<Option<TraceFile>> {
+    let Some(path) = &output.trace else { return Ok(None) };
     let file = OutputFile::open(path, "the trace")?.begin()?;
-    let trace =
-        TraceFile::begin(file, &header).with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+    let trace = TraceFile::begin(file, &recorded.trace_header())
+        .with_context(|| format!("cannot write the trace `{}`", path.display()))?;
     Ok(Some(trace))
 }

@@ -61,6 +61,15 @@ pub fn input_at(path: &Path) -> Option<PathBuf> {
     inputs.iter().find(|(known, _)| *known == identity).map(|(_, input)| input.clone())
 }
 
+/// The files this process has read so far, each once.
+pub fn files() -> Vec<PathBuf> {
+    let Ok(inputs) = INPUTS.lock() else { return Vec::new() };
+    let mut files: Vec<PathBuf> = inputs.iter().map(|(_, path)| path.clone()).collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
 /// The text of a world file.
 ///
 /// # Errors

@@ -5,8 +5,10 @@ use super::inputs::{STANDARD_INPUT, read_text, reason, standard_input};
 use anyhow::{Result, anyhow, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
+use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A plan text and where it came from.
 #[derive(Clone, Debug)]
@@ -26,6 +28,36 @@ pub enum Folder {
     Disk(PathBuf),
     /// Among the built-in examples.
     BuiltIn,
+    /// No folder, but what was loaded from one, be it among the built-in examples.
+    Kept {
+        /// All that was loaded.
+        loads: Arc<[KeptLoad]>,
+        /// From where.
+        is_built_in: bool,
+    },
+}
+
+/// A text that a plan has loaded.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct KeptLoad {
+    /// The text that loads it, by its name.
+    from: String,
+    /// What stands there.
+    path: String,
+    /// Whether it is a built-in example.
+    is_built_in: bool,
+    /// The name in errors.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+/// What this process has loaded, so that a journal can have it too.
+static LOADED: Mutex<Vec<KeptLoad>> = Mutex::new(Vec::new());
+
+/// The texts that the plans read so far have loaded, each once.
+pub fn loaded() -> Vec<KeptLoad> {
+    LOADED.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
 /// The plan a user names: a file from the working folder, else a built-in example; `-` is standard
@@ -93,15 +125,32 @@ fn advice(name: &str) -> String {
 impl Loader for Folder {
     fn load(&mut self, from: &str, path: &str) -> Result<(String, String), String> {
         let beside = Path::new(from).parent().unwrap_or(Path::new(""));
-        match self {
-            Folder::Disk(root) => load_from_disk(root, beside, path),
+        let (name, text, is_built_in) = match self {
+            Folder::Disk(root) => {
+                let (name, text) = load_from_disk(root, beside, path)?;
+                (name, text, false)
+            }
             Folder::BuiltIn => {
                 let wanted = normal(&beside.join(path)).ok_or(OUTSIDE)?;
                 let wanted = wanted.display().to_string().replace('\\', "/");
                 let (name, text) = examples::find_exactly(&wanted).ok_or("no built-in example has that name")?;
-                Ok((name.to_string(), text.to_string()))
+                (name.to_string(), text.to_string(), true)
             }
+            Folder::Kept { loads, is_built_in } => {
+                let is_meant =
+                    |kept: &&KeptLoad| kept.from == from && kept.path == path && kept.is_built_in == *is_built_in;
+                let kept = loads.iter().find(is_meant);
+                let kept = kept.ok_or("the journal does not have it")?;
+                (kept.name.clone(), kept.text.clone(), *is_built_in)
+            }
+        };
+        let (from, path) = (from.to_string(), path.to_string());
+        let load = KeptLoad { from, path, is_built_in, name: name.clone(), text: text.clone() };
+        let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+        if !loaded.contains(&load) {
+            loaded.push(load);
         }
+        Ok((name, text))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The trace as JSON Lines: a header that says of which run, then one object for each event, and, if
 //! asked for, for where the robot was now and then.
 
+use rpl_link::journal::ledger::Ledger;
 use rpl_mission::sight::Sight;
 use rpl_robot::geometry::Pose;
 use rpl_runtime::state::trace::Event;
@@ -43,7 +44,15 @@ pub struct Header {
 
 /// A trace file being written.
 pub struct TraceFile {
-    out: BufWriter<File>,
+    out: TraceOut,
+}
+
+/// Where a trace goes.
+enum TraceOut {
+    /// Into a file, a pipe or a device.
+    File(BufWriter<File>),
+    /// Into a file of which a journal knows how far it was written.
+    Ledger(Ledger),
 }
 
 impl TraceFile {
@@ -52,9 +61,39 @@ impl TraceFile {
     /// # Errors
     /// It cannot be written.
     pub fn begin(file: File, header: &Header) -> io::Result<Self> {
-        let mut out = BufWriter::new(file);
-        writeln!(out, "{}", serde_json::to_string(header)?)?;
-        Ok(Self { out })
+        let mut trace = Self { out: TraceOut::File(BufWriter::new(file)) };
+        trace.line(&serde_json::to_string(header)?)?;
+        Ok(trace)
+    }
+
+    /// That of a run with a journal, with its header if the run is at its start.
+    ///
+    /// # Errors
+    /// A fault of the program.
+    pub fn with_ledger(ledger: Ledger, header: Option<&Header>) -> io::Result<Self> {
+        let mut trace = Self { out: TraceOut::Ledger(ledger) };
+        if let Some(header) = header {
+            trace.line(&serde_json::to_string(header)?)?;
+        }
+        Ok(trace)
+    }
+
+    /// The ledger of a run with a journal.
+    pub fn ledger(&mut self) -> Option<&mut Ledger> {
+        match &mut self.out {
+            TraceOut::Ledger(ledger) => Some(ledger),
+            TraceOut::File(_) => None,
+        }
+    }
+
+    fn line(&mut self, line: &str) -> io::Result<()> {
+        match &mut self.out {
+            TraceOut::File(out) => writeln!(out, "{line}"),
+            TraceOut::Ledger(ledger) => {
+                ledger.push(format!("{line}\n").as_bytes());
+                Ok(())
+            }
+        }
     }
 
     /// Adds an event.
@@ -62,7 +101,7 @@ impl TraceFile {
     /// # Errors
     /// The disk is full.
     pub fn write(&mut self, event: &Event) -> io::Result<()> {
-        writeln!(self.out, "{}", line(event))
+        self.line(&line(event))
     }
 
     /// Adds where the robot is.
@@ -70,15 +109,18 @@ impl TraceFile {
     /// # Errors
     /// The disk is full.
     pub fn write_pose(&mut self, seen: &TracedPose) -> io::Result<()> {
-        writeln!(self.out, "{}", pose_line(seen))
+        self.line(&pose_line(seen))
     }
 
-    /// Hands everything to the disk.
+    /// Hands everything to the disk; what a ledger has is handed over by its journal.
     ///
     /// # Errors
     /// The disk is full.
     pub fn finish(&mut self) -> io::Result<()> {
-        self.out.flush()
+        match &mut self.out {
+            TraceOut::File(out) => out.flush(),
+            TraceOut::Ledger(_) => Ok(()),
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod fmt;
 mod folder;
 mod help;
 mod hosts;
+mod journal;
 mod json;
 mod keys;
 mod layout;

@@ -26,10 +26,34 @@ pub enum Activity {
     Inactive,
 }
 
+/// Cells as bytes, little-endian, written and read as a whole: a saved run is mostly cells.
+mod saved_cells {
+    use serde::de::Error;
+    use serde::{Deserializer, Serializer};
+    use serde_bytes::ByteBuf;
+    use std::sync::Arc;
+
+    pub fn serialize<S: Serializer>(cells: &Arc<Vec<f32>>, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = vec![0; size_of::<f32>() * cells.len()];
+        let (places, _) = bytes.as_chunks_mut();
+        for (place, cell) in places.iter_mut().zip(cells.iter()) {
+            *place = cell.to_le_bytes();
+        }
+        serde_bytes::serialize(&bytes, serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Arc<Vec<f32>>, D::Error> {
+        let bytes: ByteBuf = serde_bytes::deserialize(deserializer)?;
+        let (cells, []) = bytes.as_chunks() else { return Err(D::Error::custom("half a cell")) };
+        Ok(Arc::new(cells.iter().map(|cell| f32::from_le_bytes(*cell)).collect()))
+    }
+}
+
 /// The cells of one heading. Clones share the cells until one of them is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plane {
     /// `[row][column]`, padded to whole blocks; empty for a plane with factor 0.
+    #[serde(with = "saved_cells")]
     pub(super) cells: Arc<Vec<f32>>,
     /// Whether it takes part in updates.
     pub(super) activity: Activity,

@@ -20,6 +20,18 @@ pub trait Host {
     fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost>;
 }
 
+/// A host whose part of a run can be written down.
+pub trait SaveHost: Host {
+    /// What changes.
+    fn save(&self) -> Vec<u8>;
+
+    /// Takes over what [`SaveHost::save`] gave.
+    ///
+    /// # Errors
+    /// One sentence on why the bytes do not fit this host.
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String>;
+}
+
 /// Why nobody moves the robot any more: one sentence that names the host.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HostLost(pub String);

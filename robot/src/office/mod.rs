@@ -40,7 +40,7 @@ pub use composition::{Composition, NameTaken};
 pub use controller::Controller;
 pub use cost::Cost;
 pub use functions::{act, board, look, model};
-pub use host::{Host, HostLost, SimulatedHost};
+pub use host::{Host, HostLost, SaveHost, SimulatedHost};
 pub use model::{MapModel, OfficeModel, OfficeSettings};
 pub use module::{
     Layout, Module, ModuleSpec, Moment, Part, PlanText, Start, Telling, continuous, counter, fluent, fluent_number,

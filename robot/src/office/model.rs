@@ -10,13 +10,14 @@ use crate::planning::{Concern, TopologicalModel};
 use crate::sensors::{RangeSensor, RangeSensors};
 use crate::simulator::{SimulatorModel, SimulatorSettings};
 use crate::world::{SeenBy, World};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Edge of a cell of the map the expected distances are cast in.
 pub(super) const SENSOR_MAP_CELL_M: f64 = 0.05;
 
 /// What can be set about the robot and its world.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OfficeSettings {
     /// The robot.
     pub robot: Arc<RobotDescription>,

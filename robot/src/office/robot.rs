@@ -27,7 +27,7 @@ pub struct OfficeRobot<H = SimulatedHost, M: Module = OfficeModules> {
     /// Who moves it and senses for it.
     pub host: H,
     /// Why the host is gone, once it is: nothing starts any more.
-    lost: Option<HostLost>,
+    pub(super) lost: Option<HostLost>,
 }
 
 impl<H> OfficeRobot<H> {

@@ -2,7 +2,7 @@
 
 use super::board::Board;
 use super::controller::Controller;
-use super::host::SimulatedHost;
+use super::host::{HostLost, SaveHost, SimulatedHost};
 use super::module::Module;
 use super::report::Report;
 use super::robot::OfficeRobot;
@@ -16,6 +16,7 @@ use rpl_runtime::run::library::Loaded;
 use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::run::system::System;
 use serde::{Deserialize, Serialize};
+use serde_bytes::ByteBuf;
 
 /// What the state belongs to: grids, doors and objects are counted by it, so a state is taken over
 /// only where it is the same.
@@ -31,7 +32,7 @@ struct Setting {
 }
 
 impl Setting {
-    fn of<M: Module>(robot: &OfficeRobot<SimulatedHost, M>) -> Self {
+    fn of<H, M: Module>(robot: &OfficeRobot<H, M>) -> Self {
         let settings = &robot.model().settings;
         Self {
             world: World::clone(&robot.model().world),
@@ -55,16 +56,15 @@ fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
     postcard::from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
 }
 
-impl<M: Module> SaveOutside for OfficeRobot<SimulatedHost, M> {
+impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
     fn save(&self) -> Vec<u8> {
-        let scenario = self.host.scenario.as_ref().map(|scenario| scenario.save());
         let setting = written(&Setting::of(self));
         let Controller { board, modules, .. } = &self.controller;
-        written(&(setting, board, modules, &self.host.state, scenario))
+        written(&(ByteBuf::from(setting), board, modules, ByteBuf::from(self.host.save()), &self.lost))
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let (setting, rest): (Vec<u8>, &[u8]) =
+        let (setting, rest): (ByteBuf, &[u8]) =
             postcard::take_from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))?;
         let setting: Setting = read(&setting)?;
         let here = Setting::of(self);
@@ -91,23 +91,36 @@ impl<M: Module> SaveOutside for OfficeRobot<SimulatedHost, M> {
         if setting != here {
             return Err("the run was saved with other settings of localization".into());
         }
-        type Changing<M> = (Board, M, SimulatorState, Option<Vec<u8>>);
-        let (board, mut modules, state, scenario): Changing<M> = read(rest)?;
+        type Changing<M> = (Board, M, ByteBuf, Option<HostLost>);
+        let (board, mut modules, host, lost): Changing<M> = read(rest)?;
         modules.resume(&self.controller.composition.settings)?;
         if board.position.localization().is_some() != here.map_known {
             return Err("its state is damaged: only a robot with a map has a belief".into());
         }
-        if !self.host.model.fits(&state) {
+        self.host.load(&host)?;
+        (self.controller.board, self.controller.modules, self.lost) = (board, modules, lost);
+        Ok(())
+    }
+}
+
+impl SaveHost for SimulatedHost {
+    fn save(&self) -> Vec<u8> {
+        let scenario = self.scenario.as_ref().map(|scenario| ByteBuf::from(scenario.save()));
+        written(&(&self.state, scenario))
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let (state, scenario): (SimulatorState, Option<ByteBuf>) = read(bytes)?;
+        if !self.model.fits(&state) {
             return Err("its state does not fit the world".into());
         }
-        self.host.scenario = match (scenario, self.host.scenario.take()) {
+        self.scenario = match (scenario, self.scenario.take()) {
             (None, None) => None,
             (Some(bytes), Some(fresh)) => Some(Box::new(restored(&bytes, *fresh)?)),
             (Some(_), None) => return Err("the run was saved with a scenario, and there is none".into()),
             (None, Some(_)) => return Err("the run was saved without a scenario, and there is one".into()),
         };
-        self.host.state = state;
-        (self.controller.board, self.controller.modules) = (board, modules);
+        self.state = state;
         Ok(())
     }
 }

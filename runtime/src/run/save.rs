@@ -23,6 +23,7 @@ use rpl_lang::code::{Code, Constant, FailureClass, Global, Program};
 use rpl_lang::source::{Source, SourceId};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
+use serde_bytes::ByteBuf;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ use std::sync::Arc;
 const MAGIC: &[u8; 7] = b"RPLSAVE";
 
 /// Of the layout and of everything in it; any change to a saved type needs a new one.
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 
 const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 
@@ -174,7 +175,11 @@ impl Addition {
 
 /// Nothing that is saved can fail to be written: all lengths are known, and memory is all it needs.
 fn encode(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
-    match postcard::to_allocvec(value) {
+    written(postcard::to_allocvec(value))
+}
+
+fn written(encoded: postcard::Result<Vec<u8>>) -> Vec<u8> {
+    match encoded {
         Ok(bytes) => bytes,
         Err(error) => unreachable!("a saved type cannot be written: {error}"),
     }
@@ -190,13 +195,17 @@ impl<O: SaveOutside> System<O> {
     /// The run as bytes. Cost: proportional to the state.
     pub fn save(&self) -> Vec<u8> {
         let addition = Addition::between(&self.base.program, &self.program, &self.units);
-        let payload = encode(&(addition, &self.machine, self.next_step_us, self.outside.save()));
-        let mut bytes = Vec::with_capacity(HEADER + payload.len());
+        let outside = ByteBuf::from(self.outside.save());
+        // Most of it is the robot's; what else there is has room, and seldom needs more.
+        let mut bytes = Vec::with_capacity(HEADER + outside.len() + self.machine.used_bytes());
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&VERSION.to_le_bytes());
         bytes.extend_from_slice(&self.base.fingerprint(&self.library).to_le_bytes());
-        bytes.extend_from_slice(&crc32fast::hash(&payload).to_le_bytes());
-        bytes.extend_from_slice(&payload);
+        bytes.extend_from_slice(&[0; 4]);
+        let payload = (addition, &self.machine, self.next_step_us, outside);
+        let mut bytes = written(postcard::to_extend(&payload, bytes));
+        let checksum = crc32fast::hash(&bytes[HEADER..]);
+        bytes[HEADER - 4..HEADER].copy_from_slice(&checksum.to_le_bytes());
         bytes
     }
 
@@ -234,7 +243,7 @@ impl<O: SaveOutside> System<O> {
         if word(bytes, HEADER - 8) != base.fingerprint(&library) {
             return Err(SaveError::Program);
         }
-        type Payload = (Addition, Machine, u64, Vec<u8>);
+        type Payload = (Addition, Machine, u64, ByteBuf);
         let ((addition, machine, next_step_us, robot), rest) =
             postcard::take_from_bytes::<Payload>(payload).map_err(|_| SaveError::Damaged)?;
         if !rest.is_empty() {

@@ -1,0 +1,91 @@
+//! `rpl journal DIR`: what is in a journal.
+
+use crate::files::inputs;
+use crate::journal::{self, JournalEnd, KeptRun, LOG, OUTPUT, checkpoint_times};
+use crate::status::Status;
+use crate::terminal::console::Console;
+use anyhow::{Context, Result, bail};
+use clap::ValueHint;
+use rpl_link::journal::folder::taken_by;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Columns of the words before what they are about.
+const KEY_COLUMNS: usize = 12;
+
+/// Tells what is in a journal (`rpl run --journal`): which run, how far it came, and the texts it has
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// The folder of the journal
+    #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub journal: PathBuf,
+    /// Writes one of its texts to standard output: the plan, the scenario, or what they load
+    #[arg(long, value_name = "NAME")]
+    pub text: Option<String>,
+}
+
+/// Tells it.
+///
+/// # Errors
+/// There is no journal, it is damaged, or it has no such text.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let path = &arguments.journal;
+    let kept = KeptRun::read(path)?;
+    if let Some(name) = &arguments.text {
+        let Some((_, text)) = kept.head.texts().find(|(known, _)| known == name) else {
+            let names: Vec<&str> = kept.head.texts().map(|(name, _)| name).collect();
+            bail!("the journal `{}` has no text `{name}`; it has {}", path.display(), names.join(", "));
+        };
+        console.print(text.strip_suffix('\n').unwrap_or(text))?;
+        return Ok(Status::Succeeded);
+    }
+    let mut lines = Vec::new();
+    let mut tell = |key: &str, what: String| lines.push(format!("{key:KEY_COLUMNS$}{what}"));
+    tell("run", described(&kept));
+    tell("now", standing(path)?);
+    for (time_us, bytes) in checkpoint_times(path, kept.checksum)? {
+        tell("checkpoint", format!("at {:.1} s, {}", time_us as f64 / 1e6, size(bytes)));
+    }
+    tell("printed", length(&path.join(OUTPUT)));
+    tell("told", length(&path.join(LOG)));
+    if let Some(trace) = &kept.head.trace {
+        tell("trace", format!("{}, {}", trace.display(), length(trace)));
+    }
+    for (name, text) in kept.head.texts() {
+        tell("text", format!("{name}, {}", size(text.len() as u64)));
+    }
+    for file in kept.changed_files(&journal::changes(path)?) {
+        tell("changed", file.display().to_string());
+    }
+    lines.iter().try_for_each(|line| console.explain_hanging(line, KEY_COLUMNS))?;
+    Ok(Status::Succeeded)
+}
+
+fn described(kept: &KeptRun) -> String {
+    let run = &kept.head.run;
+    let named = |option: &str, name: Option<&str>| name.map_or(String::new(), |name| format!(" --{option} {name}"));
+    let world = named("world", run.world.as_ref().map(|world| &*world.name));
+    let robot = named("robot", run.robot.as_ref().map(|robot| &*robot.name).filter(|name| !name.is_empty()));
+    let scenario = named("scenario", run.scenario.as_ref().map(|scenario| &*scenario.name));
+    format!("{}{world}{robot}{scenario} --seed {}", kept.head.plan.name, run.seed)
+}
+
+/// Whether it goes on, stands still or is over.
+fn standing(path: &Path) -> Result<String> {
+    let taken = taken_by(path).with_context(|| format!("cannot read the journal `{}`", path.display()))?;
+    if let Some(process) = taken {
+        return Ok(format!("goes on: process {process} writes it"));
+    }
+    Ok(match JournalEnd::read(path)? {
+        Some(end) => format!("it {}, at {:.1} s", end.how.told(), end.time_us as f64 / 1e6),
+        None => format!("it was killed; `rpl resume {}` goes on with it", path.display()),
+    })
+}
+
+fn length(path: &Path) -> String {
+    fs::metadata(path).map_or_else(|error| inputs::reason(&error), |known| size(known.len()))
+}
+
+fn size(bytes: u64) -> String {
+    if bytes < 10_000 { format!("{bytes} bytes") } else { format!("{:.2} MB", bytes as f64 / 1e6) }
+}

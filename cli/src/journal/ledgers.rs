@@ -1,0 +1,63 @@
+//! The files of a journal that grow: what plans printed, what was told, and the trace.
+
+use super::checkpoints::DriverState;
+use crate::files::outputs::OutputFile;
+use anyhow::{Context, Result};
+use rpl_link::journal::ledger::{Ledger, LedgerFault, LedgerMark};
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+/// What plans printed.
+pub const OUTPUT: &str = "output.txt";
+
+/// What was told on the way: what happened, and what plans logged.
+pub const LOG: &str = "log.txt";
+
+/// The files that a run writes on and on.
+#[derive(Debug)]
+pub struct Ledgers {
+    /// What plans printed.
+    pub output: Ledger,
+    /// What was told.
+    pub log: Ledger,
+    /// The trace, if there is one; it belongs to whoever writes events.
+    pub trace: Option<Ledger>,
+}
+
+impl Ledgers {
+    /// Those of a run at its start. The trace is a file that was opened for it.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn begin(journal: &Path, trace: Option<OutputFile>) -> Result<Self> {
+        let begin = |name: &str| -> Result<Ledger> {
+            let path = journal.join(name);
+            let opened = File::options().read(true).write(true).create(true).truncate(true).open(&path);
+            opened.and_then(Ledger::begin).with_context(|| format!("cannot write `{}`", path.display()))
+        };
+        let trace = trace.map(|file| Ledger::begin(file.begin()?).context("the trace cannot be written"));
+        Ok(Self { output: begin(OUTPUT)?, log: begin(LOG)?, trace: trace.transpose()? })
+    }
+
+    /// Those of a run that goes on from where its driver stood, or from its start.
+    ///
+    /// # Errors
+    /// They are not what they were, or cannot be written.
+    pub fn go_on(journal: &Path, trace: Option<&Path>, state: Option<&DriverState>) -> Result<Self> {
+        let go_on = |path: &Path, mark: Option<LedgerMark>| {
+            let opened = Ledger::go_on(path, mark.unwrap_or_default());
+            opened.map_err(|fault| match fault {
+                LedgerFault::Disk(error) if error.kind() == io::ErrorKind::NotFound => {
+                    anyhow::anyhow!("`{}` is not there any more", path.display())
+                }
+                fault => anyhow::Error::from(fault).context(format!("`{}`", path.display())),
+            })
+        };
+        Ok(Self {
+            output: go_on(&journal.join(OUTPUT), state.map(|state| state.output))?,
+            log: go_on(&journal.join(LOG), state.map(|state| state.log))?,
+            trace: trace.map(|path| go_on(path, state.and_then(|state| state.trace))).transpose()?,
+        })
+    }
+}

@@ -1,0 +1,437 @@
+//! The journal of a run while it is written: what plans print and what is told, and checkpoints now and then.
+//!
+//! When a checkpoint is made depends on how long things take, and the run cannot tell: one is due when all of them
+//! together have cost a hundredth of the work, and it is worth the while. The run is copied, which is cheap, and a thread writes the
+//! copy down while the run goes on.
+
+use super::changes::{self, CHANGES, Change};
+use super::checkpoints::{self, DriverState};
+use super::end::JournalEnd;
+use super::head::{KeptRun, RUN};
+use super::ledgers::{LOG, Ledgers, OUTPUT};
+use crate::arguments::journal::SyncArgument;
+use crate::files::outputs::OutputFile;
+use anyhow::{Context, Result, bail};
+use rpl_link::journal::checkpoint;
+use rpl_link::journal::folder::{FolderFault, JournalFolder, write_whole};
+use rpl_link::journal::ledger::{Ledger, Written};
+use rpl_mission::robot::Robot;
+use rpl_runtime::run::system::System;
+use rustix::time::ClockId;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// What a checkpoint costs is at most one part in so many of the work.
+const WORK_FOR_COST: u32 = 100;
+
+/// What is there of a journal before it has its [`RUN`].
+const BEGINNINGS: [&str; 4] = ["lock", OUTPUT, LOG, "run.new"];
+
+/// What the first checkpoint is taken to cost: as much as any.
+const FIRST_COST: Duration = Duration::from_millis(5);
+
+/// Checkpoints closer together would save nothing that anybody notices, and fill the disk.
+const LEAST_WORK: Duration = Duration::from_millis(500);
+
+/// A journal that is written.
+#[derive(Debug)]
+pub struct RunJournal {
+    folder: JournalFolder,
+    /// The checksum of the run.
+    run: u32,
+    output: Ledger,
+    log: Ledger,
+    sync: SyncArgument,
+    /// When lines were brought to the disk last, and whether there are new ones.
+    synced: Instant,
+    has_new_lines: bool,
+    must: bool,
+    /// Of the next checkpoint.
+    number: u64,
+    /// What the last two checkpoints cost, and all of this process.
+    costs: [Duration; 2],
+    spent: Duration,
+    /// What the process had computed when the run began or went on.
+    began: Duration,
+    /// When the last checkpoint was made, by the clock and by what the process had computed.
+    since: (Instant, Duration),
+    /// New definitions; so many have taken effect.
+    changes: Vec<Change>,
+    changes_taken: usize,
+    /// The checkpoint that is being written.
+    writing: Option<JoinHandle<io::Result<Duration>>>,
+    trouble: Trouble,
+}
+
+/// How the disk has taken what was written.
+#[derive(Debug, Default)]
+struct Trouble {
+    /// What it does not take, why, and since when in the run.
+    now: BTreeMap<Part, (String, u64)>,
+    /// What is to be told.
+    untold: Option<String>,
+    /// How often it began.
+    times: u32,
+}
+
+/// What is written of a journal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    /// What grows.
+    Ledgers,
+    /// The saved runs.
+    Checkpoints,
+    /// How it ended.
+    End,
+}
+
+/// Takes a folder for a journal.
+///
+/// # Errors
+/// Another process has it, or it cannot be written.
+pub fn take(path: &Path) -> Result<JournalFolder> {
+    let shown = path.display();
+    JournalFolder::take(path).map_err(|fault| match fault {
+        FolderFault::Taken(_) => anyhow::anyhow!("the journal `{shown}` is being written: {fault}"),
+        FolderFault::Disk(error) => anyhow::anyhow!("cannot write the journal `{shown}`: {error}"),
+    })
+}
+
+/// # Errors
+/// A folder has more in it than what is left of a journal that could not be begun.
+fn refuse_foreign(path: &Path) -> Result<()> {
+    let is_left = |entry: io::Result<fs::DirEntry>| {
+        let name = entry.map(|entry| entry.file_name());
+        name.is_ok_and(|name| BEGINNINGS.iter().any(|known| name == *known))
+    };
+    // What cannot be read cannot be locked, which says why.
+    let foreign = fs::read_dir(path).is_ok_and(|mut entries| !entries.all(is_left));
+    let shown = path.display();
+    if foreign {
+        bail!("the folder `{shown}` has files that are none of a journal; name one that is empty or not there");
+    }
+    Ok(())
+}
+
+impl RunJournal {
+    /// A journal of a run at its start, and the trace that belongs to it.
+    ///
+    /// # Errors
+    /// The folder has something in it, or cannot be written.
+    pub fn begin(path: &Path, kept: &KeptRun, trace: Option<OutputFile>) -> Result<(Self, Option<Ledger>)> {
+        let shown = path.display();
+        if path.join(RUN).exists() {
+            bail!("`{shown}` has a journal already: `rpl resume {shown}` goes on with it; or name another folder");
+        }
+        refuse_foreign(path)?;
+        let folder = take(path)?;
+        // Between the look and the lock somebody may have begun one.
+        refuse_foreign(path)?;
+        let ledgers = Ledgers::begin(path, trace)?;
+        let outlives_power = kept.head.sync != SyncArgument::Never;
+        let bytes = kept.bytes()?;
+        folder.write(RUN, &bytes, outlives_power).with_context(|| format!("cannot write the journal `{shown}`"))?;
+        Ok(Self::of(folder, kept, ledgers, 0))
+    }
+
+    /// The journal of a run that goes on.
+    pub fn of(folder: JournalFolder, kept: &KeptRun, ledgers: Ledgers, number: u64) -> (Self, Option<Ledger>) {
+        let Ledgers { output, log, trace } = ledgers;
+        let journal = Self {
+            folder,
+            run: kept.checksum,
+            output,
+            log,
+            sync: kept.head.sync,
+            synced: Instant::now(),
+            has_new_lines: false,
+            must: kept.head.must,
+            number,
+            costs: [FIRST_COST; 2],
+            spent: Duration::ZERO,
+            began: computed(ClockId::ProcessCPUTime),
+            since: (Instant::now(), computed(ClockId::ProcessCPUTime)),
+            changes: Vec::new(),
+            changes_taken: 0,
+            writing: None,
+            trouble: Trouble::default(),
+        };
+        (journal, trace)
+    }
+
+    fn outlives_power(&self) -> bool {
+        self.sync != SyncArgument::Never
+    }
+
+    /// A line that a plan prints.
+    pub fn printed(&mut self, line: &str) -> Written {
+        self.has_new_lines = true;
+        push_line(&mut self.output, line)
+    }
+
+    /// A line that is told.
+    pub fn told(&mut self, line: &str) -> Written {
+        self.has_new_lines = true;
+        push_line(&mut self.log, line)
+    }
+
+    /// Brings new lines to the disk, if it is time.
+    fn bring_to_disk(&mut self) -> io::Result<()> {
+        let is_time = match self.sync {
+            SyncArgument::Always => true,
+            SyncArgument::Second => self.synced.elapsed() >= Duration::from_secs(1),
+            SyncArgument::Never => false,
+        };
+        if !is_time || !self.has_new_lines {
+            return Ok(());
+        }
+        self.output.sync()?;
+        self.log.sync()?;
+        (self.synced, self.has_new_lines) = (Instant::now(), false);
+        Ok(())
+    }
+
+    /// An instant is over, and what it printed was handed out.
+    pub fn flush(&mut self, trace: Option<&mut Ledger>, time_us: u64) {
+        let trace = trace.filter(|trace| trace.is_full()).map_or(Ok(()), Ledger::flush);
+        let flushed = trace.and_then(|()| self.output.flush()).and_then(|()| self.log.flush());
+        let flushed = flushed.and_then(|()| self.bring_to_disk());
+        self.take_in(Part::Ledgers, flushed, time_us);
+    }
+
+    /// Whether it is time for a checkpoint.
+    pub fn is_due(&mut self, time_us: u64) -> bool {
+        if let Some(writing) = self.writing.take_if(|writing| writing.is_finished()) {
+            let written = joined(writing);
+            if let Ok(cost) = &written {
+                self.costs[0] += *cost;
+                self.spent += *cost;
+            }
+            self.take_in(Part::Checkpoints, written.map(|_| ()), time_us);
+        }
+        // Asking what was computed costs more than looking at the clock.
+        let (clock, computed_before) = self.since;
+        if self.writing.is_some() || clock.elapsed() < LEAST_WORK {
+            return false;
+        }
+        let now = computed(ClockId::ProcessCPUTime);
+        let (work, all_work) = (now.saturating_sub(computed_before), now.saturating_sub(self.began));
+        // One that was dear, because the robot was lost, says little about the next.
+        let cost = self.costs[0].min(self.costs[1]);
+        work >= LEAST_WORK
+            && (work >= cost * WORK_FOR_COST || all_work >= (self.spent + cost).saturating_mul(WORK_FOR_COST))
+    }
+
+    /// Writes a checkpoint of a run all of whose tasks are blocked and whose output was handed out.
+    pub fn checkpoint(
+        &mut self,
+        system: &System<Robot>,
+        trace: Option<&mut Ledger>,
+        pose_due_us: u64,
+        relocalizations: u64,
+    ) {
+        let computed_before = computed(ClockId::ThreadCPUTime);
+        self.since = (Instant::now(), computed(ClockId::ProcessCPUTime));
+        let time_us = system.machine.now_us;
+        match self.prepared(system, trace, pose_due_us, relocalizations) {
+            Ok(writing) => {
+                self.number += 1;
+                self.writing =
+                    Some(std::thread::spawn(move || writing.write().map(|()| computed(ClockId::ThreadCPUTime))));
+            }
+            Err(error) => self.take_in(Part::Checkpoints, Err(error), time_us),
+        }
+        let cost = computed(ClockId::ThreadCPUTime).saturating_sub(computed_before);
+        self.costs = [cost, self.costs[0]];
+        self.spent += cost;
+    }
+
+    fn prepared(
+        &mut self,
+        system: &System<Robot>,
+        trace: Option<&mut Ledger>,
+        pose_due_us: u64,
+        relocalizations: u64,
+    ) -> io::Result<CheckpointWriting> {
+        let mut files = vec![(OUTPUT, self.output.handle()?), (LOG, self.log.handle()?)];
+        let trace = match trace {
+            Some(trace) => {
+                files.push(("", trace.handle()?));
+                Some(trace.mark()?)
+            }
+            None => None,
+        };
+        let state = DriverState {
+            run: self.run,
+            time_us: system.machine.now_us,
+            output: self.output.mark()?,
+            log: self.log.mark()?,
+            trace,
+            pose_due_us,
+            relocalizations,
+            changes: self.changes_taken,
+        };
+        let (folder, number) = (self.folder.path().to_path_buf(), self.number);
+        Ok(CheckpointWriting {
+            folder,
+            number,
+            files,
+            state,
+            system: system.clone(),
+            outlives_power: self.outlives_power(),
+        })
+    }
+
+    /// New definitions that the run has been given, of which so many had taken effect where it goes on.
+    pub fn with_changes(mut self, changes: Vec<Change>, taken: usize) -> Self {
+        (self.changes, self.changes_taken) = (changes, taken);
+        self
+    }
+
+    /// Gives the run the definitions that take effect at the end of this instant: those that did when the instant
+    /// was first gone through, and new ones where the run has come to what it had written.
+    ///
+    /// # Errors
+    /// New ones do not compile, or cannot be written down.
+    pub fn take_changes(&mut self, system: &mut System<Robot>, trace: Option<&mut Ledger>) -> Result<()> {
+        let is_level = self.output.is_level() && self.log.is_level() && trace.is_none_or(|trace| trace.is_level());
+        while let Some(change) = self.changes.get_mut(self.changes_taken) {
+            let is_new = change.instant.is_none();
+            match change.instant {
+                Some(instant) if instant > system.machine.instant => break,
+                Some(_) => {}
+                None if !is_level => break,
+                None => change.instant = Some(system.machine.instant),
+            }
+            change.apply(system)?;
+            self.changes_taken += 1;
+            if is_new {
+                // Nothing follows from it before it is written.
+                let bytes = changes::written(&self.changes)?;
+                let written = self.folder.write(CHANGES, &bytes, self.outlives_power());
+                written.with_context(|| format!("cannot write the journal `{}`", self.folder.path().display()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The run stands still here, and can go on: its last checkpoint is written to the end.
+    pub fn stand_still(
+        &mut self,
+        system: &System<Robot>,
+        trace: Option<&mut Ledger>,
+        pose_due_us: u64,
+        relocalizations: u64,
+    ) {
+        let time_us = system.machine.now_us;
+        self.wait(time_us);
+        self.checkpoint(system, trace, pose_due_us, relocalizations);
+        self.wait(time_us);
+    }
+
+    /// The run is over, or stands still: how, if the journal is to tell.
+    pub fn finish(&mut self, trace: Option<&mut Ledger>, end: &JournalEnd) {
+        self.wait(end.time_us);
+        let finished = trace.map_or(Ok(()), Ledger::finish);
+        let finished = finished.and_then(|()| self.output.finish()).and_then(|()| self.log.finish());
+        let written = finished.and_then(|()| end.write(&self.folder, self.outlives_power()));
+        self.take_in(Part::End, written, end.time_us);
+    }
+
+    fn wait(&mut self, time_us: u64) {
+        if let Some(writing) = self.writing.take() {
+            let written = joined(writing).map(|_| ());
+            self.take_in(Part::Checkpoints, written, time_us);
+        }
+    }
+
+    /// How the disk has taken something.
+    fn take_in(&mut self, part: Part, written: io::Result<()>, time_us: u64) {
+        let trouble = &mut self.trouble;
+        let Err(error) = written else {
+            trouble.now.remove(&part);
+            return;
+        };
+        if trouble.times == 0 {
+            let folder = self.folder.path().display();
+            let then = if self.must { "the run is stopped" } else { "the run goes on, and it is tried again" };
+            trouble.untold = Some(format!("the journal `{folder}` cannot be written: {error}; {then}"));
+        }
+        trouble.times += u32::from(trouble.now.is_empty());
+        trouble.now.entry(part).or_insert_with(|| (error.to_string(), time_us));
+    }
+
+    /// What is to be told now about the journal.
+    pub fn take_note(&mut self) -> Option<String> {
+        self.trouble.untold.take()
+    }
+
+    /// Whether the run must not go on without it.
+    pub fn stops_run(&self) -> bool {
+        self.must && self.trouble.times > 0
+    }
+
+    /// What there is to say about it at the end; nothing if all was written.
+    pub fn told_at_end(&self) -> Option<String> {
+        let folder = self.folder.path().display();
+        match self.trouble.now.values().min_by_key(|(_, since_us)| since_us) {
+            Some((why, since_us)) => {
+                let since_s = *since_us as f64 / 1e6;
+                Some(format!("the journal `{folder}` could not be written from {since_s:.1} s on: {why}"))
+            }
+            None if self.trouble.times > 0 => {
+                let times = self.trouble.times;
+                Some(format!("the journal `{folder}` could not be written {times} time(s) in between, and is whole"))
+            }
+            None => None,
+        }
+    }
+}
+
+/// What this thread or process has computed so far; waiting for the disk, or for the clock, does not count.
+fn computed(by: ClockId) -> Duration {
+    let time = rustix::time::clock_gettime(by);
+    Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32)
+}
+
+fn push_line(ledger: &mut Ledger, line: &str) -> Written {
+    ledger.push(format!("{line}\n").as_bytes())
+}
+
+fn joined(writing: JoinHandle<io::Result<Duration>>) -> io::Result<Duration> {
+    writing.join().unwrap_or_else(|_| Err(io::Error::other("the checkpoint could not be made")))
+}
+
+/// A checkpoint that is to be written.
+struct CheckpointWriting {
+    folder: PathBuf,
+    number: u64,
+    /// What must be on the disk before it, by the name in the folder; the trace has none.
+    files: Vec<(&'static str, File)>,
+    state: DriverState,
+    system: System<Robot>,
+    outlives_power: bool,
+}
+
+impl CheckpointWriting {
+    fn write(self) -> io::Result<()> {
+        let Self { folder, number, files, state, system, outlives_power } = self;
+        // A folder that was taken away, or put in the place of this one, holds no journal.
+        for name in [RUN].into_iter().chain(files.iter().map(|(name, _)| *name)).filter(|name| !name.is_empty()) {
+            if !folder.join(name).exists() {
+                return Err(io::Error::new(io::ErrorKind::NotFound, format!("its file `{name}` is gone")));
+            }
+        }
+        checkpoints::drop_old(&folder)?;
+        let run = system.save();
+        let before = checkpoint::before(&state, &run)?;
+        if outlives_power {
+            files.iter().try_for_each(|(_, file)| file.sync_data())?;
+        }
+        write_whole(&folder, &checkpoints::name(number), &[&before, &run], outlives_power)
+    }
+}
