@@ -25,13 +25,11 @@ use crate::arguments::site::SiteArguments;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use crate::terminal::layout;
+use crate::version::VERSION;
 use anyhow::Result;
 use clap::error::{ContextKind, ContextValue};
 use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
 use rpl_lang::suggest::suggest;
-
-/// The version, and in a release build the commit it was built from, if that is known.
-pub const VERSION: &str = env!("RPL_VERSION");
 
 /// Reactive plans, and a robot that carries them out
 #[derive(Parser, Debug)]

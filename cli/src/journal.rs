@@ -5,13 +5,15 @@
 
 mod changes;
 mod checkpoints;
+mod driver_state;
 mod end;
 mod head;
 mod ledgers;
 mod run_journal;
 
 pub use changes::{Change, of_journal as changes};
-pub use checkpoints::{DriverState, Resumption, newest, reached_us, times as checkpoint_times};
+pub use checkpoints::{Resumption, newest, reached_us, times as checkpoint_times};
+pub use driver_state::DriverState;
 pub use end::{EndKind, JournalEnd, go_on, went_on_until};
 pub use head::{KeptRun, KeptText, Writing};
 pub use ledgers::{LOG, OUTPUT};

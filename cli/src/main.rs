@@ -22,6 +22,7 @@ mod sites;
 mod status;
 mod terminal;
 mod trace;
+mod version;
 
 use clap::{CommandFactory, Parser};
 use commands::{Command, CommandLine, completions};

@@ -1,40 +1,17 @@
 //! The checkpoints of a journal: the newest two, and which of them a run can go on from.
 
+use super::driver_state::DriverState;
 use super::end::JournalEnd;
 use super::head::KeptRun;
 use super::ledgers::Ledgers;
 use anyhow::{Context, Result, ensure};
 use rpl_link::journal::checkpoint;
-use rpl_link::journal::ledger::LedgerMark;
-use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
 use std::path::Path;
 
 /// How many there are at most, that which is being written included.
 const KEPT: usize = 2;
-
-/// What is kept beside the saved run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DriverState {
-    /// The checksum of the run it belongs to.
-    pub run: u32,
-    /// Time of the run.
-    pub time_us: u64,
-    /// What plans printed before.
-    pub output: LedgerMark,
-    /// What was told before.
-    pub log: LedgerMark,
-    /// What was traced before.
-    pub trace: Option<LedgerMark>,
-    /// When the trace tells next where the robot is.
-    pub pose_due_us: u64,
-    /// How often active localization was started.
-    pub relocalizations: u64,
-    /// How many of the journal's changes had taken effect.
-    pub changes: usize,
-}
 
 /// A place to go on from.
 pub struct Resumption<S> {

@@ -2,11 +2,11 @@
 
 use super::changes::Change;
 use crate::arguments::journal::SyncArgument;
-use crate::commands::VERSION;
 use crate::files::inputs;
 use crate::files::plans::{self, Folder, KeptLoad, PlanText};
 use crate::recorded_run::RecordedRun;
 use crate::sites;
+use crate::version::VERSION;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_link::journal::frames;
 use rpl_mission::site::{Setup, Site};

@@ -1,6 +1,6 @@
 //! The files of a journal that grow: what plans printed, what was told, and the trace.
 
-use super::checkpoints::DriverState;
+use super::driver_state::DriverState;
 use crate::files::outputs::OutputFile;
 use anyhow::{Context, Result};
 use rpl_link::journal::ledger::{Ledger, LedgerFault, LedgerMark};

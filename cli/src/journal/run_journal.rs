@@ -5,7 +5,8 @@
 //! copy down while the run goes on.
 
 use super::changes::{self, CHANGES, Change};
-use super::checkpoints::{self, DriverState};
+use super::checkpoints;
+use super::driver_state::DriverState;
 use super::end::JournalEnd;
 use super::head::{KeptRun, RUN};
 use super::ledgers::{LOG, Ledgers, OUTPUT};

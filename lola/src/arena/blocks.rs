@@ -1,7 +1,7 @@
 //! Which parts of the grid are hallways, and the blocks between them that rooms are in.
 
+use super::area::Area;
 use super::bands::Bands;
-use super::floor_plan::Area;
 use super::hallway::Hallway;
 use super::{Interval, Millimetres};
 use rpl_random::Stream;

@@ -1,5 +1,6 @@
 //! The floor plan of an arena: hallways, rooms with their doors, foyers, walls.
 
+use super::area::Area;
 use super::bands::centimetres;
 use super::blocks::Grid;
 use super::hallway::{Hallway, LeadsTo, SideFeature};
@@ -7,35 +8,7 @@ use super::walls::{WallLine, joined, overlap, shrunk, without, without_foyers};
 use super::{Interval, Millimetres};
 use crate::feature::{Feature, Side};
 use rpl_random::Stream;
-use rpl_robot::geometry::Point;
 use rpl_robot::world::{Axis, Rect};
-
-/// A rectangle of the map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
-    /// From and to along x.
-    pub x_mm: Interval,
-    /// From and to along y.
-    pub y_mm: Interval,
-}
-
-impl Area {
-    /// With its edges moved inwards.
-    pub fn shrunk(self, by_mm: Millimetres) -> Self {
-        Self { x_mm: shrunk(self.x_mm, by_mm), y_mm: shrunk(self.y_mm, by_mm) }
-    }
-
-    /// Whether two share floor.
-    pub fn overlaps(self, other: Self) -> bool {
-        overlap(self.x_mm, other.x_mm) && overlap(self.y_mm, other.y_mm)
-    }
-
-    /// As a rectangle of the map.
-    pub fn rect(self) -> Rect {
-        let metres = |x_mm: Millimetres, y_mm: Millimetres| Point::new(x_mm as f64 / 1000.0, y_mm as f64 / 1000.0);
-        Rect { min: metres(self.x_mm.0, self.y_mm.0), max: metres(self.x_mm.1, self.y_mm.1) }
-    }
-}
 
 /// A door between a room and a hallway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

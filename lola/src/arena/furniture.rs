@@ -1,8 +1,9 @@
 //! What stands in an arena, and where the robot begins.
 
 use super::ArenaSettings;
+use super::area::Area;
 use super::bands::centimetres;
-use super::floor_plan::{Area, Doorway, FloorPlan, Opening};
+use super::floor_plan::{Doorway, FloorPlan, Opening};
 use super::hallway::{Hallway, SideFeature};
 use super::walls::{overlap, shrunk};
 use super::{Interval, Millimetres};

@@ -12,6 +12,7 @@
 //! walls, with `bands` and `blocks`), `route` and `fault` (instructions), `furniture`, `text`;
 //! `topological` (the complete map).
 
+mod area;
 mod bands;
 mod blocks;
 mod fault;

@@ -1,7 +1,8 @@
 //! An arena as the text of a world file.
 
 use super::Millimetres;
-use super::floor_plan::{Area, Doorway, FloorPlan, Opening};
+use super::area::Area;
+use super::floor_plan::{Doorway, FloorPlan, Opening};
 use super::furniture::Furniture;
 use super::walls::WallLine;
 use rpl_robot::world::Axis;

@@ -1,6 +1,9 @@
 //! Its behaviours: what they are started with, and how they stop.
 
 use super::Lola;
+use super::behaviour_places::{
+    DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, MARKER_DETECTION, REGISTRATION, WALL_FOLLOW,
+};
 use super::drive::Drive;
 use super::hallway::Hallway;
 use super::hallway_drive::{HallwayDrive, Until};
@@ -14,14 +17,6 @@ use rpl_runtime::robot::BehaviourSpec;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use std::borrow::Cow;
-
-/// Their places in the table.
-pub(super) const DIRECTION_FOLLOW: usize = 0;
-pub(super) const WALL_FOLLOW: usize = 1;
-pub(super) const GOAL_SEEK: usize = 2;
-pub(super) const REGISTRATION: usize = 3;
-pub(super) const FEATURE_DETECTION: usize = 4;
-pub(super) const MARKER_DETECTION: usize = 5;
 
 /// Held up for so long, who is told nothing else gives up.
 const PATIENCE_S: f64 = 30.0;

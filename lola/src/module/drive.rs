@@ -1,7 +1,9 @@
 //! What the robot does with its wheels.
 
 use super::Lola;
-use super::behaviours::{DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, MARKER_DETECTION, REGISTRATION, WALL_FOLLOW};
+use super::behaviour_places::{
+    DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, MARKER_DETECTION, REGISTRATION, WALL_FOLLOW,
+};
 use super::hallway_drive::{DriveEnd, HallwayDrive, Perceiving};
 use super::seeing::Seeing;
 use crate::routines::DoorwayDetection;

@@ -4,6 +4,7 @@
 //! (what it does with the wheels), `counting` (how far it has got with an instruction); `behaviours`, `fluents`
 //! and `functions` (what plans have of all that).
 
+mod behaviour_places;
 mod behaviours;
 mod counting;
 mod data;
@@ -106,7 +107,9 @@ impl Module for Lola {
     /// Who goes by what is beside the robot needs to hear it, in doorways too.
     fn command(&mut self, _: TravelMode, phases: &[Phase], commands: &mut Commands) {
         commands.sonars_on |= phases.contains(&Phase::Active);
-        if let Some(seeing) = self.markers.as_ref().filter(|_| phases[behaviours::MARKER_DETECTION] == Phase::Active) {
+        if let Some(seeing) =
+            self.markers.as_ref().filter(|_| phases[behaviour_places::MARKER_DETECTION] == Phase::Active)
+        {
             commands.camera = Some(seeing.command());
         }
     }
@@ -117,7 +120,7 @@ impl Module for Lola {
         }
         let axis_rad = self.hallway.as_ref().and_then(Hallway::axis).map(|axis| axis.heading_in_odom_rad);
         if let Some(seeing) =
-            self.markers.as_mut().filter(|_| now.phases[behaviours::MARKER_DETECTION] == Phase::Active)
+            self.markers.as_mut().filter(|_| now.phases[behaviour_places::MARKER_DETECTION] == Phase::Active)
         {
             seeing.take_in(now, axis_rad);
         }
