@@ -1,6 +1,7 @@
 //! The subcommands, one file each: its arguments with their help, and what it does. Another one is such
 //! a file, and a line here in each of three places.
 
+pub mod cases;
 pub mod check;
 pub mod completions;
 pub mod doc;
@@ -69,6 +70,7 @@ pub enum Command {
     Eval(eval::Arguments),
     Worlds(worlds::Arguments),
     Robots(robots::Arguments),
+    Cases(cases::Arguments),
     Examples(examples::Arguments),
     Doc(doc::Arguments),
     Experiment(experiment::Arguments),
@@ -98,6 +100,7 @@ impl Command {
             Command::Eval(arguments) => eval::run(arguments, console),
             Command::Worlds(arguments) => worlds::run(arguments, console),
             Command::Robots(arguments) => robots::run(arguments, console),
+            Command::Cases(arguments) => cases::run(arguments, console),
             Command::Examples(arguments) => examples::run(arguments, console),
             Command::Doc(arguments) => doc::run(arguments, console),
             Command::Experiment(arguments) => experiment::run(arguments, console),

@@ -2,6 +2,7 @@
 
 mod barn;
 mod calibration;
+mod cases;
 mod catalogue;
 mod chart;
 mod choices;
@@ -40,7 +41,14 @@ use trials::sample_rows;
 pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == request.name);
     let Some(experiment) = experiment else { return own_plan(request, console) };
-    let has_own_robot = matches!(experiment.subject, ExperimentSubject::Barn | ExperimentSubject::Sensing);
+    let has_own_robot = matches!(
+        experiment.subject,
+        ExperimentSubject::Barn
+            | ExperimentSubject::Sensing
+            | ExperimentSubject::Routes
+            | ExperimentSubject::CaseKinds
+            | ExperimentSubject::Behaviours
+    );
     if has_own_robot && request.robot.name != RobotDescription::PAPERS {
         bail!("the experiment `{}` has a robot of its own; leave `--robot` away", experiment.name);
     }
@@ -55,6 +63,9 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
         ExperimentSubject::OfficeDelivery => instructions::office_delivery(request, console),
         ExperimentSubject::TopologicalGlobal => instructions::topological_global(request, console),
         ExperimentSubject::MarkerDetection => instructions::marker_detection(request, console),
+        ExperimentSubject::Routes => cases::routes(request, console),
+        ExperimentSubject::CaseKinds => cases::case_kinds(request, console),
+        ExperimentSubject::Behaviours => cases::behaviours(request, console),
         ExperimentSubject::Choices => choices::run(request, &chosen()?, console),
         ExperimentSubject::Success => {
             let rows = missions(request, &chosen()?, console)?;
@@ -112,6 +123,9 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::OfficeDelivery => instructions::delivery_rows(),
         ExperimentSubject::TopologicalGlobal => instructions::map_rows(),
         ExperimentSubject::MarkerDetection => instructions::marker_rows(),
+        ExperimentSubject::Routes => cases::route_rows(),
+        ExperimentSubject::CaseKinds => cases::kind_rows(),
+        ExperimentSubject::Behaviours => cases::behaviour_rows(),
         ExperimentSubject::Success
         | ExperimentSubject::Comparison
         | ExperimentSubject::Calibration

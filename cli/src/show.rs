@@ -7,6 +7,7 @@ pub mod events;
 pub mod failure_report;
 pub mod figures;
 pub mod map;
+pub mod place_figures;
 pub mod service;
 pub mod situation;
 pub mod summary;

@@ -104,7 +104,7 @@ const WORDS: &[(Kind, &[&str])] = &[
             "y1",
         ],
     ),
-    (Kind::Integer, &["count", "end", "integer", "integers", "length", "position", "start", "times"]),
+    (Kind::Integer, &["case", "count", "end", "integer", "integers", "length", "position", "start", "times"]),
     (Kind::Seconds, &["patience", "seconds", "time"]),
     (
         Kind::Text,

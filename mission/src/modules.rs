@@ -8,6 +8,7 @@ use rpl_protocol::module::process_modules::{ModuleSource, ModuleSources, Process
 use rpl_robot::office::{Composition, OfficeModules, OfficeRobot, SimulatedHost};
 use rpl_runtime::robot::RobotTables;
 use rpl_runtime::step::native::Native;
+use rpl_rupart::Rupart;
 use std::sync::{Arc, LazyLock};
 
 rpl_robot::modules! {
@@ -17,6 +18,8 @@ rpl_robot::modules! {
         pub office: OfficeModules,
         /// What it takes to follow instructions without a map.
         pub lola: Lola,
+        /// What it takes to drive by cases.
+        pub rupart: Rupart,
         /// Those in other processes.
         pub processes: ProcessModules,
     }
@@ -40,7 +43,7 @@ pub fn own_modules() -> &'static Arc<Composition<SiteModules>> {
 /// # Errors
 /// Never: what follows from the settings has no names.
 pub fn modules_with(lola: LolaSettings) -> Result<Arc<Composition<SiteModules>>, SiteError> {
-    Composition::new((Default::default(), lola, Default::default()))
+    Composition::new((Default::default(), lola, Default::default(), Default::default()))
         .map_err(|fault| SiteError::Modules(fault.to_string()))
 }
 
@@ -76,6 +79,6 @@ pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModule
         }
     }
     let told = sources.clone();
-    Composition::new((Default::default(), Default::default(), sources))
+    Composition::new((Default::default(), Default::default(), Default::default(), sources))
         .map_err(|fault| SiteError::Modules(told.told(&fault)))
 }

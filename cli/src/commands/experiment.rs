@@ -18,7 +18,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
     /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, `marker-detection`, `hallway-features`,
-    /// `count-openings`, `office-delivery`, `topological-global`, or a plan of your own; `-` for standard
+    /// `count-openings`, `office-delivery`, `topological-global`, `routes`, `case-kinds`, `behaviours`, `rupart`, or a plan of your own; `-` for standard
     /// input
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]
     name: String,

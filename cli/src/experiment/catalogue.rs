@@ -1,6 +1,7 @@
 //! The experiments with a name, row by row.
 
 use rpl_robot::active::Exploration;
+use rpl_robot::description::RobotDescription;
 use rpl_robot::office::OfficeSettings;
 
 /// An experiment with a name: a mission, and what it is compared with.
@@ -42,6 +43,12 @@ pub enum ExperimentSubject {
     TopologicalGlobal,
     /// Whether the camera finds the markers of hallways: the same.
     MarkerDetection,
+    /// Routes of a case memory: no missions, and rows of its own.
+    Routes,
+    /// Whether the kind of case comes back that is needed: the same.
+    CaseKinds,
+    /// How well a robot drives by behaviour cases: the same.
+    Behaviours,
 }
 
 /// One row of a table.
@@ -103,6 +110,22 @@ const PEOPLE: Row = Row {
     item: None,
     change: |_| (),
 };
+
+/// An errand by cases in the science hall, by the robot of RUPART.
+const ERRAND: Row = Row {
+    name: "to any place",
+    plan: "experiments/by-cases-anywhere.rpl",
+    scenario: None,
+    world: "olin-rice",
+    goal: None,
+    item: None,
+    change: pioneer,
+};
+
+/// The same to a goal.
+const fn errand(name: &'static str, plan: &'static str, goal: &'static str) -> Row {
+    Row { name, plan, goal: Some(goal), ..ERRAND }
+}
 
 const OFFICE: Row = Row {
     name: "office",
@@ -211,7 +234,29 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "office-delivery", subject: ExperimentSubject::OfficeDelivery, rows: &[] },
     Experiment { name: "topological-global", subject: ExperimentSubject::TopologicalGlobal, rows: &[] },
     Experiment { name: "marker-detection", subject: ExperimentSubject::MarkerDetection, rows: &[] },
+    Experiment { name: "routes", subject: ExperimentSubject::Routes, rows: &[] },
+    Experiment { name: "case-kinds", subject: ExperimentSubject::CaseKinds, rows: &[] },
+    Experiment { name: "behaviours", subject: ExperimentSubject::Behaviours, rows: &[] },
+    Experiment {
+        name: "rupart",
+        subject: ExperimentSubject::Comparison,
+        rows: &[
+            ERRAND,
+            errand("near", "experiments/by-cases-near.rpl", "room-113-inside"),
+            errand("halfway", "experiments/by-cases-middle.rpl", "room-106-inside"),
+            errand("far", "experiments/by-cases-far.rpl", "optics-lab-south-inside"),
+            Row { name: "turned by 70°", scenario: Some("experiments/turned-on-the-way.rpl"), ..ERRAND },
+            Row { name: "crowded", world: "olin-rice-crowded", ..ERRAND },
+            Row { name: "by the map", plan: "experiments/by-map-anywhere.rpl", ..ERRAND },
+        ],
+    },
 ];
+
+fn pioneer(settings: &mut OfficeSettings) {
+    if let Some(robot) = RobotDescription::builtin("pioneer-2dx") {
+        *settings = OfficeSettings::of(robot);
+    }
+}
 
 fn literal(settings: &mut OfficeSettings) {
     settings.localization = settings.localization.clone().literal();

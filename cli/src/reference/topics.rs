@@ -144,5 +144,12 @@ pub const TOPICS: &[Topic] = &[
          absence-probability seen-both-ways? turn-hallway-round opening-at-end opening-pose pose-from has-camera? \
          hallway-position",
     ),
+    topic(
+        "cases",
+        "Driving by cases",
+        "go-by-cases deliver-by-cases reconsider-when-necessary reconsider case-navigation case* case-kind* case-distance* \
+         short-term-goal* progressing?* retrieve-case explain-case use-case case-kind adapt-route retain-case forget-case \
+         cases",
+    ),
     topic(COMMANDS, "Commands", ""),
 ];

@@ -120,3 +120,13 @@ fn experiments_with_instructions_are_as_documented() {
     let map: &[&str] = &["experiment", "topological-global", "--row", "sonar alone", "--runs", "3", "--json"];
     assert_documented("rpl experiment topological-global", &[map]);
 }
+
+#[test]
+fn experiments_with_cases_are_as_documented() {
+    let routes: &[&str] = &["experiment", "routes", "--row", "guided, learning", "--runs", "2", "--json"];
+    assert_documented("rpl experiment routes", &[routes]);
+    let kinds: &[&str] = &["experiment", "case-kinds", "--row", "weighted", "--runs", "1", "--json"];
+    assert_documented("rpl experiment case-kinds", &[kinds]);
+    let tuned: &[&str] = &["experiment", "behaviours", "--row", "tuned alone", "--runs", "2", "--json"];
+    assert_documented("rpl experiment behaviours", &[tuned]);
+}

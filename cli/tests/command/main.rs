@@ -2,6 +2,7 @@
 //! since linking takes longer than compiling; `cargo test -p rpl prompt` runs what has the word in its
 //! path.
 
+mod case_memory;
 mod cases;
 mod check;
 mod completion;

@@ -4,7 +4,7 @@ use super::World;
 use crate::file_text::FileFaults;
 
 /// A world's name, its text, and what it is if it is another with more to it.
-const WORLDS: [(&str, &str, &str); 18] = [
+const WORLDS: [(&str, &str, &str); 20] = [
     ("dept", include_str!("../../worlds/dept.toml"), ""),
     (
         "dept-furnished",
@@ -38,6 +38,12 @@ const WORLDS: [(&str, &str, &str); 18] = [
     ("gallery", include_str!("../../worlds/gallery.toml"), ""),
     ("ring", include_str!("../../worlds/ring.toml"), ""),
     ("school", include_str!("../../worlds/school.toml"), ""),
+    ("olin-rice", include_str!("../../worlds/olin-rice.toml"), ""),
+    (
+        "olin-rice-crowded",
+        concat!("people = 20\n\n", include_str!("../../worlds/olin-rice.toml")),
+        "`olin-rice` with twenty people.",
+    ),
     ("test-room", include_str!("../../worlds/test-room.toml"), ""),
 ];
 

@@ -2,8 +2,13 @@
 
 use super::*;
 
+/// A place of a large building is tried with so many others, spread over it.
+const MOST_GOALS: usize = 30;
+
 fn place_pairs(world: &World) -> Vec<(&Place, &Place)> {
-    let pairs = world.places.iter().flat_map(|from| world.places.iter().map(move |to| (from, to)));
+    let step = world.places.len().div_ceil(MOST_GOALS).max(1);
+    let goals = |from: usize| world.places.iter().skip(from % step).step_by(step);
+    let pairs = world.places.iter().enumerate().flat_map(|(index, from)| goals(index).map(move |to| (from, to)));
     pairs.filter(|(from, to)| from.name != to.name).collect()
 }
 

@@ -62,7 +62,7 @@ fn functions(name: &'static str, natives: &[Native]) -> Table {
 
 /// The definitions of the robot's libraries.
 fn plans() -> Table {
-    let rows = [PLANS, rpl_lola::PLANS].into_iter().flat_map(definitions);
+    let rows = [PLANS, rpl_lola::PLANS, rpl_rupart::PLANS].into_iter().flat_map(definitions);
     Table::new("plans", &["plan", "what it does"], rows)
 }
 

@@ -2,6 +2,7 @@
 
 mod behaviours;
 mod bring;
+mod cases;
 mod delivery;
 mod determinism;
 mod doubt;

@@ -1,0 +1,161 @@
+//! `rpl cases FILE`: a case memory of a robot, what it would retrieve, and what is wrong with it.
+
+use crate::arguments::completion;
+use crate::files::outputs::OutputFile;
+use crate::files::{inputs, robot_files, world_files};
+use crate::show::place_figures;
+use crate::status::Status;
+use crate::terminal::console::Console;
+use crate::terminal::page::Block;
+use crate::terminal::table::{NOTHING, Table};
+use anyhow::{Result, anyhow, bail};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_robot::world::World;
+use rpl_rupart::case::{Case, Content, Kind};
+use rpl_rupart::file::{read_memory, read_situation, world_of};
+use rpl_rupart::maintenance::{Concern, concerns};
+use rpl_rupart::memory::{CaseMemory, CaseNumber};
+use rpl_rupart::places::Places;
+use rpl_rupart::routes::{Competence, Route, Stop, TravelTimes, competences};
+use rpl_rupart::similarity::{Scales, Similarity};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The robot that is to pass between places, unless another is named.
+const ROBOT: &str = "pioneer-2dx";
+
+/// Shows a case memory, what it retrieves, and what is wrong with it
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// The case file
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    file: PathBuf,
+    /// The world its places are of; the one that it names without
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
+    world: Option<String>,
+    /// The robot that is to drive there; `pioneer-2dx` without
+    #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
+    robot: Option<String>,
+    /// Which case is retrieved in a situation, and why; like '{"place_in_map":[1,2]}'
+    #[arg(long, value_name = "SITUATION", conflicts_with_all = ["check", "draw"])]
+    explain: Option<String>,
+    /// Looks for cases that are poor, hidden behind others, or lead through walls
+    #[arg(long, conflicts_with = "draw")]
+    check: bool,
+    /// Draws places and routes into this file
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    draw: Option<PathBuf>,
+}
+
+/// Shows a case memory.
+///
+/// # Errors
+/// The file cannot be read or has faults, there is no such world, or the drawing cannot be written.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let drawing = arguments.draw.as_ref().map(|path| OutputFile::open(path, "the drawing")).transpose()?;
+    let name = arguments.file.display().to_string();
+    let text = inputs::read_text(&arguments.file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
+    let robot = robot_files::named(Some(arguments.robot.as_deref().unwrap_or(ROBOT)))?;
+    let Some(world) = arguments.world.clone().or_else(|| world_of(&text)) else {
+        bail!("`{name}` names no world in its first line; add `--world W`, or correct the line");
+    };
+    let world = world_files::for_all_seeds(&world, &robot)?;
+    // A memory of behaviours needs no places.
+    let places = Places::new(&world, robot.radius_m).ok();
+    let range_m = robot.sonar.as_ref().map_or(Scales::default().sonar_m, |sonar| sonar.range_m);
+    let scales = Scales { location_m: world.size_m.norm(), sonar_m: range_m, ..Scales::default() };
+    let memory = read_memory(&text, &name, places.as_ref(), Similarity::new(scales))
+        .map_err(|faults| anyhow!("the case file `{name}` has faults\n{faults}"))?;
+    if let Some(situation) = &arguments.explain {
+        return explain(&memory, situation, console);
+    }
+    if arguments.check {
+        return check(&memory, places.as_ref(), console);
+    }
+    if let Some(drawing) = drawing {
+        drawing.write(drawn(&memory, &world, places.as_ref())?.as_bytes())?;
+    }
+    console.block(&Block::Table(table(&memory, places.as_ref())))?;
+    Ok(Status::Succeeded)
+}
+
+fn explain(memory: &CaseMemory, situation: &str, console: &mut Console) -> Result<Status> {
+    let asked = read_situation(situation, "--explain").map_err(|faults| anyhow!("{faults}"))?;
+    let Some(found) = memory.retrieve(&asked) else { bail!("the memory is empty: nothing can be retrieved") };
+    console.explain(&found.best.to_string())?;
+    for runner_up in &found.runners_up {
+        console.explain(&format!("then {runner_up}"))?;
+    }
+    Ok(Status::Succeeded)
+}
+
+fn check(memory: &CaseMemory, places: Option<&Places>, console: &mut Console) -> Result<Status> {
+    let found = concerns(memory, places);
+    found.iter().map(Concern::to_string).try_for_each(|line| console.explain(&line))?;
+    if found.is_empty() {
+        console.explain(&format!("{} cases, and nothing is wrong with them", memory.len()))?;
+    }
+    Ok(if found.is_empty() { Status::Succeeded } else { Status::Failed })
+}
+
+fn drawn(memory: &CaseMemory, world: &World, places: Option<&Places>) -> Result<String> {
+    let Some(places) = places else {
+        bail!("the world `{}` has no places, so there are no routes to draw", world.name)
+    };
+    let title = format!("{}: places and the routes of {} cases", world.name, memory.cases_of(Kind::Route).count());
+    Ok(place_figures::routes(&title, world, places, routes(memory).map(|(_, route)| route)))
+}
+
+fn routes(memory: &CaseMemory) -> impl Iterator<Item = (CaseNumber, &Route)> {
+    memory.cases_of(Kind::Route).filter_map(|(number, case)| match &case.content {
+        Content::Route(route) => Some((number, route)),
+        Content::Behaviour(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
+    })
+}
+
+/// A line for each case.
+fn table(memory: &CaseMemory, places: Option<&Places>) -> Table {
+    let competence: Vec<Competence> = places.map_or_else(Vec::new, |places| {
+        let routes: Vec<(CaseNumber, &Route)> = routes(memory).collect();
+        let times = TravelTimes::of_routes(places, 1.0, routes.iter().map(|(_, route)| *route));
+        competences(places, &times, &routes)
+    });
+    let mut table = Table::new(&["case", "kind", "what", "used", "succeeded", "covers", "reached by"]);
+    for (number, case) in memory.cases() {
+        let found =
+            competence.binary_search_by_key(&number, |competence| competence.number).ok().map(|at| competence[at]);
+        let told =
+            |of: fn(&Competence) -> usize| found.as_ref().map_or(NOTHING.to_string(), |found| of(found).to_string());
+        table.row([
+            number.to_string(),
+            case.content.kind().name().to_string(),
+            what(case, places),
+            case.counts.used.to_string(),
+            case.counts.succeeded.to_string(),
+            told(|competence| competence.coverage),
+            told(|competence| competence.reachability),
+        ]);
+    }
+    table
+}
+
+fn what(case: &Arc<Case>, places: Option<&Places>) -> String {
+    let told = |stop: &Stop| match (stop, places) {
+        (Stop::Known(place), Some(places)) => places.name(*place).to_string(),
+        (Stop::Known(place), None) => place.0.to_string(),
+        (Stop::At(point), _) => format!("({:.1}, {:.1})", point.x, point.y),
+    };
+    match &case.content {
+        Content::Behaviour(parameters) => {
+            format!("{:.2} m/s, {:.2} rad/s", parameters.translation_mps, parameters.rotation_radps)
+        }
+        Content::Route(route) => {
+            let ends = route.stops.first().zip(route.stops.last());
+            let ends = ends.map_or(String::new(), |(start, goal)| format!("{} to {}", told(start), told(goal)));
+            format!("{ends}, {} steps", route.times_s.len())
+        }
+        Content::Goal(goal) => told(&Stop::At(goal.place_in_map)),
+        Content::MetaPlan(plan) => plan.name().to_string(),
+    }
+}

@@ -1,0 +1,60 @@
+//! Case memories as a user looks at them.
+
+use crate::folder::{folder, put};
+use crate::rpl::{Ended, run_in};
+use std::path::Path;
+
+/// The file that the book shows.
+fn of_the_book() -> &'static str {
+    let book = include_str!("../../../docs/cases.md");
+    book.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).expect("the book shows a file")
+}
+
+fn cases(folder: &Path, options: &[&str]) -> Ended {
+    run_in(folder, &[&["cases", "robot.cases"], options].concat())
+}
+
+#[test]
+fn a_memory_is_shown_explained_and_drawn() {
+    let folder = folder("case-memory");
+    put(&folder, "robot.cases", of_the_book());
+    let shown = cases(&folder, &["--draw", "cases.svg"]);
+    assert_eq!(shown.status, 0, "{}", shown.errors);
+    let line = |start: &str| shown.out.lines().find(|line| line.trim_start().starts_with(start)).map(str::to_string);
+    assert!(line("0").is_some_and(|line| line.contains("a-desk to ")), "{}", shown.out);
+    assert!(line("1").is_some_and(|line| line.contains("localize-first")), "{}", shown.out);
+    assert!(std::fs::read_to_string(folder.join("cases.svg")).expect("it is drawn").contains("true-path"));
+    let situation = "{\"place_in_map\":[3.2,1.5],\"long_term_goal_in_map\":[8.0,2.0]}";
+    let explained = cases(&folder, &["--explain", situation]).out;
+    assert!(explained.starts_with("case 0 (route), distance 0.000"), "{explained}");
+    assert!(
+        explained.contains("then case 1 (meta-plan), distance 12.000: long-term-goal 8.000, place 4.000"),
+        "{explained}"
+    );
+    let lost = cases(&folder, &["--explain", "{}"]).out;
+    assert!(lost.starts_with("case 1 (meta-plan), distance 0.000"), "{lost}");
+}
+
+#[test]
+fn what_is_wrong_with_a_memory_is_told_with_its_place() {
+    let folder = folder("faulty-case-memory");
+    put(&folder, "robot.cases", of_the_book().replace("\"a-desk\"", "\"a-dask\""));
+    let Ended { errors, status, .. } = cases(&folder, &[]);
+    assert!(status == 2 && errors.contains("there is no place `a-dask` in this world"), "{errors}");
+    assert!(errors.contains("robot.cases:2:") && errors.contains("did you mean `a-desk`?"), "{errors}");
+    put(&folder, "robot.cases", of_the_book().replace("\"rpl_cases\":1", "\"rpl_cases\":9"));
+    assert!(cases(&folder, &[]).errors.contains("the file is of version 9, and this reads version 1"));
+    put(&folder, "robot.cases", "nonsense");
+    assert!(cases(&folder, &[]).errors.contains("names no world in its first line; add `--world W`"));
+    put(&folder, "robot.cases", of_the_book());
+    let unknown = cases(&folder, &["--explain", "{\"plaice\":[1,2]}"]);
+    assert!(unknown.status == 2 && unknown.errors.contains("unknown field `plaice`"), "{}", unknown.errors);
+    // The stop at coordinates is left out: the two places do not see each other.
+    put(&folder, "robot.cases", of_the_book().replace("[4.0,3.0],", "").replace("[4.5,null]", "[4.5]"));
+    let checked = cases(&folder, &["--check"]);
+    assert!(
+        checked.status == 1 && checked.out.contains("a robot cannot drive straight from `a-desk`"),
+        "{}",
+        checked.out
+    );
+}

@@ -1,0 +1,38 @@
+//! What a memory begins with, before anything was learned.
+
+use crate::case::{Case, Content};
+use crate::control::BehaviourParameters;
+use crate::memory::CaseMemory;
+use crate::similarity::{Scales, Similarity};
+use crate::situation::Situation;
+use rpl_robot::sensors::RangeSensors;
+use rpl_robot::world::World;
+
+/// A memory without cases, which compares by the size of a building and the range of the sonars.
+pub fn no_cases(world: &World, sensors: &RangeSensors) -> CaseMemory {
+    let usual = Scales::default();
+    let sonar_m = sensors.sonars.as_ref().map_or(usual.sonar_m, |sonars| sonars.range_m);
+    CaseMemory::new(Similarity::new(Scales { location_m: world.size_m.norm(), sonar_m, ..usual }))
+}
+
+/// Nothing is near, and the short-term goal is ahead.
+pub fn open_space(world: &World, sensors: &RangeSensors) -> Situation {
+    let free_m = sensors.sonars.as_ref().map(|sonars| vec![sonars.range_m; sonars.mounts.len()]);
+    Situation {
+        sonars_m: free_m.clone(),
+        mean_sonars_m: free_m,
+        translation_mps: Some(BehaviourParameters::TUNED.translation_mps),
+        rotation_radps: Some(0.0),
+        short_term_goal_in_map: Some(world.bounds().centre()),
+        short_term_goal_distance_m: Some(Scales::default().goal_distance_m / 2.0),
+        short_term_goal_bearing_rad: Some(0.0),
+        ..Situation::default()
+    }
+}
+
+/// A memory of one behaviour case, the tuned parameters.
+pub fn tuned_alone(world: &World, sensors: &RangeSensors) -> CaseMemory {
+    let mut memory = no_cases(world, sensors);
+    memory.retain(Case::new(open_space(world, sensors), Content::Behaviour(BehaviourParameters::TUNED)));
+    memory
+}

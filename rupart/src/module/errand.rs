@@ -1,0 +1,98 @@
+//! A route that is driven.
+
+use crate::control::{CaseDrive, DriveEvent, DriveGoal};
+use crate::places::Places;
+use crate::routes::{Route, Stop};
+use rpl_robot::geometry::{Point, Pose, Velocity};
+use rpl_robot::office::Moment;
+use rpl_runtime::robot::Ending;
+use serde::{Deserialize, Serialize};
+
+/// A route that is driven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Errand {
+    /// With the times of the steps that were driven so far.
+    pub route: Route,
+    /// Where its stops are.
+    stops_in_map: Vec<Point>,
+    /// What they are called; none where they are coordinates.
+    names: Vec<Option<String>>,
+    /// The stop it is driving to.
+    next: usize,
+    /// How long it has been driving there.
+    step_s: f64,
+    patience_s: f64,
+}
+
+/// What became of it in a step.
+pub(super) struct ErrandStep {
+    pub velocity: Velocity,
+    /// If it is over.
+    pub ending: Option<Ending>,
+    /// Whether there is another short-term goal.
+    pub has_news: bool,
+}
+
+impl Errand {
+    pub fn begin(route: Route, places: &Places, patience_s: f64) -> Self {
+        let stops_in_map = route.stops.iter().map(|stop| stop.at_in_map(places)).collect();
+        let name = |stop: &Stop| stop.known().map(|place| places.name(place).to_string());
+        let names = route.stops.iter().map(name).collect();
+        Self { route, stops_in_map, names, next: 0, step_s: 0.0, patience_s }
+    }
+
+    /// The short-term goal.
+    pub fn next_in_map(&self) -> Option<Point> {
+        self.stops_in_map.get(self.next).copied()
+    }
+
+    /// What the short-term goal is called, if it is a known place.
+    pub fn next_name(&self) -> Option<&str> {
+        self.names.get(self.next)?.as_deref()
+    }
+
+    /// The long-term goal.
+    pub fn last_in_map(&self) -> Option<Point> {
+        self.stops_in_map.last().copied()
+    }
+
+    /// One step.
+    pub fn step(&mut self, drive: &mut CaseDrive, now: &Moment<'_>, estimated_in_map: Pose) -> ErrandStep {
+        let limits = &now.model.limits;
+        let goal = self.next_in_map().map(|goal_in_map| DriveGoal {
+            in_base: estimated_in_map.inverse().transform(goal_in_map),
+            is_last: self.next + 1 == self.stops_in_map.len(),
+        });
+        self.step_s += limits.step_s;
+        let mut step = drive.step(limits, &now.input(), goal);
+        step.velocity.translation_mps = step.velocity.translation_mps.min(limits.speed_limit_mps(now.mode));
+        if step.event == Some(DriveEvent::GoalReached) {
+            self.pass(drive);
+            let ending = (self.next == self.stops_in_map.len()).then_some(Ending::Success);
+            return ErrandStep { velocity: step.velocity, ending, has_news: true };
+        }
+        let is_blocked = drive.progress.idle_s() > self.patience_s;
+        let ending = is_blocked.then(|| {
+            let at = estimated_in_map;
+            let patience_s = self.patience_s;
+            let message = format!(
+                "for {patience_s} s the robot got no nearer to its short-term goal; it is at {:.1} {:.1}",
+                at.x_m, at.y_m
+            );
+            Ending::failure("blocked", message)
+        });
+        ErrandStep { velocity: step.velocity, ending, has_news: false }
+    }
+
+    /// The short-term goal is reached. How long the way to the first took tells of no step.
+    fn pass(&mut self, drive: &mut CaseDrive) {
+        if self.next > 0 {
+            self.route.times_s[self.next - 1] = Some(self.step_s);
+        }
+        self.next += 1;
+        self.step_s = 0.0;
+        if self.next < self.stops_in_map.len() {
+            drive.begin_goal();
+        }
+    }
+}

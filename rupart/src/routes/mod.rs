@@ -1,0 +1,22 @@
+//! Routes: adapted from cases literally as the paper prints it, or guided by what adapting will cost; checked,
+//! repaired and learned; and which of them a memory can do without.
+
+mod adapted;
+mod competence;
+mod guided;
+mod learning;
+mod literal;
+mod problem;
+mod route;
+#[cfg(test)]
+mod tests;
+mod travel_times;
+
+pub use adapted::Adapted;
+pub use competence::{Competence, competences, least_competent};
+pub use guided::{CaseUse, Guidance, adapt_guided, best_use};
+pub use learning::{learn_route, learn_times};
+pub use literal::adapt_literally;
+pub use problem::RouteProblem;
+pub use route::{Route, Stop};
+pub use travel_times::TravelTimes;

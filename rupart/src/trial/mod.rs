@@ -1,0 +1,11 @@
+//! What the memory is worth: routes in a building, asked for one after the other, kinds of cases, and drives.
+
+mod behaviours;
+mod drive;
+mod kinds;
+mod routes;
+
+pub use behaviours::{Driven, Driver, DrivingGround, Quality, candidates};
+pub use drive::Trial;
+pub use kinds::{KindGround, KindRetrieved, Phase, Reason, Telling};
+pub use routes::{Planner, RouteAsked, RouteStart, RouteTrial, SLOW, run_routes};
