@@ -1,4 +1,5 @@
-//! Lists the example plans, so that the command carries them in itself, and says which version it is.
+//! Lists the example plans, so that the command carries them in itself, and says which version it is, and of which
+//! sources.
 
 use std::fs;
 use std::io;
@@ -10,7 +11,6 @@ fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed={}", folder.display());
     let mut plans = Vec::new();
     collect(&folder, &mut plans)?;
-    plans.sort();
     let mut list = String::from("&[\n");
     for plan in &plans {
         let name = plan.strip_prefix(&folder).map_err(io::Error::other)?;
@@ -20,7 +20,54 @@ fn main() -> io::Result<()> {
     list += "]\n";
     fs::write(Path::new(&variable("OUT_DIR")?).join("examples.rs"), list)?;
     println!("cargo::rustc-env=RPL_VERSION={}", version()?);
+    println!("cargo::rustc-env=RPL_SOURCES={:08x}", sources()?);
     Ok(())
+}
+
+/// Crates that are no part of the command.
+const OUTSIDE: [&str; 2] = ["tests", "benches"];
+
+/// The checksum of the crates' sources, of the lock file, and of what the compiler and the target are called: two builds
+/// that have it in common give the same run, wherever they were built.
+fn sources() -> io::Result<u32> {
+    let root = Path::new(&variable("CARGO_MANIFEST_DIR")?).join("..");
+    let mut parts = vec![root.join("Cargo.lock"), root.join("Cargo.toml")];
+    let mut crates = paths_in(&root)?;
+    crates.retain(|folder| folder.join("Cargo.toml").exists() && !OUTSIDE.iter().any(|name| folder.ends_with(name)));
+    for folder in crates {
+        parts.extend(paths_in(&folder)?.into_iter().filter(|part| !part.ends_with("tests")));
+    }
+    let mut files = Vec::new();
+    for part in parts {
+        println!("cargo::rerun-if-changed={}", part.display());
+        files_of(part, &mut files)?;
+    }
+    let mut hasher = crc32fast::Hasher::new();
+    for file in files {
+        let name = file.strip_prefix(&root).map_err(io::Error::other)?;
+        hasher.update(name.to_string_lossy().replace('\\', "/").as_bytes());
+        hasher.update(&fs::read(&file)?);
+    }
+    let compiler = Command::new(variable("RUSTC")?).arg("-vV").output()?;
+    hasher.update(&compiler.stdout);
+    hasher.update(variable("TARGET")?.as_bytes());
+    Ok(hasher.finalize())
+}
+
+/// A file, or the files of a folder and of those in it.
+fn files_of(path: PathBuf, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    if !path.is_dir() {
+        files.push(path);
+        return Ok(());
+    }
+    paths_in(&path)?.into_iter().try_for_each(|inner| files_of(inner, files))
+}
+
+/// What is in a folder, in the order of the names.
+fn paths_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut paths = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<PathBuf>>>()?;
+    paths.sort();
+    Ok(paths)
 }
 
 /// The version; with the commit if it is built for use, and from a copy of the repository. While the
@@ -48,7 +95,7 @@ fn git(arguments: &[&str]) -> Option<String> {
 /// The plans of a folder, and of those in it; plans beside a manifest of a module or of a crate need what that
 /// brings.
 fn collect(folder: &Path, plans: &mut Vec<PathBuf>) -> io::Result<()> {
-    let paths = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<PathBuf>>>()?;
+    let paths = paths_in(folder)?;
     if paths.iter().any(|path| path.extension().is_some_and(|extension| extension == "toml")) {
         return Ok(());
     }

@@ -1,6 +1,7 @@
 //! Drives a system to its end: output, trace, pace, the status line, and signals from outside.
 
 use crate::interrupt;
+use crate::journal::RunJournal;
 use crate::run_record::{BeliefScene, Incident, Records, RunEnd};
 use crate::show::events::{self, ToldLine};
 use crate::show::whereabouts::whereabouts;
@@ -117,6 +118,9 @@ impl RunDriver<'_> {
                 RunState::CleansUp(until) if Instant::now() >= until => return Ok(RunEnd::GivenUp),
                 RunState::Runs | RunState::CleansUp(_) => {}
             }
+            if self.state == RunState::Runs && self.resumes() {
+                continue;
+            }
             self.take_changes().inspect_err(|_| self.stop_quietly())?;
             if self.state == RunState::Runs && self.write_journal() {
                 self.stop();
@@ -144,6 +148,18 @@ impl RunDriver<'_> {
             let trace = trace.as_mut().and_then(TraceFile::ledger);
             journal.stand_still(self.system, trace, *pose_due_us, *relocalizations);
         }
+    }
+
+    /// A run whose host or modules are in other processes has come to where it died, now or once before: from here
+    /// on these are others, and the world has not waited. Whether that is here.
+    fn resumes(&mut self) -> bool {
+        let now_us = self.system.machine.now_us;
+        let resumes = self.records.journal.as_mut().is_some_and(|journal| journal.resumes(self.system));
+        if resumes {
+            self.system.renew_outside();
+            (self.began, self.from_us) = (Instant::now(), now_us);
+        }
+        resumes
     }
 
     /// New definitions that a run with a journal has been given take effect when it has come to where it was.
@@ -190,6 +206,9 @@ impl RunDriver<'_> {
         if let Some(recorder) = &self.records.recorder {
             recorder.typed(&Typed { typed: STOP.to_string(), time_us: self.system.machine.now_us });
         }
+        if let Some(journal) = &mut self.records.journal {
+            journal.stopped();
+        }
         self.state = RunState::CleansUp(Instant::now() + CLEAN_UP_PATIENCE);
         self.system.stop();
     }
@@ -197,6 +216,9 @@ impl RunDriver<'_> {
     fn next_instant(&mut self) {
         let before_us = self.system.machine.now_us;
         self.system.next_instant();
+        if let Some(journal) = &mut self.records.journal {
+            journal.instant_begun(self.system);
+        }
         if let RunState::CleansUp(until) = &mut self.state
             && self.system.machine.now_us > before_us
         {
@@ -308,6 +330,9 @@ impl RunDriver<'_> {
     /// Waits until the wall clock has come as far as the plan. False if something happened before.
     fn wait_for_clock(&self, next_us: u64) -> bool {
         let Some(factor) = self.pace.factor else { return true };
+        if self.records.journal.as_ref().is_some_and(RunJournal::is_past) {
+            return true;
+        }
         let due = Duration::from_secs_f64(next_us.saturating_sub(self.from_us) as f64 / 1e6 / factor);
         while let Some(left) = due.checked_sub(self.began.elapsed()).filter(|left| !left.is_zero()) {
             match self.state {

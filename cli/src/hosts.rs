@@ -7,7 +7,7 @@ use crate::files::robot_files;
 use crate::recorded_run::{HostHeard, RecordedRun};
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
-use rpl_link::recording::{Recorder, Recording, Turn};
+use rpl_link::recording::{RecordedTurns, Recorder, Recording, Turn};
 use rpl_link::tcp_client::TcpHost;
 use rpl_link::transcript::{Divergence, Kept, Transcript};
 use rpl_mission::robot::Robot;
@@ -68,12 +68,7 @@ impl HostArguments {
     /// It cannot be reached, or moves another robot than the one of this site.
     pub fn reach(&self, site: &SiteArguments) -> Result<HostSource> {
         let Some(address) = &self.host else { return Ok(HostSource::Simulated) };
-        let robot = robot_files::named(site.robot.as_deref())?.name.clone();
-        let hello = MissionHello { protocol: PROTOCOL, rpl: env!("CARGO_PKG_VERSION").to_string(), robot };
-        match TcpHost::connect(address, hello) {
-            Ok((hello, host)) => Ok(HostSource::Live { address: address.clone(), hello, host }),
-            Err(LineFault(why)) => bail!("{why}"),
-        }
+        reach(address, robot_files::named(site.robot.as_deref())?.name.clone())
     }
 
     /// Begins the recording, if one is to be written.
@@ -89,6 +84,18 @@ impl HostArguments {
     }
 }
 
+/// Reaches a host that moves this robot.
+///
+/// # Errors
+/// It cannot be reached, or moves another robot.
+pub fn reach(address: &str, robot: String) -> Result<HostSource> {
+    let hello = MissionHello { protocol: PROTOCOL, rpl: env!("CARGO_PKG_VERSION").to_string(), robot };
+    match TcpHost::connect(address, hello) {
+        Ok((hello, host)) => Ok(HostSource::Live { address: address.to_string(), hello, host }),
+        Err(LineFault(why)) => bail!("{why}"),
+    }
+}
+
 /// How much of what a host says stays in memory: a session goes back, a run does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
@@ -99,6 +106,17 @@ pub enum Use {
 }
 
 impl HostSource {
+    /// For a run that began with another host, or an earlier mission of the same: only that one's start counts.
+    pub fn starting_as(self, then: &HostHeard) -> Self {
+        match self {
+            HostSource::Live { address, hello, host } => {
+                let hello = HostHello { start_known: then.start_known, ..hello };
+                HostSource::Live { address, hello, host }
+            }
+            HostSource::Simulated | HostSource::Recorded { .. } => self,
+        }
+    }
+
     /// What a recording says of the host.
     pub fn heard(&self) -> Option<HostHeard> {
         match self {
@@ -149,13 +167,30 @@ impl HostSource {
     }
 }
 
+/// A host goes on where another one, or the same, was heard last.
+///
+/// # Errors
+/// What was heard cannot be read.
+pub fn go_on(line: &HostTranscript, past: &RecordedTurns, recorder: Arc<Recorder>) -> Result<()> {
+    line.go_on(past.stretch(HOST)?, Some(recorder));
+    Ok(())
+}
+
 /// The host of a recording.
 ///
 /// # Errors
 /// Its turns cannot be read.
 pub fn recorded(recording: &Recording<RecordedRun>) -> Result<HostSource> {
-    match &recording.run.host {
-        Some(heard) => Ok(HostSource::Recorded { heard: heard.clone(), turns: recording.turns.of(HOST)? }),
+    heard(recording.run.host.as_ref(), &recording.turns)
+}
+
+/// A host by what it said; our simulator if there was none.
+///
+/// # Errors
+/// Its turns cannot be read.
+pub fn heard(host: Option<&HostHeard>, turns: &RecordedTurns) -> Result<HostSource> {
+    match host {
+        Some(heard) => Ok(HostSource::Recorded { heard: heard.clone(), turns: turns.of(HOST)? }),
         None => Ok(HostSource::Simulated),
     }
 }

@@ -43,6 +43,7 @@ fn main() -> ExitCode {
             command.unwrap_or(Command::Repl(commands::repl::Arguments {
                 file: None,
                 at: None,
+                journal: None,
                 site,
                 host: HostArguments::default(),
             }))

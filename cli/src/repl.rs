@@ -13,6 +13,7 @@ mod forms;
 mod guard;
 mod halt;
 mod inspection;
+mod intervention;
 mod line_editor;
 mod line_thread;
 mod listings;
@@ -32,6 +33,7 @@ mod writing;
 use crate::files::inputs;
 use crate::files::plans::{self, PlanText};
 use crate::interrupt;
+use crate::journal::{KeptText, PastSession, SessionJournal};
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::Result;
@@ -40,6 +42,7 @@ use command::Verb;
 use faults::Faults;
 use halt::Halt;
 pub use halt::Until;
+pub use intervention::Intervention;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
 use rpl_lang::source::SourceId;
@@ -50,7 +53,7 @@ use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::world::World;
 use rpl_runtime::state::failure::Failure;
 use session::Session;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, IsTerminal, Read};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -75,8 +78,12 @@ pub struct SessionStart {
     pub until: Until,
     /// Where what is typed is written, if anywhere.
     pub recorder: Option<Arc<Recorder>>,
-    /// What was typed in the session that is repeated.
-    pub typed: Vec<Typed>,
+    /// Where what is typed is written so that the session can be gone on with, if anywhere.
+    pub journal: Option<SessionJournal>,
+    /// What was typed in the session that is repeated, and what it loaded.
+    pub past: PastSession,
+    /// What came to the run that is repeated while it stood still.
+    pub interventions: Vec<Intervention>,
     /// Whether more is read, from standard input.
     pub reads: bool,
     /// The commands that `:doc` documents beside the names of the language.
@@ -88,17 +95,19 @@ pub struct SessionStart {
 /// # Errors
 /// Standard output is closed.
 pub fn run(site: &Site, opening: SessionStart, console: &mut Console) -> Result<Status> {
-    let SessionStart { world, robot, seed, plan, until, recorder, typed, reads, command_line } = opening;
+    let SessionStart { world, robot, seed, plan, until, recorder, journal, past, interventions, reads, command_line } =
+        opening;
     let places = world.as_ref().map_or_else(Vec::new, |world| {
         let rooms = world.rooms.iter().map(|room| room.name.to_string());
         rooms.chain(world.places.iter().map(|place| place.name.to_string())).collect()
     });
     let map = world.map(|world| world.map(MAP_CELL_M));
-    let session = Session::new(site, robot, seed)?;
+    let mut session = Session::new(site, robot, seed)?;
+    session.interventions = interventions;
     let mut prompt =
         Prompt { map, places, recorder, command_line, ..Prompt::new(session, console, io::stdin().is_terminal()) };
     let usual = prompt.faults.catch();
-    let ended = prompt.all(plan, until, typed, reads);
+    let ended = prompt.all(plan, until, past, journal, reads);
     Faults::let_go(usual);
     ended?;
     prompt.console.flush()?;
@@ -135,6 +144,10 @@ struct Prompt<'a> {
     worst: Status,
     /// Where what is typed is written.
     recorder: Option<Arc<Recorder>>,
+    /// The same, for a session that is to be gone on with.
+    journal: Option<SessionJournal>,
+    /// Texts that the session that is repeated has loaded by name.
+    plans: VecDeque<KeptText>,
     /// The forms typed last.
     typed: String,
     /// The last failure that was told.
@@ -158,6 +171,8 @@ impl<'a> Prompt<'a> {
             repeated: None,
             worst: Status::Succeeded,
             recorder: None,
+            journal: None,
+            plans: VecDeque::new(),
             typed: String::new(),
             failure: None,
             saved: BTreeMap::new(),
@@ -168,12 +183,35 @@ impl<'a> Prompt<'a> {
 
 impl Prompt<'_> {
     /// From the file that is loaded first to the end.
-    fn all(&mut self, plan: Option<PlanText>, until: Until, typed: Vec<Typed>, reads: bool) -> Result<()> {
-        self.session.horizon_us = typed.first().map(|typed| typed.time_us);
+    fn all(
+        &mut self,
+        plan: Option<PlanText>,
+        until: Until,
+        mut past: PastSession,
+        journal: Option<SessionJournal>,
+        reads: bool,
+    ) -> Result<()> {
+        self.session.horizon_us = past.typed.first().map(|typed| typed.time_us);
+        self.plans = std::mem::take(&mut past.plans);
+        // What somebody has seen is not shown again, but for what was done last.
+        let last = past.typed.iter().rposition(|typed| !is_blank(&typed.typed)).filter(|_| journal.is_some());
+        self.console.keep(last.is_some());
         if let Some(plan) = plan {
             self.guarded(|prompt| prompt.load(plan, until).map(|()| AfterLine::Another))?;
         }
-        self.repeat(typed)?;
+        self.repeat(&past, last)?;
+        self.console.keep(false);
+        if let Some(mut journal) = journal {
+            journal.knows_loads();
+            self.journal = Some(journal);
+            self.note_reached();
+            if last.is_some() {
+                let now_s = self.session.branch.system.machine.now_s();
+                self.console.note(&format!("the session goes on at {now_s:.1} s"));
+                // What went wrong then was told then.
+                self.worst = Status::Succeeded;
+            }
+        }
         match (reads, self.is_interactive) {
             (false, _) => Ok(()),
             (true, true) => self.converse(),
@@ -182,9 +220,14 @@ impl Prompt<'_> {
     }
 
     /// What was typed takes effect when it did.
-    fn repeat(&mut self, typed: Vec<Typed>) -> Result<()> {
-        let ends = typed.iter().skip(1).map(|next| Some(next.time_us)).chain([None]);
-        for (Typed { typed, time_us }, end_us) in typed.iter().zip(ends) {
+    fn repeat(&mut self, past: &PastSession, shown_from: Option<usize>) -> Result<()> {
+        let lines = past.typed.iter().enumerate();
+        let ends = past.typed.iter().skip(1).map(|next| Some(next.time_us)).chain([None]);
+        for ((at, Typed { typed, time_us }), end_us) in lines.zip(ends) {
+            if shown_from == Some(at) {
+                self.console.keep(false);
+            }
+            self.session.give_loads(past.loads_at(at + 1));
             // By the clock it came to here.
             let before = Instant::now() + LONGEST_REPEAT;
             let began_us = self.session.branch.system.machine.now_us;
@@ -195,6 +238,9 @@ impl Prompt<'_> {
                 }
             }
             self.session.horizon_us = end_us;
+            if is_blank(typed) {
+                continue;
+            }
             self.console.note(&format!("> {}", typed.trim_end()));
             let is_of_clock = matches!(command::parse(typed), Ok((Verb::Go | Verb::Stop, _))) && typed.starts_with(':');
             if !is_of_clock && self.handle(typed)? == AfterLine::Quit {
@@ -202,6 +248,7 @@ impl Prompt<'_> {
             }
         }
         self.session.horizon_us = None;
+        self.session.give_loads(Vec::new());
         Ok(())
     }
 
@@ -276,7 +323,47 @@ impl Prompt<'_> {
             let time_us = self.session.branch.system.machine.now_us;
             recorder.typed(&Typed { typed: text.to_string(), time_us });
         }
-        self.guarded(|prompt| prompt.obey(text))
+        // What is written elsewhere, or comes from an editor, is not done again.
+        let is_kept = !matches!(command::parse(text), Ok((Verb::Edit | Verb::Save | Verb::Quit, _)));
+        if is_kept || !text.trim_start().starts_with(':') {
+            self.note_typed(text);
+        }
+        let after = self.guarded(|prompt| prompt.obey(text))?;
+        self.note_reached();
+        Ok(after)
+    }
+
+    /// What is typed stands in the journal before it takes effect.
+    fn note_typed(&mut self, text: &str) {
+        let time_us = self.session.branch.system.machine.now_us;
+        let written = self.journal.as_mut().map_or(Ok(()), |journal| journal.typed(text, time_us));
+        self.tell_journal(written);
+    }
+
+    /// So does how far the session has come.
+    fn note_reached(&mut self) {
+        let time_us = self.session.branch.system.machine.now_us;
+        let written = self.journal.as_mut().map_or(Ok(()), |journal| journal.reached(time_us));
+        self.tell_journal(written);
+    }
+
+    fn tell_journal(&mut self, written: io::Result<()>) {
+        if let Err(error) = written {
+            self.console.note(&format!(
+                "the journal cannot be written: {error}; it goes on up to here, and what is typed from now on is not in it"
+            ));
+        }
+    }
+
+    /// The plan of a name; that which was loaded then, if the session is repeated.
+    fn plan(&mut self, name: &str) -> Result<PlanText> {
+        if let Some(KeptText { name, text, .. }) = self.plans.pop_front() {
+            return Ok(PlanText { name, text, folder: self.session.folder() });
+        }
+        let plan = plans::plan(name)?;
+        let written = self.journal.as_mut().map_or(Ok(()), |journal| journal.plan(&plan));
+        self.tell_journal(written);
+        Ok(plan)
     }
 
     fn obey(&mut self, text: &str) -> Result<AfterLine> {
@@ -303,7 +390,7 @@ impl Prompt<'_> {
 
     fn command(&mut self, verb: Verb, rest: &str) -> Result<()> {
         match verb {
-            Verb::Load => match plans::plan(rest) {
+            Verb::Load => match self.plan(rest) {
                 Ok(plan) => self.load(plan, Until::End)?,
                 Err(error) => self.wrong(&format!("{error:#}"))?,
             },

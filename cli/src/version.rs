@@ -2,3 +2,7 @@
 
 /// The version, and in a release build the commit it was built from, if that is known.
 pub const VERSION: &str = env!("RPL_VERSION");
+
+/// The build: two of the same name give the same runs. The version alone does not tell them apart, because a program is
+/// also built between two commits.
+pub const BUILD: &str = concat!(env!("RPL_VERSION"), ", sources ", env!("RPL_SOURCES"));

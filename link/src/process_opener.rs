@@ -2,7 +2,7 @@
 //! that does not start is told before anything else happens.
 
 use crate::process_module::{ModuleProcess, StartError};
-use crate::recording::Recorder;
+use crate::recording::{Recorder, Stretch};
 use crate::transcript::{Kept, Live, Transcript};
 use rpl_protocol::line::{Line, LineFault};
 use rpl_protocol::module::manifest::Manifest;
@@ -21,7 +21,12 @@ pub struct Opener {
     pub kept: Kept,
     /// A process that was started ahead, and what writes down each of its turns.
     ahead: Mutex<Option<Ahead>>,
+    /// The line to that process, once it was asked for.
+    first: Mutex<Option<Arc<ModuleTranscript>>>,
 }
+
+/// A line to a module.
+pub type ModuleTranscript = Transcript<ModuleWords, ModuleAnswer>;
 
 struct Ahead {
     of: Greeting,
@@ -43,7 +48,7 @@ impl fmt::Debug for Opener {
 impl Opener {
     /// For a module whose manifest lies in a folder.
     pub fn new(manifest: Arc<Manifest>, folder: PathBuf, kept: Kept) -> Self {
-        Self { manifest, folder, kept, ahead: Mutex::new(None) }
+        Self { manifest, folder, kept, ahead: Mutex::new(None), first: Mutex::new(None) }
     }
 
     /// Starts the module for the run that is about to begin; the recorder is handed what is said.
@@ -60,6 +65,7 @@ impl Opener {
     /// not start, its loss is the first answer.
     pub fn open(&self, greeting: Greeting) -> Arc<dyn Line<ModuleWords, ModuleAnswer>> {
         let ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner).take_if(|ahead| ahead.of == greeting);
+        let is_first = ahead.is_some();
         let (process, recorder) = match ahead {
             Some(Ahead { process, recorder, .. }) => (Ok(process), recorder),
             None => (ModuleProcess::start(self.manifest.clone(), &self.folder, greeting), None),
@@ -68,7 +74,18 @@ impl Opener {
             Ok(process) => Box::new(process),
             Err(StartError { why, last_words, .. }) => Box::new(Refused(Loss { why, last_words })),
         };
-        Arc::new(Transcript::live(&line_name(&self.manifest.name), live, self.kept, recorder))
+        let line = Arc::new(Transcript::live(&line_name(&self.manifest.name), live, self.kept, recorder));
+        if is_first {
+            *self.first.lock().unwrap_or_else(PoisonError::into_inner) = Some(line.clone());
+        }
+        line
+    }
+
+    /// The line to the process that was started ahead goes on where an earlier process was heard last.
+    pub fn go_on(&self, past: Stretch<ModuleWords, ModuleAnswer>, recorder: Option<Arc<Recorder>>) {
+        if let Some(line) = &*self.first.lock().unwrap_or_else(PoisonError::into_inner) {
+            line.go_on(past, recorder);
+        }
     }
 }
 

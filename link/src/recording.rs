@@ -4,24 +4,33 @@
 //! (`{"line":…,"turn":…,"words":…,"answer":…}`, or `fault` in the place of `answer`), or what was typed
 //! (`{"typed":…,"time_us":…}`). A last line that was not written to its end is left out when it is read.
 
+use crate::journal::inputs::Inputs;
 use rpl_protocol::line::LineFault;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The version of the lines.
 pub const VERSION: u64 = 1;
 
-/// A recording being written.
+/// A recording being written, or what a journal has of one.
 #[derive(Debug)]
 pub struct Recorder {
-    out: Mutex<Out>,
+    out: Out,
 }
 
 #[derive(Debug)]
-struct Out {
+enum Out {
+    /// A file of its own.
+    Recording(Mutex<RecordingFile>),
+    /// The inputs of a journal, which knows what to do when the disk is full.
+    Journal(Arc<Mutex<Inputs>>),
+}
+
+#[derive(Debug)]
+struct RecordingFile {
     file: File,
     /// Why nothing more could be written.
     fault: Option<io::Error>,
@@ -63,10 +72,15 @@ impl Recorder {
     /// # Errors
     /// It cannot be written.
     pub fn begin<H: Serialize>(file: File, run: &H) -> io::Result<Self> {
-        let recorder = Self { out: Mutex::new(Out { file, fault: None }) };
+        let recorder = Self { out: Out::Recording(Mutex::new(RecordingFile { file, fault: None })) };
         recorder.write(&Head { recording: VERSION, run });
         recorder.finish()?;
         Ok(recorder)
+    }
+
+    /// Turns are written among the inputs of a journal.
+    pub fn of_journal(inputs: Arc<Mutex<Inputs>>) -> Self {
+        Self { out: Out::Journal(inputs) }
     }
 
     /// A turn of a line is over.
@@ -88,22 +102,38 @@ impl Recorder {
     /// # Errors
     /// The first that was not.
     pub fn finish(&self) -> io::Result<()> {
-        let mut out = self.out.lock().unwrap_or_else(PoisonError::into_inner);
-        out.fault.take().map_or(Ok(()), Err)
+        match &self.out {
+            Out::Recording(file) => {
+                file.lock().unwrap_or_else(PoisonError::into_inner).fault.take().map_or(Ok(()), Err)
+            }
+            Out::Journal(_) => Ok(()),
+        }
     }
 
+    fn write(&self, line: &impl Serialize) {
+        let line = serde_json::to_vec(line).map_err(io::Error::from);
+        match (&self.out, line) {
+            (Out::Recording(file), line) => file.lock().unwrap_or_else(PoisonError::into_inner).write(line),
+            (Out::Journal(inputs), Ok(line)) => inputs.lock().unwrap_or_else(PoisonError::into_inner).turn(&line),
+            (Out::Journal(_), Err(error)) => {
+                unreachable!("what was said and heard was read or written before: {error}")
+            }
+        }
+    }
+}
+
+impl RecordingFile {
     /// Writes a line at once, so that a run that is killed leaves what it has heard. After a fault nothing
     /// is written: a recording has no gaps.
-    fn write(&self, line: &impl Serialize) {
-        let mut out = self.out.lock().unwrap_or_else(PoisonError::into_inner);
-        if out.fault.is_some() {
+    fn write(&mut self, line: io::Result<Vec<u8>>) {
+        if self.fault.is_some() {
             return;
         }
-        let written = serde_json::to_vec(line).map_err(io::Error::from).and_then(|mut bytes| {
+        let written = line.and_then(|mut bytes| {
             bytes.push(b'\n');
-            out.file.write_all(&bytes)
+            self.file.write_all(&bytes)
         });
-        out.fault = written.err();
+        self.fault = written.err();
     }
 }
 
@@ -114,6 +144,15 @@ pub struct Turn<Q, A> {
     pub words: Q,
     /// The answer, or why there was none.
     pub answer: Result<A, LineFault>,
+}
+
+/// Turns of a line that follow each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch<Q, A> {
+    /// The number of the first.
+    pub first: u64,
+    /// All of them.
+    pub turns: Vec<Turn<Q, A>>,
 }
 
 /// A recording that was read.
@@ -180,18 +219,57 @@ impl<H: DeserializeOwned> Recording<H> {
     }
 }
 
+impl<Q, A> Default for Stretch<Q, A> {
+    fn default() -> Self {
+        Self { first: 0, turns: Vec::new() }
+    }
+}
+
 impl RecordedTurns {
-    /// The turns of a line.
+    /// Those among the inputs of a journal.
+    ///
+    /// # Errors
+    /// The first line that is no turn.
+    pub fn of_journal(lines: Vec<String>) -> Result<Self, RecordingFault> {
+        let read = lines.into_iter().enumerate().map(|(at, text)| {
+            let name = serde_json::from_str::<Kind>(&text).ok().and_then(|kind| kind.line);
+            let fault = || RecordingFault::Line { line: at + 1, why: "a turn of a `line` is expected".to_string() };
+            Ok((at + 1, name.ok_or_else(fault)?, text))
+        });
+        Ok(Self { written: read.collect::<Result<_, _>>()? })
+    }
+
+    /// The turns of a line from its start on.
     ///
     /// # Errors
     /// A turn cannot be read, or is not the next of its line.
     pub fn of<Q: DeserializeOwned, A: DeserializeOwned>(&self, name: &str) -> Result<Vec<Turn<Q, A>>, RecordingFault> {
+        Ok(self.turns_of(name, Some(0))?.turns)
+    }
+
+    /// The turns of a line from wherever it is heard first.
+    ///
+    /// # Errors
+    /// As for [`RecordedTurns::of`].
+    pub fn stretch<Q: DeserializeOwned, A: DeserializeOwned>(
+        &self,
+        name: &str,
+    ) -> Result<Stretch<Q, A>, RecordingFault> {
+        self.turns_of(name, None)
+    }
+
+    fn turns_of<Q: DeserializeOwned, A: DeserializeOwned>(
+        &self,
+        name: &str,
+        mut first: Option<u64>,
+    ) -> Result<Stretch<Q, A>, RecordingFault> {
         let mut turns: Vec<Turn<Q, A>> = Vec::new();
         for (line, _, text) in self.written.iter().filter(|(_, of, _)| of == name) {
             let fault = |why: String| RecordingFault::Line { line: *line, why };
             let read: TurnLine<String, Q, A> = serde_json::from_str(text).map_err(|error| fault(said(&error)))?;
-            if read.turn != turns.len() as u64 {
-                let why = format!("turn {} of `{name}` is expected, and this is turn {}", turns.len(), read.turn);
+            let expected = *first.get_or_insert(read.turn) + turns.len() as u64;
+            if read.turn != expected {
+                let why = format!("turn {expected} of `{name}` is expected, and this is turn {}", read.turn);
                 return Err(fault(why));
             }
             let answer = match (read.answer, read.fault) {
@@ -201,7 +279,7 @@ impl RecordedTurns {
             };
             turns.push(Turn { words: read.words, answer });
         }
-        Ok(turns)
+        Ok(Stretch { first: first.unwrap_or(0), turns })
     }
 }
 

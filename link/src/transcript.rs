@@ -2,7 +2,7 @@
 //! copy hears the same again; only what nobody has said yet is spoken. A transcript without anybody behind
 //! it is a recording heard again.
 
-use crate::recording::{Recorder, Turn};
+use crate::recording::{Recorder, Stretch, Turn};
 use rpl_protocol::line::{Line, LineFault};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -75,6 +75,17 @@ impl<Q, A> Transcript<Q, A> {
         Self { name: name.to_string(), said: Mutex::new(said) }
     }
 
+    /// Somebody was heard on this line before, who is not there any more: those turns are heard again, and the
+    /// first that is new is spoken, and handed to the recorder. They stay as long as nothing new is spoken.
+    ///
+    /// # Panics
+    /// Something was said already.
+    pub fn go_on(&self, past: Stretch<Q, A>, recorder: Option<Arc<Recorder>>) {
+        let mut said = self.said();
+        assert!(said.turns.is_empty(), "`{}` goes on before anything is said", self.name);
+        (said.first, said.turns, said.recorder) = (past.first, past.turns.into(), recorder);
+    }
+
     /// Where a run first wanted to say something else, if one did.
     pub fn divergence(&self) -> Option<Divergence> {
         self.said().divergence.clone()
@@ -129,11 +140,13 @@ where
         if let Some(recorder) = &self.recorder {
             recorder.turn(name, turn, words, &answer);
         }
-        self.turns.push_back(Turn { words: words.clone(), answer: answer.clone() });
-        if self.turns.len() > self.most {
-            self.turns.pop_front();
-            self.first += 1;
+        if self.turns.is_empty() {
+            self.first = turn;
         }
+        self.turns.push_back(Turn { words: words.clone(), answer: answer.clone() });
+        let forgotten = self.turns.len().saturating_sub(self.most);
+        self.turns.drain(..forgotten);
+        self.first += forgotten as u64;
         answer
     }
 }
@@ -205,6 +218,22 @@ mod tests {
         assert_eq!([say(&mut one, "a"), say(&mut one, "b")], [Ok(1), Ok(2)]);
         let why = say(&mut other, "a").expect_err("the first turn is forgotten");
         assert!(why.contains("`counter`") && why.contains("not kept"), "{why}");
+    }
+
+    #[test]
+    fn what_was_heard_of_somebody_else_is_heard_again_and_then_it_goes_on() {
+        let turn = |words: &str, answer| Turn { words: words.to_string(), answer: Ok(answer) };
+        let past = Stretch { first: 40, turns: vec![turn("a", 7), turn("b", 8)] };
+        let counter = Box::new(Counter { asked: 0, most: 3 });
+        let line = Arc::new(Transcript::live("counter", counter, Kept::Last, None));
+        line.go_on(past, None);
+        let mut resumed = Conversation::new(line as Arc<dyn Line<String, u64>>);
+        let mut early = resumed.clone();
+        resumed.go_on_at(40);
+        early.go_on_at(39);
+        assert_eq!([say(&mut resumed, "a"), say(&mut resumed, "b"), say(&mut resumed, "c")], [Ok(7), Ok(8), Ok(1)]);
+        assert!(say(&mut early, "a").expect_err("it is before all that is known").contains("not kept"));
+        assert_eq!(say(&mut resumed, "d"), Ok(2));
     }
 
     #[test]

@@ -169,6 +169,10 @@ impl<M: Module> Outside for Robot<M> {
         self.outside().period_us()
     }
 
+    fn renew(&mut self, outbox: &mut Outbox) -> bool {
+        self.outside_mut().renew(outbox)
+    }
+
     fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
         self.outside_mut().step(phases, outbox);
     }
@@ -184,11 +188,11 @@ const SIMULATED: u8 = 1;
 const REMOTE: u8 = 2;
 
 impl<M: Module> SaveOutside for Robot<M> {
-    fn save(&self) -> Vec<u8> {
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
         let (who, mut state) = match self {
-            Robot::Absent(robot) => (NOBODY, robot.save()),
-            Robot::Office(robot) => (SIMULATED, robot.save()),
-            Robot::Remote(robot) => (REMOTE, robot.save()),
+            Robot::Absent(robot) => (NOBODY, robot.save(bytes)),
+            Robot::Office(robot) => (SIMULATED, robot.save(bytes)),
+            Robot::Remote(robot) => (REMOTE, robot.save(bytes)),
         };
         state.push(who);
         state

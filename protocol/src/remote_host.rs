@@ -24,6 +24,8 @@ pub struct RemoteHost {
     gripper_told: Option<u64>,
     /// Where its odometry was at the last percept, and whether its bumper was pressed.
     last: (Pose, bool),
+    /// Where the odometry of the host began, in that of the run: a host that is reached again begins anew.
+    host_odom_in_odom: Pose,
     /// How it went.
     pub record: HostRecord,
 }
@@ -65,6 +67,7 @@ impl RemoteHost {
             camera,
             gripper_told: None,
             last: (Pose::default(), false),
+            host_odom_in_odom: Pose::default(),
             record: HostRecord::default(),
         }
     }
@@ -74,6 +77,7 @@ impl RemoteHost {
     fn percept(&mut self, message: &PerceptMessage) -> Result<Percept, String> {
         let mut percept = message.percept(&self.sensors, self.camera.as_ref())?;
         percept.time_us = self.conversation.turn() * self.period_us;
+        percept.odometry_in_odom = self.host_odom_in_odom.compose(percept.odometry_in_odom);
         // A hand that was told to move, by commands that had not arrived, is about to.
         if self.gripper_told.is_some_and(|told| message.commands < Some(told)) {
             percept.gripper.motion = GripperMotion::Moving;
@@ -125,14 +129,24 @@ impl Host for RemoteHost {
         self.follow(&percept);
         Ok(percept)
     }
+
+    /// Time and odometry of a host begin anew with every mission that reaches it; those of the run go on.
+    fn renew(&mut self) -> bool {
+        let (robot_in_odom, _) = self.last;
+        self.host_odom_in_odom = robot_in_odom;
+        self.gripper_told = None;
+        true
+    }
 }
 
-/// What changes of it: turns that are over, the decision the gripper waits for, the last percept, the record.
-type Changing = (u64, Option<u64>, (Pose, bool), HostRecord);
+/// What changes of it: turns that are over, the decision the gripper waits for, the last percept, where its
+/// odometry began, the record.
+type Changing = (u64, Option<u64>, (Pose, bool), Pose, HostRecord);
 
 impl SaveHost for RemoteHost {
     fn save(&self) -> Vec<u8> {
-        let changing: Changing = (self.conversation.turn(), self.gripper_told, self.last, self.record);
+        let changing: Changing =
+            (self.conversation.turn(), self.gripper_told, self.last, self.host_odom_in_odom, self.record);
         match postcard::to_allocvec(&changing) {
             Ok(bytes) => bytes,
             Err(error) => unreachable!("every length is known: {error}"),
@@ -143,7 +157,7 @@ impl SaveHost for RemoteHost {
         let changing: Changing =
             postcard::from_bytes(bytes).map_err(|error| format!("where it stood with its host is damaged: {error}"))?;
         let turn;
-        (turn, self.gripper_told, self.last, self.record) = changing;
+        (turn, self.gripper_told, self.last, self.host_odom_in_odom, self.record) = changing;
         self.conversation.go_on_at(turn);
         Ok(())
     }

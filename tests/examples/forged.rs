@@ -5,25 +5,10 @@
 //! the command says. The command is the one beside the examples, or `--command PATH`.
 
 use rpl_tests::forger::{Case, judge::judge};
+use rpl_tests::options::{command, number, option};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-
-fn option(name: &str) -> Option<String> {
-    let arguments: Vec<String> = std::env::args().collect();
-    let place = arguments.iter().position(|argument| argument == name)?;
-    arguments.get(place + 1).cloned()
-}
-
-fn number(name: &str, default: u64) -> u64 {
-    option(name).and_then(|text| text.parse().ok()).unwrap_or(default)
-}
-
-/// `target/debug/rpl` for `target/debug/examples/forged`.
-fn command() -> Option<PathBuf> {
-    let beside = || std::env::current_exe().ok()?.parent()?.parent().map(|folder| folder.join("rpl"));
-    option("--command").map(PathBuf::from).or_else(beside)?.canonicalize().ok()
-}
 
 fn main() -> ExitCode {
     let Some(command) = command() else {
@@ -34,7 +19,7 @@ fn main() -> ExitCode {
     if let Some(seed) = option("--only").and_then(|text| text.parse().ok()) {
         return one(seed, &command, &folder);
     }
-    let (runs, seed) = (number("--runs", 500), number("--seed", 1));
+    let (runs, seed): (u64, u64) = (number("--runs", 500), number("--seed", 1));
     let (mut findings, mut statuses) = (0, BTreeMap::new());
     for at in 0..runs {
         let seed = seed.wrapping_mul(0x100_0000) + at;

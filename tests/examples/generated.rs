@@ -7,6 +7,7 @@
 use rpl_tests::generated::drive::{Case, Tally};
 use rpl_tests::generated::shrink::shrink;
 use rpl_tests::generated::{forged, texts};
+use rpl_tests::options::number;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -19,26 +20,19 @@ const TRIES: usize = 3_000;
 /// No text of some thousand characters takes longer to be read and compiled, or refused.
 const MAX_SECONDS: f64 = 10.0;
 
-/// The number after an option, or what it is without.
-fn option(name: &str, default: u64) -> u64 {
-    let arguments: Vec<String> = std::env::args().collect();
-    let place = arguments.iter().position(|argument| argument == name);
-    place.and_then(|at| arguments.get(at + 1)).and_then(|text| text.parse().ok()).unwrap_or(default)
-}
-
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|panic| {
         if std::env::var_os("RUST_BACKTRACE").is_some() {
             eprintln!("{panic}\n{}", std::backtrace::Backtrace::force_capture());
         }
     }));
-    let (runs, seed, most) = (option("--runs", 100_000), option("--seed", 1), option("--findings", 1));
-    let (texts, forgeries) = (option("--texts", 0), option("--forgeries", 0));
+    let (runs, seed, most) = (number("--runs", 100_000), number("--seed", 1), number("--findings", 1));
+    let (texts, forgeries) = (number("--texts", 0), number("--forgeries", 0));
     if texts + forgeries > 0 {
         return other_inputs(seed, texts, forgeries, most);
     }
     let (start, mut tally, mut findings) = (Instant::now(), Tally::default(), 0);
-    let mut programs = option("--skip", 0);
+    let mut programs = number("--skip", 0);
     while tally.runs < runs {
         let case = Case::generated(seed.wrapping_mul(0x1000_0000) + programs);
         if let Err(finding) = case.judge(RUNS_EACH, &mut tally) {

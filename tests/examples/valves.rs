@@ -4,6 +4,7 @@
 //! Two children each, with everything that can happen to each task at each step, and three children each.
 //! `--every N` takes one program of so many, `--blows3` lets things happen to those of three children too.
 
+use rpl_tests::options::{is_given, number};
 use rpl_tests::valves::program::programs;
 use rpl_tests::valves::{Tally, judge};
 use std::process::ExitCode;
@@ -12,14 +13,9 @@ use std::process::ExitCode;
 const MOST_TASKS: usize = 6;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().collect();
-    let option = |name: &str| {
-        let at = arguments.iter().position(|argument| argument == name)?;
-        arguments.get(at + 1)?.parse().ok()
-    };
-    let every: usize = option("--every").unwrap_or(1);
-    let most_findings: usize = option("--findings").unwrap_or(1);
-    let with_blows3 = arguments.iter().any(|argument| argument == "--blows3");
+    let every: usize = number("--every", 1);
+    let most_findings: usize = number("--findings", 1);
+    let with_blows3 = is_given("--blows3");
     let mut findings = 0;
     for (width, with_blows) in [(2, true), (3, with_blows3)] {
         let mut tally = Tally::default();

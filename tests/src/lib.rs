@@ -3,6 +3,7 @@
 pub mod forger;
 pub mod generated;
 pub mod mission;
+pub mod options;
 pub mod repository;
 pub mod valves;
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub struct JournalArguments {
     /// Writes the run down in this folder while it goes on, so that `rpl resume` can go on with it after a
     /// crash
-    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, conflicts_with_all = ["record", "figures"])]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, conflicts_with = "record")]
     pub journal: Option<PathBuf>,
     /// What a power cut may cost: nothing that was printed (`always`), what was printed within a second
     /// (`second`), which is then printed again, or all of the run (`never`); a process that is killed loses

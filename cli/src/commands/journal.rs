@@ -1,12 +1,13 @@
 //! `rpl journal DIR`: what is in a journal.
 
 use crate::files::inputs;
-use crate::journal::{self, JournalEnd, KeptRun, LOG, OUTPUT, checkpoint_times};
+use crate::journal::{self, JournalEnd, KeptRun, LOG, OUTPUT, PastSession, checkpoint_times};
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use rpl_link::journal::folder::taken_by;
+use rpl_link::recording::Typed;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +40,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         console.print(text.strip_suffix('\n').unwrap_or(text))?;
         return Ok(Status::Succeeded);
     }
+    if kept.is_session() {
+        return tell_session(path, &kept, console);
+    }
     let mut lines = Vec::new();
     let mut tell = |key: &str, what: String| lines.push(format!("{key:KEY_COLUMNS$}{what}"));
     tell("run", described(&kept));
@@ -48,16 +52,35 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     }
     tell("printed", length(&path.join(OUTPUT)));
     tell("told", length(&path.join(LOG)));
-    if let Some(trace) = &kept.head.trace {
+    let trace = journal::went_on(path)?.map_or_else(|| kept.head.trace.clone(), |how| how.trace);
+    if let Some(trace) = &trace {
         tell("trace", format!("{}, {}", trace.display(), length(trace)));
     }
     for (name, text) in kept.head.texts() {
         tell("text", format!("{name}, {}", size(text.len() as u64)));
     }
-    for file in kept.changed_files(&journal::changes(path)?) {
+    for file in journal::changed_files(&kept, &journal::changes(path)?) {
         tell("changed", file.display().to_string());
     }
     lines.iter().try_for_each(|line| console.explain_hanging(line, KEY_COLUMNS))?;
+    Ok(Status::Succeeded)
+}
+
+/// A session at the prompt, and what was typed.
+fn tell_session(path: &Path, kept: &KeptRun, console: &mut Console) -> Result<Status> {
+    let past = PastSession::read(path)?;
+    let taken = taken_by(path).with_context(|| format!("cannot read the journal `{}`", path.display()))?;
+    let now = match taken {
+        Some(process) => format!("goes on: process {process} writes it"),
+        None => format!("`rpl repl --journal {}` goes on with it", path.display()),
+    };
+    let mut lines = vec![("session", described(kept)), ("now", now)];
+    lines.extend(past.typed.iter().filter(|typed| !typed.typed.trim().is_empty()).map(|Typed { typed, time_us }| {
+        ("typed", format!("at {:.1} s: {}", *time_us as f64 / 1e6, typed.lines().next().unwrap_or_default()))
+    }));
+    lines
+        .iter()
+        .try_for_each(|(key, what)| console.explain_hanging(&format!("{key:KEY_COLUMNS$}{what}"), KEY_COLUMNS))?;
     Ok(Status::Succeeded)
 }
 
@@ -67,7 +90,13 @@ fn described(kept: &KeptRun) -> String {
     let world = named("world", run.world.as_ref().map(|world| &*world.name));
     let robot = named("robot", run.robot.as_ref().map(|robot| &*robot.name).filter(|name| !name.is_empty()));
     let scenario = named("scenario", run.scenario.as_ref().map(|scenario| &*scenario.name));
-    format!("{}{world}{robot}{scenario} --seed {}", kept.head.plan.name, run.seed)
+    let host = named("host", run.host.as_ref().map(|host| &*host.address));
+    let modules: String = run.modules.iter().map(|module| named("module", Some(&module.name))).collect();
+    format!(
+        "{}{world}{robot}{scenario}{host}{modules} --seed {}",
+        kept.head.plan.as_ref().map_or("", |plan| &plan.name),
+        run.seed
+    )
 }
 
 /// Whether it goes on, stands still or is over.

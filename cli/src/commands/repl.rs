@@ -6,16 +6,20 @@ use crate::arguments::overrides::Overrides;
 use crate::arguments::site::SiteArguments;
 use crate::files::inputs;
 use crate::files::module_files::{GoingBack, ModuleVoices};
-use crate::files::plans;
-use crate::hosts::{HostArguments, Use};
-use crate::journal::{self, KeptRun};
+use crate::files::plans::{self, PlanText};
+use crate::hosts::{self, HostArguments, Use};
+use crate::journal::{self, KeptRun, KeptText, PastSession, SessionJournal, Writing};
 use crate::recorded_run::{RecordedRun, RecordedText, RunKind};
-use crate::repl::{self, SessionStart, Until};
+use crate::repl::{self, Intervention, SessionStart, Until};
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::{Context, Result, bail};
+use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
-use std::path::Path;
+use rpl_link::journal::inputs::PastInputs;
+use rpl_link::recording::RecordedTurns;
+use rpl_robot::world::World;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `rpl repl` and `rpl step`.
 #[derive(clap::Args, Clone, Debug)]
@@ -24,6 +28,10 @@ pub struct Arguments {
     /// run is repeated up to where it came
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub file: Option<String>,
+    /// Writes what is typed down in this folder, so that the prompt goes on there after a crash; or goes on with what
+    /// was written there
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, conflicts_with_all = ["record", "at"])]
+    pub journal: Option<PathBuf>,
     /// The time of a journal's run at which the prompt stands, such as 90s or 5min
     #[arg(long, value_name = "TIME", requires = "file", value_parser = parse_duration_us)]
     pub at: Option<u64>,
@@ -50,30 +58,144 @@ pub fn run(
     if arguments.at.is_some() {
         bail!("`--at` is a time in a journal, and there is none; `:until TIME` goes on to a time");
     }
+    if let Some(journal) = &arguments.journal {
+        return with_journal(journal, arguments, command_line, stops_at_start, console);
+    }
     let source = arguments.host.reach(&arguments.site)?;
     let (site, world, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
-    if arguments.file.as_deref() == Some(inputs::STANDARD_INPUT) {
-        bail!("standard input is what the prompt reads; `rpl run -` runs a plan from there");
-    }
-    let plan = arguments.file.as_deref().map(plans::plan).transpose()?;
+    let plan = first_plan(arguments)?;
     let until = if stops_at_start { Until::Step } else { Until::End };
     let seed = arguments.site.seed;
     let recorder = arguments.host.record(&RecordedRun {
-        kind: if stops_at_start { RunKind::Step } else { RunKind::Session },
-        plan: arguments.file.as_deref().zip(plan.as_ref()).map(|(name, text)| RecordedText::of(name, text)),
         host: source.heard(),
-        ..RecordedRun::at(&arguments.site, world.as_ref())?
+        ..recorded(arguments, plan.as_ref(), world.as_ref(), stops_at_start)?
     })?;
     modules.start(&site, seed, recorder.as_ref())?;
     let (robot, _) = source.robot(&site, seed, Use::Session, recorder.clone())?;
-    let typed = Vec::new();
-    let opening =
-        SessionStart { world, robot, seed, plan, until, recorder: recorder.clone(), typed, reads: true, command_line };
+    let opening = SessionStart {
+        world,
+        robot,
+        seed,
+        plan,
+        until,
+        recorder: recorder.clone(),
+        journal: None,
+        past: PastSession::default(),
+        interventions: Vec::new(),
+        reads: true,
+        command_line,
+    };
     let status = repl::run(&site, opening, console)?;
     if let Some(recorder) = recorder {
         recorder.finish().context("the recording cannot be written")?;
     }
     Ok(status)
+}
+
+/// The plan that the session begins with.
+fn first_plan(arguments: &Arguments) -> Result<Option<PlanText>> {
+    if arguments.file.as_deref() == Some(inputs::STANDARD_INPUT) {
+        bail!("standard input is what the prompt reads; `rpl run -` runs a plan from there");
+    }
+    arguments.file.as_deref().map(plans::plan).transpose()
+}
+
+/// What is said of the session where it is written down.
+fn recorded(
+    arguments: &Arguments,
+    plan: Option<&PlanText>,
+    world: Option<&World>,
+    stops_at_start: bool,
+) -> Result<RecordedRun> {
+    Ok(RecordedRun {
+        kind: if stops_at_start { RunKind::Step } else { RunKind::Session },
+        plan: arguments.file.as_deref().zip(plan).map(|(name, text)| RecordedText::of(name, text)),
+        ..RecordedRun::at(&arguments.site, world)?
+    })
+}
+
+/// A session that is written down while it goes on; or goes on with what was written down.
+fn with_journal(
+    path: &Path,
+    arguments: &Arguments,
+    command_line: clap::Command,
+    stops_at_start: bool,
+    console: &mut Console,
+) -> Result<Status> {
+    let shown = path.display();
+    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
+        bail!("a session with a host or a module in another process has no journal; `--record FILE` writes it down");
+    }
+    if journal::is_there(path) {
+        return go_on_with(path, arguments, command_line, console);
+    }
+    let (site, world, _) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
+    let plan = first_plan(arguments)?;
+    let recorded = recorded(arguments, plan.as_ref(), world.as_ref(), stops_at_start)?;
+    let kept = KeptRun::new(recorded, plan.as_ref().map(KeptText::of), &site, world.as_ref(), Writing::default())?;
+    let journal = SessionJournal::begin(path, &kept)?;
+    let opening = SessionStart {
+        robot: site.robot(arguments.site.seed),
+        world,
+        seed: arguments.site.seed,
+        plan,
+        until: if stops_at_start { Until::Step } else { Until::End },
+        recorder: None,
+        journal: Some(journal),
+        past: PastSession::default(),
+        interventions: Vec::new(),
+        reads: true,
+        command_line,
+    };
+    console.note(&format!("what is typed is written to `{shown}`; `rpl repl --journal {shown}` goes on with it"));
+    repl::run(&site, opening, console)
+}
+
+/// The prompt stands where the session of a journal stood, and goes on.
+fn go_on_with(
+    path: &Path,
+    arguments: &Arguments,
+    command_line: clap::Command,
+    console: &mut Console,
+) -> Result<Status> {
+    let kept = KeptRun::read(path)?;
+    journal::refuse_run(path, &kept)?;
+    let then = kept.head.run.plan.as_ref().map(|plan| &plan.name);
+    let world = kept.head.run.world.as_ref().map(|world| &world.name);
+    let is_other = |asked: &Option<String>, known: Option<&String>| asked.is_some() && asked.as_ref() != known;
+    if is_other(&arguments.file, then) || is_other(&arguments.site.world, world) {
+        let shown = path.display();
+        bail!("`{shown}` is the journal of another session; `rpl journal {shown}` tells which, or name another folder");
+    }
+    let (journal, past) = SessionJournal::go_on(path)?;
+    session_of(&kept, past, Some(journal), command_line, console)
+}
+
+/// The session of a journal, repeated; with the journal itself it goes on.
+fn session_of(
+    kept: &KeptRun,
+    past: PastSession,
+    journal: Option<SessionJournal>,
+    command_line: clap::Command,
+    console: &mut Console,
+) -> Result<Status> {
+    let (site, world, _) = kept.site(ModuleVoices::Processes(GoingBack::Session))?;
+    let seed = kept.head.run.seed;
+    let loads = past.loads_at(0);
+    let opening = SessionStart {
+        world,
+        robot: site.robot(seed),
+        seed,
+        plan: kept.head.plan.as_ref().map(|plan| kept.text_loading(plan, loads)),
+        until: if kept.head.run.kind == RunKind::Step { Until::Step } else { Until::End },
+        recorder: None,
+        journal,
+        past,
+        interventions: Vec::new(),
+        reads: true,
+        command_line,
+    };
+    repl::run(&site, opening, console)
 }
 
 /// The prompt in the run of a journal: before its first form, at a time, or where the run has come to. The journal
@@ -86,23 +208,55 @@ fn open_journal(
     console: &mut Console,
 ) -> Result<Status> {
     let kept = KeptRun::read(path)?;
-    if !journal::changes(path)?.is_empty() {
-        bail!(
-            "the run of `{}` has taken new definitions on the way, and cannot be repeated at the prompt",
-            path.display()
-        );
-    }
+    let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
+        return session_of(&kept, PastSession::read(path)?, None, command_line, console);
+    };
+    let changes = journal::changes(path)?;
+    let past = if kept.head.has_outside() { Some(from_start(path)?) } else { None };
+    let resumed_at = past.as_ref().map_or(Vec::new(), |past| past.resumed_at.clone());
+    let mut interventions: Vec<Intervention> = resumed_at.into_iter().map(Intervention::Resumption).collect();
+    interventions.extend(changes.into_iter().map(Intervention::Change));
+    // Where both came at the end of one instant, the run was gone on with first.
+    interventions.sort_by_key(|come| come.instant().unwrap_or(u32::MAX));
+    let reached_us = past.as_ref().and_then(|past| past.reached_us).unwrap_or(journal::reached_us(path, &kept)?);
+    let turns = RecordedTurns::of_journal(past.map_or(Vec::new(), |past| past.turns))
+        .with_context(|| format!("what came from outside in the journal `{}` cannot be read", path.display()))?;
     let until = match arguments.at {
         Some(time_us) => Until::Time(time_us),
         None if stops_at_start => Until::Step,
-        None => Until::Time(journal::reached_us(path, &kept)?),
+        None => Until::Time(reached_us),
     };
-    let (site, world) = kept.site()?;
+    let (site, world, _) = kept.site(ModuleVoices::Recording(&turns))?;
     let mut overrides = Overrides::parse(&kept.head.run.set)?;
-    let plan = kept.text_with(&kept.head.plan, |text| overrides.apply(text));
+    let plan = kept.text_with(plan, |text| overrides.apply(text));
     let seed = kept.head.run.seed;
-    let (robot, typed) = (site.robot(seed), Vec::new());
-    let opening =
-        SessionStart { world, robot, seed, plan: Some(plan), until, recorder: None, typed, reads: true, command_line };
+    let (robot, _) = hosts::heard(kept.head.run.host.as_ref(), &turns)?.robot(&site, seed, Use::Session, None)?;
+    let opening = SessionStart {
+        world,
+        robot,
+        seed,
+        plan: Some(plan),
+        until,
+        recorder: None,
+        journal: None,
+        past: PastSession::default(),
+        interventions,
+        reads: true,
+        command_line,
+    };
     repl::run(&site, opening, console)
+}
+
+/// What came from other processes since the start of a run.
+///
+/// # Errors
+/// The journal does not have all of it any more.
+fn from_start(path: &Path) -> Result<PastInputs> {
+    PastInputs::read(path, None).with_context(|| {
+        let shown = path.display();
+        format!(
+            "the run of `{shown}` cannot be repeated from its start: a journal keeps what comes from other processes \
+             for about an hour; `rpl resume {shown}` goes on with it"
+        )
+    })
 }

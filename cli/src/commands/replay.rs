@@ -7,6 +7,7 @@ use crate::files::inputs;
 use crate::files::module_files::ModuleVoices;
 use crate::files::plans;
 use crate::hosts;
+use crate::journal::PastSession;
 use crate::recorded_run::{RecordedRun, RecordedText, RunKind, Sameness};
 use crate::repl::{self, SessionStart, Until};
 use crate::status::Status;
@@ -66,8 +67,20 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
         let (robot, _) = source.robot(&built, site.seed, hosts::Use::Session, None)?;
         let until = if recorded.kind == RunKind::Session { Until::End } else { Until::Step };
         let (seed, reads) = (site.seed, arguments.prompt);
-        let opening =
-            SessionStart { world, robot, seed, plan: text, until, recorder: None, typed, reads, command_line };
+        let (past, interventions) = (PastSession::recorded(typed), Vec::new());
+        let opening = SessionStart {
+            world,
+            robot,
+            seed,
+            plan: text,
+            until,
+            recorder: None,
+            journal: None,
+            past,
+            interventions,
+            reads,
+            command_line,
+        };
         return repl::run(&built, opening, console);
     }
     let plan = plan.context("the recording has no plan; name one with `--plan FILE`")?;

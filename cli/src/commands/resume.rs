@@ -4,8 +4,12 @@ use crate::arguments::duration::parse_duration_us;
 use crate::arguments::journal::SyncArgument;
 use crate::commands::run::{self, parse_factor};
 use crate::drive::Pace;
-use crate::files::module_files::Modules;
-use crate::journal::{self, Change, DriverState, EndKind, JournalEnd, KeptRun, Resumption, RunJournal};
+use crate::files::module_files::{GoingBack, ModuleVoices, Modules};
+use crate::files::outputs::OutputFile;
+use crate::hosts::{self, HostSource, HostTranscript, Use};
+use crate::journal::{
+    self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
+};
 use crate::prepared_run::PreparedRun;
 use crate::run_record::Records;
 use crate::status::Status;
@@ -13,8 +17,12 @@ use crate::terminal::console::Console;
 use crate::trace::TraceFile;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
+use rpl_link::journal::inputs::PastInputs;
+use rpl_link::recording::RecordedTurns;
 use rpl_runtime::run::system::System;
-use std::path::PathBuf;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Goes on with a run (`rpl run --journal`) that was killed, or stood still at `--until`
@@ -26,10 +34,16 @@ pub struct Arguments {
     /// Stops at this time of the plan, such as 90s or 5min; without, where the run was to stop
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
+    /// Where the host is that moves the robot now; without, where it was
+    #[arg(long, value_name = "ADDRESS", value_hint = ValueHint::Hostname)]
+    pub host: Option<String>,
     /// Takes new definitions from the texts of the plan that have changed: calls that are made from then on are of
     /// them
     #[arg(long)]
     pub changed: bool,
+    /// Goes on with a copy of the trace in this file: two copies of a journal cannot write one
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub trace: Option<PathBuf>,
     /// Keeps pace with the wall clock, or FACTOR times as fast; without, as the run did
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
     pub realtime: Option<f64>,
@@ -49,43 +63,54 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let path = &arguments.journal;
     let kept = KeptRun::read(path)?;
+    let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
+        let shown = path.display();
+        bail!("`{shown}` is the journal of a session at the prompt: `rpl repl --journal {shown}` goes on with it");
+    };
     let folder = journal::take(path)?;
-    let until_us = match JournalEnd::read(path)? {
-        Some(end) if end.how == EndKind::Until => arguments.until,
-        Some(end) => return over(&end, arguments, console),
-        None => {
-            let was_to_stop_us = journal::went_on_until(path)?.unwrap_or(kept.head.run.until_us);
-            arguments.until.or(was_to_stop_us)
-        }
+    let end = JournalEnd::read(path)?;
+    if let Some(end) = end.as_ref().filter(|end| end.how != EndKind::Until) {
+        return over(end, arguments, console);
+    }
+    let begun = || GoingOn { until_us: kept.head.run.until_us, trace: kept.head.trace.clone() };
+    let before = journal::went_on(path)?.unwrap_or_else(begun);
+    let going_on = GoingOn {
+        until_us: arguments.until.or(before.until_us.filter(|_| end.is_none())),
+        trace: trace(before.trace, arguments)?,
     };
     let changes = changes(&kept, arguments, console)?;
-    let (site, world) = kept.site()?;
-    let wants_events = kept.head.trace.is_some() || kept.place.is_some();
-    let Some(loaded) = run::load(&site.library, kept.text(&kept.head.plan), &kept.head.run.set, console)? else {
+    let source = reach(&kept, arguments.host.as_deref())?;
+    let (site, world, modules) = kept.site(ModuleVoices::Processes(GoingBack::Never))?;
+    let wants_events = going_on.trace.is_some() || kept.place.is_some();
+    let Some(loaded) = run::load(&site.library, kept.text(plan), &kept.head.run.set, console)? else {
         return Ok(Status::Wrong);
     };
     let seed = kept.head.run.seed;
-    let load = |bytes: &[u8]| Ok(System::load(bytes, site.library.clone(), loaded.clone(), site.robot(seed))?);
+    modules.start(&site, seed, None)?;
+    let (robot, transcript) = source.robot(&site, seed, Use::Run, None)?;
+    let load = |bytes: &[u8]| Ok(System::load(bytes, site.library.clone(), loaded.clone(), robot.clone())?);
     let mut damage = Vec::new();
     let told = &mut |line: &str| damage.push(line.to_string());
-    let Resumption { reached, number, ledgers } =
-        journal::newest(path, kept.checksum, kept.head.trace.as_deref(), load, told)?;
+    let Resumption { reached, from, number, ledgers } =
+        journal::newest(path, kept.checksum, going_on.trace.as_deref(), load, told)?;
     damage.iter().for_each(|line| console.note(line));
+    let outside = hear_again(&kept, path, from, &modules, transcript.as_ref())?;
     let outlives_power = kept.head.sync != SyncArgument::Never;
-    journal::go_on(&folder, until_us, outlives_power)
+    journal::go_on(&folder, &going_on, outlives_power)
         .with_context(|| format!("cannot write the journal `{}`", path.display()))?;
     let is_at_start = reached.is_none();
     let (system, state) = match reached {
         Some((system, state)) => (system, Some(state)),
-        None => {
-            (run::begun(&site, loaded.clone(), site.robot(seed), seed, kept.head.run.max_steps, wants_events), None)
-        }
+        None => (run::begun(&site, loaded.clone(), robot, seed, kept.head.run.max_steps, wants_events), None),
     };
     if let Some(new) = changes.iter().find(|change| change.instant.is_none()) {
         new.apply(&mut system.clone()).context("the new definitions cannot be taken")?;
     }
     tell_place(state.as_ref(), arguments, console);
-    let (journal, trace) = RunJournal::of(folder, &kept, ledgers, number);
+    let (mut journal, trace) = RunJournal::of(folder, &kept, ledgers, outside, number);
+    if is_at_start {
+        journal.instant_begun(&system);
+    }
     let journal = journal.with_changes(changes, state.as_ref().map_or(0, |state| state.changes));
     let header = is_at_start.then(|| kept.head.run.trace_header());
     let trace = trace.map(|ledger| TraceFile::with_ledger(ledger, header.as_ref())).transpose()?;
@@ -97,10 +122,76 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         relocalizations: state.as_ref().map_or(0, |state| state.relocalizations),
         ..Records::default()
     };
-    let pace = Pace { until_us, stopped_us: None, factor: arguments.realtime.or(kept.head.factor) };
-    let (modules, transcript, figures) = (Modules::default(), None, None);
+    let pace = Pace { until_us: going_on.until_us, stopped_us: None, factor: arguments.realtime.or(kept.head.factor) };
+    let figures = None;
     let json = arguments.json;
     PreparedRun { site, world, system, seed, pace, records, figures, transcript, modules, json, began }.drive(console)
+}
+
+/// Who moves the robot from now on.
+///
+/// # Errors
+/// The host cannot be reached, or there was none.
+fn reach(kept: &KeptRun, address: Option<&str>) -> Result<HostSource> {
+    let (Some(then), Some(place)) = (&kept.head.run.host, &kept.place) else {
+        return match address {
+            Some(_) => {
+                bail!("the robot of this run is simulated, and the simulation is in the journal; leave `--host` away")
+            }
+            None => Ok(HostSource::Simulated),
+        };
+    };
+    let source = hosts::reach(address.unwrap_or(&then.address), place.settings.robot.name.to_string())?;
+    Ok(source.starting_as(then))
+}
+
+/// What came from other processes is heard again, and what comes is written behind it; none if the run has no
+/// other processes.
+///
+/// # Errors
+/// What came is not all there.
+fn hear_again(
+    kept: &KeptRun,
+    path: &Path,
+    from: Option<u64>,
+    modules: &Modules,
+    transcript: Option<&HostTranscript>,
+) -> Result<Option<Outside>> {
+    if !kept.head.has_outside() {
+        return Ok(None);
+    }
+    let shown = path.display();
+    let past = PastInputs::read(path, from).with_context(|| format!("the journal `{shown}` cannot be gone on with"))?;
+    let outside = Outside::go_on(path, &past, from)?;
+    let unread = || format!("what came from outside in the journal `{shown}` cannot be read");
+    let turns = RecordedTurns::of_journal(past.turns).with_context(unread)?;
+    let recorder = outside.recorder();
+    if let Some(transcript) = transcript {
+        hosts::go_on(transcript, &turns, recorder.clone()).with_context(unread)?;
+    }
+    modules.go_on(&turns, &recorder).with_context(unread)?;
+    Ok(Some(outside))
+}
+
+/// Where the trace is: where it was, or in the file that is named now, which begins as a copy of it.
+///
+/// # Errors
+/// The run has none, or it cannot be copied.
+fn trace(before: Option<PathBuf>, arguments: &Arguments) -> Result<Option<PathBuf>> {
+    let Some(named) = &arguments.trace else { return Ok(before) };
+    let Some(before) = before else {
+        bail!("the run has no trace to go on with: it was begun without `--trace`");
+    };
+    let now = std::path::absolute(named).context("the working folder is gone")?;
+    if now != before {
+        let so_far = match fs::read(&before) {
+            // What is missing is computed again.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+            read => read.with_context(|| format!("cannot read the trace `{}`", before.display()))?,
+        };
+        OutputFile::open(&now, "the trace")?.write(&so_far)?;
+    }
+    Ok(Some(now))
 }
 
 /// The run has ended already.
@@ -121,7 +212,7 @@ fn over(end: &JournalEnd, arguments: &Arguments, console: &mut Console) -> Resul
 /// A file of the run is another one now, and that was not meant, or cannot be.
 fn changes(kept: &KeptRun, arguments: &Arguments, console: &mut Console) -> Result<Vec<Change>> {
     let mut changes = journal::changes(&arguments.journal)?;
-    let changed = kept.changed_files(&changes);
+    let changed = journal::changed_files(kept, &changes);
     if changed.is_empty() {
         return Ok(changes);
     }

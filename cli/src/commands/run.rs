@@ -105,6 +105,12 @@ fn parse_rate(text: &str) -> Result<f64, String> {
 /// # Errors
 /// The text or the command line is wrong, or a file cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    if arguments.journal.journal.is_some() && arguments.output.figures.is_some() {
+        bail!(
+            "figures are of a whole run, and one with a journal may go on in another process; the same run without \
+             `--journal` draws the same ones"
+        );
+    }
     let source = arguments.host.reach(&arguments.site)?;
     run_on(arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
 }
@@ -144,7 +150,7 @@ pub fn run_on(
         ..RecordedRun::at(&arguments.site, world.as_ref())?
     };
     let recorder = arguments.host.record(&recorded)?;
-    let (journal, trace) = match &arguments.journal.journal {
+    let (mut journal, trace) = match &arguments.journal.journal {
         Some(path) => {
             let (journal, trace) = begin_journal(path, arguments, recorded, kept_plan, (&site, world.as_ref()))?;
             (Some(journal), trace)
@@ -152,9 +158,13 @@ pub fn run_on(
         None => (None, create_trace(output, &recorded)?),
     };
     let wants_events = trace.is_some() || world.is_some();
-    modules.start(&site, seed, recorder.as_ref())?;
-    let (robot, transcript) = source.robot(&site, seed, Use::Run, recorder.clone())?;
+    let hearing = recorder.clone().or_else(|| journal.as_ref().and_then(RunJournal::recorder));
+    modules.start(&site, seed, hearing.as_ref())?;
+    let (robot, transcript) = source.robot(&site, seed, Use::Run, hearing)?;
     let system = begun(&site, loaded, robot, seed, arguments.max_steps, wants_events);
+    if let Some(journal) = &mut journal {
+        journal.instant_begun(&system);
+    }
     let records = Records { trace, journal, recorder, pose_every_us, scenes, ..Records::default() };
     let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
     let json = output.json;
@@ -189,9 +199,6 @@ fn begin_journal(
     (site, world): (&Site, Option<&World>),
 ) -> Result<(RunJournal, Option<TraceFile>)> {
     let output = &arguments.output;
-    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
-        bail!("a run with a host or a module in another process has no journal yet; `--record FILE` writes it down");
-    }
     if let Some(trace) = &output.trace
         && trace.metadata().is_ok_and(|known| !known.is_file())
     {
@@ -205,7 +212,7 @@ fn begin_journal(
         sync: arguments.journal.sync,
         must: arguments.journal.journal_must,
     };
-    let kept = KeptRun::new(recorded, plan, site, world, writing)?;
+    let kept = KeptRun::new(recorded, Some(plan), site, world, writing)?;
     let file = trace.map(|trace| OutputFile::open(trace, "the trace")).transpose()?;
     let (journal, ledger) = RunJournal::begin(path, &kept, file)?;
     let trace = ledger.map(|ledger| TraceFile::with_ledger(ledger, Some(&kept.head.run.trace_header()))).transpose()?;

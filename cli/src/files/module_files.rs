@@ -10,7 +10,7 @@ use rpl_protocol::module::manifest::Manifest;
 use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords};
 use rpl_protocol::module::process_modules::{ModuleSource, OpenLine};
 use rpl_robot::office::PlanText;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Turns of a module that a session keeps, to go back to: an hour at 20 steps a second.
@@ -43,15 +43,33 @@ pub enum GoingBack {
     Session,
 }
 
+/// A manifest, by the name that the command line has for it, and where it lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ManifestFile {
+    /// Messages and texts are called by it.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+}
+
+/// The modules of the manifests that the command line names.
+///
+/// # Errors
+/// As for [`opened`].
+pub fn named(names: &[String], voices: ModuleVoices<'_>) -> Result<(Modules, Vec<ModuleSource>)> {
+    let manifests: Vec<ManifestFile> =
+        names.iter().map(|name| ManifestFile { name: name.clone(), path: name.into() }).collect();
+    opened(&manifests, voices)
+}
+
 /// The modules of some manifests.
 ///
 /// # Errors
 /// A manifest cannot be read or has faults, or the plans of one cannot be read; or the recording of one.
-pub fn named(names: &[String], voices: ModuleVoices<'_>) -> Result<(Modules, Vec<ModuleSource>)> {
+pub fn opened(manifests: &[ManifestFile], voices: ModuleVoices<'_>) -> Result<(Modules, Vec<ModuleSource>)> {
     let mut modules = Modules::default();
     let mut sources: Vec<ModuleSource> = Vec::new();
-    for name in names {
-        let path = Path::new(name);
+    for ManifestFile { name, path } in manifests {
         let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{name}`: {reason}"))?;
         let manifest =
             Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{name}` has faults\n{error}"))?;
@@ -59,7 +77,7 @@ pub fn named(names: &[String], voices: ModuleVoices<'_>) -> Result<(Modules, Vec
             let (called, first) = (&manifest.name, &before.manifest.file);
             bail!("two modules are called `{called}`: `{first}` and `{name}`; leave one away, or rename it");
         }
-        let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder_of(path);
         let plans = manifest.plans.as_ref().map(|plans| plan_text(folder, plans, name)).transpose()?;
         let manifest = Arc::new(manifest);
         let open = modules.open(manifest.clone(), folder, voices)?;
@@ -68,9 +86,15 @@ pub fn named(names: &[String], voices: ModuleVoices<'_>) -> Result<(Modules, Vec
     Ok((modules, sources))
 }
 
+/// Where a manifest lies.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 fn plan_text(folder: &Path, plans: &str, manifest: &str) -> Result<PlanText> {
     let path = folder.join(plans);
-    let shown = path.display().to_string();
+    // The name is a part of the program, wherever the run goes on.
+    let shown = folder_of(Path::new(manifest)).join(plans).display().to_string();
     let text = inputs::read_text(&path)
         .map_err(|reason| anyhow!("cannot read `{shown}`, the plans of the module `{manifest}`: {reason}"))?;
     Ok(PlanText { name: shown.into(), text: text.into() })
@@ -106,6 +130,17 @@ impl Modules {
         let greeting = Greeting { period_us: office.settings.robot.step_us, seed };
         for module in &self.openers {
             module.start_ahead(greeting, recorder.cloned())?;
+        }
+        Ok(())
+    }
+
+    /// The processes that were started go on where others were heard last.
+    ///
+    /// # Errors
+    /// What was heard cannot be read.
+    pub fn go_on(&self, past: &RecordedTurns, recorder: &Arc<Recorder>) -> Result<()> {
+        for module in &self.openers {
+            module.go_on(past.stretch(&line_name(&module.manifest.name))?, Some(recorder.clone()));
         }
         Ok(())
     }

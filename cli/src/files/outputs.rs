@@ -55,14 +55,22 @@ impl OutputFile {
     ///
     /// # Errors
     /// It cannot be emptied.
-    pub fn begin(mut self) -> Result<File> {
-        let cannot = || format!("cannot write {} `{}`", self.what, self.path.display());
-        let file = self.file.take().with_context(cannot)?;
+    pub fn begin(self) -> Result<File> {
+        let cannot = format!("cannot write {} `{}`", self.what, self.path.display());
+        let file = self.into_file()?;
         // A pipe or a device has no length.
         if file.metadata().is_ok_and(|known| known.is_file()) {
-            file.set_len(0).with_context(cannot)?;
+            file.set_len(0).context(cannot)?;
         }
         Ok(file)
+    }
+
+    /// The file, with what it held.
+    ///
+    /// # Errors
+    /// It was handed out already.
+    pub fn into_file(mut self) -> Result<File> {
+        self.file.take().with_context(|| format!("cannot write {} `{}`", self.what, self.path.display()))
     }
 
     /// Writes all at once.

@@ -1,7 +1,8 @@
 //! New definitions that a run has been given while it stood still. Calls that are made from then on are of the new
 //! ones; what is running goes on as it was written.
 
-use super::head::{KeptFile, KeptRun};
+use super::head::KeptRun;
+use super::kept_file::KeptFile;
 use crate::files::inputs;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::compile::NoFiles;
@@ -21,7 +22,7 @@ use std::path::Path;
 pub const CHANGES: &str = "changes";
 
 /// Forms whose effect is on later calls alone.
-const TAKEN: [&str; 4] = ["def-plan", "def-interp-proc", "defun", "defmacro"];
+const TAKEN: [&str; 5] = ["def-plan", "def-interp-proc", "def-resume", "defun", "defmacro"];
 
 /// New definitions.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -107,6 +108,16 @@ impl Change {
         }
         Ok(())
     }
+}
+
+/// Files of a run that are there, and not what they were when it last took something from them.
+pub fn changed_files<'k>(kept: &'k KeptRun, changes: &[Change]) -> Vec<&'k Path> {
+    let is_changed = |file: &&KeptFile| {
+        let taken = changes.iter().rev().flat_map(|change| &change.files).find(|taken| taken.path == file.path);
+        let then = taken.unwrap_or(file).checksum;
+        KeptFile::now(&file.path).is_some_and(|now| now.checksum != then)
+    };
+    kept.head.files.iter().filter(is_changed).map(|file| &*file.path).collect()
 }
 
 /// Definitions in a text that an older one does not have, and the beginnings of other forms that are new in it.

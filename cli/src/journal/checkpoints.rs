@@ -17,6 +17,8 @@ const KEPT: usize = 2;
 pub struct Resumption<S> {
     /// The run, and where its driver stood; none at its start.
     pub reached: Option<(S, DriverState)>,
+    /// The number of the checkpoint; none at the start.
+    pub from: Option<u64>,
     /// The number of the next checkpoint.
     pub number: u64,
     /// The files that the run goes on writing.
@@ -100,10 +102,13 @@ pub fn newest<S>(
             Ok((load(saved)?, state, ledgers))
         };
         match opened() {
-            Ok((run, state, ledgers)) => return Ok(Resumption { reached: Some((run, state)), number, ledgers }),
+            Ok((run, state, ledgers)) => {
+                return Ok(Resumption { reached: Some((run, state)), from: Some(at), number, ledgers });
+            }
             Err(why) => told(&format!("`{}` cannot be used: {why:#}", name(at))),
         }
     }
-    let ledgers = Ledgers::go_on(journal, trace, None)?;
-    Ok(Resumption { reached: None, number, ledgers })
+    let ledgers = Ledgers::go_on(journal, trace, None)
+        .with_context(|| format!("the journal `{}` cannot be gone on with", journal.display()))?;
+    Ok(Resumption { reached: None, from: None, number, ledgers })
 }

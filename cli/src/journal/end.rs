@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The file that has it.
 const END: &str = "end";
@@ -41,26 +41,36 @@ pub enum EndKind {
     Interrupted,
 }
 
-/// The file that says how far a run goes that was gone on with.
+/// The file that says how a run goes on.
 const GOES_ON: &str = "goes-on";
 
-/// A run goes on, up to a time if there is one: nothing tells of an end any more.
+/// How a run goes on.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GoingOn {
+    /// Up to when; to its end without.
+    pub until_us: Option<u64>,
+    /// Where its trace is now, if it has one.
+    pub trace: Option<PathBuf>,
+}
+
+/// A run goes on: nothing tells of an end any more.
 ///
 /// # Errors
 /// The folder cannot be written.
-pub fn go_on(folder: &JournalFolder, until_us: Option<u64>, outlives_power: bool) -> io::Result<()> {
-    folder.write(GOES_ON, &in_frame(&until_us)?, outlives_power)?;
+pub fn go_on(folder: &JournalFolder, how: &GoingOn, outlives_power: bool) -> io::Result<()> {
+    folder.write(GOES_ON, &in_frame(how)?, outlives_power)?;
     match fs::remove_file(folder.path().join(END)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         Ok(()) | Err(_) => Ok(()),
     }
 }
 
-/// How far a run was to go when it went on last; none if it was never gone on with.
+/// How a run was to go on when it did so last; none if it never did.
 ///
 /// # Errors
 /// It cannot be read.
-pub fn went_on_until(journal: &Path) -> Result<Option<Option<u64>>> {
+pub fn went_on(journal: &Path) -> Result<Option<GoingOn>> {
     read_frame(journal, GOES_ON)
 }
 

@@ -1,12 +1,13 @@
 //! What a journal says of its run: all that is needed to build the same one, the texts themselves included.
 
-use super::changes::Change;
+use super::kept_file::KeptFile;
 use crate::arguments::journal::SyncArgument;
 use crate::files::inputs;
+use crate::files::module_files::{self, ManifestFile, ModuleVoices, Modules};
 use crate::files::plans::{self, Folder, KeptLoad, PlanText};
-use crate::recorded_run::RecordedRun;
+use crate::recorded_run::{RecordedRun, RunKind};
 use crate::sites;
-use crate::version::VERSION;
+use crate::version::BUILD;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_link::journal::frames;
 use rpl_mission::site::{Setup, Site};
@@ -32,18 +33,20 @@ const MOST_BYTES: u64 = 512 << 20;
 pub struct JournalHead {
     /// The version of the layout.
     journal: u64,
-    /// The program that wrote it, with its commit.
+    /// The program that wrote it, with its sources.
     build: String,
     /// What was asked for.
     pub run: RecordedRun,
-    /// The plan.
-    pub plan: KeptText,
+    /// The plan; a session may have none.
+    pub plan: Option<KeptText>,
     /// The scenario, if there is one.
     scenario: Option<KeptText>,
     /// What both have loaded.
-    loads: Vec<KeptLoad>,
+    pub loads: Vec<KeptLoad>,
     /// The files that all of it was read from.
-    files: Vec<KeptFile>,
+    pub files: Vec<KeptFile>,
+    /// The manifests of its modules, from the root.
+    pub modules: Vec<PathBuf>,
     /// Where the trace goes.
     pub trace: Option<PathBuf>,
     /// How often it tells where the robot is.
@@ -66,22 +69,13 @@ pub struct KeptText {
     is_built_in: bool,
 }
 
-/// A file as it was.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct KeptFile {
-    /// From the root.
-    path: PathBuf,
-    /// CRC-32 of its bytes.
-    checksum: u32,
-}
-
 /// Where the run takes place: the world with all that was read from other files, and what was set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptPlace {
     /// The world.
     pub world: World,
     /// Robot, simulator and filters.
-    settings: OfficeSettings,
+    pub settings: OfficeSettings,
 }
 
 /// A journal's first file, read.
@@ -96,6 +90,7 @@ pub struct KeptRun {
 }
 
 /// What was asked for beside the run itself.
+#[derive(Default)]
 pub struct Writing {
     /// As the head has it.
     pub trace: Option<PathBuf>,
@@ -110,6 +105,11 @@ pub struct Writing {
 }
 
 impl JournalHead {
+    /// Whether something of the run is in other processes.
+    pub fn has_outside(&self) -> bool {
+        self.run.host.is_some() || !self.modules.is_empty()
+    }
+
     /// All texts, by the names that errors have for them.
     pub fn texts(&self) -> impl Iterator<Item = (&str, &str)> {
         let scenario = self.scenario.iter().map(|text| (&*text.name, &*text.text));
@@ -118,8 +118,8 @@ impl JournalHead {
 
     /// The plan, and what it and the scenario load.
     pub fn plan_texts(&self) -> impl Iterator<Item = (&str, &str)> {
-        let plan = (&*self.plan.name, &*self.plan.text);
-        std::iter::once(plan).chain(self.loads.iter().map(|load| (&*load.name, &*load.text)))
+        let plan = self.plan.iter().map(|plan| (&*plan.name, &*plan.text));
+        plan.chain(self.loads.iter().map(|load| (&*load.name, &*load.text)))
     }
 }
 
@@ -131,35 +131,33 @@ impl KeptText {
     }
 }
 
-impl KeptFile {
-    /// A file as it is now; none if it is not there.
-    pub fn now(path: &Path) -> Option<Self> {
-        // Pipes and devices are not what they were, and would be waited for.
-        let is_file = path.metadata().is_ok_and(|known| known.is_file());
-        let bytes = is_file.then(|| std::fs::read(path).ok())??;
-        let path = std::path::absolute(path).ok()?;
-        Some(Self { path, checksum: crc32fast::hash(&bytes) })
-    }
-}
-
 impl KeptRun {
     /// The run that is about to begin at a site, of this plan.
     ///
     /// # Errors
     /// The scenario cannot be read any more.
-    pub fn new(run: RecordedRun, plan: KeptText, site: &Site, world: Option<&World>, writing: Writing) -> Result<Self> {
+    pub fn new(
+        run: RecordedRun,
+        plan: Option<KeptText>,
+        site: &Site,
+        world: Option<&World>,
+        writing: Writing,
+    ) -> Result<Self> {
         let scenario = run.scenario.as_ref().map(|text| plans::scenario(&text.name)).transpose()?;
         let place = world
             .zip(site.office())
             .map(|(world, office)| KeptPlace { world: world.clone(), settings: office.settings.clone() });
+        let modules = run.modules.iter().map(|module| std::path::absolute(&module.name));
+        let modules = modules.collect::<Result<_, _>>().context("the working folder is gone")?;
         let Writing { trace, pose_every_us, factor, sync, must } = writing;
         let head = JournalHead {
             journal: LAYOUT,
-            build: VERSION.to_string(),
+            build: BUILD.to_string(),
             run,
             plan,
             scenario: scenario.as_ref().map(KeptText::of),
             loads: plans::loaded(),
+            modules,
             files: inputs::files().iter().filter_map(|path| KeptFile::now(path)).collect(),
             trace,
             pose_every_us,
@@ -170,6 +168,11 @@ impl KeptRun {
         let mut kept = Self { head, place, checksum: 0 };
         kept.checksum = crc32fast::hash(&kept.bytes()?);
         Ok(kept)
+    }
+
+    /// Whether it is a session at the prompt.
+    pub fn is_session(&self) -> bool {
+        self.head.run.kind != RunKind::Run
     }
 
     /// As it stands in its file.
@@ -210,9 +213,9 @@ impl KeptRun {
             build: String,
         }
         let written: Written = serde_json::from_slice(head).map_err(|_| damaged())?;
-        if (written.journal, &*written.build) != (LAYOUT, VERSION) {
+        if (written.journal, &*written.build) != (LAYOUT, BUILD) {
             bail!(
-                "the journal `{shown}` was written by rpl {}, and this is rpl {VERSION}; only the same build goes on with it",
+                "the journal `{shown}` was written by rpl {}, and this is rpl {BUILD}; only a build of the same sources goes on with it",
                 written.build
             );
         }
@@ -221,17 +224,20 @@ impl KeptRun {
         Ok(Self { head, place, checksum: crc32fast::hash(&bytes) })
     }
 
-    /// The site of the run.
+    /// The site of the run, and the modules in other processes that it had, which these voices speak for.
     ///
     /// # Errors
-    /// As when it was built first.
-    pub fn site(&self) -> Result<(Site, Option<World>)> {
+    /// As when it was built first; or a module has changed.
+    pub fn site(&self, voices: ModuleVoices<'_>) -> Result<(Site, Option<World>, Modules)> {
         let JournalHead { run, scenario, .. } = &self.head;
         let world = self.place.as_ref().map(|place| place.world.clone());
         let settings = self.place.as_ref().map(|place| place.settings.clone()).unwrap_or_default();
+        let names = run.modules.iter().map(|module| module.name.clone());
+        let manifests = names.zip(self.head.modules.clone()).map(|(name, path)| ManifestFile { name, path });
+        let (modules, sources) = module_files::opened(&manifests.collect::<Vec<_>>(), voices)?;
         let setup = Setup { world: world.clone(), settings, memory_gib: run.memory_gib, natives: Vec::new() };
-        let site = sites::build(setup, scenario.as_ref().map(|text| self.text(text)), Vec::new())?;
-        Ok((site, world))
+        let site = sites::build(setup, scenario.as_ref().map(|text| self.text(text)), sources)?;
+        Ok((site, world, modules))
     }
 
     /// A plan or a scenario, with what it loads.
@@ -239,25 +245,19 @@ impl KeptRun {
         self.text_with(text, |text| text)
     }
 
+    /// The plan of a session, whose loads are kept elsewhere.
+    pub fn text_loading(&self, text: &KeptText, loads: Vec<KeptLoad>) -> PlanText {
+        let KeptText { name, text, is_built_in } = text.clone();
+        PlanText { name, text, folder: Folder::Kept { loads: loads.into(), is_built_in } }
+    }
+
     /// The same, each text exchanged for another.
     pub fn text_with(&self, text: &KeptText, mut exchange: impl FnMut(String) -> String) -> PlanText {
         let KeptText { name, text, is_built_in } = text.clone();
         let text = exchange(text);
         let mut loads = self.head.loads.clone();
-        for load in &mut loads {
-            load.text = exchange(std::mem::take(&mut load.text));
-        }
+        loads.iter_mut().for_each(|load| load.text = exchange(std::mem::take(&mut load.text)));
         let loads = loads.into();
         PlanText { name, text, folder: Folder::Kept { loads, is_built_in } }
-    }
-
-    /// Files of the run that are there, and not what they were when it last took something from them.
-    pub fn changed_files(&self, changes: &[Change]) -> Vec<&Path> {
-        let is_changed = |file: &&KeptFile| {
-            let taken = changes.iter().rev().flat_map(|change| &change.files).find(|taken| taken.path == file.path);
-            let then = taken.unwrap_or(file).checksum;
-            KeptFile::now(&file.path).is_some_and(|now| now.checksum != then)
-        };
-        self.head.files.iter().filter(is_changed).map(|file| &*file.path).collect()
     }
 }

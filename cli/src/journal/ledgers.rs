@@ -34,9 +34,11 @@ impl Ledgers {
         let begin = |name: &str| -> Result<Ledger> {
             let path = journal.join(name);
             let opened = File::options().read(true).write(true).create(true).truncate(true).open(&path);
-            opened.and_then(Ledger::begin).with_context(|| format!("cannot write `{}`", path.display()))
+            let begun = opened.map_err(LedgerFault::from).and_then(Ledger::begin);
+            begun.with_context(|| format!("cannot write `{}`", path.display()))
         };
-        let trace = trace.map(|file| Ledger::begin(file.begin()?).context("the trace cannot be written"));
+        // What it held stays until nobody else writes it.
+        let trace = trace.map(|file| Ledger::begin(file.into_file()?).context("the trace cannot be written"));
         Ok(Self { output: begin(OUTPUT)?, log: begin(LOG)?, trace: trace.transpose()? })
     }
 

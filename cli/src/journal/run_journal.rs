@@ -1,42 +1,36 @@
 //! The journal of a run while it is written: what plans print and what is told, and checkpoints now and then.
 //!
-//! When a checkpoint is made depends on how long things take, and the run cannot tell: one is due when all of them
-//! together have cost a hundredth of the work, and it is worth the while. The run is copied, which is cheap, and a thread writes the
-//! copy down while the run goes on.
+//! When a checkpoint is made depends on how long things take (`cadence`), and the run cannot tell. The run is copied,
+//! which is cheap, and a thread writes the copy down while the run goes on.
 
+use super::cadence::{Cadence, by_thread};
 use super::changes::{self, CHANGES, Change};
 use super::checkpoints;
 use super::driver_state::DriverState;
 use super::end::JournalEnd;
 use super::head::{KeptRun, RUN};
 use super::ledgers::{LOG, Ledgers, OUTPUT};
+use super::outside::Outside;
 use crate::arguments::journal::SyncArgument;
 use crate::files::outputs::OutputFile;
 use anyhow::{Context, Result, bail};
 use rpl_link::journal::checkpoint;
 use rpl_link::journal::folder::{FolderFault, JournalFolder, write_whole};
+use rpl_link::journal::inputs;
 use rpl_link::journal::ledger::{Ledger, Written};
+use rpl_link::recording::Recorder;
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
-use rustix::time::ClockId;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What a checkpoint costs is at most one part in so many of the work.
-const WORK_FOR_COST: u32 = 100;
-
 /// What is there of a journal before it has its [`RUN`].
-const BEGINNINGS: [&str; 4] = ["lock", OUTPUT, LOG, "run.new"];
-
-/// What the first checkpoint is taken to cost: as much as any.
-const FIRST_COST: Duration = Duration::from_millis(5);
-
-/// Checkpoints closer together would save nothing that anybody notices, and fill the disk.
-const LEAST_WORK: Duration = Duration::from_millis(500);
+const BEGINNINGS: [&str; 5] = ["lock", OUTPUT, LOG, "inputs-000000", "run.new"];
 
 /// A journal that is written.
 #[derive(Debug)]
@@ -46,20 +40,18 @@ pub struct RunJournal {
     run: u32,
     output: Ledger,
     log: Ledger,
+    /// What comes from other processes, if there are any.
+    outside: Option<Outside>,
     sync: SyncArgument,
     /// When lines were brought to the disk last, and whether there are new ones.
     synced: Instant,
     has_new_lines: bool,
+    /// The thread that does so.
+    syncing: Option<JoinHandle<io::Result<()>>>,
     must: bool,
     /// Of the next checkpoint.
     number: u64,
-    /// What the last two checkpoints cost, and all of this process.
-    costs: [Duration; 2],
-    spent: Duration,
-    /// What the process had computed when the run began or went on.
-    began: Duration,
-    /// When the last checkpoint was made, by the clock and by what the process had computed.
-    since: (Instant, Duration),
+    cadence: Cadence,
     /// New definitions; so many have taken effect.
     changes: Vec<Change>,
     changes_taken: usize,
@@ -84,6 +76,8 @@ struct Trouble {
 enum Part {
     /// What grows.
     Ledgers,
+    /// What comes from other processes.
+    Inputs,
     /// The saved runs.
     Checkpoints,
     /// How it ended.
@@ -118,6 +112,22 @@ fn refuse_foreign(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// A folder for a new journal.
+///
+/// # Errors
+/// It has something in it, or cannot be written.
+pub fn begin_folder(path: &Path) -> Result<JournalFolder> {
+    let shown = path.display();
+    if path.join(RUN).exists() {
+        bail!("`{shown}` has a journal already: `rpl resume {shown}` goes on with it; or name another folder");
+    }
+    refuse_foreign(path)?;
+    let folder = take(path)?;
+    // Between the look and the lock somebody may have begun one.
+    refuse_foreign(path)?;
+    Ok(folder)
+}
+
 impl RunJournal {
     /// A journal of a run at its start, and the trace that belongs to it.
     ///
@@ -125,37 +135,39 @@ impl RunJournal {
     /// The folder has something in it, or cannot be written.
     pub fn begin(path: &Path, kept: &KeptRun, trace: Option<OutputFile>) -> Result<(Self, Option<Ledger>)> {
         let shown = path.display();
-        if path.join(RUN).exists() {
-            bail!("`{shown}` has a journal already: `rpl resume {shown}` goes on with it; or name another folder");
-        }
-        refuse_foreign(path)?;
-        let folder = take(path)?;
-        // Between the look and the lock somebody may have begun one.
-        refuse_foreign(path)?;
+        let folder = begin_folder(path)?;
         let ledgers = Ledgers::begin(path, trace)?;
         let outlives_power = kept.head.sync != SyncArgument::Never;
         let bytes = kept.bytes()?;
-        folder.write(RUN, &bytes, outlives_power).with_context(|| format!("cannot write the journal `{shown}`"))?;
-        Ok(Self::of(folder, kept, ledgers, 0))
+        let unwritten = || format!("cannot write the journal `{shown}`");
+        let outside = kept.head.has_outside().then(|| Outside::begin(path)).transpose().with_context(unwritten)?;
+        folder.write(RUN, &bytes, outlives_power).with_context(unwritten)?;
+        Ok(Self::of(folder, kept, ledgers, outside, 0))
     }
 
     /// The journal of a run that goes on.
-    pub fn of(folder: JournalFolder, kept: &KeptRun, ledgers: Ledgers, number: u64) -> (Self, Option<Ledger>) {
+    pub fn of(
+        folder: JournalFolder,
+        kept: &KeptRun,
+        ledgers: Ledgers,
+        outside: Option<Outside>,
+        number: u64,
+    ) -> (Self, Option<Ledger>) {
+        let number = outside.as_ref().map_or(number, |outside| number.max(outside.number()));
         let Ledgers { output, log, trace } = ledgers;
         let journal = Self {
             folder,
             run: kept.checksum,
             output,
             log,
+            outside,
             sync: kept.head.sync,
             synced: Instant::now(),
             has_new_lines: false,
+            syncing: None,
             must: kept.head.must,
             number,
-            costs: [FIRST_COST; 2],
-            spent: Duration::ZERO,
-            began: computed(ClockId::ProcessCPUTime),
-            since: (Instant::now(), computed(ClockId::ProcessCPUTime)),
+            cadence: Cadence::new(),
             changes: Vec::new(),
             changes_taken: 0,
             writing: None,
@@ -166,6 +178,41 @@ impl RunJournal {
 
     fn outlives_power(&self) -> bool {
         self.sync != SyncArgument::Never
+    }
+
+    /// What writes down what other processes say, if there are any.
+    pub fn recorder(&self) -> Option<Arc<Recorder>> {
+        self.outside.as_ref().map(Outside::recorder)
+    }
+
+    /// The run has gone on to its next instant.
+    pub fn instant_begun(&mut self, system: &System<Robot>) {
+        if let Some(outside) = &mut self.outside {
+            let time_us = system.machine.now_us;
+            let written = outside.instant_begun(time_us);
+            self.has_new_lines = true;
+            self.take_in(Part::Inputs, written, time_us);
+        }
+    }
+
+    /// Whether the run is gone on with, at the end of this instant, after its process has died.
+    pub fn resumes(&mut self, system: &System<Robot>) -> bool {
+        let Some(outside) = &mut self.outside else { return false };
+        let (resumes, written) = outside.resumes(system.machine.instant);
+        self.take_in(Part::Inputs, written, system.machine.now_us);
+        resumes
+    }
+
+    /// Whether the run hears again what it had heard before its process died.
+    pub fn is_past(&self) -> bool {
+        self.outside.as_ref().is_some_and(Outside::is_past)
+    }
+
+    /// The run was told to stop: what its clean-ups hear is not heard again.
+    pub fn stopped(&mut self) {
+        if let Some(outside) = &mut self.outside {
+            outside.close();
+        }
     }
 
     /// A line that a plan prints.
@@ -180,20 +227,27 @@ impl RunJournal {
         push_line(&mut self.log, line)
     }
 
-    /// Brings new lines to the disk, if it is time.
+    /// Brings new lines to the disk, if it is time. Once a second a thread does it: a robot does not wait for a disk.
     fn bring_to_disk(&mut self) -> io::Result<()> {
+        let is_busy = self.syncing.as_ref().is_some_and(|syncing| !syncing.is_finished());
         let is_time = match self.sync {
             SyncArgument::Always => true,
-            SyncArgument::Second => self.synced.elapsed() >= Duration::from_secs(1),
+            SyncArgument::Second => !is_busy && self.synced.elapsed() >= Duration::from_secs(1),
             SyncArgument::Never => false,
         };
         if !is_time || !self.has_new_lines {
             return Ok(());
         }
-        self.output.sync()?;
-        self.log.sync()?;
+        // What follows from inputs may not outlive them.
+        let inputs = self.outside.as_ref().map(Outside::handle).transpose()?;
+        let files: Vec<File> = inputs.into_iter().chain([self.output.handle()?, self.log.handle()?]).collect();
+        let bring = move || files.iter().try_for_each(File::sync_data);
         (self.synced, self.has_new_lines) = (Instant::now(), false);
-        Ok(())
+        if self.sync == SyncArgument::Always {
+            return bring();
+        }
+        let before = self.syncing.replace(std::thread::spawn(bring));
+        before.map_or(Ok(()), joined)
     }
 
     /// An instant is over, and what it printed was handed out.
@@ -209,22 +263,11 @@ impl RunJournal {
         if let Some(writing) = self.writing.take_if(|writing| writing.is_finished()) {
             let written = joined(writing);
             if let Ok(cost) = &written {
-                self.costs[0] += *cost;
-                self.spent += *cost;
+                self.cadence.add(*cost);
             }
             self.take_in(Part::Checkpoints, written.map(|_| ()), time_us);
         }
-        // Asking what was computed costs more than looking at the clock.
-        let (clock, computed_before) = self.since;
-        if self.writing.is_some() || clock.elapsed() < LEAST_WORK {
-            return false;
-        }
-        let now = computed(ClockId::ProcessCPUTime);
-        let (work, all_work) = (now.saturating_sub(computed_before), now.saturating_sub(self.began));
-        // One that was dear, because the robot was lost, says little about the next.
-        let cost = self.costs[0].min(self.costs[1]);
-        work >= LEAST_WORK
-            && (work >= cost * WORK_FOR_COST || all_work >= (self.spent + cost).saturating_mul(WORK_FOR_COST))
+        self.writing.is_none() && self.cadence.is_due()
     }
 
     /// Writes a checkpoint of a run all of whose tasks are blocked and whose output was handed out.
@@ -235,20 +278,16 @@ impl RunJournal {
         pose_due_us: u64,
         relocalizations: u64,
     ) {
-        let computed_before = computed(ClockId::ThreadCPUTime);
-        self.since = (Instant::now(), computed(ClockId::ProcessCPUTime));
+        let computed_before = by_thread();
         let time_us = system.machine.now_us;
         match self.prepared(system, trace, pose_due_us, relocalizations) {
             Ok(writing) => {
                 self.number += 1;
-                self.writing =
-                    Some(std::thread::spawn(move || writing.write().map(|()| computed(ClockId::ThreadCPUTime))));
+                self.writing = Some(std::thread::spawn(move || writing.write().map(|()| by_thread())));
             }
             Err(error) => self.take_in(Part::Checkpoints, Err(error), time_us),
         }
-        let cost = computed(ClockId::ThreadCPUTime).saturating_sub(computed_before);
-        self.costs = [cost, self.costs[0]];
-        self.spent += cost;
+        self.cadence.begin(by_thread().saturating_sub(computed_before));
     }
 
     fn prepared(
@@ -277,6 +316,9 @@ impl RunJournal {
             changes: self.changes_taken,
         };
         let (folder, number) = (self.folder.path().to_path_buf(), self.number);
+        if let Some(outside) = &mut self.outside {
+            outside.checkpoint(number)?;
+        }
         Ok(CheckpointWriting {
             folder,
             number,
@@ -300,6 +342,7 @@ impl RunJournal {
     /// New ones do not compile, or cannot be written down.
     pub fn take_changes(&mut self, system: &mut System<Robot>, trace: Option<&mut Ledger>) -> Result<()> {
         let is_level = self.output.is_level() && self.log.is_level() && trace.is_none_or(|trace| trace.is_level());
+        let is_level = is_level && !self.is_past();
         while let Some(change) = self.changes.get_mut(self.changes_taken) {
             let is_new = change.instant.is_none();
             match change.instant {
@@ -393,18 +436,12 @@ impl RunJournal {
     }
 }
 
-/// What this thread or process has computed so far; waiting for the disk, or for the clock, does not count.
-fn computed(by: ClockId) -> Duration {
-    let time = rustix::time::clock_gettime(by);
-    Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32)
-}
-
 fn push_line(ledger: &mut Ledger, line: &str) -> Written {
     ledger.push(format!("{line}\n").as_bytes())
 }
 
-fn joined(writing: JoinHandle<io::Result<Duration>>) -> io::Result<Duration> {
-    writing.join().unwrap_or_else(|_| Err(io::Error::other("the checkpoint could not be made")))
+fn joined<T>(writing: JoinHandle<io::Result<T>>) -> io::Result<T> {
+    writing.join().unwrap_or_else(|_| Err(io::Error::other("the thread that writes it has a fault")))
 }
 
 /// A checkpoint that is to be written.
@@ -433,6 +470,11 @@ impl CheckpointWriting {
         if outlives_power {
             files.iter().try_for_each(|(_, file)| file.sync_data())?;
         }
-        write_whole(&folder, &checkpoints::name(number), &[&before, &run], outlives_power)
+        write_whole(&folder, &checkpoints::name(number), &[&before, &run], outlives_power)?;
+        match checkpoints::numbers(&folder)?[..] {
+            [_, .., oldest] => inputs::drop_before(&folder, oldest),
+            // If the only one is damaged, the run goes on from its start.
+            [_] | [] => Ok(()),
+        }
     }
 }

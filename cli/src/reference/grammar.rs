@@ -17,7 +17,7 @@ const BEGINS: &str = r#"(?<![^\s()'`,";\[\]{}|@])"#;
 const ENDS: &str = r#"(?![^\s()'`,";\[\]{}|])"#;
 
 /// Definitions whose name is called afterwards.
-const CALLABLE: &[&str] = &["def-plan", "def-interp-proc", "defun", "defmacro", "deftest"];
+const CALLABLE: &[&str] = &["def-plan", "def-interp-proc", "def-resume", "defun", "defmacro", "deftest"];
 
 fn escaped(name: &str) -> String {
     name.chars().flat_map(|c| r"\.*+?()[]{}|^$".contains(c).then_some('\\').into_iter().chain([c])).collect()

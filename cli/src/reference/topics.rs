@@ -34,7 +34,7 @@ pub const TOPICS: &[Topic] = &[
         "definitions",
         "Definitions",
         "def-plan def-interp-proc defun defmacro defvar defconstant def-fluent global-fluent def-valve def-failure \
-         def-goal achieve defstruct deftest load",
+         def-goal achieve defstruct def-resume deftest load",
     ),
     topic(
         "control",

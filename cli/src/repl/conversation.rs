@@ -72,6 +72,7 @@ impl Prompt<'_> {
             terminal.print_above(&lines)?;
             if !lines.is_empty() || self.clock.is_none() || shown.elapsed() >= PROMPT_EVERY {
                 terminal.show_prompt(&self.live_prompt())?;
+                self.note_reached();
                 shown = Instant::now();
             }
         }

@@ -27,6 +27,7 @@ pub struct Definition {
 const MEANINGS: &[&str] = &[
     "def-plan",
     "def-interp-proc",
+    "def-resume",
     "defun",
     "defmacro",
     "defvar",

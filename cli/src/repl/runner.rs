@@ -118,6 +118,9 @@ impl<'a> Runner<'a> {
                     }
                 }
                 Stepped::Settled => {
+                    if self.session.intervene(self.console) {
+                        continue;
+                    }
                     if let Some(halt) = self.settled() {
                         return Ok(halt);
                     }

@@ -1,7 +1,8 @@
 //! What the prompt works on: a run, its history, the forks of it, and where it is to stop.
 
 use super::breakpoint::Breakpoint;
-use crate::files::plans::Folder;
+use super::intervention::Intervention;
+use crate::files::plans::{Folder, KeptLoad};
 use crate::interrupt;
 use crate::show::events::{self, ToldLine};
 use crate::show::failure_report::Reporter;
@@ -36,6 +37,8 @@ pub struct Branch {
     pub stop: Option<Stop>,
     /// Whether a form is under way.
     pub is_running: bool,
+    /// The segments of the timeline that began when what came to the run that is repeated came again.
+    pub interventions: Vec<u64>,
 }
 
 /// What came of forms beside the one that runs.
@@ -83,6 +86,8 @@ pub struct Session {
     texts: u32,
     /// The number of the text whose form is under way, if it was typed.
     pub number: Option<u32>,
+    /// What came to the run that is repeated while it stood still, in order.
+    pub interventions: Vec<Intervention>,
     /// Where the session that is repeated was stopped by hand, or typed at, next.
     pub horizon_us: Option<u64>,
 }
@@ -98,7 +103,8 @@ impl Session {
             .map_err(|rejected: Rejected| anyhow!("the session cannot start\n{}", rejected.render(false)))?;
         system.machine.trace.take();
         let timeline = Timeline::new(&system, Robot::bytes_apart);
-        let branch = Branch { system, timeline, log: VecDeque::new(), stop: None, is_running: false };
+        let branch =
+            Branch { system, timeline, log: VecDeque::new(), stop: None, is_running: false, interventions: Vec::new() };
         Ok(Self {
             branch,
             name: "main".to_string(),
@@ -109,8 +115,22 @@ impl Session {
             folder: Folder::Disk(".".into()),
             texts: 0,
             number: None,
+            interventions: Vec::new(),
             horizon_us: None,
         })
+    }
+
+    /// What the texts of a session that is repeated have loaded; without any, they load from the working folder.
+    pub fn give_loads(&mut self, loads: Vec<KeptLoad>) {
+        self.folder = match loads.is_empty() {
+            true => Folder::Disk(".".into()),
+            false => Folder::Kept { loads: loads.into(), is_built_in: false },
+        };
+    }
+
+    /// What typed texts load from.
+    pub fn folder(&self) -> Folder {
+        self.folder.clone()
     }
 
     /// The next text that is typed.
@@ -210,6 +230,7 @@ impl Session {
         branch.timeline.go_back_to(position);
         branch.stop = stop;
         branch.is_running = branch.system.answer().is_none() && !branch.system.is_waiting_for_form();
+        branch.interventions.retain(|&segment| segment <= position.segment);
         let next = branch.system.machine.trace.next_sequence;
         branch.log.retain(|event| event.sequence < next);
         self.restore_conditions();

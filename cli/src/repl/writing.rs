@@ -61,7 +61,10 @@ impl Prompt<'_> {
                 self.console.note("the text is empty; nothing is run");
                 Ok(())
             }
-            Ok(edited) => self.forms(&edited, &Until::End),
+            Ok(edited) => {
+                self.note_typed(&edited);
+                self.forms(&edited, &Until::End)
+            }
         }
     }
 

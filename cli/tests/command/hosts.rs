@@ -17,14 +17,14 @@ const DRIVE: &str =
     "(print 'begun)\n(unwind-protect (go-to 'corner) (print 'cleaned))\n(print (at-destination? 'corner))\n";
 
 /// A simulated host in a process of its own.
-struct Served {
-    child: Child,
+pub struct Served {
+    pub child: Child,
     out: BufReader<ChildStdout>,
-    address: String,
+    pub address: String,
 }
 
 impl Served {
-    fn start(arguments: &[&str]) -> Self {
+    pub fn start(arguments: &[&str]) -> Self {
         let common = ["simulate", "--world", "test-room", "--listen", "127.0.0.1:0", "--json"];
         let mut child = start(&[&common[..], arguments].concat());
         let mut out = BufReader::new(child.stdout.take().expect("the output is piped"));
@@ -34,8 +34,14 @@ impl Served {
         Self { child, out, address }
     }
 
+    /// Ends it by force.
+    pub fn end(mut self) {
+        self.child.kill().expect("it can be killed");
+        self.child.wait().expect("it is dead");
+    }
+
     /// Its summary, when it has ended.
-    fn summary(mut self) -> (Value, Ended) {
+    pub fn summary(mut self) -> (Value, Ended) {
         let mut rest = String::new();
         self.out.read_to_string(&mut rest).expect("the rest is text");
         let last = rest.lines().last().unwrap_or_default();

@@ -20,7 +20,7 @@ const DRIVE: &str = "(load \"part.rpl\")\n\
 const PART: &str = "(defun part (n) (log \"part\") (* n n))\n";
 
 /// Prints a line every 50 ms of its time, and computes in between.
-const COUNT: &str =
+pub const COUNT: &str =
     "(defvar n 0)\n(while (< n 400) (setq n (+ n 1)) (print (list n (random 100))) (wait-time 0.05))\n'counted\n";
 
 const SITE: [&str; 6] = ["--world", "test-room", "--grid", "coarse", "--seed", "7"];
@@ -33,7 +33,8 @@ fn undisturbed(folder: &Path, plan: &str) -> Ended {
     found
 }
 
-fn plans(name: &str) -> std::path::PathBuf {
+/// A folder with the plans.
+pub fn plans(name: &str) -> std::path::PathBuf {
     let folder = folder(name);
     put(&folder, "drive.rpl", DRIVE);
     put(&folder, "part.rpl", PART);
@@ -52,7 +53,7 @@ fn standing(folder: &Path) {
 }
 
 /// What it prints, without the summary, and the summary without what the clock has a part in.
-fn parts(out: &str) -> (String, Value) {
+pub fn parts(out: &str) -> (String, Value) {
     let (printed, summary) = match out.trim_end().rsplit_once('\n') {
         Some((printed, summary)) => (format!("{printed}\n"), summary),
         None => (String::new(), out.trim_end()),
@@ -305,7 +306,7 @@ fn what_is_no_journal_is_told() {
         (&["run", "count.rpl", "--journal", "full"], "has files that are none of a journal"),
         (&["run", "count.rpl", "--journal", "new/j", "--trace", "nowhere/t"], "there is no folder `nowhere`"),
         (&["run", "count.rpl", "--journal", "j", "--trace", "/dev/null"], "is a file, and `/dev/null` is none"),
-        (&["run", "count.rpl", "--journal", "j", "--figures", "f"], "cannot be used with"),
+        (&["run", "count.rpl", "--journal", "j", "--figures", "f"], "the same run without `--journal`"),
         (&["run", "count.rpl", "--sync", "never"], "--journal"),
     ] {
         let found = run_in(&folder, arguments);

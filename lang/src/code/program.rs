@@ -62,6 +62,8 @@ pub struct Program {
     pub macros: BTreeMap<Symbol, u32>,
     /// The tree of failure classes.
     pub failure_classes: BTreeMap<Symbol, FailureClass>,
+    /// Plans that run first when a run goes on in another process (`def-resume`), in the order of definition.
+    pub resumptions: Vec<Symbol>,
     /// The texts.
     pub sources: Sources,
     /// Places of codes that were given back, and are used again.

@@ -3,8 +3,8 @@
 //!
 //! A frame is its length and the checksum of length and content, little-endian u32 both, and the content.
 
-/// Length and checksum.
-const HEAD: usize = 2 * size_of::<u32>();
+/// What stands before a content: length and checksum.
+pub const HEAD: usize = 2 * size_of::<u32>();
 
 /// No frame is longer: lengths are counted in 32 bits.
 pub const MOST_BYTES: usize = u32::MAX as usize;

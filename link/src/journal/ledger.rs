@@ -5,7 +5,7 @@
 //! lost the end, or what followed came of something that is not repeated – the old end is cut off.
 
 use serde::{Deserialize, Serialize};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -52,6 +52,9 @@ pub struct Ledger {
 /// Why a ledger cannot be gone on with from a place.
 #[derive(Debug, thiserror::Error)]
 pub enum LedgerFault {
+    /// Another process writes it.
+    #[error("another process writes it, and only one can")]
+    Taken,
     /// It has not what it had.
     #[error("its first {0} bytes are not those that were written")]
     Changed(u64),
@@ -64,8 +67,9 @@ impl Ledger {
     /// A ledger in a file that is emptied. Pipes and devices cannot be gone on with, and are refused.
     ///
     /// # Errors
-    /// It cannot be emptied.
-    pub fn begin(file: File) -> io::Result<Self> {
+    /// Another process writes it, or it cannot be emptied.
+    pub fn begin(file: File) -> Result<Self, LedgerFault> {
+        take(&file)?;
         file.set_len(0)?;
         Ok(Self::behind(file, LedgerMark::default(), Vec::new()))
     }
@@ -73,9 +77,10 @@ impl Ledger {
     /// The ledger of a file that is there, from a place in it on.
     ///
     /// # Errors
-    /// The file is not what it was up to there.
+    /// Another process writes it, or it is not what it was up to there.
     pub fn go_on(path: &Path, mark: LedgerMark) -> Result<Self, LedgerFault> {
         let mut file = File::options().read(true).write(true).create(mark.length == 0).truncate(false).open(path)?;
+        take(&file)?;
         let mut hasher = crc32fast::Hasher::new();
         let (mut left, mut stretch) = (mark.length, vec![0; BUFFER_BYTES]);
         while left > 0 {
@@ -207,6 +212,14 @@ impl Ledger {
     }
 }
 
+/// A ledger outside of a journal's folder, such as a trace, has no other lock. The kernel releases it with the process.
+fn take(file: &File) -> Result<(), LedgerFault> {
+    file.try_lock().map_err(|fault| match fault {
+        TryLockError::WouldBlock => LedgerFault::Taken,
+        TryLockError::Error(error) => error.into(),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,6 +250,7 @@ mod tests {
             let mark = first.mark().expect("it is written");
             LINES[lines..].iter().for_each(|line| _ = first.push(line.as_bytes()));
             first.flush().expect("it is written");
+            drop(first);
             let length = fs::metadata(&path).expect("it is there").len();
             assert_eq!(length, whole.len() as u64);
             for cut in mark.length..=length {
@@ -265,6 +279,7 @@ mod tests {
         assert_eq!(ledger.push(b"one\n"), Written::Before);
         assert_eq!(ledger.push(b"less\n"), Written::Now);
         ledger.flush().expect("it is written");
+        drop(ledger);
         assert_eq!(fs::read_to_string(&path).expect("it is there"), "one\nless\n");
         let mut shorter = Ledger::go_on(&path, LedgerMark::default()).expect("it is there");
         assert_eq!(shorter.push(b"one\n"), Written::Before);
@@ -274,11 +289,24 @@ mod tests {
     }
 
     #[test]
+    fn a_ledger_has_one_writer() {
+        let path = path("taken");
+        let first = begin(&path);
+        let second = File::options().read(true).write(true).open(&path).expect("it is there");
+        assert!(matches!(Ledger::begin(second), Err(LedgerFault::Taken)));
+        assert!(matches!(Ledger::go_on(&path, LedgerMark::default()), Err(LedgerFault::Taken)));
+        drop(first);
+        assert!(Ledger::go_on(&path, LedgerMark::default()).is_ok());
+        fs::remove_file(&path).ok();
+    }
+
+    #[test]
     fn a_changed_beginning_is_no_place_to_go_on_from() {
         let path = path("changed");
         let mut ledger = begin(&path);
         ledger.push(b"one\ntwo\n");
         let mark = ledger.mark().expect("it is written");
+        drop(ledger);
         for changed in [&b"one\ntwp\n"[..], b"one\ntwo", b""] {
             fs::write(&path, changed).expect("it can be written");
             assert!(matches!(Ledger::go_on(&path, mark), Err(LedgerFault::Changed(8))), "{changed:?}");

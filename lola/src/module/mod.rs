@@ -84,8 +84,8 @@ impl Module for Lola {
         Self { settings: settings.clone(), ..Self::default() }
     }
 
-    fn resume(&mut self, settings: &LolaSettings) -> Result<(), String> {
-        self.settings = settings.clone();
+    fn resume(&mut self, at_start: &Self) -> Result<(), String> {
+        self.settings = at_start.settings.clone();
         self.markers.iter_mut().for_each(Seeing::resume);
         Ok(())
     }

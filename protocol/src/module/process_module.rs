@@ -16,6 +16,7 @@ use rpl_runtime::robot::{BehaviourSpec, Ending, RobotEvent, StopReason};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -46,8 +47,22 @@ pub struct ProcessModule {
     lost: Option<String>,
 }
 
+/// What changes of a module: the rest is what it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SavedModule {
+    /// Turns that are over.
+    turn: u64,
+    /// What was not yet said, as JSON.
+    unsaid: String,
+    activations: Vec<Activation>,
+    next_id: u64,
+    drive: Option<Drive>,
+    answered_us: Option<u64>,
+    lost: Option<String>,
+}
+
 /// The last activation of a behaviour.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 enum Activation {
     #[default]
     Never,
@@ -85,6 +100,58 @@ impl ProcessModule {
             answered_us: None,
             lost: None,
         }
+    }
+
+    /// What a saved run has of it.
+    pub fn saved(&self) -> SavedModule {
+        let unsaid = match serde_json::to_string(&self.unsaid) {
+            Ok(unsaid) => unsaid,
+            Err(error) => unreachable!("what will be said can be written: {error}"),
+        };
+        SavedModule {
+            turn: self.conversation.turn(),
+            unsaid,
+            activations: self.activations.clone(),
+            next_id: self.next_id,
+            drive: self.drive,
+            answered_us: self.answered_us,
+            lost: self.lost.clone(),
+        }
+    }
+
+    /// Goes on where it stood when it was saved.
+    ///
+    /// # Errors
+    /// What was saved is none of this module.
+    pub fn restore(&mut self, saved: SavedModule) -> Result<(), String> {
+        let name = &self.manifest.name;
+        let unsaid = serde_json::from_str(&saved.unsaid)
+            .map_err(|error| format!("what the module `{name}` was to be told is damaged: {error}"))?;
+        if saved.activations.len() != self.activations.len() {
+            return Err(format!("the run was saved with other behaviours of the module `{name}`"));
+        }
+        self.conversation.go_on_at(saved.turn);
+        (self.unsaid, self.activations, self.next_id) = (unsaid, saved.activations, saved.next_id);
+        (self.drive, self.answered_us, self.lost) = (saved.drive, saved.answered_us, saved.lost);
+        Ok(())
+    }
+
+    /// Its process was started anew, and knows nothing of what it was told before: behaviours that were at work
+    /// are not gone on with, by their place in the manifest. If it was lost, it is there again.
+    pub fn renew(&mut self) -> Vec<usize> {
+        let mut interrupted = Vec::new();
+        for (behaviour, activation) in self.activations.iter_mut().enumerate() {
+            match *activation {
+                Activation::Active(id) => {
+                    *activation = Activation::Ended(id);
+                    interrupted.push(behaviour);
+                }
+                Activation::Never | Activation::Stopped(_) | Activation::Ended(_) => {}
+            }
+        }
+        self.unsaid.clear();
+        (self.drive, self.answered_us, self.lost) = (None, None, None);
+        interrupted
     }
 
     /// What it offers.

@@ -2,7 +2,7 @@
 
 use super::manifest::Manifest;
 use super::message::{Greeting, ModuleAnswer, ModuleWords};
-use super::process_module::ProcessModule;
+use super::process_module::{ProcessModule, SavedModule};
 use crate::line::{Conversation, Line};
 use rpl_robot::geometry::Velocity;
 use rpl_robot::office::{
@@ -72,15 +72,27 @@ impl ModuleSources {
     }
 }
 
-/// The modules in other processes of a run. What they are is theirs: a saved run has nothing of them but how
-/// many there were, and with one it cannot be gone on with.
+/// The modules in other processes of a run. What they are is theirs: a saved run has what was said to them and
+/// what is expected of them.
 #[derive(Clone, Serialize, Deserialize)]
+#[serde(into = "Vec<SavedModule>", from = "Vec<SavedModule>")]
 pub struct ProcessModules {
-    count: usize,
-    #[serde(skip)]
     modules: Vec<ProcessModule>,
-    #[serde(skip)]
     layout: Layout,
+    /// What was loaded, and has no modules yet.
+    saved: Vec<SavedModule>,
+}
+
+impl From<ProcessModules> for Vec<SavedModule> {
+    fn from(modules: ProcessModules) -> Self {
+        modules.modules.iter().map(ProcessModule::saved).collect()
+    }
+}
+
+impl From<Vec<SavedModule>> for ProcessModules {
+    fn from(saved: Vec<SavedModule>) -> Self {
+        Self { modules: Vec::new(), layout: Layout::default(), saved }
+    }
 }
 
 impl ProcessModules {
@@ -113,17 +125,24 @@ impl Module for ProcessModules {
         let opened = sources.0.iter().map(|ModuleSource { manifest, open, .. }| {
             ProcessModule::new(manifest.clone(), Conversation::new(open(greeting)))
         });
-        Self { count: sources.0.len(), modules: opened.collect(), layout: Self::layout(sources) }
+        Self { modules: opened.collect(), layout: Self::layout(sources), saved: Vec::new() }
     }
 
-    fn resume(&mut self, sources: &ModuleSources) -> Result<(), String> {
-        self.layout = Self::layout(sources);
-        match self.count {
-            0 => Ok(()),
-            _ => {
-                Err("the run was saved with modules in other processes, and what these were doing is not in it".into())
-            }
+    fn resume(&mut self, at_start: &Self) -> Result<(), String> {
+        let saved = std::mem::take(&mut self.saved);
+        if saved.len() != at_start.modules.len() {
+            return Err("the run was saved with other modules in other processes".into());
         }
+        (self.modules, self.layout) = (at_start.modules.clone(), at_start.layout.clone());
+        self.modules.iter_mut().zip(saved).try_for_each(|(module, saved)| module.restore(saved))
+    }
+
+    fn renew(&mut self, tell: &mut Telling<'_>) -> bool {
+        for (part, module) in self.layout.parts().zip(&mut self.modules) {
+            let mut tell = tell.of(part);
+            module.renew().into_iter().for_each(|behaviour| tell.interrupt(behaviour));
+        }
+        !self.modules.is_empty()
     }
 
     fn start(

@@ -21,6 +21,7 @@ mod model;
 mod parameters;
 mod plane;
 mod reading;
+mod saved_cells;
 mod scan;
 mod scan_match;
 mod scan_parameters;

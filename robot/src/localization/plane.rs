@@ -3,6 +3,7 @@
 use super::grid::BeliefGrid;
 use super::kernel::{self, Extent};
 use super::model::LocalizationModel;
+use super::saved_cells;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -24,29 +25,6 @@ pub enum Activity {
     /// same amount to every cell, which stays exact as the second term; the plane comes back when
     /// its largest cell reaches θ, which for a floor of 0 is the paper's rule.
     Inactive,
-}
-
-/// Cells as bytes, little-endian, written and read as a whole: a saved run is mostly cells.
-mod saved_cells {
-    use serde::de::Error;
-    use serde::{Deserializer, Serializer};
-    use serde_bytes::ByteBuf;
-    use std::sync::Arc;
-
-    pub fn serialize<S: Serializer>(cells: &Arc<Vec<f32>>, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut bytes = vec![0; size_of::<f32>() * cells.len()];
-        let (places, _) = bytes.as_chunks_mut();
-        for (place, cell) in places.iter_mut().zip(cells.iter()) {
-            *place = cell.to_le_bytes();
-        }
-        serde_bytes::serialize(&bytes, serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Arc<Vec<f32>>, D::Error> {
-        let bytes: ByteBuf = serde_bytes::deserialize(deserializer)?;
-        let (cells, []) = bytes.as_chunks() else { return Err(D::Error::custom("half a cell")) };
-        Ok(Arc::new(cells.iter().map(|cell| f32::from_le_bytes(*cell)).collect()))
-    }
 }
 
 /// The cells of one heading. Clones share the cells until one of them is written.

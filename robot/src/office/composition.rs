@@ -68,11 +68,19 @@ macro_rules! modules {
                 Self { $($field: $crate::office::Module::new($field, model, seed),)+ layout }
             }
 
-            fn resume(&mut self, settings: &Self::Settings) -> ::std::result::Result<(), ::std::string::String> {
-                self.layout = Self::layout(settings);
-                let ($($field,)+) = settings;
-                $($crate::office::Module::resume(&mut self.$field, $field)?;)+
+            fn resume(&mut self, at_start: &Self) -> ::std::result::Result<(), ::std::string::String> {
+                self.layout = at_start.layout.clone();
+                $($crate::office::Module::resume(&mut self.$field, &at_start.$field)?;)+
                 Ok(())
+            }
+
+            fn renew(&mut self, tell: &mut $crate::office::Telling<'_>) -> bool {
+                let mut parts = self.layout.parts();
+                let mut is_outside = false;
+                $(if let Some(part) = parts.next() {
+                    is_outside |= $crate::office::Module::renew(&mut self.$field, &mut tell.of(part));
+                })+
+                is_outside
             }
 
             fn start(

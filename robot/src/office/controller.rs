@@ -104,6 +104,11 @@ impl<M: Module> Controller<M> {
         self.modules.stop(behaviour, why, &mut Telling::of_all(outbox));
     }
 
+    /// What speaks for modules outside was started anew. Whether there is such a thing.
+    pub(super) fn renew(&mut self, outbox: &mut Outbox) -> bool {
+        self.modules.renew(&mut Telling::of_all(outbox))
+    }
+
     /// What functions of plans work on: the model, what the modules share, or a module.
     pub(super) fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
         if of == TypeId::of::<Arc<OfficeModel>>() {

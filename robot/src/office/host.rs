@@ -18,6 +18,12 @@ pub trait Host {
     /// # Errors
     /// The host is gone: no step can follow.
     fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost>;
+
+    /// The process of the run had ended, and another one goes on with it. Whether the world has gone on
+    /// meanwhile; one that is a part of the run has not.
+    fn renew(&mut self) -> bool {
+        false
+    }
 }
 
 /// A host whose part of a run can be written down.

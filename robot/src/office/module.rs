@@ -64,12 +64,19 @@ pub trait Module: Clone + Serialize + DeserializeOwned + 'static {
     /// Its state at the start of a run. What it leaves to chance follows from the seed.
     fn new(settings: &Self::Settings, model: &OfficeModel, seed: u64) -> Self;
 
-    /// Takes back what is no part of a saved state, after that was loaded.
+    /// Takes back what is no part of a saved state, after that was loaded, from the same module at the start of
+    /// a run.
     ///
     /// # Errors
     /// The state does not belong to these settings, or cannot be gone on with.
-    fn resume(&mut self, _settings: &Self::Settings) -> Result<(), String> {
+    fn resume(&mut self, _at_start: &Self) -> Result<(), String> {
         Ok(())
+    }
+
+    /// The process of the run had ended, and another one goes on with it. What was done outside the run is not
+    /// gone on with: it is told as interrupted. Whether there is such a thing.
+    fn renew(&mut self, _tell: &mut Telling<'_>) -> bool {
+        false
     }
 
     /// Starts one of its behaviours.
@@ -203,6 +210,11 @@ impl<'a> Telling<'a> {
     /// How one of its behaviours ended by itself.
     pub fn end(&mut self, behaviour: usize, ending: Ending) {
         self.outbox.endings.push(((self.first_behaviour + behaviour) as u16, ending));
+    }
+
+    /// One of its behaviours is not gone on with.
+    pub fn interrupt(&mut self, behaviour: usize) {
+        self.outbox.interrupted.push((self.first_behaviour + behaviour) as u16);
     }
 
     /// Something worth a line in the trace.

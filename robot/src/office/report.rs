@@ -45,6 +45,8 @@ macro_rules! reports {
 }
 
 reports! {
+    /// The run goes on in another process than before, and the world has not waited.
+    Resumed => "resumed",
     /// A plan has given the estimate up.
     PositionDoubted => "position doubted",
     /// The position does not count as known any more.
@@ -170,7 +172,7 @@ impl ReportKind {
 impl Report {
     fn details(self) -> Vec<(&'static str, String)> {
         match self {
-            Self::PositionDoubted => vec![],
+            Self::PositionDoubted | Self::Resumed => vec![],
             Self::PositionLost { certainty } | Self::PositionFound { certainty } => {
                 vec![("certainty", format!("{certainty:.2}"))]
             }

@@ -157,6 +157,25 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
         self.lost.is_none().then(|| self.model().settings.robot.step_us)
     }
 
+    /// Where the world has gone on, all that the robot was doing in it is interrupted, and its position is
+    /// doubted: somebody may have moved it.
+    fn renew(&mut self, outbox: &mut Outbox) -> bool {
+        let is_module_outside = self.controller.renew(outbox);
+        let is_host_outside = self.lost.is_none() && self.host.renew();
+        if is_host_outside {
+            let Controller { model, board, .. } = &mut self.controller;
+            if model.map.is_some() {
+                board.position.doubt();
+            }
+            outbox.interrupted = (0..self.tables().behaviours.len() as u16).collect();
+        }
+        let is_outside = is_module_outside || is_host_outside;
+        if is_outside {
+            outbox.events.push(Report::Resumed.into());
+        }
+        is_outside
+    }
+
     fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
         let commands = self.controller.take_commands(phases);
         let mut reports = Vec::new();

@@ -13,7 +13,7 @@ use crate::localization::LocalizationParameters;
 use crate::simulator::SimulatorState;
 use crate::world::World;
 use rpl_runtime::run::library::Loaded;
-use rpl_runtime::run::save::SaveOutside;
+use rpl_runtime::run::save::{SaveOutside, append};
 use rpl_runtime::run::system::System;
 use serde::{Deserialize, Serialize};
 use serde_bytes::ByteBuf;
@@ -46,10 +46,7 @@ impl Setting {
 }
 
 fn written(value: &impl Serialize) -> Vec<u8> {
-    match postcard::to_allocvec(value) {
-        Ok(bytes) => bytes,
-        Err(error) => unreachable!("every length is known: {error}"),
-    }
+    append(Vec::new(), value)
 }
 
 fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
@@ -57,10 +54,10 @@ fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
 }
 
 impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
-    fn save(&self) -> Vec<u8> {
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
         let setting = written(&Setting::of(self));
         let Controller { board, modules, .. } = &self.controller;
-        written(&(ByteBuf::from(setting), board, modules, ByteBuf::from(self.host.save()), &self.lost))
+        append(bytes, &(ByteBuf::from(setting), board, modules, ByteBuf::from(self.host.save()), &self.lost))
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
@@ -93,7 +90,7 @@ impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
         }
         type Changing<M> = (Board, M, ByteBuf, Option<HostLost>);
         let (board, mut modules, host, lost): Changing<M> = read(rest)?;
-        modules.resume(&self.controller.composition.settings)?;
+        modules.resume(&self.controller.modules)?;
         if board.position.localization().is_some() != here.map_known {
             return Err("its state is damaged: only a robot with a map has a belief".into());
         }
@@ -133,8 +130,8 @@ fn restored(bytes: &[u8], fresh: System<Oracle>) -> Result<System<Oracle>, Strin
 }
 
 impl SaveOutside for Oracle {
-    fn save(&self) -> Vec<u8> {
-        written(&(&self.state, &self.deeds))
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
+        append(bytes, &(&self.state, &self.deeds))
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {

@@ -131,6 +131,8 @@ pub struct Outbox {
     pub fluents: Vec<(usize, Reading)>,
     /// Behaviours that ended.
     pub endings: Vec<(u16, Ending)>,
+    /// Behaviours that are not gone on with: what did them was started anew.
+    pub interrupted: Vec<u16>,
     /// Things worth a line in the trace.
     pub events: Vec<RobotEvent>,
     /// The robot is gone, told once: one sentence that says why. It makes no step any more
@@ -177,6 +179,13 @@ pub trait Outside: 'static {
     /// Microseconds between two steps; none if there is no robot, or if it is gone.
     fn period_us(&self) -> Option<u64> {
         None
+    }
+
+    /// What lies outside the run was started anew, between two steps, because the process of the run had ended:
+    /// what it was doing is not gone on with, and what was known of the world may not hold any more. Whether
+    /// there is such a thing; a run whose world is a part of it has none.
+    fn renew(&mut self, _outbox: &mut Outbox) -> bool {
+        false
     }
 
     /// One step: commands go out, percepts come in, behaviours work. Which of them do is told by

@@ -10,6 +10,7 @@ mod instants;
 mod invariants;
 pub mod library;
 mod macro_host;
+pub mod resumption;
 pub mod save;
 pub mod session;
 pub mod stepping;

@@ -8,7 +8,7 @@
 //! The checksum finds accidents; it is no guard against bytes that were forged with care.
 //!
 //! Layout: `RPLSAVE`, then little-endian u32: version, fingerprint of the program, checksum of the
-//! rest; the rest is [`postcard`].
+//! rest; the rest is [`postcard`], and behind it what the robot added.
 
 use crate::robot::{NoRobot, Outside};
 use crate::run::base::Base;
@@ -19,11 +19,11 @@ use crate::run::system::{SLICE_STEPS, System};
 use crate::run::units::Units;
 use crate::run::validate::{Bounds, validate_program};
 use crate::state::machine::Machine;
+use postcard::ser_flavors::Flavor;
 use rpl_lang::code::{Code, Constant, FailureClass, Global, Program};
 use rpl_lang::source::{Source, SourceId};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
-use serde_bytes::ByteBuf;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
@@ -38,10 +38,10 @@ const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 /// A robot whose state can be written down. What never changes – maps, models – is not part of it:
 /// `load` fills a robot that was built anew.
 pub trait SaveOutside: Outside {
-    /// What changes.
-    fn save(&self) -> Vec<u8>;
+    /// Adds what changes to the bytes; [`append`] is what most need.
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Takes over what [`SaveOutside::save`] gave.
+    /// Takes over what [`SaveOutside::save`] added.
     ///
     /// # Errors
     /// One sentence on why the bytes do not fit this robot.
@@ -49,8 +49,8 @@ pub trait SaveOutside: Outside {
 }
 
 impl SaveOutside for NoRobot {
-    fn save(&self) -> Vec<u8> {
-        Vec::new()
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
+        bytes
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
@@ -99,7 +99,7 @@ impl Base {
     fn fingerprint(&self, library: &Library) -> u32 {
         *self.fingerprint.get_or_init(|| {
             let mut hasher = crc32fast::Hasher::new();
-            hasher.update(&encode(&*self.program));
+            hasher.update(&append(Vec::new(), &*self.program));
             for native in library.natives.iter() {
                 hasher.update(native.name.as_bytes());
                 hasher.update(b"\n");
@@ -121,6 +121,7 @@ struct Addition {
     names: Option<BTreeMap<Symbol, u32>>,
     macros: Option<BTreeMap<Symbol, u32>>,
     failure_classes: Option<BTreeMap<Symbol, FailureClass>>,
+    resumptions: Option<Vec<Symbol>>,
     units: Units,
 }
 
@@ -148,6 +149,7 @@ impl Addition {
             names: changed(&base.names, &now.names),
             macros: changed(&base.macros, &now.macros),
             failure_classes: changed(&base.failure_classes, &now.failure_classes),
+            resumptions: changed(&base.resumptions, &now.resumptions),
             units: units.clone(),
         }
     }
@@ -169,17 +171,39 @@ impl Addition {
         program.names = self.names.unwrap_or(program.names);
         program.macros = self.macros.unwrap_or(program.macros);
         program.failure_classes = self.failure_classes.unwrap_or(program.failure_classes);
+        program.resumptions = self.resumptions.unwrap_or(program.resumptions);
         (Arc::new(program), self.units)
     }
 }
 
-/// Nothing that is saved can fail to be written: all lengths are known, and memory is all it needs.
-fn encode(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
-    written(postcard::to_allocvec(value))
+/// Where a value is written behind what is there. A robot's state is tens of megabytes while it is lost, and is written
+/// to its place at once.
+struct Behind(Vec<u8>);
+
+impl Flavor for Behind {
+    type Output = Vec<u8>;
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.0.push(byte);
+        Ok(())
+    }
+
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        self.0.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<Vec<u8>> {
+        Ok(self.0)
+    }
 }
 
-fn written(encoded: postcard::Result<Vec<u8>>) -> Vec<u8> {
-    match encoded {
+/// The bytes, and a value behind them.
+///
+/// # Panics
+/// The value cannot be written: nothing that is saved may be like that, and all lengths are known.
+pub fn append(bytes: Vec<u8>, value: &(impl Serialize + ?Sized)) -> Vec<u8> {
+    match postcard::serialize_with_flavor(value, Behind(bytes)) {
         Ok(bytes) => bytes,
         Err(error) => unreachable!("a saved type cannot be written: {error}"),
     }
@@ -195,15 +219,12 @@ impl<O: SaveOutside> System<O> {
     /// The run as bytes. Cost: proportional to the state.
     pub fn save(&self) -> Vec<u8> {
         let addition = Addition::between(&self.base.program, &self.program, &self.units);
-        let outside = ByteBuf::from(self.outside.save());
-        // Most of it is the robot's; what else there is has room, and seldom needs more.
-        let mut bytes = Vec::with_capacity(HEADER + outside.len() + self.machine.used_bytes());
+        let mut bytes = Vec::with_capacity(HEADER + self.machine.used_bytes());
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&VERSION.to_le_bytes());
         bytes.extend_from_slice(&self.base.fingerprint(&self.library).to_le_bytes());
         bytes.extend_from_slice(&[0; 4]);
-        let payload = (addition, &self.machine, self.next_step_us, outside);
-        let mut bytes = written(postcard::to_extend(&payload, bytes));
+        let mut bytes = self.outside.save(append(bytes, &(addition, &self.machine, self.next_step_us)));
         let checksum = crc32fast::hash(&bytes[HEADER..]);
         bytes[HEADER - 4..HEADER].copy_from_slice(&checksum.to_le_bytes());
         bytes
@@ -216,7 +237,7 @@ impl<O: SaveOutside> System<O> {
         difference("machine", &self.machine, &other.machine)
             .or_else(|| difference("program", &addition(self), &addition(other)))
             .or_else(|| difference("next_step_us", &self.next_step_us, &other.next_step_us))
-            .or_else(|| difference("robot", &self.outside.save(), &other.outside.save()))
+            .or_else(|| difference("robot", &self.outside.save(Vec::new()), &other.outside.save(Vec::new())))
     }
 
     /// A run read from bytes. `loaded` is the same program, compiled again with the same library;
@@ -243,13 +264,10 @@ impl<O: SaveOutside> System<O> {
         if word(bytes, HEADER - 8) != base.fingerprint(&library) {
             return Err(SaveError::Program);
         }
-        type Payload = (Addition, Machine, u64, ByteBuf);
-        let ((addition, machine, next_step_us, robot), rest) =
+        type Payload = (Addition, Machine, u64);
+        let ((addition, machine, next_step_us), robot) =
             postcard::take_from_bytes::<Payload>(payload).map_err(|_| SaveError::Damaged)?;
-        if !rest.is_empty() {
-            return Err(SaveError::Damaged);
-        }
-        outside.load(&robot).map_err(SaveError::Outside)?;
+        outside.load(robot).map_err(SaveError::Outside)?;
         let (program, units) = addition.add_to(&base.program);
         let bounds =
             Bounds { program: &program, natives: library.natives.len(), behaviours: outside.tables().behaviours.len() };

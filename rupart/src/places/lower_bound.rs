@@ -23,9 +23,9 @@ impl LowerBounds {
         let mut landmark = 0;
         for number in 0..LANDMARKS {
             let lengths_m = lengths_from(stretches, PlaceId(landmark as u32));
-            for (place, &length_m) in lengths_m.iter().enumerate() {
-                to_landmark_m[place][number] = length_m;
-                nearest_m[place] = length_m.min(nearest_m[place]);
+            for ((bounds_m, nearest_m), length_m) in to_landmark_m.iter_mut().zip(&mut nearest_m).zip(lengths_m) {
+                bounds_m[number] = length_m;
+                *nearest_m = length_m.min(*nearest_m);
             }
             // A part without a landmark is farthest of all. The first of those at the same distance.
             landmark = (0..stretches.len())

@@ -109,10 +109,10 @@ impl Outside for Whim {
 }
 
 impl SaveOutside for Whim {
-    fn save(&self) -> Vec<u8> {
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
         let period = self.period_us.unwrap_or(0).to_le_bytes();
         let flags = [u8::from(self.active[0]), u8::from(self.active[1])];
-        [&period[..], &self.turns.to_le_bytes(), &flags].concat()
+        [&bytes, &period[..], &self.turns.to_le_bytes(), &flags].concat()
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {

@@ -70,6 +70,14 @@ pub(super) const FORMS: &[SpecialForm] = &[
         role: Role::Naming(|compiler, written, _| compiler.define_goal(written.rest(), written.span)),
     },
     SpecialForm {
+        names: &["def-resume"],
+        form: "(def-resume NAME [\"DOC\"] FORM...)",
+        doc: "Defines a plan without parameters that runs by itself, before all else, when a run with a host or a module in another process goes on after a crash (`rpl resume`): the world has not waited, and the plan may look at it first.",
+        example: "(def-fluent cup-in-hand nil)\n(def-resume look-at-hand\n  \"Nobody knows what became of the cup.\"\n  (setf (value cup-in-hand) nil))",
+        layout: Some(Layout::plain(Body(1))),
+        role: Role::Naming(|compiler, written, _| compiler.define_resumption(written.rest(), written.span)),
+    },
+    SpecialForm {
         names: &["def-fluent", "global-fluent"],
         form: "(def-fluent NAME VALUE [\"DOC\"])",
         doc: "Defines a fluent: a value that changes over time and wakes tasks.",
@@ -161,11 +169,26 @@ impl Compiler<'_> {
         // The name is known inside the body, so that a function can call itself.
         let global = self.define_global(name, GlobalKind::Function(u32::MAX), doc.clone(), Some(span));
         self.program.macros.remove(&name);
+        self.program.resumptions.retain(|&known| known != name);
         let mut function = self.function(name, kind, parameters, &rest[2 + skip..], span);
         function.doc = doc;
         let code = emit::emit(self, &function, &[]);
         self.program.globals[global as usize].kind = GlobalKind::Function(code);
         self.note_definition(name, span, Defined::Function(global, function));
+    }
+
+    /// `(def-resume NAME FORM...)`: a plan without parameters; defined again, it keeps its turn.
+    fn define_resumption(&mut self, rest: &[NodeId], span: Span) {
+        let Some((&node, body)) = rest.split_first() else {
+            self.malformed(span, "`(def-resume NAME FORM...)`");
+            return;
+        };
+        let Some(name) = self.defined_name(Some(&node), "`(def-resume NAME FORM...)`", span) else { return };
+        let turn = self.program.resumptions.iter().position(|&known| known == name);
+        let no_parameters = self.tree.list(&[], span);
+        self.define_function(CodeKind::Plan, "def-plan", &[&[node, no_parameters], body].concat(), span);
+        let resumptions = &mut self.program.resumptions;
+        resumptions.insert(turn.unwrap_or(resumptions.len()), name);
     }
 
     fn define_macro(&mut self, rest: &[NodeId], span: Span) {

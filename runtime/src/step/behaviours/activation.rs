@@ -25,6 +25,9 @@ impl Machine {
         for (behaviour, ending) in outbox.endings {
             self.behaviour_ended(around, behaviour, ending);
         }
+        for behaviour in outbox.interrupted {
+            self.take_goals(around, behaviour);
+        }
     }
 
     /// The fluent of a number in the robot's table; none without a robot.
@@ -160,11 +163,19 @@ impl Machine {
 
     /// A behaviour loses its goals, if the current task or a descendant activated it.
     pub fn remove_goals(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
-        let entry = self.activation(behaviour).clone();
-        let owner = entry.task.and_then(|owner| self.tasks.find(owner));
-        if entry.phase == Phase::Active && owner.is_some_and(|owner| self.is_within(owner, self.current)) {
+        let owner = self.activation(behaviour).task.and_then(|owner| self.tasks.find(owner));
+        if owner.is_some_and(|owner| self.is_within(owner, self.current)) {
+            self.take_goals(around, behaviour);
+        }
+    }
+
+    /// A behaviour that is at work loses its goals, whoever activated it.
+    fn take_goals(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
+        let entry = self.activation(behaviour);
+        let (phase, task) = (entry.phase, entry.task);
+        if phase == Phase::Active {
             self.stop_behaviour(around, behaviour, StopReason::Interrupted);
-            self.release_activation(around, behaviour, entry.task);
+            self.release_activation(around, behaviour, task);
         }
     }
 

@@ -1,0 +1,24 @@
+//! A file that a run was read from, and what shows that it is still the same.
+
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// A file as it was.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct KeptFile {
+    /// From the root.
+    pub path: PathBuf,
+    /// CRC-32 of its bytes.
+    pub checksum: u32,
+}
+
+impl KeptFile {
+    /// A file as it is now; none if it is not there.
+    pub fn now(path: &Path) -> Option<Self> {
+        // Pipes and devices are not what they were, and would be waited for.
+        let is_file = path.metadata().is_ok_and(|known| known.is_file());
+        let bytes = is_file.then(|| std::fs::read(path).ok())??;
+        let path = std::path::absolute(path).ok()?;
+        Some(Self { path, checksum: crc32fast::hash(&bytes) })
+    }
+}
