@@ -31,6 +31,8 @@ pub(crate) struct Drive {
     /// Where the robot was on the map when the detection was started.
     pub detected_from: Pose,
     pub odometry_in_odom: Pose,
+    /// What the sonars heard last.
+    pub ranges_m: Vec<f32>,
     pub percepts: Vec<Percept>,
     /// Where there are markers, if there is a camera.
     pub markers_in_odom: Option<Vec<Point>>,
@@ -51,6 +53,7 @@ impl Drive {
             state,
             detection: None,
             odometry_in_odom: Pose::default(),
+            ranges_m: Vec::new(),
             percepts: Vec::new(),
             markers_in_odom: None,
             drive: LocalDrive::follow(Vec::new()),
@@ -72,6 +75,7 @@ impl Drive {
         let scan = SonarScan { sonars, ranges_m };
         let odometry_in_odom = percept.odometry_in_odom;
         self.odometry_in_odom = odometry_in_odom;
+        self.ranges_m.clone_from(ranges_m);
         self.registration.take_in(odometry_in_odom, scan);
         let (along, left) = axes_in_odom(self.registration.heading_in_odom_rad());
         let at = odometry_in_odom.point().coords;

@@ -69,6 +69,25 @@ impl Feature {
     }
 }
 
+/// A part of a hallway's side before which something stands, a box or somebody: a closed door there does not show.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HiddenWall {
+    /// On which side.
+    pub side: Side,
+    /// Where it begins along the hallway's axis, in metres from where the detection was started.
+    pub from_m: f64,
+    /// Where it ends.
+    pub to_m: f64,
+}
+
+impl HiddenWall {
+    /// The same as seen by one who drives the other way: see [`Percept::turned`].
+    #[must_use]
+    pub fn turned(&self, turned_at_m: f64) -> Self {
+        Self { side: self.side.other(), from_m: turned_at_m - self.to_m, to_m: turned_at_m - self.from_m }
+    }
+}
+
 /// A feature as it was perceived, when the robot had passed it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Percept {

@@ -52,6 +52,11 @@ impl ContourPoint {
         self.robot_along_m + self.reading.foot_m(self.wall_distance_m())
     }
 
+    /// Whether it tells of openings: the one transducer whose cone has the perpendicular in it.
+    pub(super) fn is_of_opening(&self) -> bool {
+        self.is_nearest && self.reading.nearest_rad() == 0.0
+    }
+
     pub(super) fn heard(&self) -> Heard {
         let depth_m = self.depth_m();
         if depth_m < -PARAMETERS.obstacle_m {

@@ -24,6 +24,33 @@ const LEAST_AHEAD: usize = 4;
 /// Echoes are kept for so long a way.
 const KEPT_M: f64 = 1.5;
 
+/// Who stands before a wall hears it with all transducers that look so far to the sides of the axis: where more of
+/// the wall would be, it reflects their pulses away.
+const STANDING_RAD: f64 = 0.55;
+/// So many of their echoes are of one wall: each may miss once in a while.
+const STANDING_SHARE: f64 = 0.8;
+/// Three transducers are the fewest that tell a wall from a post.
+const LEAST_STANDING: usize = 3;
+
+/// How far a wall across the hallway is ahead, if what is right before the robot is one and not a box or somebody: a
+/// cone passes by beside them, or hears them nearer than the wall. For a robot that stands; the heading is given from
+/// the axis.
+pub(crate) fn wall_ahead_m(heading_rad: f64, scan: SonarScan<'_>) -> Option<f64> {
+    let (sin, cos) = libm::sincos(heading_rad);
+    let half_cone_rad = scan.sonars.cone_rad / 2.0;
+    let ahead = scan.sonars.mounts.iter().zip(scan.ranges_m).filter_map(|(mount, &range_m)| {
+        let off_rad = wrap_angle_rad(heading_rad + mount.heading_rad).abs();
+        let apex_m = cos * mount.at_in_base.x - sin * mount.at_in_base.y;
+        let nearest_rad = (off_rad - half_cone_rad).max(0.0);
+        (off_rad <= STANDING_RAD && range_m > 0.0).then(|| apex_m + f64::from(range_m) * libm::cos(nearest_rad))
+    });
+    let mut ahead_m: Vec<f64> = ahead.collect();
+    ahead_m.sort_by(f64::total_cmp);
+    let median_m = *ahead_m.get(ahead_m.len() / 2).filter(|_| ahead_m.len() >= LEAST_STANDING)?;
+    let on_wall = ahead_m.iter().filter(|along_m| (*along_m - median_m).abs() <= WALL_M).count();
+    (on_wall as f64 >= STANDING_SHARE * ahead_m.len() as f64).then_some(median_m)
+}
+
 /// An echo from ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Hit {
@@ -110,7 +137,7 @@ impl EndMonitor {
         is_across.then(|| alongs_m[from + most / 2])
     }
 
-    /// Where the hallway ends.
+    /// Where the hallway ends, by what was heard on the way.
     pub fn end_m(&self) -> Option<f64> {
         self.end_m
     }

@@ -2,11 +2,12 @@
 //! is a camera, by markers (Gutierrez-Osuna and Luo, "Feature Detection").
 //!
 //! Read in this order: `parameters`; `contour` (what the sonars of a side heard along the way); `openings` and
-//! `indentations` (the two monitor flags); `hallway_end`; `merging` (sonar and vision, Table 1); `score` (how
+//! `indentations` (the two monitor flags); `hidden` (what stands before the wall); `hallway_end`; `merging` (sonar and vision, Table 1); `score` (how
 //! right the percepts of a drive were).
 
 mod contour;
 mod hallway_end;
+mod hidden;
 mod indentations;
 mod merging;
 mod openings;
@@ -17,13 +18,15 @@ pub mod score;
 mod tests;
 
 use crate::beside::{axes_in_odom, side_readings};
-use crate::feature::{Feature, Percept, Side};
+use crate::feature::{Feature, HiddenWall, Percept, Side};
 use crate::registration::HallwayAxis;
 #[cfg(test)]
 use crate::registration::Registration;
 pub use contour::ContourPoint;
 use contour::WallReference;
 use hallway_end::EndMonitor;
+pub(crate) use hallway_end::wall_ahead_m;
+use hidden::HiddenMonitor;
 use indentations::IndentationMonitor;
 use openings::{Found, OpeningMonitor};
 use parameters::PARAMETERS;
@@ -58,6 +61,7 @@ struct SideMonitor {
     kept: Vec<ContourPoint>,
     openings: OpeningMonitor,
     indentations: IndentationMonitor,
+    hidden: HiddenMonitor,
     /// The parts of the wall that percepts tell of, as far as they matter.
     told_m: Vec<(f64, f64)>,
 }
@@ -71,6 +75,7 @@ impl FeatureDetection {
             kept: Vec::new(),
             openings: OpeningMonitor::default(),
             indentations: IndentationMonitor::default(),
+            hidden: HiddenMonitor::default(),
             told_m: Vec::new(),
         };
         Self {
@@ -112,27 +117,24 @@ impl FeatureDetection {
             monitor.wall_aside_m = wall_m.map(|wall_m| aside_m + wall_m).or(monitor.reference.aside_m);
             found.extend(monitor.take_in(along_m, aside_m, heading_rad, side, scan).into_iter().map(|one| (side, one)));
         }
-        if self.hallway_end_m().is_some_and(|end_m| end_m - self.along_m <= PARAMETERS.at_end_m) {
-            found.extend(self.closed());
-        }
         self.percepts(found, axis, markers_in_odom)
     }
 
     /// The robot stops here and will not pass what it is beside, as at the hallway's end: what is known of that.
-    /// Where an end was heard, it ends what is open up to there.
-    pub fn finish(&mut self, axis: &HallwayAxis, markers_in_odom: Option<&[Point]>) -> Vec<Percept> {
-        let found = self.closed();
-        self.percepts(found, axis, markers_in_odom)
-    }
-
-    fn closed(&mut self) -> Vec<(Side, Found)> {
-        let (along_m, end_m) = (self.along_m, self.hallway_end_m());
+    /// Where the hallway ends, if it does here, ends what is open up to there.
+    pub fn finish(
+        &mut self,
+        axis: &HallwayAxis,
+        end_m: Option<f64>,
+        markers_in_odom: Option<&[Point]>,
+    ) -> Vec<Percept> {
+        let along_m = self.along_m;
         let mut found = Vec::new();
         for side in Side::ALL {
             let closed = self.sides[side as usize].close(along_m, end_m);
             found.extend(closed.into_iter().map(|one| (side, one)));
         }
-        found
+        self.percepts(found, axis, markers_in_odom)
     }
 
     /// Where the walls are, to the left of the line on which the detection was started.
@@ -188,6 +190,16 @@ impl FeatureDetection {
         self.end.end_m()
     }
 
+    /// What was heard ahead was no end of the hallway.
+    pub fn forget_end(&mut self) {
+        self.end = EndMonitor::default();
+    }
+
+    /// The parts of both sides before which something stands.
+    pub fn hidden(&self) -> Vec<HiddenWall> {
+        Side::ALL.into_iter().flat_map(|side| self.sides[side as usize].hidden.walls(side)).collect()
+    }
+
     /// The contour line of a side over the last metres, and what the transducers beside the nearest heard.
     pub fn contour(&self, side: Side) -> &[ContourPoint] {
         &self.sides[side as usize].kept
@@ -206,6 +218,7 @@ impl SideMonitor {
             self.reference.take_in(along_m, heard_aside_m);
         }
         let Some(wall_aside_m) = self.wall_aside_m else { return Vec::new() };
+        let mut found = self.looked_at_anew(wall_aside_m);
         self.kept.retain(|point| along_m - point.robot_along_m <= PARAMETERS.kept_m);
         let point = |reading| ContourPoint {
             robot_along_m: along_m,
@@ -215,14 +228,34 @@ impl SideMonitor {
             wall_aside_m,
         };
         self.kept.extend(readings.into_iter().map(point));
-        let is_perpendicular = nearest.nearest_rad() == 0.0;
-        let opening = if is_perpendicular { self.openings.take_in(&point(nearest), &self.kept) } else { None };
-        let mut found = Vec::new();
+        let nearest = point(nearest);
+        self.hidden.take_in(&nearest);
+        let opening = if nearest.is_of_opening() { self.openings.take_in(&nearest, &self.kept) } else { None };
         if let Some(opening) = opening {
             self.tell(opening, &mut found);
         }
         if let Some(indentation) = self.indentations.take_in(along_m, &self.kept, &self.taken_m()) {
             self.tell(indentation, &mut found);
+        }
+        found
+    }
+
+    /// The wall turns out to be elsewhere than was believed, as where a box stood at the start: what is kept is
+    /// looked at with the wall where it is.
+    fn looked_at_anew(&mut self, wall_aside_m: f64) -> Vec<Found> {
+        let mut found = Vec::new();
+        let is_elsewhere = |point: &ContourPoint| (point.wall_aside_m - wall_aside_m).abs() > PARAMETERS.obstacle_m;
+        if self.kept.last().is_some_and(is_elsewhere) {
+            self.kept.iter_mut().for_each(|point| point.wall_aside_m = wall_aside_m);
+            self.openings = self.openings.begun_anew();
+            for index in 0..self.kept.len() {
+                let point = self.kept[index];
+                if point.is_of_opening()
+                    && let Some(opening) = self.openings.take_in(&point, &self.kept[..=index])
+                {
+                    self.tell(opening, &mut found);
+                }
+            }
         }
         found
     }

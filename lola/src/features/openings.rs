@@ -74,6 +74,11 @@ pub(super) struct OpeningMonitor {
 const WALL_READINGS: u32 = 3;
 
 impl OpeningMonitor {
+    /// The same before the last of the way, which is to be looked at once more.
+    pub fn begun_anew(&self) -> Self {
+        Self { has_heard_wall: self.has_heard_wall, ..Self::default() }
+    }
+
     /// Takes in the reading of the transducer nearest to the perpendicular; answers the opening that has ended.
     pub fn take_in(&mut self, point: &ContourPoint, kept: &[ContourPoint]) -> Option<Found> {
         let along_m = point.robot_along_m;
@@ -116,7 +121,7 @@ impl OpeningMonitor {
     /// has no other, or where it was heard last.
     pub fn close(&mut self, end_m: Option<f64>, kept: &[ContourPoint]) -> Option<Found> {
         let mut passing = self.passing.take()?;
-        if let (Some(end_m), None) = (end_m, self.wall) {
+        if let Some(end_m) = end_m.filter(|_| self.wall.is_none() && !passing.is_wall_behind(kept)) {
             passing.whole.to_m = passing.whole.to_m.max(end_m);
         }
         passing.judged(kept)
@@ -156,7 +161,7 @@ impl Passing {
                 Heard::Wall | Heard::Beyond | Heard::Obstacle => {}
             }
         }
-        wall >= PARAMETERS.least_share * (wall + beyond)
+        wall > 0.0 && wall >= PARAMETERS.least_share * (wall + beyond)
     }
 
     /// Whether most of the cones that looked wholly into it heard beyond the wall. What is no longer kept was wide

@@ -56,8 +56,6 @@ pub(super) struct FeatureParameters {
     pub least_noise_m: f64,
     /// Readings of the leaf alone that are needed.
     pub least_readings: f64,
-    /// So near to the hallway's end the robot goes no farther.
-    pub at_end_m: f64,
     /// A marker is of a door if it lies between its edges or so near to one.
     pub marker_beside_m: f64,
     /// And so far from the face of its wall.
@@ -94,7 +92,6 @@ pub(super) const PARAMETERS: FeatureParameters = FeatureParameters {
     least_significance: 6.0,
     least_noise_m: 0.015,
     least_readings: 12.0,
-    at_end_m: 0.9,
     marker_beside_m: 0.3,
     marker_aside_m: 0.5,
     marker_behind_m: 1.3,

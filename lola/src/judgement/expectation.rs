@@ -1,7 +1,7 @@
 //! What is expected of hallways, percepts and instructions before anything was seen.
 
 use crate::feature::Feature;
-use crate::state_set::Matrix;
+use crate::state_set::{Matrix, USUAL_DISTANCE_M};
 use serde::{Deserialize, Serialize};
 
 /// What judgements start from.
@@ -26,7 +26,7 @@ impl Expectation {
     /// In an event in which one of two lists has an error, in one of two or three instructions that count.
     #[must_use]
     pub fn of_event(matrix: Matrix) -> Self {
-        Self { matrix, wrong: 0.2, same_again: 0.5, openings_per_m: 0.25 }
+        Self { matrix, wrong: 0.2, same_again: 0.5, openings_per_m: 1.0 / USUAL_DISTANCE_M }
     }
 
     /// How likely an instruction is wrong that asks for a feature where one look saw nothing (Bayes): else it was

@@ -88,11 +88,8 @@ const WRONG_BELOW: f64 = 0.1;
 /// Below this an instruction is doubted, so that another look is worth its time.
 const DOUBTED_BELOW: f64 = 0.9;
 
-/// Below this an instruction is called wrong when no other look is worth its time; where the opening was seen.
-const WRONG_IF_SEEN: f64 = 0.7;
-
-/// The same where it was not: the robot cannot go there, so that little is lost by asking.
-const WRONG_IF_UNSEEN: f64 = 0.85;
+/// Below this an instruction is called wrong when no other look is worth its time.
+const WRONG_AT_LAST: f64 = 0.8;
 
 /// The same, and the limit of doubt, where the end of the hallway was not reached: what is ahead may be right.
 const WRONG_UNDER_WAY: f64 = 0.5;
@@ -128,11 +125,7 @@ impl Judgement {
 
     /// What is to be done.
     pub fn verdict(&self) -> Verdict {
-        let wrong_below = match (self.is_ahead, self.at) {
-            (true, _) => WRONG_UNDER_WAY,
-            (false, Some(_)) => WRONG_IF_SEEN,
-            (false, None) => WRONG_IF_UNSEEN,
-        };
+        let wrong_below = if self.is_ahead { WRONG_UNDER_WAY } else { WRONG_AT_LAST };
         if self.needs_second_look() {
             Verdict::LookAgain
         } else if self.right < wrong_below {

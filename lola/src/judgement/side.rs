@@ -52,13 +52,14 @@ pub(super) struct SideOfHallway<'a> {
     expectation: &'a Expectation,
     looks: &'a [Look],
     end_m: Option<f64>,
+    side: Side,
     pub spots: Vec<Spot>,
 }
 
 impl<'a> SideOfHallway<'a> {
     /// `end_m` is where the hallway ends, if that is known.
     pub fn new(expectation: &'a Expectation, looks: &'a [Look], end_m: Option<f64>, side: Side) -> Self {
-        Self { expectation, looks, end_m, spots: spots(looks, side) }
+        Self { expectation, looks, end_m, side, spots: spots(looks, side) }
     }
 
     /// Which opening is the so-manieth, counted from 1. Cost: spots times the square of the ordinal.
@@ -102,18 +103,22 @@ impl<'a> SideOfHallway<'a> {
 
     /// How many openings of each kind are to be expected in a part where nothing was seen.
     fn missed_between(&self, from_m: f64, to_m: f64) -> [f64; 3] {
-        // Where looks begin and end, the number of looks changes.
-        let bounds = self.looks.iter().flat_map(|look| [look.from_m, look.to_m]);
+        // Where looks begin and end, and where something stands, the number of looks changes.
+        let of_look = |look: &'a Look| {
+            let hidden = look.hidden_on(self.side).flat_map(|wall| [wall.from_m, wall.to_m]);
+            [look.from_m, look.to_m].into_iter().chain(hidden)
+        };
+        let bounds = self.looks.iter().flat_map(of_look);
         let mut places: Vec<f64> = bounds.filter(|&at_m| from_m < at_m && at_m < to_m).collect();
         places.extend([from_m, to_m]);
         places.sort_by(f64::total_cmp);
         let mut expected = [0.0; 3];
         for part in places.windows(2) {
             let middle_m = (part[0] + part[1]) / 2.0;
-            let covered = |look: &Look| look.covers(middle_m).then_some(Feature::Wall);
-            let nothing: Vec<_> = self.looks.iter().map(covered).collect();
             let openings = self.expectation.openings_per_m * (part[1] - part[0]).max(0.0);
             for (expected, kind) in expected.iter_mut().zip(Feature::OPENINGS) {
+                let shown = |look: &Look| look.shows(kind, self.side, middle_m).then_some(Feature::Wall);
+                let nothing: Vec<_> = self.looks.iter().map(shown).collect();
                 *expected += openings * SHARES[kind as usize] * self.expectation.certainty(&nothing, kind);
             }
         }

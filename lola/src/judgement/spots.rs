@@ -1,6 +1,6 @@
 //! What several looks along a hallway's side saw, place by place.
 
-use crate::feature::{Feature, Percept, Side};
+use crate::feature::{Feature, HiddenWall, Percept, Side};
 use serde::{Deserialize, Serialize};
 
 /// One drive along a hallway, or along a part of it, and all that was perceived. Places are along the axis
@@ -13,12 +13,25 @@ pub struct Look {
     pub to_m: f64,
     /// What was perceived there.
     pub percepts: Vec<Percept>,
+    /// Where something stood before the wall.
+    pub hidden: Vec<HiddenWall>,
 }
 
 impl Look {
     /// Whether the sides were seen there.
     pub fn covers(&self, at_m: f64) -> bool {
         self.from_m <= at_m && at_m <= self.to_m
+    }
+
+    /// The parts of a side that something hid.
+    pub(super) fn hidden_on(&self, side: Side) -> impl Iterator<Item = &HiddenWall> {
+        self.hidden.iter().filter(move |wall| wall.side == side)
+    }
+
+    /// Whether a feature of this kind would have shown there: something before the wall hides closed doors alone.
+    pub(super) fn shows(&self, feature: Feature, side: Side, at_m: f64) -> bool {
+        let is_hidden = |wall: &HiddenWall| wall.from_m <= at_m && at_m <= wall.to_m;
+        self.covers(at_m) && !(feature == Feature::ClosedDoor && self.hidden_on(side).any(is_hidden))
     }
 }
 

@@ -1,7 +1,7 @@
 //! How far the robot has got with an instruction.
 
 use super::hallway::EDGE_M;
-use crate::feature::Percept;
+use crate::feature::{HiddenWall, Percept};
 use crate::instruction::Instruction;
 use crate::state_set::{Inference, StateSet};
 use serde::{Deserialize, Serialize};
@@ -23,10 +23,10 @@ impl Counting {
 
     /// Takes in what was perceived since, each percept once. Answers the one that is most likely the goal, if the
     /// robot has most likely passed that.
-    pub fn progress(&mut self, inference: &Inference, percepts: &[Percept]) -> Option<Percept> {
+    pub fn progress(&mut self, inference: &Inference, percepts: &[Percept], hidden: &[HiddenWall]) -> Option<Percept> {
         let counts = |percept: &&Percept| percept.from_m > self.from_m - EDGE_M;
         let own: Vec<Percept> = percepts.iter().filter(counts).copied().collect();
-        self.state_set.progress(inference, &own);
+        self.state_set.progress(inference, &own, hidden);
         self.state_set.arrived()
     }
 }

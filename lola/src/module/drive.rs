@@ -57,7 +57,11 @@ impl Lola {
                     detects: is_active(FEATURE_DETECTION),
                     markers_in_odom: markers,
                 };
+                let was_known = hallway.axis().is_some();
                 let (velocity, end) = drive.step(hallway, now, perceiving);
+                if was_known && hallway.axis().is_none() {
+                    self.markers.iter_mut().for_each(Seeing::forget_places);
+                }
                 (velocity, end.map(DriveEnd::ending))
             }
             Drive::Wall { drive, stuck_s } => follow_wall(drive, stuck_s, now),

@@ -141,7 +141,7 @@ fn progress_state_set(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let inference = inference(call)?;
     let lola = call.part::<Lola>()?;
     let arrived = match (&mut lola.counting, &lola.hallway) {
-        (Some(counting), Some(hallway)) => counting.progress(&inference, &hallway.percepts),
+        (Some(counting), Some(hallway)) => counting.progress(&inference, &hallway.percepts, &hallway.hidden()),
         _ => None,
     };
     lola.has_news = true;

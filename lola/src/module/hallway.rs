@@ -1,19 +1,21 @@
 //! What the robot knows of the hallway it is in.
 
-use crate::feature::{Percept, Side};
-use crate::features::FeatureDetection;
+use crate::feature::{HiddenWall, Percept, Side};
+use crate::features::{FeatureDetection, wall_ahead_m};
 use crate::judgement::Look;
-use crate::registration::{HallwayAxis, Registration};
-use crate::routines::{ScanAxis, across_m};
+use crate::registration::{Doubt, HallwayAxis, Registration};
+use crate::routines::across_m;
 use rpl_robot::geometry::{Point, Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
-/// The robot was turned by hand when the walls run otherwise than the axis by so much, and are as far apart as
-/// those of the hallway to within so much.
-const TURNED_RAD: f64 = 0.45;
+/// Walls beside the robot are those of the hallway if they are as far apart to within so much.
 const AS_WIDE_M: f64 = 0.3;
+
+/// What is heard while it is in doubt which way the robot looks waits for so much of the way: a crossing looks
+/// like it, too.
+const WAITS_M: f64 = 0.6;
 
 /// The end of the hallway is reached so far before its wall.
 const BEFORE_END_M: f64 = 0.9;
@@ -23,6 +25,9 @@ const GATE_RAD: f64 = 0.3;
 
 /// What begins so little before where counting begins may begin behind it: a percept's edges are not sharper.
 pub(super) const EDGE_M: f64 = 0.1;
+
+/// Of what a robot is beside when it turns round, it sees less than half on the way back: as far behind it as this.
+const BESIDE_START_M: f64 = 0.5;
 
 /// What is known of a hallway.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,21 +40,33 @@ pub struct Hallway {
     detection: Option<FeatureDetection>,
     /// What was perceived in it, in the order of the numbers.
     pub percepts: Vec<Percept>,
-    /// How the walls run around the robot.
-    scan_axis: ScanAxis,
+    /// Whether the robot looks another way than it believes.
+    doubt: Option<Doubt>,
+    /// What was heard since that is in doubt.
+    waiting: Vec<Waiting>,
     /// Metres along the axis from where the robot was when it began with this hallway.
     along_m: f64,
     /// The farthest it has been.
     farthest_m: f64,
     at_in_odom: Pose,
+    /// Where it ends, once the robot stood before its end.
+    end_m: Option<f64>,
     /// What was seen of it before the robot turned round, if it has.
     first_look: Option<FirstLook>,
+}
+
+/// What was heard at a place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Waiting {
+    from_in_odom: Pose,
+    ranges_m: Vec<f32>,
 }
 
 /// What was seen of a hallway on the way on, by a robot that looks at it again on the way back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct FirstLook {
     percepts: Vec<Percept>,
+    hidden: Vec<HiddenWall>,
     /// Where the robot turned round; what was there is where it began with the way back.
     turned_at_m: f64,
     end_m: Option<f64>,
@@ -58,15 +75,21 @@ struct FirstLook {
 impl Hallway {
     /// Begins in a hallway whose direction is roughly known.
     pub fn start(heading_in_odom_rad: f64, at_in_odom: Pose) -> Self {
+        Self::with(Registration::start(heading_in_odom_rad), at_in_odom)
+    }
+
+    fn with(registration: Registration, at_in_odom: Pose) -> Self {
         Self {
-            registration: Registration::start(heading_in_odom_rad),
-            axis: None,
+            axis: registration.axis().copied(),
+            registration,
             detection: None,
             percepts: Vec::new(),
-            scan_axis: ScanAxis::default(),
+            doubt: None,
+            waiting: Vec::new(),
             along_m: 0.0,
             farthest_m: 0.0,
             at_in_odom,
+            end_m: None,
             first_look: None,
         }
     }
@@ -105,11 +128,11 @@ impl Hallway {
     pub fn turned_round(&self) -> Self {
         let first_look = FirstLook {
             percepts: self.percepts.clone(),
+            hidden: self.hidden(),
             turned_at_m: self.along_m,
-            end_m: self.detection.as_ref().and_then(FeatureDetection::hallway_end_m),
+            end_m: self.end_m,
         };
-        let back_rad = wrap_angle_rad(self.heading_in_odom_rad() + PI);
-        Self { first_look: Some(first_look), ..Self::start(back_rad, self.at_in_odom) }
+        Self { first_look: Some(first_look), ..Self::with(self.registration.turned_round(), self.at_in_odom) }
     }
 
     /// Whether the robot has turned round in it, to see it once more.
@@ -121,23 +144,27 @@ impl Hallway {
     /// known.
     pub fn looks(&self, from_m: f64) -> (Vec<Look>, Option<f64>) {
         let begins = |percept: &&Percept| percept.from_m > from_m - EDGE_M;
-        let look = |percepts: &[Percept], from_m: f64, to_m: f64| Look {
+        let look = |percepts: &[Percept], hidden: Vec<HiddenWall>, from_m: f64, to_m: f64| Look {
             percepts: percepts.iter().filter(begins).copied().collect(),
+            hidden,
             from_m,
             to_m,
         };
         match &self.first_look {
-            None => {
-                let end_m = self.detection.as_ref().and_then(FeatureDetection::hallway_end_m);
-                (vec![look(&self.percepts, from_m, self.farthest_m)], end_m)
-            }
+            None => (vec![look(&self.percepts, self.hidden(), from_m, self.farthest_m)], self.end_m),
             Some(first) => {
                 let at_m = first.turned_at_m;
                 let back: Vec<Percept> = self.percepts.iter().map(|percept| percept.turned(at_m)).collect();
-                let second = look(&back, (at_m - self.farthest_m).max(from_m), at_m);
-                (vec![look(&first.percepts, from_m, at_m), second], first.end_m)
+                let hidden = self.hidden().iter().map(|wall| wall.turned(at_m)).collect();
+                let second = look(&back, hidden, (at_m - self.farthest_m).max(from_m), at_m - BESIDE_START_M);
+                (vec![look(&first.percepts, first.hidden.clone(), from_m, at_m), second], first.end_m)
             }
         }
+    }
+
+    /// Where something stood before its walls.
+    pub fn hidden(&self) -> Vec<HiddenWall> {
+        self.detection.as_ref().map_or_else(Vec::new, FeatureDetection::hidden)
     }
 
     /// A percept as seen on the way on, as it is seen the way the robot goes now.
@@ -190,25 +217,23 @@ impl Hallway {
         Some(wall_m(Side::Left)? + wall_m(Side::Right)?)
     }
 
-    /// The same for a robot that does not get on: turned by more than registration looks for, it stands before a
-    /// wall of its hallway, which is as wide as ever and runs another way.
-    pub fn register_held_up(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
-        self.scan_axis.take_in(scan);
-        let Some(known) = self.axis else { return false };
-        let Some(in_base_rad) = self.scan_axis.axis_in_base_rad(scan) else { return false };
-        let walls_rad = one_way(odometry_in_odom.heading_rad + in_base_rad, known.heading_in_odom_rad);
-        let is_off = wrap_angle_rad(walls_rad - known.heading_in_odom_rad).abs() > TURNED_RAD;
-        if !is_off || !self.are_walls_beside(odometry_in_odom, scan, walls_rad) {
+    /// Takes a scan in for whether the robot was turned by hand. Answers that it was, and has to register again: from
+    /// where it began to be in doubt, it has gone another way than it believed.
+    pub fn is_turned(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
+        let Some(axis) = &self.axis else { return false };
+        self.doubt = Doubt::after(self.doubt, axis, odometry_in_odom, scan);
+        let Some((doubt, other_rad)) = self.doubt.and_then(|doubt| Some((doubt, doubt.other_axis_in_odom_rad()?)))
+        else {
             return false;
-        }
-        self.registration = Registration::start(walls_rad);
+        };
+        let gone = odometry_in_odom.point() - doubt.since_in_odom.point();
+        let along_m = |axis_rad: f64| gone.x * libm::cos(axis_rad) + gone.y * libm::sin(axis_rad);
+        self.along_m += along_m(other_rad) - along_m(axis.heading_in_odom_rad);
+        self.registration = Registration::start(other_rad);
         self.axis = None;
+        self.waiting.clear();
+        self.doubt = None;
         true
-    }
-
-    /// The robot gets on: what its walls looked like before does not count.
-    pub fn is_getting_on(&mut self) {
-        self.scan_axis = ScanAxis::default();
     }
 
     /// Takes a scan in for what is beside the robot; nothing before the axis is known.
@@ -218,13 +243,27 @@ impl Hallway {
             (self.along_m, self.farthest_m) = (0.0, 0.0);
         }
         let detection = self.detection.get_or_insert_with(|| FeatureDetection::start(axis, odometry_in_odom));
+        if self
+            .doubt
+            .is_some_and(|doubt| doubt.has_found() && doubt.since_in_odom.distance_m(odometry_in_odom) < WAITS_M)
+        {
+            self.waiting.push(Waiting { from_in_odom: odometry_in_odom, ranges_m: scan.ranges_m.to_vec() });
+            return;
+        }
+        for Waiting { from_in_odom, ranges_m } in self.waiting.drain(..) {
+            let scan = SonarScan { ranges_m: &ranges_m, ..scan };
+            self.percepts.extend(detection.take_in(axis, from_in_odom, scan, markers_in_odom));
+        }
         self.percepts.extend(detection.take_in(axis, odometry_in_odom, scan, markers_in_odom));
     }
 
-    /// The robot goes no farther: what it is beside ends here.
-    pub fn finish(&mut self, markers_in_odom: Option<&[Point]>) {
+    /// The robot goes no farther: what it is beside ends here, or at the end of the hallway if that is so far ahead.
+    pub fn finish(&mut self, to_end_m: Option<f64>, markers_in_odom: Option<&[Point]>) {
+        self.waiting.clear();
         if let (Some(detection), Some(axis)) = (&mut self.detection, &self.axis) {
-            self.percepts.extend(detection.finish(axis, markers_in_odom));
+            let end_m = to_end_m.map(|to_end_m| detection.along_m() + to_end_m);
+            self.end_m = end_m.or(self.end_m);
+            self.percepts.extend(detection.finish(axis, end_m, markers_in_odom));
         }
     }
 
@@ -233,10 +272,27 @@ impl Hallway {
         self.detection.as_ref()
     }
 
-    /// Whether the robot stands before the end of it.
+    /// Whether the robot stands before the end of it, where it has driven up to.
     pub fn is_at_end(&self) -> bool {
+        self.end_m.is_some_and(|end_m| end_m - self.along_m <= BEFORE_END_M + EDGE_M)
+    }
+
+    /// Whether the robot is where an end was heard on the way.
+    pub fn is_before_end(&self) -> bool {
         let to_end_m = |detection: &FeatureDetection| Some(detection.hallway_end_m()? - detection.along_m());
         self.detection.as_ref().and_then(to_end_m).is_some_and(|to_end_m| to_end_m <= BEFORE_END_M)
+    }
+
+    /// How far a wall across the hallway is right ahead of a robot that stands, if there is one.
+    pub fn wall_ahead_m(&self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> Option<f64> {
+        wall_ahead_m(wrap_angle_rad(odometry_in_odom.heading_rad - self.heading_in_odom_rad()), scan)
+    }
+
+    /// What was heard ahead was no end: somebody stood there.
+    pub fn forget_end(&mut self) {
+        if let Some(detection) = &mut self.detection {
+            detection.forget_end();
+        }
     }
 
     /// What was heard on a side lately: from the middle of the robot to whatever is there.
@@ -259,29 +315,5 @@ impl Hallway {
         let ahead_m = percept.middle_m() - self.along_m;
         let inwards_rad = percept.side.sign() * FRAC_PI_2;
         here.compose(Pose::new(ahead_m, percept.side.sign() * wall_m, inwards_rad))
-    }
-}
-
-/// Walls run both ways: the way that is nearer to another direction. Who stands in the way may make the robot look
-/// back, and it still goes on as it went.
-fn one_way(walls_rad: f64, near_rad: f64) -> f64 {
-    let off_rad = wrap_angle_rad(walls_rad - near_rad);
-    if off_rad.abs() > FRAC_PI_2 { wrap_angle_rad(walls_rad + PI) } else { walls_rad }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_robot_that_looks_back_goes_on_the_way_it_went() {
-        let is = |walls_rad: f64, wanted_rad: f64| {
-            let off_rad = wrap_angle_rad(one_way(walls_rad, 0.2) - wanted_rad);
-            assert!(off_rad.abs() < 1e-9, "{walls_rad}: {off_rad}");
-        };
-        is(0.2 + PI, 0.2);
-        is(0.3 - PI, 0.3);
-        is(-1.0, -1.0);
-        is(2.0, 2.0 - PI);
     }
 }

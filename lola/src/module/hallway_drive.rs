@@ -21,13 +21,19 @@ const REGISTER_MPS: f64 = 0.4;
 /// A robot that is so far from where it left the hallway was somewhere else meanwhile.
 const ELSEWHERE_M: f64 = 0.5;
 
-/// Held up for so long, the robot looks whether it was turned by hand.
-const HELD_UP_S: f64 = 2.0;
+/// Held up for so long where it registers again, the robot goes on by what single scans have told of the direction.
+const HELD_UP_S: f64 = 3.0;
 
 /// A hallway ends where no lane is free for so much, for so long: a box leaves a lane beside it, and who stands in
 /// the way walks on.
 const END_FREE_M: f64 = 1.0;
 const AT_END_S: f64 = 2.0;
+
+/// Held up for so long, it looks whether that is the end.
+const MAY_END_S: f64 = 2.0;
+
+/// And shows a wall for so much of that.
+const SHOWN_SHARE: f64 = 0.6;
 
 /// Farther back than this it turns round and drives.
 const LONGEST_REVERSE_M: f64 = 3.0;
@@ -98,8 +104,18 @@ pub struct HallwayDrive {
     until: Until,
     lane_m: f64,
     patience_s: f64,
-    /// For how long the robot has stood before what looks like the end of the hallway.
-    at_end_s: f64,
+    /// The look at what may be the end of the hallway.
+    look_at_end: LookAtEnd,
+}
+
+/// A robot stands before what may be the end of the hallway.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct LookAtEnd {
+    /// For how long.
+    stood_s: f64,
+    /// For how long of that a wall showed, and how far ahead it was the last time.
+    shown_s: f64,
+    to_end_m: Option<f64>,
 }
 
 /// What is perceived of the hallway on the way.
@@ -135,7 +151,7 @@ impl HallwayDrive {
             until: Until::Registered,
             lane_m: 0.0,
             patience_s,
-            at_end_s: 0.0,
+            look_at_end: LookAtEnd::default(),
         }
     }
 
@@ -147,7 +163,7 @@ impl HallwayDrive {
         } else {
             Stage::Turning { registers: hallway.axis().is_none() }
         };
-        Self { stage, until, lane_m, patience_s, at_end_s: 0.0 }
+        Self { stage, until, lane_m, patience_s, look_at_end: LookAtEnd::default() }
     }
 
     /// One step.
@@ -155,6 +171,10 @@ impl HallwayDrive {
         let (limits, input) = (&now.model.limits, now.input());
         let here = input.odometry_in_odom;
         hallway.follow(here);
+        let is_in_hallway = perceiving.registers && !matches!(self.stage, Stage::Returning(_));
+        if input.sonar.filter(|_| is_in_hallway).is_some_and(|scan| hallway.is_turned(here, scan)) {
+            self.stage = Stage::Turning { registers: true };
+        }
         match &mut self.stage {
             Stage::Returning(navigation) => {
                 let output = navigation.step(limits, &input, limits.speed_limit_mps(now.mode));
@@ -216,8 +236,14 @@ impl HallwayDrive {
             self.stage = Stage::Reversing { to_m: from_m, reverse: Reverse::default() };
             return (Velocity::default(), None);
         }
-        if gone_m > REGISTER_MOST_M || output.held_up_s > self.patience_s {
-            let end = if is_known { None } else { Some(DriveEnd::NoWalls) };
+        // Who was turned by hand knows the direction well enough to go on, as before the end of a hallway.
+        let is_begun = self.until != Until::Registered;
+        let patience_s = if is_begun { HELD_UP_S } else { self.patience_s };
+        if gone_m > REGISTER_MOST_M || output.held_up_s > patience_s {
+            if let Some(scan) = input.sonar.filter(|_| is_begun && !is_known) {
+                hallway.keep_guess(input.odometry_in_odom, scan);
+            }
+            let end = if is_known || is_begun { None } else { Some(DriveEnd::NoWalls) };
             self.stage = Stage::Reversing { to_m: from_m, reverse: Reverse::default() };
             return (Velocity::default(), end);
         }
@@ -238,15 +264,18 @@ impl HallwayDrive {
         }
     }
 
-    /// Back where it was to go.
+    /// Back where it was to go, or where it began to register, which it does on the way as well.
     fn is_back(&mut self, hallway: &Hallway) -> Decision {
-        match self.until {
-            Until::Registered | Until::Along { .. } => (Velocity::default(), Some(DriveEnd::There)),
-            Until::End => {
-                self.stage = self.next(hallway);
-                (Velocity::default(), None)
-            }
+        let is_there = match self.until {
+            Until::Registered => true,
+            Until::Along { along_m } => along_m < hallway.along_m() + THERE_M,
+            Until::End => false,
+        };
+        if is_there {
+            return (Velocity::default(), Some(DriveEnd::There));
         }
+        self.stage = self.next(hallway);
+        (Velocity::default(), None)
     }
 
     fn go_on(
@@ -256,7 +285,7 @@ impl HallwayDrive {
         input: &NavigationInput<'_>,
         perceiving: Perceiving<'_>,
     ) -> Decision {
-        let Perceiving { registers, detects, markers_in_odom } = perceiving;
+        let Perceiving { detects, markers_in_odom, .. } = perceiving;
         let limits = &now.model.limits;
         if self.until == Until::Registered && hallway.axis().is_some() {
             return (Velocity::default(), Some(DriveEnd::There));
@@ -277,25 +306,51 @@ impl HallwayDrive {
         let Stage::Following(follow) = &mut self.stage else { return (Velocity::default(), None) };
         let speed_limit_mps = limits.speed_limit_mps(now.mode);
         let output = follow.step(limits, &direction_input(hallway, input, self.lane_m, speed_limit_mps, remaining_m));
-        match input.sonar.filter(|_| registers && output.held_up_s > HELD_UP_S) {
-            Some(scan) if hallway.register_held_up(input.odometry_in_odom, scan) => {
-                self.stage = Stage::Turning { registers: true };
-                return (Velocity::default(), None);
+        // Where people stood before it, it was not heard from afar.
+        let may_end = hallway.is_before_end() || output.held_up_s > MAY_END_S;
+        let is_before_end = self.until == Until::End && output.free_m < END_FREE_M && may_end;
+        let to_end_m = match input.sonar.filter(|_| is_before_end) {
+            Some(scan) => self.look_at_end(hallway, limits.step_s, input.odometry_in_odom, scan),
+            None => {
+                self.look_at_end = LookAtEnd::default();
+                None
             }
-            Some(_) => {}
-            None => hallway.is_getting_on(),
-        }
-        let is_at_end = self.until == Until::End && hallway.is_at_end() && output.free_m < END_FREE_M;
-        self.at_end_s = if is_at_end { self.at_end_s + limits.step_s } else { 0.0 };
-        let end = if remaining_m < THERE_M || self.at_end_s > AT_END_S {
+        };
+        let end = if remaining_m < THERE_M || to_end_m.is_some() {
             Some(DriveEnd::There)
         } else {
             (output.held_up_s > self.patience_s).then_some(DriveEnd::Blocked)
         };
         if end.is_some() && detects {
-            hallway.finish(markers_in_odom);
+            hallway.finish(to_end_m, markers_in_odom);
         }
-        (if is_at_end { Velocity::default() } else { output.velocity }, end)
+        (if is_before_end { Velocity::default() } else { output.velocity }, end)
+    }
+
+    /// Stands and looks for a while whether what is ahead is a wall; if it is not, there was no end. Answers how far
+    /// ahead the hallway ends.
+    fn look_at_end(
+        &mut self,
+        hallway: &mut Hallway,
+        step_s: f64,
+        odometry_in_odom: Pose,
+        scan: SonarScan<'_>,
+    ) -> Option<f64> {
+        let look = &mut self.look_at_end;
+        look.stood_s += step_s;
+        if let Some(to_end_m) = hallway.wall_ahead_m(odometry_in_odom, scan) {
+            look.shown_s += step_s;
+            look.to_end_m = Some(to_end_m);
+        }
+        if look.stood_s <= AT_END_S {
+            return None;
+        }
+        let to_end_m = look.to_end_m.filter(|_| look.shown_s >= SHOWN_SHARE * look.stood_s);
+        if to_end_m.is_none() {
+            hallway.forget_end();
+        }
+        self.look_at_end = LookAtEnd::default();
+        to_end_m
     }
 }
 

@@ -79,6 +79,11 @@ impl Seeing {
         self.has_found
     }
 
+    /// The robot was turned by hand: in the frame of the odometry the markers are elsewhere now.
+    pub fn forget_places(&mut self) {
+        self.detection = MarkerDetection::default();
+    }
+
     /// Where the markers are that are sure.
     pub fn markers_in_odom(&self) -> Vec<Point> {
         self.detection.markers().map(|marker| marker.at_in_odom).collect()

@@ -2,23 +2,30 @@
 //! hear at the sides (Gutierrez-Osuna and Luo, "Registration").
 //!
 //! Read in this order: `views` (what is kept of the drive), `walls` (what a direction explains of it),
-//! `search` (the direction that explains most).
+//! `search` (the direction that explains most), `widths` (how wide the hallway is); `doubt` (whether the robot
+//! looks another way than it believes).
 
+mod doubt;
 mod search;
 mod views;
 mod walls;
+mod widths;
 
 #[cfg(test)]
 mod tests;
+
+pub use doubt::Doubt;
 
 use crate::feature::Side;
 use rpl_robot::geometry::{Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarScan;
 use search::{best_axis_within, refined};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 use views::Views;
 pub use walls::HallwayAxis;
 use walls::{Explained, explain};
+use widths::HallwayWidths;
 
 /// What registration goes by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +48,8 @@ struct RegistrationParameters {
     long_wall_m: f64,
     /// ... and a direction good enough for the transducers to be chosen by it.
     most_deviation_rad: f64,
+    /// Walls farther apart are those of a room.
+    widest_m: f64,
     /// The robot drives so far between two fits.
     between_fits_m: f64,
     /// What is newer than this decides whether the axis still holds.
@@ -63,6 +72,7 @@ const PARAMETERS: RegistrationParameters = RegistrationParameters {
     sure_deviation_rad: 0.0052,
     long_wall_m: 1.4,
     most_deviation_rad: 0.015,
+    widest_m: 3.2,
     between_fits_m: 0.1,
     recent_m: 0.5,
     better_by: 2.0,
@@ -86,6 +96,7 @@ pub struct Registration {
     knowledge: Knowledge,
     views: Views,
     fitted_at_m: f64,
+    widths: HallwayWidths,
 }
 
 impl Registration {
@@ -97,6 +108,20 @@ impl Registration {
             knowledge: Knowledge::Guess { axis_in_odom_rad: guess, gate_rad: PARAMETERS.guess_gate_rad },
             views: Views::default(),
             fitted_at_m: 0.0,
+            widths: HallwayWidths::default(),
+        }
+    }
+
+    /// The same hallway for a robot that turns round in it: it knows the axis, and has to see the walls anew.
+    #[must_use]
+    pub fn turned_round(&self) -> Self {
+        let back_rad = wrap_angle_rad(self.heading_in_odom_rad() + PI);
+        match self.knowledge {
+            Knowledge::Guess { .. } => Self::start(back_rad),
+            Knowledge::Registered(axis) => {
+                let widths = self.widths.clone();
+                Self { knowledge: Knowledge::Registered(axis.reversed()), widths, ..Self::start(back_rad) }
+            }
         }
     }
 
@@ -123,7 +148,7 @@ impl Registration {
     }
 
     /// The first registration.
-    fn register(&self, scan: SonarScan<'_>, axis_in_odom_rad: f64, gate_rad: f64) -> Knowledge {
+    fn register(&mut self, scan: SonarScan<'_>, axis_in_odom_rad: f64, gate_rad: f64) -> Knowledge {
         let guess = Knowledge::Guess { axis_in_odom_rad, gate_rad };
         let views = self.views.latest(f64::INFINITY);
         if self.views.way_m() + PARAMETERS.between_fits_m < PARAMETERS.least_wall_m {
@@ -134,7 +159,14 @@ impl Registration {
         let p = &PARAMETERS;
         let is_sure = axis.wall_m >= p.least_wall_m && axis.deviation_rad <= p.sure_deviation_rad;
         let is_long = axis.wall_m >= p.long_wall_m && axis.deviation_rad <= p.most_deviation_rad;
-        if is_sure || is_long { Knowledge::Registered(axis) } else { guess }
+        let is_room = axis.width_m.is_some_and(|width_m| width_m > p.widest_m);
+        if is_room || !is_sure && !is_long {
+            return guess;
+        }
+        if let Some(width_m) = axis.width_m {
+            self.widths.add(width_m, axis.wall_m);
+        }
+        Knowledge::Registered(axis)
     }
 
     /// Later ones: the walls confirm the axis or correct it a little, are not to be heard, or show that it is
@@ -151,11 +183,13 @@ impl Registration {
             return Knowledge::Registered(held);
         }
         // What is far off is a wall of something else.
-        Knowledge::Registered(if held.agrees_with(&fitted) {
-            held.corrected_by(&fitted, odometry_in_odom)
-        } else {
-            held
-        })
+        if !held.agrees_with(&fitted) {
+            return Knowledge::Registered(held);
+        }
+        if let Some(width_m) = fitted.width_m {
+            self.widths.add(width_m, PARAMETERS.between_fits_m);
+        }
+        Knowledge::Registered(held.corrected_by(&fitted, self.widths.likeliest_m(), odometry_in_odom))
     }
 
     /// Another axis, near to where the robot looks, that explains much more of what was heard last.

@@ -72,6 +72,45 @@ fn turned_by_hand_it_is_found_to_be_wrong_and_put_right() {
     assert!(off_rad < 0.035, "{off_rad}");
 }
 
+/// Drives on for so long; the other direction that single scans tell of, if they do.
+fn doubted_rad(drive: &mut Drive, most_m: f64) -> Option<f64> {
+    let axis = *drive.registration.axis().expect("registered");
+    let from_m = drive.state.distance_driven_m;
+    let mut doubt = None;
+    while drive.state.distance_driven_m < from_m + most_m {
+        drive.step();
+        let sonars = drive.model.sensors.sonars.as_ref().expect("it has sonars");
+        doubt = Doubt::after(doubt, &axis, drive.odometry_in_odom, SonarScan { sonars, ranges_m: &drive.ranges_m });
+        if let Some(other_rad) = doubt.and_then(|doubt| doubt.other_axis_in_odom_rad()) {
+            return Some(other_rad);
+        }
+    }
+    None
+}
+
+#[test]
+fn single_scans_tell_of_a_turn_by_hand_and_of_nothing_else() {
+    // A hallway that branches off, and a door on the other side.
+    let text = "name = \"branching\"\nsize = [16.0, 10.0]\nstart = [1.8, 5.1, 0]\n\
+        [[wall]]\nline = [[0.925, 3.925], [5.0, 3.925]]\n[[wall]]\nline = [[6.0, 3.925], [15.075, 3.925]]\n\
+        [[wall]]\nline = [[0.925, 6.275], [5.0, 6.275], [5.0, 9.0]]\n\
+        [[wall]]\nline = [[7.2, 9.0], [7.2, 6.275], [15.075, 6.275]]\n";
+    let robot = || RobotDescription::clone(&RobotDescription::builtin("b21").expect("built in"));
+    for seed in 0..3 {
+        let mut drive = Drive::begin(text, robot(), seed, 0.0);
+        register(&mut drive, 2.0);
+        assert_eq!(doubted_rad(&mut drive, 6.0), None, "seed {seed}: nobody turned it");
+    }
+    for (seed, by_deg) in [(0, 70.0), (1, -70.0), (2, 45.0), (3, -35.0)] {
+        let mut drive = Drive::begin(text, robot(), seed, 0.0);
+        register(&mut drive, 2.0);
+        drive.state.robot_in_map.heading_rad += f64::to_radians(by_deg);
+        let other_rad = doubted_rad(&mut drive, 0.6).expect("the walls are elsewhere");
+        let off_rad = wrap_angle_rad(other_rad - drive.true_axis_in_odom_rad()).abs();
+        assert!(off_rad < PARAMETERS.guess_gate_rad / 2.0, "seed {seed}: {}°", off_rad.to_degrees());
+    }
+}
+
 #[test]
 fn standing_still_teaches_nothing_and_a_crossing_unteaches_nothing() {
     let sonars = RobotDescription::papers().range_sensors().sonars.expect("it has a ring");

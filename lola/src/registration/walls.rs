@@ -6,10 +6,11 @@ use crate::feature::Side;
 use rpl_robot::geometry::{Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarArray;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Transducers beside the one nearest to the perpendicular count up to here: their cones still reach to less
 /// than 25° from it, where a wall reflects the pulse back.
-const WIDEST_RAD: f64 = 0.56;
+pub(super) const WIDEST_RAD: f64 = 0.56;
 
 /// Readings count as a wall's within so much of it: twice the noise of an echo over a hallway, and less than the
 /// depth of a closed door in a wall of 15 cm.
@@ -54,6 +55,16 @@ impl HallwayAxis {
         Some(wall_m - aside_m(pose_in_odom, self.heading_in_odom_rad, side))
     }
 
+    /// The same for one who goes the other way.
+    pub(super) fn reversed(&self) -> Self {
+        let [left_m, right_m] = self.walls_aside_m;
+        Self {
+            heading_in_odom_rad: wrap_angle_rad(self.heading_in_odom_rad + PI),
+            walls_aside_m: [right_m, left_m],
+            ..*self
+        }
+    }
+
     /// Itself, less sure by what dead reckoning may err on a way with turns.
     pub(super) fn after_driving(mut self, way_m: f64, turned_rad: f64) -> Self {
         let drift_rad2 = DRIFT2_RAD2PM * way_m + TURN_DRIFT2_RAD * turned_rad;
@@ -71,8 +82,8 @@ impl HallwayAxis {
         wrap_angle_rad(fitted.heading_in_odom_rad - self.heading_in_odom_rad).abs() <= self.agreement_rad()
     }
 
-    /// The mean of itself and a later fit, each by how sure it is.
-    pub(super) fn corrected_by(&self, fitted: &HallwayAxis, here_in_odom: Pose) -> Self {
+    /// The mean of itself and a later fit, each by how sure it is, with the width of the hallway if that is known.
+    pub(super) fn corrected_by(&self, fitted: &HallwayAxis, width_m: Option<f64>, here_in_odom: Pose) -> Self {
         let off_rad = wrap_angle_rad(fitted.heading_in_odom_rad - self.heading_in_odom_rad);
         let variance_rad2 = self.deviation_rad * self.deviation_rad;
         let gain = variance_rad2 / (variance_rad2 + fit_variance_rad2(fitted));
@@ -83,7 +94,7 @@ impl HallwayAxis {
             ..*self
         };
         let distances_m = |axis: &Self| Side::ALL.map(|side| axis.wall_distance_m(here_in_odom, side));
-        let (width_m, walls_m) = walls_of_hallway(self.width_m, distances_m(self), distances_m(fitted));
+        let (width_m, walls_m) = walls_of_hallway(width_m, distances_m(self), distances_m(fitted));
         corrected.width_m = width_m;
         for side in Side::ALL {
             let here_m = aside_m(here_in_odom, corrected.heading_in_odom_rad, side);

@@ -51,6 +51,11 @@ impl Chain {
         }
     }
 
+    /// How many of the nodes before the goal are of a kind: each that may be is as likely as the others.
+    pub fn share(&self, feature: Feature) -> f64 {
+        if self.counted.contains(&feature) { 1.0 / self.counted.len() as f64 } else { 0.0 }
+    }
+
     /// Whether a percept is on the side that matters.
     pub fn concerns(&self, percept: &Percept) -> bool {
         self.side.is_none_or(|side| side == percept.side)

@@ -14,4 +14,4 @@ mod progression;
 
 pub use inference::{Inference, Method};
 pub use matrix::Matrix;
-pub use progression::{Candidate, Standing, StateSet};
+pub use progression::{Candidate, Standing, StateSet, USUAL_DISTANCE_M};

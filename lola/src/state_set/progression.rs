@@ -5,7 +5,7 @@ use super::counter;
 use super::inference::{Inference, Method};
 use super::literal;
 use super::matrix::Matrix;
-use crate::feature::{Feature, Percept};
+use crate::feature::{Feature, HiddenWall, Percept, Side};
 use crate::instruction::Instruction;
 use serde::{Deserialize, Serialize};
 
@@ -79,15 +79,15 @@ impl StateSet {
         self
     }
 
-    /// Takes in the percepts of a step, in the order of their numbers; what was taken in before, by its
-    /// number, is left out. Cost: the number of percepts times that of nodes.
-    pub fn progress(&mut self, inference: &Inference, percepts: &[Percept]) {
+    /// Takes in the percepts of a step, in the order of their numbers, and where something stands before the walls;
+    /// what was taken in before, by its number, is left out. Cost: the number of percepts times that of nodes.
+    pub fn progress(&mut self, inference: &Inference, percepts: &[Percept], hidden: &[HiddenWall]) {
         let Some(chain) = Chain::of(self.instruction) else { return };
         for percept in percepts.iter().filter(|percept| chain.concerns(percept)) {
             if percept.number >= self.next_number {
                 self.next_number = percept.number + 1;
                 self.counted += 1;
-                self.take_in(&chain, inference, percept);
+                self.take_in(&chain, inference, percept, hidden);
             }
         }
     }
@@ -141,12 +141,15 @@ impl StateSet {
     }
 
     /// A percept that no node explains changes nothing.
-    fn take_in(&mut self, chain: &Chain, inference: &Inference, percept: &Percept) {
+    fn take_in(&mut self, chain: &Chain, inference: &Inference, percept: &Percept, hidden: &[HiddenWall]) {
         let certainties = &self.certainties;
-        let passed_m = self.last_m.map_or(USUAL_DISTANCE_M, |last_m| (percept.from_m - last_m).max(0.0));
+        let passed = Passed {
+            way_m: self.last_m.map_or(USUAL_DISTANCE_M, |last_m| (percept.from_m - last_m).max(0.0)),
+            hidden_m: hidden_between_m(hidden, percept.side, self.last_m.unwrap_or(0.0), percept.from_m),
+        };
         self.last_m = Some(percept.to_m);
         let progressed = match inference.method {
-            Method::StateSet => certainties.progressed(chain, &inference.matrix, percept, passed_m),
+            Method::StateSet => certainties.progressed(chain, &inference.matrix, percept, passed),
             Method::LiteralEquations => certainties.progressed_literally(chain, &inference.matrix, percept),
             Method::PlainCounter => certainties.counted(self.counted >= chain.length as u64, percept),
             Method::CounterWithClass => certainties.counted(counter::is_goal(chain, self.counted, percept), percept),
@@ -156,34 +159,36 @@ impl StateSet {
 }
 
 impl Certainties {
-    /// Eqs. (1) to (3) for one percept that came so many metres after the last.
+    /// Eqs. (1) to (3) for one percept that came so much wall after the last.
     ///
     /// # Deviation
     /// The features in the first bracket of Eq. (3) are those of S_i: printed is S_j, by which a percept would
     /// be compared with what the robot has left behind. A state may stay (j = i), because a wall may be
     /// perceived as something, and because a foyer is not counted; with j < i alone every false alarm counts.
     /// In the product of Eq. (2) stands how many nodes can have been missed on so many metres (Poisson): along
-    /// ten metres more than along two. What comes after the goal is any opening, so that one sum stands for
+    /// ten metres more than along two, and more where a box stands before the wall. What comes after the goal is any opening, so that one sum stands for
     /// all nodes beyond it, and each percept that may have been the goal keeps a certainty of its own: the
     /// robot can go back to it.
-    fn progressed(&self, chain: &Chain, matrix: &Matrix, percept: &Percept, passed_m: f64) -> Self {
+    fn progressed(&self, chain: &Chain, matrix: &Matrix, percept: &Percept, passed: Passed) -> Self {
         let seen = percept.seen;
         let go = 1.0 - chain.uncounted_share;
         let stay = matrix.certainty(seen, Feature::Wall) + chain.uncounted_share * matrix.mean(seen, chain.uncounted);
         let counted = go * matrix.mean(seen, chain.counted);
-        let missed = matrix.mean(Feature::Wall, chain.counted);
-        let missed_goal = matrix.missed(chain.goal) / missed.max(f64::MIN_POSITIVE);
+        let places = passed.way_m / USUAL_DISTANCE_M;
+        let hidden = chain.share(Feature::ClosedDoor) * passed.hidden_m / USUAL_DISTANCE_M;
+        let missed = matrix.mean(Feature::Wall, chain.counted) * places + hidden;
+        let missed_goal = matrix.missed(chain.goal) * places / missed.max(f64::MIN_POSITIVE);
 
-        let reaching = reaching(&self.before, missed * passed_m / USUAL_DISTANCE_M);
+        let reaching = reaching(&self.before, missed);
         let to_goal = reaching.goal * go * matrix.certainty(seen, chain.goal);
         let before = self.before.iter().zip(&reaching.nodes).map(|(&at, to)| at * stay + to * counted).collect();
         // After the goal, however many were missed since; a false alarm may come after it as well.
-        let passed = |certainty: f64| certainty * (stay + counted);
-        let unseen = passed(self.unseen) + reaching.beyond_goal * missed_goal * counted;
+        let beyond = |certainty: f64| certainty * (stay + counted);
+        let unseen = beyond(self.unseen) + reaching.beyond_goal * missed_goal * counted;
         let earlier = self
             .candidates
             .iter()
-            .map(|&Candidate { percept, certainty }| Candidate { percept, certainty: passed(certainty) });
+            .map(|&Candidate { percept, certainty }| Candidate { percept, certainty: beyond(certainty) });
         let arriving = Candidate { percept: *percept, certainty: to_goal };
         Self { before, candidates: earlier.chain([arriving]).collect(), unseen }.with_likeliest_candidates()
     }
@@ -226,6 +231,19 @@ impl Certainties {
         self.unseen /= sum;
         (sum > 0.0).then_some(self)
     }
+}
+
+/// The wall on a side between two percepts, and how much of it was hidden.
+#[derive(Clone, Copy, Debug)]
+struct Passed {
+    way_m: f64,
+    hidden_m: f64,
+}
+
+/// How much of a side is hidden between two places.
+fn hidden_between_m(hidden: &[HiddenWall], side: Side, from_m: f64, to_m: f64) -> f64 {
+    let on_side = hidden.iter().filter(|wall| wall.side == side);
+    on_side.map(|wall| (wall.to_m.min(to_m) - wall.from_m.max(from_m)).max(0.0)).sum()
 }
 
 /// What comes from all earlier nodes when everything between was missed (Eq. 2).

@@ -21,7 +21,7 @@ fn look(left: &[Feature], right: &[Feature]) -> (Look, f64) {
     };
     let end_m = 4.0 * (left.len().max(right.len()) + 1) as f64;
     let percepts = [of(Side::Left, left), of(Side::Right, right)].concat();
-    (Look { from_m: 0.0, to_m: end_m, percepts }, end_m)
+    (Look { from_m: 0.0, to_m: end_m, percepts, hidden: Vec::new() }, end_m)
 }
 
 fn judged(goal: Goal, left: &[Feature], right: &[Feature]) -> Judgement {
@@ -182,6 +182,7 @@ fn experiment(expectation: &Expectation, hallways: u64) -> (f64, f64, f64) {
             from_m: 0.0,
             to_m: end_m,
             percepts: [seen[0][look].clone(), seen[1][look].clone()].concat(),
+            hidden: Vec::new(),
         });
         let asked = goal(1 + stream.index(8) as u8, Side::ALL[stream.index(2)], [Hallway, OpenDoor][stream.index(2)]);
         let truth = sides[asked.side as usize].get(usize::from(asked.ordinal) - 1).map(|(kind, _)| *kind);

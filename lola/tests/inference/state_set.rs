@@ -34,7 +34,7 @@ fn row(side: Side, seen: &[Feature]) -> Vec<Percept> {
 fn found(instruction: Instruction, inference: &Inference, percepts: &[Percept]) -> Option<Percept> {
     let mut state_set = start(instruction);
     for percept in percepts {
-        state_set.progress(inference, std::slice::from_ref(percept));
+        state_set.progress(inference, std::slice::from_ref(percept), &[]);
         if let Some(goal) = state_set.arrived() {
             return Some(goal);
         }
@@ -54,7 +54,7 @@ fn perfect_percepts_lead_exactly_to_the_goal() {
             let percepts = percepts(&openings, Side::Left, &PERFECT, stream);
             let mut state_set = start(instruction);
             for (at, percept) in percepts.iter().enumerate() {
-                state_set.progress(&inference(&PERFECT, Method::StateSet), std::slice::from_ref(percept));
+                state_set.progress(&inference(&PERFECT, Method::StateSet), std::slice::from_ref(percept), &[]);
                 let expected = (at + 1 >= usize::from(ordinal)).then(|| percepts[usize::from(ordinal) - 1]);
                 assert_eq!(state_set.arrived(), expected, "{instruction} after {} percepts", at + 1);
             }
@@ -67,12 +67,12 @@ fn the_other_side_and_percepts_taken_in_before_change_nothing() {
     let inference = Inference::of_robot(false);
     let mut state_set = start(Instruction::Turn { ordinal: 3, side: Side::Left });
     let left = row(Side::Left, &[Feature::OpenDoor, Feature::Hallway]);
-    state_set.progress(&inference, &left);
+    state_set.progress(&inference, &left, &[]);
     let after = state_set.clone();
-    state_set.progress(&inference, &left);
+    state_set.progress(&inference, &left, &[]);
     assert_eq!(state_set, after);
     let right = Percept { number: 7, side: Side::Right, ..left[1] };
-    state_set.progress(&inference, &[right]);
+    state_set.progress(&inference, &[right], &[]);
     assert_eq!(state_set, after);
 }
 
@@ -85,9 +85,9 @@ fn an_earlier_percept_may_turn_out_to_be_the_goal() {
     let mut state_set = start(Instruction::Enter { ordinal: 2, side: Side::Left });
     let percepts = row(Side::Left, &[Feature::OpenDoor, Feature::Hallway]);
     let inference = inference(&matrix, Method::StateSet);
-    state_set.progress(&inference, &percepts[..1]);
+    state_set.progress(&inference, &percepts[..1], &[]);
     assert_eq!(state_set.standing(), Standing::OnTheWay);
-    state_set.progress(&inference, &percepts[1..]);
+    state_set.progress(&inference, &percepts[1..], &[]);
     assert_eq!(state_set.standing(), Standing::Arrived(percepts[0]));
 }
 
@@ -99,11 +99,11 @@ fn a_foyer_is_passed_however_many_openings_come_before_it() {
     for number in 0..40 {
         let side = Side::ALL[stream.index(2)];
         let seen = Feature::OPENINGS[stream.index(3)];
-        state_set.progress(&inference, &[percept(number, side, seen, 3.0 * number as f64)]);
+        state_set.progress(&inference, &[percept(number, side, seen, 3.0 * number as f64)], &[]);
         assert_eq!(state_set.standing(), Standing::OnTheWay, "after {number}");
     }
     let foyer = percept(40, Side::Right, Feature::Foyer, 120.0);
-    state_set.progress(&inference, &[foyer]);
+    state_set.progress(&inference, &[foyer], &[]);
     assert_eq!(state_set.arrived(), Some(foyer));
 }
 
@@ -127,7 +127,7 @@ fn so_many_percepts_leave_certainties_that_sum_to_one() {
         let mut state_set = start(Instruction::Turn { ordinal: 10, side: Side::Left });
         for number in 0..100_000 {
             let seen = Feature::ALL[1 + stream.index(4)];
-            state_set.progress(&inference, &[percept(number, Side::Left, seen, number as f64)]);
+            state_set.progress(&inference, &[percept(number, Side::Left, seen, number as f64)], &[]);
         }
         let certainties = state_set.certainties();
         assert!(certainties.iter().all(|certainty| (0.0..=1.0 + 1e-9).contains(certainty)), "{certainties:?}");
@@ -141,7 +141,7 @@ fn a_percept_that_nothing_explains_changes_nothing() {
     let mut state_set = start(Instruction::Turn { ordinal: 1, side: Side::Left });
     let before = state_set.certainties();
     let door = percept(0, Side::Left, Feature::OpenDoor, 2.0);
-    state_set.progress(&inference(&PERFECT, Method::StateSet), &[door]);
+    state_set.progress(&inference(&PERFECT, Method::StateSet), &[door], &[]);
     assert_eq!(state_set.certainties(), before);
 }
 
@@ -268,7 +268,7 @@ proptest! {
         let seen: Vec<Feature> = seen.into_iter().map(|at| Feature::ALL[at]).collect();
         let percepts = row(side, &seen);
         let mut state_set = start(instruction);
-        state_set.progress(&inference(&Matrix::SONAR, Method::StateSet), &percepts);
+        state_set.progress(&inference(&Matrix::SONAR, Method::StateSet), &percepts, &[]);
         let expected = enumerated(ordinal, goal, &Matrix::SONAR, &percepts);
         let certainties = state_set.certainties();
         let candidates = state_set.candidates().iter().map(|candidate| candidate.certainty);

@@ -4,7 +4,7 @@ use super::setting::Ground;
 use anyhow::{Result, bail};
 use rpl_lola::Hallway as KnownHallway;
 use rpl_lola::arena::{ArenaSettings, SingleHallway};
-use rpl_lola::feature::{Feature, Percept, Side};
+use rpl_lola::feature::{Feature, HiddenWall, Percept, Side};
 use rpl_lola::features::score::{Confusion, TrueFeature};
 use rpl_mission::modules::SiteRobot;
 use rpl_mission::robot::Robot;
@@ -29,6 +29,8 @@ pub struct Course {
     pub seed: u64,
     /// What was perceived, with `from` and `to` where they really were when the robot was there.
     pub percepts: Vec<Percept>,
+    /// Where something stood before the walls, in the same way.
+    pub hidden: Vec<HiddenWall>,
     /// What really is on both sides, in order.
     pub truth: Vec<TrueFeature>,
     /// The way driven.
@@ -62,6 +64,7 @@ struct Log {
     axis_off_deg: Vec<f64>,
     contour: Vec<ContourSample>,
     percepts: Vec<Percept>,
+    hidden: Vec<HiddenWall>,
 }
 
 /// Drives along the hallway of a seed.
@@ -98,14 +101,14 @@ pub fn drive(ground: &Ground, arena: &ArenaSettings, seed: u64, until_us: u64) -
             to_m: found.to_mm as f64 / 1000.0 - first_m,
         })
     });
-    let really = |percept: &Percept| Percept {
-        from_m: log.really_m(percept.from_m) - first_m,
-        to_m: log.really_m(percept.to_m) - first_m,
-        ..*percept
-    };
+    let really_m = |along_m: f64| log.really_m(along_m) - first_m;
+    let really =
+        |percept: &Percept| Percept { from_m: really_m(percept.from_m), to_m: really_m(percept.to_m), ..*percept };
+    let hidden = |wall: &HiddenWall| HiddenWall { from_m: really_m(wall.from_m), to_m: really_m(wall.to_m), ..*wall };
     Ok(Course {
         seed,
         percepts: log.percepts.iter().map(really).collect(),
+        hidden: log.hidden.iter().map(hidden).collect(),
         truth: truth.collect(),
         driven_m: last_m - first_m,
         contacts: robot.contacts().caused,
@@ -142,6 +145,7 @@ impl Log {
             }
         }
         self.percepts.clone_from(&hallway.percepts);
+        self.hidden = hallway.hidden();
         None
     }
 

@@ -114,7 +114,7 @@ fn state_set(name: &str, course: &Course) -> Option<String> {
     let mut columns = vec![(0.0, state_set.certainties())];
     let mut arrived_m = None;
     for percept in course.percepts.iter().filter(|percept| percept.side == goal.side) {
-        state_set.progress(&inference, &[*percept]);
+        state_set.progress(&inference, &[*percept], &course.hidden);
         columns.push((percept.to_m, state_set.certainties()));
         if state_set.arrived().is_some() {
             arrived_m = Some(percept.to_m);

@@ -39,7 +39,7 @@ pub fn choices(course: &Course, inference: &Inference) -> Vec<Choice> {
         let can_be_goal = |found: &TrueFeature| matches!(found.is, Feature::Hallway | Feature::OpenDoor);
         openings.filter(move |(found, _)| can_be_goal(found)).map(move |(found, ordinal)| {
             let goal = Goal { ordinal, side, kind: found.is };
-            let outcome = match chosen(goal, &course.percepts, inference) {
+            let outcome = match chosen(goal, course, inference) {
                 None => ChoiceOutcome::None,
                 Some(percept) if is_of(&percept, &found) => ChoiceOutcome::Right,
                 Some(_) => ChoiceOutcome::Wrong,
@@ -51,10 +51,10 @@ pub fn choices(course: &Course, inference: &Inference) -> Vec<Choice> {
 }
 
 /// The percept that is taken for the goal, as soon as one is.
-fn chosen(goal: Goal, percepts: &[Percept], inference: &Inference) -> Option<Percept> {
+fn chosen(goal: Goal, course: &Course, inference: &Inference) -> Option<Percept> {
     let mut state_set = StateSet::start(goal.instruction())?;
-    percepts.iter().find_map(|percept| {
-        state_set.progress(inference, &[*percept]);
+    course.percepts.iter().find_map(|percept| {
+        state_set.progress(inference, &[*percept], &course.hidden);
         state_set.arrived()
     })
 }
