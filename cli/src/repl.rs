@@ -22,6 +22,7 @@ mod margins;
 mod own_text;
 mod past;
 mod present;
+mod repetition;
 mod runner;
 mod session;
 mod standpoint;

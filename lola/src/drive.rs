@@ -102,6 +102,13 @@ impl Drive {
         (self.commands.translation_mps, self.commands.rotation_radps) = (translation_mps, rotation_radps);
     }
 
+    /// Goes no farther: the hallway ends here.
+    pub fn stop_at(&mut self, end_m: f64) {
+        if let (Some(axis), Some(detection)) = (self.registration.axis(), &mut self.detection) {
+            self.percepts.extend(detection.finish(axis, Some(end_m), self.markers_in_odom.as_deref()));
+        }
+    }
+
     /// Drives up to this place of the map.
     pub fn drive_to(&mut self, x_m: f64) {
         let mut steps = 0;

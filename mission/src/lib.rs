@@ -37,6 +37,7 @@
 
 pub mod cost;
 pub mod error;
+mod foreign_modules;
 pub mod libraries;
 pub mod modules;
 pub mod robot;

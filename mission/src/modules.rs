@@ -1,10 +1,8 @@
-//! What the robot of a site is composed of: the modules of the office robot, and those that programs of
-//! somebody else bring.
+//! What the robot of a site is composed of; `foreign_modules` adds those that programs of somebody else bring.
 
 use crate::error::SiteError;
-use crate::libraries::{is_taken, robot_library};
 use rpl_lola::{Lola, LolaSettings};
-use rpl_protocol::module::process_modules::{ModuleSource, ModuleSources, ProcessModules};
+use rpl_protocol::module::process_modules::ProcessModules;
 use rpl_robot::office::{Composition, OfficeModules, OfficeRobot, SimulatedHost};
 use rpl_runtime::robot::RobotTables;
 use rpl_runtime::step::native::Native;
@@ -55,30 +53,4 @@ pub fn tables() -> &'static RobotTables {
 /// Its functions.
 pub fn natives() -> Vec<Native> {
     own_modules().functions.clone()
-}
-
-/// A robot with these modules in other processes beside its own.
-///
-/// # Errors
-/// Two of them have something of one name, or a name has a meaning in the language or its library.
-pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModules>>, SiteError> {
-    if sources.is_empty() {
-        return Ok(own_modules().clone());
-    }
-    let sources = ModuleSources(sources);
-    let library = robot_library(own_modules(), Vec::new())?;
-    // What belongs to the robot is told by its composition, with the name of the module.
-    let is_robots = |name: &str| own_modules().tables.names().any(|known| known == name);
-    for manifest in sources.0.iter().map(|source| &source.manifest) {
-        if let Some(name) = manifest.names().find(|name| !is_robots(name) && is_taken(&library, name)) {
-            let (module, place) = (&manifest.name, manifest.place(name));
-            return Err(SiteError::Modules(format!(
-                "`{name}` of the module `{module}` ({place}) has a meaning in the language or its library; \
-                 give it another name"
-            )));
-        }
-    }
-    let told = sources.clone();
-    Composition::new((Default::default(), Default::default(), Default::default(), sources))
-        .map_err(|fault| SiteError::Modules(told.told(&fault)))
 }

@@ -3,8 +3,9 @@
 
 use crate::cost::{MEMORY_GIB, TooLarge};
 use crate::error::SiteError;
+use crate::foreign_modules::composed;
 use crate::libraries::{robot_library, robotless_library, scenario_library};
-use crate::modules::{SiteModules, composed, own_modules};
+use crate::modules::{SiteModules, own_modules};
 use crate::robot::Robot;
 use crate::run::silence_continuous_fluents;
 use crate::scenario::Scenario;

@@ -145,7 +145,7 @@ pub const TOPICS: &[Topic] = &[
          hallway-position",
     ),
     topic(
-        "cases",
+        "case-memory",
         "Driving by cases",
         "go-by-cases deliver-by-cases reconsider-when-necessary reconsider case-navigation case* case-kind* case-distance* \
          short-term-goal* progressing?* retrieve-case explain-case use-case case-kind adapt-route retain-case forget-case \

@@ -7,7 +7,10 @@ use std::path::Path;
 /// The file that the book shows.
 fn of_the_book() -> &'static str {
     let book = include_str!("../../../docs/cases.md");
-    book.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).expect("the book shows a file")
+    book.split("```text\n")
+        .find(|text| text.starts_with("{\"rpl_cases\""))
+        .and_then(|rest| rest.split("```").next())
+        .expect("the book shows a file")
 }
 
 fn cases(folder: &Path, options: &[&str]) -> Ended {

@@ -58,7 +58,7 @@ fn every_kind_of_name_is_completed() {
         (&["rpl", "worlds", "k"], &["keep.toml"]),
         (&["rpl", "run", "ki"], &["kitchen.rpl"]),
         (&["rpl", "run", "deliv"], &["delivery.rpl"]),
-        (&["rpl", "run", "r"], &["rooms/"]),
+        (&["rpl", "run", "ro"], &["rooms/"]),
         (&["rpl", "run", "delivery", "--world", "dept-c"], &["dept-crowded"]),
         (&["rpl", "run", "delivery", "--world=dept-c"], &["--world=dept-crowded"]),
         (&["rpl", "run", "delivery", "--scenario", "rot"], &["rotated.rpl"]),

@@ -76,6 +76,7 @@ fn the_end_is_heard_and_an_opening_beside_it_ends_there() {
     drive.drive_to(10.3);
     let end_m = drive.detection.as_ref().and_then(FeatureDetection::hallway_end_m).expect("a wall across");
     assert!((end_m + drive.detected_from.x_m - 11.0).abs() < 0.1, "{end_m}");
+    drive.stop_at(end_m);
     let seen = seen_on_map(&drive);
     assert_eq!(seen.len(), 1, "{seen:?}");
     assert_near(seen[0], Side::Left, Feature::Hallway, 9.9, 2.2);

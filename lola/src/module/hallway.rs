@@ -156,7 +156,10 @@ impl Hallway {
                 let at_m = first.turned_at_m;
                 let back: Vec<Percept> = self.percepts.iter().map(|percept| percept.turned(at_m)).collect();
                 let hidden = self.hidden().iter().map(|wall| wall.turned(at_m)).collect();
-                let second = look(&back, hidden, (at_m - self.farthest_m).max(from_m), at_m - BESIDE_START_M);
+                // Where counting begins is the other half of what the first look began beside.
+                let second_from_m = (at_m - self.farthest_m).max(from_m + BESIDE_START_M);
+                let mut second = look(&back, hidden, second_from_m, at_m - BESIDE_START_M);
+                second.percepts.retain(|percept| percept.middle_m() > second_from_m);
                 (vec![look(&first.percepts, first.hidden.clone(), from_m, at_m), second], first.end_m)
             }
         }

@@ -306,10 +306,11 @@ impl HallwayDrive {
         let Stage::Following(follow) = &mut self.stage else { return (Velocity::default(), None) };
         let speed_limit_mps = limits.speed_limit_mps(now.mode);
         let output = follow.step(limits, &direction_input(hallway, input, self.lane_m, speed_limit_mps, remaining_m));
-        // Where people stood before it, it was not heard from afar.
-        let may_end = hallway.is_before_end() || output.held_up_s > MAY_END_S;
-        let is_before_end = self.until == Until::End && output.free_m < END_FREE_M && may_end;
-        let to_end_m = match input.sonar.filter(|_| is_before_end) {
+        let is_short = self.until == Until::End && output.free_m < END_FREE_M;
+        let is_before_end = is_short && hallway.is_before_end();
+        // Where people stood before the end, it was not heard from afar.
+        let may_end = is_before_end || is_short && output.held_up_s > MAY_END_S;
+        let to_end_m = match input.sonar.filter(|_| may_end) {
             Some(scan) => self.look_at_end(hallway, limits.step_s, input.odometry_in_odom, scan),
             None => {
                 self.look_at_end = LookAtEnd::default();

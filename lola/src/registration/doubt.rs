@@ -159,6 +159,9 @@ fn wall_beside(scan: SonarScan<'_>, heading_in_hallway_rad: f64, side: Side) -> 
         return None;
     }
     let mean_m = agreeing(most_m).sum::<f64>() / count as f64;
-    let nearness = |heard_m: f64| 1.0 - ((heard_m - mean_m) / SAME_WALL_M).powi(2);
+    let nearness = |heard_m: f64| {
+        let off = (heard_m - mean_m) / SAME_WALL_M;
+        1.0 - off * off
+    };
     Some((mean_m, agreeing(most_m).map(nearness).sum()))
 }

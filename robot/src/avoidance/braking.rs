@@ -17,7 +17,10 @@ pub fn braked_velocity(limits: &DriveLimits, obstacles_in_base: &[Point], now: V
         let share = f64::from(SHARES - lost) / f64::from(SHARES);
         Velocity { translation_mps: wanted.translation_mps * share, ..wanted }
     });
-    slowed.into_iter().find(|&velocity| stops_in_time(limits, &near, now, velocity)).unwrap_or_default()
+    // What `stops_in_time` lets be glanced past, a robot that only ever brakes would creep into.
+    let is_driven_at = |velocity: Velocity| near.iter().any(|obstacle| obstacle.is_driven_at(velocity.translation_mps));
+    let is_safe = |velocity: &Velocity| !is_driven_at(*velocity) && stops_in_time(limits, &near, now, *velocity);
+    slowed.into_iter().find(is_safe).unwrap_or_default()
 }
 
 #[cfg(test)]

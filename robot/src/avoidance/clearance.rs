@@ -60,6 +60,11 @@ impl Obstacle {
         (self.in_base - at_in_base).norm_squared() < least_m * least_m
     }
 
+    /// Whether it is as near as anything may be, and straight driving brings it nearer.
+    pub(super) fn is_driven_at(&self, translation_mps: f64) -> bool {
+        self.away_m <= self.hard_radius_m && self.in_base.x * translation_mps > 0.0
+    }
+
     fn along_line_m(&self, radius_m: f64) -> f64 {
         if self.in_base.x <= 0.0 || self.in_base.y.abs() >= radius_m {
             return f64::INFINITY;
