@@ -48,7 +48,7 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
             | ExperimentSubject::Routes
             | ExperimentSubject::CaseKinds
             | ExperimentSubject::Behaviours
-    );
+    ) || experiment.rows.iter().any(Row::chooses_robot);
     if has_own_robot && request.robot.name != RobotDescription::PAPERS {
         bail!("the experiment `{}` has a robot of its own; leave `--robot` away", experiment.name);
     }

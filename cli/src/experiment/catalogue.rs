@@ -70,6 +70,15 @@ pub struct Row {
     pub change: fn(&mut OfficeSettings),
 }
 
+impl Row {
+    /// Whether it drives with a robot of its own, whatever `--robot` says.
+    pub fn chooses_robot(&self) -> bool {
+        let mut settings = OfficeSettings::default();
+        (self.change)(&mut settings);
+        settings.robot.name != OfficeSettings::default().robot.name
+    }
+}
+
 const ROTATED: Row = Row {
     name: "rotated",
     plan: "delivery.rpl",

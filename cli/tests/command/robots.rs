@@ -91,3 +91,13 @@ fn a_trace_says_of_which_robot_it_is_if_one_was_named() {
     assert!(header("--robot nomad-200").contains("\"robot\":\"nomad-200\""));
     assert!(!header("").contains("robot"));
 }
+
+#[test]
+fn an_experiment_with_a_robot_of_its_own_takes_no_other() {
+    let folder = folder("robot-of-its-own");
+    for name in ["sensing", "behaviours", "rupart"] {
+        let found = rpl(&folder, &format!("experiment {name} --runs 1 --robot nomad-200"));
+        assert!(found.errors.contains("has a robot of its own; leave `--robot` away"), "{name}: {}", found.errors);
+        assert_eq!(found.status, 2);
+    }
+}

@@ -142,3 +142,32 @@ impl EndMonitor {
         self.end_m
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_robot::sensors::{SonarArray, SonarLayout};
+
+    /// What a ring hears of things ahead, each a flat piece across the hallway: how far, and from where to where aside.
+    fn ahead_m(pieces: &[(f64, f64, f64)]) -> Option<f64> {
+        let sonars = SonarArray::new(&SonarLayout::Ring(24), 15_f64.to_radians(), 5.0);
+        let range_m = |mount_rad: f64| {
+            let off_rad = wrap_angle_rad(mount_rad);
+            let nearest_rad = libm::copysign((off_rad.abs() - 7.5_f64.to_radians()).max(0.0), off_rad);
+            let hit = pieces.iter().filter(|(far_m, from_m, to_m)| {
+                off_rad.abs() < 1.0 && (*from_m..=*to_m).contains(&(far_m * libm::tan(nearest_rad)))
+            });
+            hit.map(|(far_m, ..)| far_m / libm::cos(nearest_rad)).fold(5.0, f64::min) as f32
+        };
+        let ranges_m: Vec<f32> = sonars.mounts.iter().map(|mount| range_m(mount.heading_rad)).collect();
+        wall_ahead_m(0.0, SonarScan { sonars: &sonars, ranges_m: &ranges_m })
+    }
+
+    #[test]
+    fn a_wall_across_the_hallway_is_ahead_and_somebody_before_it_is_not() {
+        assert!(ahead_m(&[(0.8, -1.1, 1.1)]).is_some_and(|far_m| (far_m - 0.8).abs() < 0.01));
+        assert_eq!(ahead_m(&[(0.8, -0.25, 0.25)]), None, "somebody");
+        assert_eq!(ahead_m(&[(0.8, -0.25, 0.25), (1.4, -1.1, 1.1)]), None, "somebody before a wall");
+        assert_eq!(ahead_m(&[]), None);
+    }
+}

@@ -1,7 +1,7 @@
 //! Whether an instruction is wrong.
 
 use crate::synthetic::{Openings, openings, percept};
-use rpl_lola::feature::{Feature, Percept, Side};
+use rpl_lola::feature::{Feature, HiddenWall, Percept, Side};
 use rpl_lola::instruction::Goal;
 use rpl_lola::judgement::{Expectation, FaultKind, Judgement, Look, Verdict};
 use rpl_lola::state_set::Matrix;
@@ -72,6 +72,20 @@ fn what_is_right_is_where_it_was_seen() {
     let judgement = judged(goal, &[Hallway], &[ClosedDoor, OpenDoor, Hallway]);
     assert_eq!(judgement.verdict(), Verdict::Right);
     assert_eq!(judgement.at.map(|percept| percept.middle_m()), Some(8.0));
+}
+
+/// The second left is asked for, and one opening was seen: another may be behind a box, if there is one.
+#[test]
+fn a_box_speaks_for_an_opening_that_was_not_seen() {
+    let asked = goal(2, Side::Left, Hallway);
+    let (clear, end_m) = look(&[Hallway], &[]);
+    let behind = |side| {
+        let hidden = vec![HiddenWall { side, from_m: 0.8, to_m: 2.4 }];
+        Judgement::of(asked, &[Look { hidden, ..clear.clone() }], Some(end_m), &Expectation::of_event(Matrix::SONAR))
+    };
+    let open = Judgement::of(asked, std::slice::from_ref(&clear), Some(end_m), &Expectation::of_event(Matrix::SONAR));
+    assert!(behind(Side::Left).right > 2.0 * open.right, "{} against {}", behind(Side::Left).right, open.right);
+    assert_eq!(behind(Side::Right).right, open.right, "on the other side");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::synthetic::{openings, percept, percepts};
 use proptest::prelude::*;
-use rpl_lola::feature::{Feature, Percept, Side};
+use rpl_lola::feature::{Feature, HiddenWall, Percept, Side};
 use rpl_lola::instruction::Instruction;
 use rpl_lola::state_set::{Inference, Matrix, Method, Standing, StateSet};
 use rpl_random::Stream;
@@ -60,6 +60,20 @@ fn perfect_percepts_lead_exactly_to_the_goal() {
             }
         }
     }
+}
+
+#[test]
+fn what_is_hidden_on_the_way_may_have_been_a_door() {
+    let inference = Inference::of_robot(false);
+    let seen = row(Side::Left, &[Feature::Hallway]);
+    let of_goal = |hidden: &[HiddenWall]| {
+        let mut state_set = start(Instruction::Turn { ordinal: 2, side: Side::Left });
+        state_set.progress(&inference, &seen, hidden);
+        state_set.best().map_or(0.0, |best| best.certainty)
+    };
+    let wall = |side| HiddenWall { side, from_m: 1.0, to_m: 2.5 };
+    assert!(of_goal(&[wall(Side::Left)]) > 2.0 * of_goal(&[]), "{}", of_goal(&[]));
+    assert_eq!(of_goal(&[wall(Side::Right)]), of_goal(&[]));
 }
 
 #[test]

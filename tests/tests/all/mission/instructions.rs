@@ -6,6 +6,7 @@ use rpl_lola::instruction::Instruction;
 use rpl_mission::modules::SiteRobot;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{OfficeModel, OfficeSettings};
+use rpl_robot::world::World;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_tests::deliveries::{PassedDoor, counted_along_m, delivery, door_beside, with_person_before};
 use rpl_tests::mission::{Grid, Mission, Run, fluent_text, lines, model, run_until};
@@ -192,6 +193,39 @@ fn a_door_that_is_closed_while_the_robot_passes_is_one_opening() {
         host.model.close_door(&mut host.state, &door.room).expect("nobody stands in it");
         assert_delivered(&arena, &finished(system), &format!("arena {seed}, {} closed", door.room));
     }
+}
+
+/// A hallway that turns left at its end, and nothing else.
+const CORNER: &str = "name = \"corner\"\nsize = [13.0, 14.0]\nstart = [1.8, 5.1, 0]\n\
+    [[wall]]\nline = [[8.725, 13.8], [8.725, 6.275], [0.925, 6.275], [0.925, 3.925], [11.075, 3.925], [11.075, 13.8]]\n";
+
+fn in_corner(plan: &str) -> Run {
+    let world = World::parse(CORNER, "corner.toml").expect("a world");
+    let settings = OfficeSettings { map_known: false, ..Grid::Coarse.settings() };
+    let plan = format!("(begin-hallway (odometry-pose))\n(go-hallway-end)\n{plan}");
+    Mission::new(model(world, settings), &plan).run(1, UNTIL_S)
+}
+
+#[test]
+fn at_the_end_of_a_hallway_there_is_one_opening_on_a_side() {
+    let named = |instruction: &str| {
+        in_corner(&format!(
+            "(with-failure-handling ((faulty-instruction (f) (failure-slot f 'kind))) (opening-ahead 1 '{instruction}))"
+        ))
+    };
+    assert!(named("(turn 1 left)").outcome().contains("left hallway"), "{}", named("(turn 1 left)").outcome());
+    for wrong in ["(turn 2 left)", "(turn 1 right)"] {
+        assert_eq!(named(wrong).outcome(), "=> no-such-opening", "{wrong}");
+    }
+}
+
+#[test]
+fn who_looks_again_comes_back_all_the_way() {
+    let run = in_corner("(let ((there (hallway-position))) (look-again) (- there (hallway-position)))");
+    let left_m: f64 = run.outcome().trim_start_matches("=> ").parse().expect("metres");
+    let start_m = 1.8;
+    let back_m = run.system.outside.true_pose_in_map().x_m - start_m;
+    assert!(back_m < 1.0, "it stands {back_m} m before its start; {left_m} m are left");
 }
 
 /// What is wrong is told, and the answer is followed, after something that nobody understands too.
