@@ -69,7 +69,7 @@ fn main() {
     let world = World::builtin("olin-rice").expect("it is built in");
     let robot = RobotDescription::builtin("pioneer-2dx").expect("it is built in");
     let places = Places::new(&world, robot.radius_m).expect("it has places");
-    let ground = KindGround::new(&world, &places, &robot);
+    let ground = KindGround::new(world, places, robot);
     let question = |name, what, target| Question {
         name,
         what,

@@ -12,6 +12,7 @@ pub mod fmt;
 pub mod journal;
 pub mod localize;
 pub mod man;
+pub mod project;
 pub mod repl;
 pub mod replay;
 pub mod resume;
@@ -61,6 +62,7 @@ pub enum Command {
     Step(repl::Arguments),
     Resume(resume::Arguments),
     Journal(journal::Arguments),
+    Project(Box<project::Arguments>),
     Replay(Box<replay::Arguments>),
     Simulate(simulate::Arguments),
     Trace(trace::Arguments),
@@ -91,6 +93,7 @@ impl Command {
             Command::Step(arguments) => repl::run(arguments, CommandLine::command(), true, console),
             Command::Journal(arguments) => journal::run(arguments, console),
             Command::Resume(arguments) => resume::run(arguments, console),
+            Command::Project(arguments) => project::run(arguments, console),
             Command::Replay(arguments) => replay::run(arguments, CommandLine::command(), console),
             Command::Simulate(arguments) => simulate::run(arguments, console),
             Command::Trace(arguments) => trace::run(arguments, console),

@@ -6,41 +6,46 @@ mod cases;
 mod catalogue;
 mod chart;
 mod choices;
+mod conduct;
 mod day;
 mod doors;
+mod drive_times;
+mod errands;
 mod findings;
 mod instructions;
+mod kind;
 mod missions;
+mod numbers;
+mod over_time;
+pub mod part;
 mod request;
 mod row_result;
+mod seeds;
 mod sensing;
 pub mod statistics;
 mod trial;
-mod trials;
 mod worlds;
 
+pub use conduct::{Conduct, RunSource};
+pub use findings::Findings;
 pub use request::ExperimentRequest;
 
 use crate::terminal::console::Console;
-use crate::terminal::page::Block;
 use anyhow::{Result, bail};
 use catalogue::{EXPERIMENTS, Experiment, ExperimentSubject, Row};
-use findings::ExperimentResult;
-use missions::{missions, over_time, own_plan, results, status, whether_measured, write_results};
-use row_result::comparison;
+use conduct::{chosen, conduct};
+use missions::{MissionTable, Missions, Moments, OwnPlan};
 use rpl_robot::description::RobotDescription;
-use rpl_robot::localization::{Calibration, LocalizationParameters};
-use serde_json::json;
-use trial::MissionTrial;
-use trials::sample_rows;
 
-/// Runs an experiment, or a plan of the user's own.
+/// Does an experiment, or one with a plan of the user's own.
 ///
 /// # Errors
-/// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
-pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
+/// No experiment or plan has the name, the plan's text is wrong, or something cannot be read or written.
+pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> Result<Findings> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == request.name);
-    let Some(experiment) = experiment else { return own_plan(request, console) };
+    let Some(experiment) = experiment else {
+        return conduct(OwnPlan::new(request.clone())?, request, how, console);
+    };
     let has_own_robot = matches!(
         experiment.subject,
         ExperimentSubject::Barn
@@ -52,63 +57,45 @@ pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<Experim
     if has_own_robot && request.robot.name != RobotDescription::PAPERS {
         bail!("the experiment `{}` has a robot of its own; leave `--robot` away", experiment.name);
     }
-    let chosen = || rows(experiment, request);
+    if request.cases.is_some() && experiment.subject != ExperimentSubject::Errands {
+        bail!(
+            "the experiment `{}` drives by no case file; `--cases` is for `rupart`, and for plans of your own",
+            experiment.name
+        );
+    }
+    let asked = request.clone();
+    let rows = || chosen(request, experiment.rows, |row| row.name);
+    let missions =
+        |table: MissionTable| Ok::<_, anyhow::Error>(Missions { request: asked.clone(), rows: rows()?, table });
     match experiment.subject {
-        ExperimentSubject::Barn => barn::run(request, console),
-        ExperimentSubject::Worlds => worlds::run(request, console),
-        ExperimentSubject::Doors => doors::run(request, console),
-        ExperimentSubject::Sensing => sensing::run(request, console),
-        ExperimentSubject::HallwayFeatures => instructions::hallway_features(request, console),
-        ExperimentSubject::CountOpenings => instructions::count_openings(request, console),
-        ExperimentSubject::OfficeDelivery => instructions::office_delivery(request, console),
-        ExperimentSubject::TopologicalGlobal => instructions::topological_global(request, console),
-        ExperimentSubject::MarkerDetection => instructions::marker_detection(request, console),
-        ExperimentSubject::Routes => cases::routes(request, console),
-        ExperimentSubject::CaseKinds => cases::case_kinds(request, console),
-        ExperimentSubject::Behaviours => cases::behaviours(request, console),
-        ExperimentSubject::Choices => choices::run(request, &chosen()?, console),
-        ExperimentSubject::Success => {
-            let rows = missions(request, &chosen()?, console)?;
-            let results = results(&rows);
-            write_results(request, &rows, &over_time(&rows))?;
-            let mut blocks = results[0].blocks();
-            blocks.push(Block::Lines(String::new()));
-            blocks.extend(comparison(&results));
-            Ok(ExperimentResult { status: status(&rows[0].1), blocks, figures: json!({ "rows": results }) })
-        }
-        ExperimentSubject::Comparison => {
-            let rows = missions(request, &chosen()?, console)?;
-            let results = results(&rows);
-            write_results(request, &rows, &[])?;
-            let blocks = comparison(&results);
-            Ok(ExperimentResult { status: whether_measured(&rows), blocks, figures: json!({ "rows": results }) })
-        }
+        ExperimentSubject::Success => conduct(missions(MissionTable::FirstRow)?, request, how, console),
+        ExperimentSubject::Comparison => conduct(missions(MissionTable::Lines)?, request, how, console),
         ExperimentSubject::Calibration => {
-            let rows = missions(request, &chosen()?, console)?;
-            let results = results(&rows);
-            let all: Vec<&MissionTrial> =
-                rows.iter().flat_map(|(_, trials)| trials).filter(|trial| trial.is_measured()).collect();
-            let used = LocalizationParameters::of(&request.robot).calibration.unwrap_or_else(|| Calibration::new(&[]));
-            let reliability = calibration::Reliability::of(&all, &used);
-            let diagram = chart::reliability(&reliability.bins);
-            write_results(request, &rows, &[("reliability.svg", diagram), ("samples.csv", sample_rows(&rows))])?;
-            let mut blocks = reliability.blocks();
-            blocks.push(Block::Lines(String::new()));
-            blocks.extend(comparison(&results));
-            let figures = json!({ "reliability": reliability, "rows": results });
-            Ok(ExperimentResult { status: whether_measured(&rows), blocks, figures })
+            let moments = Moments { request: asked.clone(), rows: rows()? };
+            conduct(moments, request, how, console)
         }
+        ExperimentSubject::Choices => conduct(choices::Choices::new(asked.clone(), rows()?)?, request, how, console),
+        ExperimentSubject::Barn => conduct(barn::Barn::new(asked)?, request, how, console),
+        ExperimentSubject::Worlds => conduct(worlds::WorldDrives::new(asked)?, request, how, console),
+        ExperimentSubject::Doors => conduct(doors::drives(asked)?, request, how, console),
+        ExperimentSubject::DriveTimes => conduct(drive_times::TimedDrives::new(asked)?, request, how, console),
+        ExperimentSubject::Sensing => conduct(sensing::Sensing::new(asked)?, request, how, console),
+        ExperimentSubject::HallwayFeatures => {
+            conduct(instructions::HallwayFeatures::new(asked)?, request, how, console)
+        }
+        ExperimentSubject::CountOpenings => conduct(instructions::CountOpenings::new(asked)?, request, how, console),
+        ExperimentSubject::OfficeDelivery => conduct(instructions::OfficeDelivery::new(asked)?, request, how, console),
+        ExperimentSubject::TopologicalGlobal => {
+            conduct(instructions::TopologicalDrives::new(request)?, request, how, console)
+        }
+        ExperimentSubject::MarkerDetection => {
+            conduct(instructions::MarkerDetections::new(asked)?, request, how, console)
+        }
+        ExperimentSubject::Routes => conduct(cases::Routes::new(asked)?, request, how, console),
+        ExperimentSubject::CaseKinds => conduct(cases::Kinds::new(asked)?, request, how, console),
+        ExperimentSubject::Behaviours => conduct(cases::Behaviours::new(asked)?, request, how, console),
+        ExperimentSubject::Errands => conduct(errands::Errands::new(asked, experiment.rows)?, request, how, console),
     }
-}
-
-/// All rows of an experiment, or the one that is asked for.
-fn rows(experiment: &Experiment, request: &ExperimentRequest) -> Result<Vec<&'static Row>> {
-    let Some(name) = request.row.as_deref() else { return Ok(experiment.rows.iter().collect()) };
-    let found: Vec<&Row> = experiment.rows.iter().filter(|row| row.name == name).collect();
-    if found.is_empty() {
-        bail!(request.no_row(name, &row_names(experiment)));
-    }
-    Ok(found)
 }
 
 /// What can be asked for with `--row`.
@@ -117,6 +104,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Barn => barn::row_names(),
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
+        ExperimentSubject::DriveTimes => drive_times::WORLDS.to_vec(),
         ExperimentSubject::Sensing => sensing::row_names(),
         ExperimentSubject::HallwayFeatures => instructions::feature_rows(),
         ExperimentSubject::CountOpenings => instructions::counting_rows(),
@@ -126,6 +114,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Routes => cases::route_rows(),
         ExperimentSubject::CaseKinds => cases::kind_rows(),
         ExperimentSubject::Behaviours => cases::behaviour_rows(),
+        ExperimentSubject::Errands => errands::row_names(experiment.rows),
         ExperimentSubject::Success
         | ExperimentSubject::Comparison
         | ExperimentSubject::Calibration

@@ -1,5 +1,6 @@
 //! Files: which are read and written, and what is in them.
 
+pub mod case_files;
 pub mod examples;
 pub mod inputs;
 pub mod maps;

@@ -5,6 +5,7 @@
 //! - A run is told to stop, and its clean-ups run. The second signal ends the process at once; so
 //!   does a run that gives no sign of life for too long, whatever it is busy with.
 //! - While another program runs in the foreground, such as a pager, it is for that program.
+//! - An experiment takes up no further run, and shows the table of those that are done; the second ends the process.
 //! - At the prompt it gives the prompt back, and only the third without an answer ends the process.
 
 use crate::status::Status;
@@ -22,6 +23,9 @@ static ASKED: AtomicU32 = AtomicU32::new(0);
 
 /// Runs under way.
 static RUNS: AtomicU32 = AtomicU32::new(0);
+
+/// Experiments under way.
+static EXPERIMENTS: AtomicU32 = AtomicU32::new(0);
 
 /// Prompts at which something is done.
 static PROMPTS: AtomicU32 = AtomicU32::new(0);
@@ -55,6 +59,10 @@ fn answer() {
     let earlier = ASKED.fetch_add(1, Ordering::SeqCst);
     let is_run = RUNS.load(Ordering::SeqCst) > 0;
     let is_prompt = PROMPTS.load(Ordering::SeqCst) > 0;
+    if EXPERIMENTS.load(Ordering::SeqCst) > 0 && earlier == 0 {
+        console::note("stopping: what is done is put together; once more to exit at once");
+        return;
+    }
     match (is_run, is_prompt, earlier) {
         (true, _, 0) => {
             console::note("stopping: the clean-ups of the plan run; once more to exit at once");
@@ -114,6 +122,12 @@ impl Drop for SignalMeaning {
 #[must_use]
 pub fn stops_runs() -> SignalMeaning {
     SignalMeaning::new(&RUNS)
+}
+
+/// While what is returned lives, there is an experiment that looks at [`is_asked`] and ends with what is done.
+#[must_use]
+pub fn ends_experiment() -> SignalMeaning {
+    SignalMeaning::new(&EXPERIMENTS)
 }
 
 /// While what is returned lives, something is done at a prompt that is given back when [`is_asked`].

@@ -1,6 +1,7 @@
 //! A run that is ready: driven to its end, and told of.
 
 use crate::drive::{Pace, drive};
+use crate::files::case_files::KeptCases;
 use crate::files::module_files::Modules;
 use crate::files::outputs::OutputFolder;
 use crate::hosts::{HostTranscript, astray};
@@ -33,6 +34,8 @@ pub struct PreparedRun {
     pub pace: Pace,
     /// What is kept of it.
     pub records: Records,
+    /// Where what the robot remembers goes.
+    pub cases: Option<KeptCases>,
     /// Where figures go.
     pub figures: Option<OutputFolder>,
     /// The line to its host, if that is not our simulator.
@@ -53,8 +56,11 @@ impl PreparedRun {
     pub fn drive(mut self, console: &mut Console) -> Result<Status> {
         let ending = {
             let _stops = interrupt::stops_runs();
-            drive(&mut self.system, self.pace, console, &mut self.records)?
+            drive(&mut self.system, self.pace, console, &mut self.records)
         };
+        // What cannot be written otherwise is no reason to lose what was learned.
+        let kept = self.keep_cases();
+        let ending = ending?;
         if let Some(trace) = &mut self.records.trace {
             trace.finish().context("the trace cannot be written")?;
         }
@@ -76,10 +82,19 @@ impl PreparedRun {
             console.print(&summary.as_json()?)?;
         }
         console.flush()?;
+        kept?;
         if !is_written {
             bail!("the run was stopped because its journal could not be written");
         }
         Ok(status(&self.system, ending))
+    }
+
+    /// Writes what the robot remembers, however the run has ended.
+    fn keep_cases(&mut self) -> Result<()> {
+        match (self.cases.take(), self.system.outside.case_memory()) {
+            (Some(cases), Some(memory)) => cases.write(memory),
+            _ => Ok(()),
+        }
     }
 
     /// Whether the journal, if there is one that must be, could be written all the time.

@@ -430,6 +430,7 @@ impl Prompt<'_> {
             Verb::Fluents => self.explain(&self.fluents(rest))?,
             Verb::Valves => self.explain(&self.valves())?,
             Verb::Map => self.explain(&self.drawn_map())?,
+            Verb::Project => self.project(rest)?,
             Verb::Trace => self.explain(&self.last_events(rest))?,
             Verb::Doc => self.document(rest)?,
             Verb::Source => self.source(rest)?,

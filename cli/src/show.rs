@@ -8,6 +8,7 @@ pub mod failure_report;
 pub mod figures;
 pub mod map;
 pub mod place_figures;
+pub mod revision_story;
 pub mod service;
 pub mod situation;
 pub mod summary;

@@ -14,6 +14,7 @@ const MACROS: &[(&str, Layout)] = &[
     ("assert-fails", Layout::plain(Body(1))),
     ("case", Layout { style: Body(1), leading: &[Form], rest: Clause }),
     ("cond", Layout { style: Call, leading: &[], rest: Clause }),
+    ("def-revision", Layout::with(Body(2), &[Data, Data])),
     ("destructuring-bind", Layout::with(Body(2), &[Data])),
     ("do", Layout::with(Body(2), &[Bindings, Clause])),
     ("do-retry", Layout::plain(Body(1))),

@@ -51,6 +51,7 @@ const WORDS: &[(Kind, &[&str])] = &[
         Kind::Any,
         &[
             "a",
+            "anew",
             "arguments",
             "b",
             "by-pairs",
@@ -92,6 +93,7 @@ const WORDS: &[(Kind, &[&str])] = &[
             "low",
             "number",
             "numbers",
+            "priority",
             "radians",
             "step",
             "to",
@@ -105,7 +107,7 @@ const WORDS: &[(Kind, &[&str])] = &[
         ],
     ),
     (Kind::Integer, &["case", "count", "end", "integer", "integers", "length", "position", "start", "times"]),
-    (Kind::Seconds, &["patience", "seconds", "time"]),
+    (Kind::Seconds, &["deadline", "patience", "seconds", "time"]),
     (
         Kind::Text,
         &[

@@ -86,6 +86,12 @@ impl HiddenWall {
     pub fn turned(&self, turned_at_m: f64) -> Self {
         Self { side: self.side.other(), from_m: turned_at_m - self.to_m, to_m: turned_at_m - self.from_m }
     }
+
+    /// The same, with places from another start: see [`Percept::shifted`].
+    #[must_use]
+    pub fn shifted(&self, start_m: f64) -> Self {
+        Self { from_m: start_m + self.from_m, to_m: start_m + self.to_m, ..*self }
+    }
 }
 
 /// A feature as it was perceived, when the robot had passed it.
@@ -114,6 +120,12 @@ impl Percept {
     #[must_use]
     pub fn turned(&self, turned_at_m: f64) -> Self {
         Self { side: self.side.other(), from_m: turned_at_m - self.to_m, to_m: turned_at_m - self.from_m, ..*self }
+    }
+
+    /// The same, with places from another start: what was at 0 is at `start_m`.
+    #[must_use]
+    pub fn shifted(&self, start_m: f64) -> Self {
+        Self { from_m: start_m + self.from_m, to_m: start_m + self.to_m, ..*self }
     }
 
     /// Its middle, along the axis.

@@ -5,14 +5,18 @@ use crate::libraries::{is_taken, robot_library};
 use crate::modules::{SiteModules, own_modules};
 use rpl_protocol::module::process_modules::{ModuleSource, ModuleSources};
 use rpl_robot::office::Composition;
+use rpl_rupart::RupartSettings;
 use std::sync::Arc;
 
-/// A robot with these modules in other processes beside its own.
+/// A robot that drives by cases so, with these modules in other processes beside its own.
 ///
 /// # Errors
 /// Two of them have something of one name, or a name has a meaning in the language or its library.
-pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModules>>, SiteError> {
-    if sources.is_empty() {
+pub fn composed(
+    rupart: RupartSettings,
+    sources: Vec<ModuleSource>,
+) -> Result<Arc<Composition<SiteModules>>, SiteError> {
+    if sources.is_empty() && rupart == RupartSettings::default() {
         return Ok(own_modules().clone());
     }
     let sources = ModuleSources(sources);
@@ -29,6 +33,6 @@ pub fn composed(sources: Vec<ModuleSource>) -> Result<Arc<Composition<SiteModule
         }
     }
     let told = sources.clone();
-    Composition::new((Default::default(), Default::default(), Default::default(), sources))
+    Composition::new((Default::default(), Default::default(), rupart, sources))
         .map_err(|fault| SiteError::Modules(told.told(&fault)))
 }

@@ -7,13 +7,15 @@ use rpl_protocol::remote_host::RemoteHost;
 use rpl_robot::geometry::{Pose, Vector};
 use rpl_robot::localization::Localization;
 use rpl_robot::office::{Module, OfficeRobot, Oracle, SimulatedHost};
-use rpl_runtime::robot::{NoRobot, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::robot::{ForeseenRobot, NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use rpl_rupart::Rupart;
+use rpl_rupart::memory::CaseMemory;
 use std::any::{Any, TypeId};
 
 /// The robot of a run, if it has one.
@@ -110,6 +112,11 @@ impl<M: Module> Robot<M> {
         }
     }
 
+    /// What it remembers of driving by cases; none without a robot that does.
+    pub fn case_memory(&mut self) -> Option<&CaseMemory> {
+        self.part(TypeId::of::<Rupart>())?.downcast_ref().map(Rupart::memory)
+    }
+
     fn outside(&self) -> &dyn Outside {
         match self {
             Robot::Absent(robot) => robot,
@@ -165,16 +172,24 @@ impl<M: Module> Outside for Robot<M> {
         self.outside_mut().stop(behaviour, how, outbox);
     }
 
-    fn period_us(&self) -> Option<u64> {
-        self.outside().period_us()
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        self.outside().next_event_us(stepped_us)
     }
 
     fn renew(&mut self, outbox: &mut Outbox) -> bool {
         self.outside_mut().renew(outbox)
     }
 
-    fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
-        self.outside_mut().step(phases, outbox);
+    fn steps_at(&self, stepped_us: u64, now_us: u64) -> bool {
+        self.outside().steps_at(stepped_us, now_us)
+    }
+
+    fn step(&mut self, now_us: u64, phases: Phases<'_>, outbox: &mut Outbox) {
+        self.outside_mut().step(now_us, phases, outbox);
+    }
+
+    fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+        self.outside().foresee(now_us, phases)
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {

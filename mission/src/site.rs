@@ -18,6 +18,7 @@ use rpl_runtime::robot::NoRobot;
 use rpl_runtime::run::library::{Library, Loaded, Rejected};
 use rpl_runtime::run::system::System;
 use rpl_runtime::step::native::Native;
+use rpl_rupart::RupartSettings;
 use std::sync::Arc;
 
 /// What a site is made of.
@@ -31,11 +32,19 @@ pub struct Setup {
     pub memory_gib: f64,
     /// Functions of the embedding program that plans can call, beside all others.
     pub natives: Vec<Native>,
+    /// What it remembers at the start of driving by cases, and how it drives by them.
+    pub rupart: RupartSettings,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { world: None, settings: OfficeSettings::default(), memory_gib: MEMORY_GIB, natives: Vec::new() }
+        Self {
+            world: None,
+            settings: OfficeSettings::default(),
+            memory_gib: MEMORY_GIB,
+            natives: Vec::new(),
+            rupart: RupartSettings::default(),
+        }
     }
 }
 
@@ -76,7 +85,8 @@ impl Site {
     /// As for [`Site::new`]; names of the modules are taken, or their plans have faults.
     pub fn with_processes(setup: Setup, sources: Vec<ModuleSource>) -> Result<Self, SiteError> {
         let is_own = sources.is_empty();
-        Self::with_modules(setup, composed(sources)?).map_err(|error| match error {
+        let modules = composed(setup.rupart.clone(), sources)?;
+        Self::with_modules(setup, modules).map_err(|error| match error {
             SiteError::Prelude(rejected) if !is_own => SiteError::ModulePlans(rejected),
             other => other,
         })
@@ -96,7 +106,7 @@ impl Site {
     /// # Errors
     /// As for [`Site::with_processes`].
     pub fn for_checking(sources: Vec<ModuleSource>) -> Result<Self, SiteError> {
-        let modules = composed(sources)?;
+        let modules = composed(RupartSettings::default(), sources)?;
         Ok(Self { library: robot_library(&modules, Vec::new())?, modules, premises: Premises::Unbuilt })
     }
 
@@ -117,12 +127,12 @@ impl<M: Module> Site<M> {
         Self { library, modules, premises: Premises::Office { model, scenario: None } }
     }
 
-    /// A site whose robot has these modules.
+    /// A site whose robot has these modules, with the settings that they have already.
     ///
     /// # Errors
     /// As for [`Site::new`].
     pub fn with_modules(setup: Setup, modules: Arc<Composition<M>>) -> Result<Self, SiteError> {
-        let Setup { world, settings, memory_gib, natives } = setup;
+        let Setup { world, settings, memory_gib, natives, rupart: _ } = setup;
         let Some(world) = world else {
             let library = robotless_library(&modules, natives)?;
             return Ok(Self { library, modules, premises: Premises::Robotless });

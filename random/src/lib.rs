@@ -47,6 +47,11 @@ impl Stream {
         self.uniform() < probability
     }
 
+    /// A seed for streams of somebody else.
+    pub fn seed(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
     /// Normal with mean 0 and standard deviation 1 (Box and Muller; two draws each, so that the
     /// stream holds no half-used pair).
     pub fn normal(&mut self) -> f64 {

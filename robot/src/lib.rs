@@ -16,6 +16,7 @@ pub mod active;
 pub mod avoidance;
 pub mod description;
 pub mod file_text;
+pub mod foresight;
 pub mod geometry;
 pub mod localization;
 pub mod navigation;

@@ -1,6 +1,6 @@
 //! What a memory begins with, before anything was learned.
 
-use crate::case::{Case, Content};
+use crate::case::{Case, Content, MetaPlan};
 use crate::control::BehaviourParameters;
 use crate::memory::CaseMemory;
 use crate::similarity::{Scales, Similarity};
@@ -28,6 +28,37 @@ pub fn open_space(world: &World, sensors: &RangeSensors) -> Situation {
         short_term_goal_bearing_rad: Some(0.0),
         ..Situation::default()
     }
+}
+
+/// What a robot begins with that was never given a memory: the tuned parameters; that a robot which has lost its
+/// position is to find it before it does anything else; and that a route is made on the map where there is no case
+/// of one.
+pub fn first_cases(world: &World, sensors: &RangeSensors) -> CaseMemory {
+    let mut memory = tuned_alone(world, sensors);
+    for goal in [None, Some(world.bounds().centre())] {
+        let lost = Situation { long_term_goal_in_map: goal, ..Situation::default() };
+        memory.retain(Case::new(lost, Content::MetaPlan(MetaPlan::LocalizeFirst)));
+    }
+    memory.retain(Case::new(no_route(world), Content::MetaPlan(MetaPlan::MakeRoute)));
+    memory
+}
+
+/// A place, a goal, and a way to it that begins at once. Who asks for a route has none yet: this counts on top of how
+/// far both are, so that any route case that is compared with them comes first.
+fn no_route(world: &World) -> Situation {
+    let centre = world.bounds().centre();
+    Situation {
+        short_term_goal_distance_m: Some(0.0),
+        short_term_goal_bearing_rad: Some(0.0),
+        ..Situation::of_route(centre, centre)
+    }
+}
+
+/// Where no behaviour has brought the robot on: there one is to be trained.
+pub fn to_be_trained(blocked: Situation) -> Case {
+    let index =
+        Situation { sonars_m: None, mean_sonars_m: None, translation_mps: None, rotation_radps: None, ..blocked };
+    Case::new(index, Content::MetaPlan(MetaPlan::TrainBehaviour))
 }
 
 /// A memory of one behaviour case, the tuned parameters.

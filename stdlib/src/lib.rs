@@ -24,7 +24,17 @@ mod transcendental;
 use rpl_runtime::step::native::Native;
 
 /// The library in RPL: macros first, then functions. It uses only natives and special forms.
-pub const PRELUDE: &str = concat!(include_str!("prelude/constructs.rpl"), "\n", include_str!("prelude/functions.rpl"));
+pub const PRELUDE: &str = concat!(
+    include_str!("prelude/constructs.rpl"),
+    "\n",
+    include_str!("prelude/functions.rpl"),
+    "\n",
+    include_str!("prelude/foresight.rpl"),
+    "\n",
+    include_str!("prelude/revision.rpl"),
+    "\n",
+    include_str!("prelude/rules.rpl"),
+);
 
 /// All native functions of the library, in a fixed order.
 pub fn natives() -> Vec<Native> {

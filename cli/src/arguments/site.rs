@@ -2,6 +2,7 @@
 
 use crate::arguments::completion;
 use crate::arguments::numbers::positive;
+use crate::files::case_files::KeptCases;
 use crate::files::module_files::{self, ModuleVoices, Modules};
 use crate::files::plans;
 use crate::files::robot_files;
@@ -14,6 +15,8 @@ use rpl_mission::cost::MEMORY_GIB;
 use rpl_mission::site::{Setup, Site};
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
+use rpl_rupart::RupartSettings;
+use std::path::Path;
 
 /// Arguments that say where a plan runs.
 #[derive(clap::Args, Clone, Debug)]
@@ -93,8 +96,24 @@ impl SiteArguments {
     /// # Errors
     /// There is no such world, scenario, robot or module, or it has faults.
     pub fn build(&self, voices: ModuleVoices<'_>) -> Result<(Site, Option<World>, Modules)> {
+        let (site, world, modules, _) = self.build_with(voices, None)?;
+        Ok((site, world, modules))
+    }
+
+    /// The same for a robot that remembers what is in a case file, if one is named.
+    ///
+    /// # Errors
+    /// As for [`SiteArguments::build`]; the file cannot be read or written, or has faults.
+    pub fn build_with(
+        &self,
+        voices: ModuleVoices<'_>,
+        cases: Option<&Path>,
+    ) -> Result<(Site, Option<World>, Modules, Option<KeptCases>)> {
         let robot = robot_files::named(self.robot.as_deref())?;
         let world = self.world.as_deref().map(|name| world_files::named(name, &robot, self.seed)).transpose()?;
+        let opened = cases.zip(world.as_ref()).map(|(path, world)| KeptCases::open(path, world, &robot)).transpose()?;
+        let (cases, memory) = opened.unzip();
+        let rupart = RupartSettings { memory: memory.flatten(), ..RupartSettings::default() };
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
         let (modules, sources) = module_files::named(&self.module, voices)?;
         let usual = OfficeSettings::of(robot);
@@ -104,10 +123,10 @@ impl SiteArguments {
         };
         let settings = OfficeSettings { map_known: self.map == MapArgument::World, localization, ..usual };
         let site = sites::build(
-            Setup { world: world.clone(), settings, memory_gib: self.memory, natives: Vec::new() },
+            Setup { world: world.clone(), settings, memory_gib: self.memory, rupart, ..Setup::default() },
             scenario,
             sources,
         )?;
-        Ok((site, world, modules))
+        Ok((site, world, modules, cases))
     }
 }

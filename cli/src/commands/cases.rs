@@ -1,8 +1,9 @@
 //! `rpl cases FILE`: a case memory of a robot, what it would retrieve, and what is wrong with it.
 
 use crate::arguments::completion;
+use crate::files::case_files::{self, CaseGround};
 use crate::files::outputs::OutputFile;
-use crate::files::{inputs, robot_files, world_files};
+use crate::files::{robot_files, world_files};
 use crate::show::place_figures;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -13,12 +14,11 @@ use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::world::World;
 use rpl_rupart::case::{Case, Content, Kind};
-use rpl_rupart::file::{read_memory, read_situation, world_of};
+use rpl_rupart::file::{read_situation, world_of};
 use rpl_rupart::maintenance::{Concern, concerns};
 use rpl_rupart::memory::{CaseMemory, CaseNumber};
 use rpl_rupart::places::Places;
 use rpl_rupart::routes::{Competence, Route, Stop, TravelTimes, competences};
-use rpl_rupart::similarity::{Scales, Similarity};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -55,18 +55,15 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let drawing = arguments.draw.as_ref().map(|path| OutputFile::open(path, "the drawing")).transpose()?;
     let name = arguments.file.display().to_string();
-    let text = inputs::read_text(&arguments.file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
+    let text = case_files::read(&arguments.file)?;
     let robot = robot_files::named(Some(arguments.robot.as_deref().unwrap_or(ROBOT)))?;
     let Some(world) = arguments.world.clone().or_else(|| world_of(&text)) else {
         bail!("`{name}` names no world in its first line; add `--world W`, or correct the line");
     };
     let world = world_files::for_all_seeds(&world, &robot)?;
-    // A memory of behaviours needs no places.
-    let places = Places::new(&world, robot.radius_m).ok();
-    let range_m = robot.sonar.as_ref().map_or(Scales::default().sonar_m, |sonar| sonar.range_m);
-    let scales = Scales { location_m: world.size_m.norm(), sonar_m: range_m, ..Scales::default() };
-    let memory = read_memory(&text, &name, places.as_ref(), Similarity::new(scales))
-        .map_err(|faults| anyhow!("the case file `{name}` has faults\n{faults}"))?;
+    let ground = CaseGround::new(&world, &robot);
+    let memory = ground.memory(&text, &arguments.file)?;
+    let places = ground.places;
     if let Some(situation) = &arguments.explain {
         return explain(&memory, situation, console);
     }
@@ -104,20 +101,13 @@ fn drawn(memory: &CaseMemory, world: &World, places: Option<&Places>) -> Result<
         bail!("the world `{}` has no places, so there are no routes to draw", world.name)
     };
     let title = format!("{}: places and the routes of {} cases", world.name, memory.cases_of(Kind::Route).count());
-    Ok(place_figures::routes(&title, world, places, routes(memory).map(|(_, route)| route)))
-}
-
-fn routes(memory: &CaseMemory) -> impl Iterator<Item = (CaseNumber, &Route)> {
-    memory.cases_of(Kind::Route).filter_map(|(number, case)| match &case.content {
-        Content::Route(route) => Some((number, route)),
-        Content::Behaviour(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
-    })
+    Ok(place_figures::routes(&title, world, places, memory.routes().map(|(_, route)| route)))
 }
 
 /// A line for each case.
 fn table(memory: &CaseMemory, places: Option<&Places>) -> Table {
     let competence: Vec<Competence> = places.map_or_else(Vec::new, |places| {
-        let routes: Vec<(CaseNumber, &Route)> = routes(memory).collect();
+        let routes: Vec<(CaseNumber, &Route)> = memory.routes().collect();
         let times = TravelTimes::of_routes(places, 1.0, routes.iter().map(|(_, route)| *route));
         competences(places, &times, &routes)
     });

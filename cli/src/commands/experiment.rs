@@ -2,11 +2,14 @@
 
 use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
-use crate::experiment::{self, ExperimentRequest};
+use crate::experiment::part::merging::Parts;
+use crate::experiment::part::shard::Shard;
+use crate::experiment::{self, Conduct, ExperimentRequest, RunSource};
+use crate::files::inputs::STANDARD_INPUT;
 use crate::files::robot_files;
 use crate::status::Status;
 use crate::terminal::console::Console;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use serde_json::{Map, Value, json};
@@ -15,13 +18,16 @@ use std::path::PathBuf;
 
 /// Runs a plan with many seeds and makes a table
 #[derive(clap::Args, Clone, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
+    #[command(subcommand)]
+    merge: Option<Merge>,
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `doors`, `barn`, `marker-detection`, `hallway-features`,
+    /// `sensing`, `people`, `office`, `worlds`, `doors`, `drive-times`, `barn`, `marker-detection`, `hallway-features`,
     /// `count-openings`, `office-delivery`, `topological-global`, `routes`, `case-kinds`, `behaviours`, `rupart`, or a plan of your own; `-` for standard
     /// input
-    #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]
-    name: String,
+    #[arg(value_name = "NAME", required = true, add = ArgValueCompleter::new(completion::experiments))]
+    name: Option<String>,
     /// How many seeds
     #[arg(long, value_name = "N", default_value = "20", value_parser = runs)]
     runs: NonZero<u32>,
@@ -43,6 +49,9 @@ pub struct Arguments {
     /// Only this row of the table
     #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(completion::rows))]
     row: Option<String>,
+    /// What the robot of each run remembers at its start: for `rupart`, and plans of your own
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    cases: Option<PathBuf>,
     /// Writes every run as a line of `runs.csv`, and charts, into this folder
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     results: Option<PathBuf>,
@@ -52,6 +61,36 @@ pub struct Arguments {
     /// Writes every figure of the tables as one JSON object to standard output instead
     #[arg(long)]
     json: bool,
+    /// Only the I-th of K stretches of the seeds, such as 3/8
+    #[arg(long, value_name = "I/K", requires = "out")]
+    shard: Option<Shard>,
+    /// Writes the runs into this file instead of a table; `rpl experiment merge` makes the table
+    #[arg(long, value_name = "PART", value_hint = ValueHint::FilePath, conflicts_with_all = ["json", "results"])]
+    out: Option<PathBuf>,
+}
+
+/// What is done with runs that are there.
+#[derive(clap::Subcommand, Clone, Debug)]
+enum Merge {
+    /// Makes the table of runs that were done in shards
+    Merge(MergeArguments),
+}
+
+/// The parts of an experiment, and what is to become of them.
+#[derive(clap::Args, Clone, Debug)]
+struct MergeArguments {
+    /// What `rpl experiment NAME --shard I/K --out PART` has written, in any order
+    #[arg(value_name = "PART", required = true, value_hint = ValueHint::FilePath)]
+    parts: Vec<PathBuf>,
+    /// Writes every run as a line of `runs.csv`, and charts, into this folder
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    results: Option<PathBuf>,
+    /// Writes every figure of the tables as one JSON object to standard output instead
+    #[arg(long)]
+    json: bool,
+    /// Writes the runs into one part instead of a table
+    #[arg(long, value_name = "PART", value_hint = ValueHint::FilePath, conflicts_with_all = ["json", "results"])]
+    out: Option<PathBuf>,
 }
 
 /// More runs than this do not fit into a table, and more jobs than this are more than any machine has
@@ -69,47 +108,89 @@ fn jobs_at_a_time(text: &str) -> Result<NonZero<usize>, String> {
     jobs.ok_or_else(|| format!("a whole number from 1 to {MOST_JOBS} is expected"))
 }
 
-/// Runs the experiment.
+/// Runs the experiment, or makes its table of what others have run.
 ///
 /// # Errors
-/// No experiment or plan has the name, the plan's text is wrong, or the results cannot be written.
+/// No experiment or plan has the name, the plan's text is wrong, a part does not fit, or the results cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let request = arguments.request()?;
-    // Nobody waits for results that cannot be kept.
-    request.results_folder()?;
-    let findings = experiment::run(&request, console)?;
-    if arguments.json {
-        console.print(&as_json(arguments, findings.figures).to_string())?;
+    let colour = console.colour;
+    let (request, how, json) = match &arguments.merge {
+        Some(Merge::Merge(merge)) => {
+            let (request, how) = merge.request(colour)?;
+            (request, how, merge.json)
+        }
+        None => {
+            let source = RunSource::Seeds(arguments.shard.unwrap_or(Shard::WHOLE));
+            (arguments.request(colour)?, Conduct { source, out: arguments.out.clone() }, arguments.json)
+        }
+    };
+    let findings = experiment::run(&request, how, console)?;
+    if json {
+        console.print(&as_json(&request, findings.figures).to_string())?;
     } else {
         findings.blocks.iter().try_for_each(|block| console.block(block))?;
     }
     Ok(findings.status)
 }
 
+fn jobs(asked: Option<NonZero<usize>>) -> usize {
+    asked.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get)
+}
+
 impl Arguments {
-    fn request(&self) -> Result<ExperimentRequest> {
-        let as_many_as_cores = || std::thread::available_parallelism().ok();
+    fn request(&self, colour: bool) -> Result<ExperimentRequest> {
+        let name = self.name.clone().unwrap_or_default();
+        if name == STANDARD_INPUT && self.out.is_some() {
+            bail!("a part names its plan, and standard input has no name; write the plan into a file");
+        }
         Ok(ExperimentRequest {
-            name: self.name.clone(),
+            name,
             runs: self.runs.get(),
-            jobs: self.jobs.or_else(as_many_as_cores).map_or(1, NonZero::get),
+            jobs: jobs(self.jobs),
             first_seed: self.seed,
             world: self.world.clone(),
             robot: robot_files::named(self.robot.as_deref())?,
+            robot_name: self.robot.clone(),
             scenario: self.scenario.clone(),
             row: self.row.clone(),
+            cases: self.cases.clone(),
             results: self.results.clone(),
             until_us: self.until,
+            colour,
         })
     }
 }
 
+impl MergeArguments {
+    /// What was asked for when the parts were made.
+    fn request(&self, colour: bool) -> Result<(ExperimentRequest, Conduct)> {
+        let parts = Parts::open(&self.parts)?;
+        let asked = parts.identity.clone();
+        let request = ExperimentRequest {
+            name: asked.experiment,
+            runs: asked.runs,
+            jobs: jobs(None),
+            first_seed: asked.first_seed,
+            world: asked.world,
+            robot: robot_files::named(asked.robot.as_deref())?,
+            robot_name: asked.robot,
+            scenario: asked.scenario,
+            row: asked.row,
+            cases: asked.cases,
+            results: self.results.clone(),
+            until_us: asked.until_us,
+            colour,
+        };
+        Ok((request, Conduct { source: RunSource::Parts(Box::new(parts)), out: self.out.clone() }))
+    }
+}
+
 /// The figures, behind what they are of.
-fn as_json(arguments: &Arguments, figures: Value) -> Value {
+fn as_json(request: &ExperimentRequest, figures: Value) -> Value {
     let mut object = Map::new();
-    object.insert("experiment".to_string(), json!(arguments.name));
-    object.insert("runs".to_string(), json!(arguments.runs));
-    object.insert("seed".to_string(), json!(arguments.seed));
+    object.insert("experiment".to_string(), json!(request.name));
+    object.insert("runs".to_string(), json!(request.runs));
+    object.insert("seed".to_string(), json!(request.first_seed));
     if let Value::Object(figures) = figures {
         object.extend(figures);
     }

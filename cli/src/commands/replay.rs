@@ -88,6 +88,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
         file: plan,
         site,
         host: hosts::HostArguments::default(),
+        cases: None,
         journal: JournalArguments::default(),
         set: recorded.set,
         until: recorded.until_us,

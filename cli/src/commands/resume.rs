@@ -125,7 +125,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let pace = Pace { until_us: going_on.until_us, stopped_us: None, factor: arguments.realtime.or(kept.head.factor) };
     let figures = None;
     let json = arguments.json;
-    PreparedRun { site, world, system, seed, pace, records, figures, transcript, modules, json, began }.drive(console)
+    let cases = None;
+    PreparedRun { site, world, system, seed, pace, records, cases, figures, transcript, modules, json, began }
+        .drive(console)
 }
 
 /// Who moves the robot from now on.

@@ -52,6 +52,9 @@ pub struct Arguments {
     /// Steps a task may make in one instant before it counts as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
+    /// What the robot remembers of driving by cases: read at the start if it is there, written at the end
+    #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
+    pub cases: Option<PathBuf>,
     #[command(flatten)]
     pub journal: JournalArguments,
     #[command(flatten)]
@@ -111,6 +114,12 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
              `--journal` draws the same ones"
         );
     }
+    if arguments.cases.is_some() && (arguments.journal.journal.is_some() || arguments.host.record.is_some()) {
+        bail!(
+            "a case file changes with each run, and a run that is gone on with or replayed must find it as it was; leave \
+             `--cases` away, or `--journal` and `--record`"
+        );
+    }
     let source = arguments.host.reach(&arguments.site)?;
     run_on(arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
 }
@@ -131,7 +140,7 @@ pub fn run_on(
     let plan = plans::plan(&arguments.file)?;
     let (recorded_plan, kept_plan) = (RecordedText::of(&arguments.file, &plan), KeptText::of(&plan));
     let output = &arguments.output;
-    let (site, world, modules) = arguments.site.build(voices)?;
+    let (site, world, modules, cases) = arguments.site.build_with(voices, arguments.cases.as_deref())?;
     if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
         bail!("without a robot there are no poses and no figures; add `--world dept`");
     }
@@ -168,7 +177,8 @@ pub fn run_on(
     let records = Records { trace, journal, recorder, pose_every_us, scenes, ..Records::default() };
     let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
     let json = output.json;
-    PreparedRun { site, world, system, seed, pace, records, figures, transcript, modules, json, began }.drive(console)
+    PreparedRun { site, world, system, seed, pace, records, cases, figures, transcript, modules, json, began }
+        .drive(console)
 }
 
 /// A run at its start.

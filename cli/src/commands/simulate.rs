@@ -12,7 +12,6 @@ use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use clap_complete::engine::ArgValueCompleter;
 use rpl_link::tcp_server::{Service, serve};
-use rpl_mission::cost::MEMORY_GIB;
 use rpl_mission::site::Setup;
 use rpl_robot::office::OfficeSettings;
 use std::net::TcpListener;
@@ -62,7 +61,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let scenario = arguments.scenario.as_deref().map(plans::scenario).transpose()?;
     // The host needs no map: it has the world.
     let settings = OfficeSettings { map_known: false, ..OfficeSettings::of(robot.clone()) };
-    let setup = Setup { world: Some(world), settings, memory_gib: MEMORY_GIB, natives: Vec::new() };
+    let setup = Setup { world: Some(world), settings, ..Setup::default() };
     let site = sites::build(setup, scenario, Vec::new())?;
     let mut host = site.office_robot(arguments.seed).context("a world has a robot")?.host;
     let service = Service {

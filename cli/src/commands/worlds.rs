@@ -17,7 +17,8 @@ use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::simulator::PERSON_RADIUS_M;
-use rpl_robot::world::{Marker, MarkerColour, World};
+use rpl_robot::world::{Landmark, Marker, MarkerColour, World};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -49,7 +50,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     svg: Option<PathBuf>,
     /// The world as an image, 5 cm a pixel: black is occupied, grey unknown, orange there but not in
-    /// the map, green in the map but not there, blue people on their paths, red the robot
+    /// the map, green in the map but not there, blue people on their paths, red the robot; markers and landmarks
+    /// have their colours
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     png: Option<PathBuf>,
 }
@@ -102,7 +104,9 @@ fn draw(world: &World, robot_radius_m: f64, svg: Option<OutputFile>, png: Option
     }
     let map = world.map(RESOLUTION_M);
     if let Some(svg) = svg {
-        svg.write(figures::draw(&Figure::of_map(&world.name, &map, &world.rooms)).as_bytes())?;
+        let dots_in_map = world.landmarks.iter().map(|landmark| landmark.pose_in_map.point()).collect();
+        let figure = Figure { dots_in_map, ..Figure::of_map(&world.name, &map, &world.rooms) };
+        svg.write(figures::draw(&figure).as_bytes())?;
     }
     if let Some(png) = png {
         png.write(&png_bytes(world, &map, robot_radius_m)?)?;
@@ -147,7 +151,7 @@ const PERSON: Colour = [30, 90, 220];
 /// Where the robot starts.
 const ROBOT: Colour = [200, 0, 60];
 
-/// A marker on the floor.
+/// A marker on the floor, or a landmark.
 fn of_marker(colour: MarkerColour) -> Colour {
     match colour {
         MarkerColour::Pink => [255, 60, 190],
@@ -157,9 +161,20 @@ fn of_marker(colour: MarkerColour) -> Colour {
     }
 }
 
+/// The cells on both sides of a landmark's sheet, in its colour.
+fn sheet_cells(landmark: &Landmark, map: &OccupancyGrid) -> Vec<((usize, usize), Colour)> {
+    let [left, right] = landmark.edges_in_map();
+    let half_m = map.resolution_m / 2.0;
+    let steps = (landmark.width_m / half_m).ceil() as usize;
+    let along = (0..=steps).map(|step| left + (right - left) * (step as f64 / steps as f64));
+    let both = along.flat_map(|at| [at - landmark.facing() * half_m, at + landmark.facing() * half_m]);
+    both.filter_map(|at| Some((map.cell_at(at)?, of_marker(landmark.colour)))).collect()
+}
+
 /// Three bytes for each cell, the top row of the image first, which is the last of the grid.
 fn pixels(world: &World, map: &OccupancyGrid, robot_radius_m: f64) -> Vec<u8> {
     let floor = world.floor(map.resolution_m, |door| world.doors[door].open);
+    let sheets: BTreeMap<_, _> = world.landmarks.iter().flat_map(|landmark| sheet_cells(landmark, map)).collect();
     let is_on = |centre: Point, reach_m: f64, at: Point| distance_m(centre, at) <= reach_m;
     let shade = |column: usize, row: usize| -> Colour {
         let centre = map.centre(column, row);
@@ -169,6 +184,9 @@ fn pixels(world: &World, map: &OccupancyGrid, robot_radius_m: f64) -> Vec<u8> {
         }
         if world.people.iter().any(|person| is_on(centre, PERSON_RADIUS_M, person.path[0])) {
             return PERSON;
+        }
+        if let Some(colour) = sheets.get(&(column, row)) {
+            return *colour;
         }
         let is_marked = |marker: &&Marker| (centre - marker.at).amax() <= marker.size_m / 2.0;
         if let Some(marker) = world.markers.iter().find(is_marked).filter(|_| !is_there) {
@@ -212,6 +230,14 @@ fn describe(world: &World) -> String {
         let room = place.room.as_deref().map_or(String::new(), |room| format!(" in {room}"));
         lines.push(format!("  {:14} ({:.2}, {:.2}){room}", place.name, pose.x_m, pose.y_m));
     }
+    if !world.landmarks.is_empty() {
+        lines.push("landmarks".to_string());
+    }
+    for landmark in &world.landmarks {
+        let (pose, colour) = (landmark.pose_in_map, landmark.colour.name());
+        let degrees = pose.heading_rad.to_degrees().rem_euclid(360.0);
+        lines.push(format!("  {:14} ({:.2}, {:.2}), {colour}, faces {degrees:.0}°", landmark.name, pose.x_m, pose.y_m));
+    }
     let unmapped = world.objects.iter().filter(|object| !object.mapped).count();
     lines.push(format!(
         "{} objects, {unmapped} of them not in the map; {} people",
@@ -249,7 +275,9 @@ mod tests {
                     [[door]]\nroom = \"r\"\nat = [3, 2]\nwidth = 1\naxis = \"x\"\nopen = true\nmapped_open = false\n\
                     [[object]]\nname = \"box\"\nrect = [2, 0.5, 2.4, 0.9]\nmapped = false\n\
                     [[person]]\npath = [[3, 0.5], [3, 1]]\nspeed = 1\n\
-                    [[marker]]\nat = [3.5, 1.5]\ncolour = \"green\"\n";
+                    [[marker]]\nat = [3.5, 1.5]\ncolour = \"green\"\n\
+                    [[wall]]\nline = [[0, 1], [0, 2]]\nthickness = 0.2\n\
+                    [[landmark]]\nname = \"west\"\npose = [0.1, 1.5, 0]\ncolour = \"blue\"\n";
         let world = World::parse(text, "w.toml").expect("no faults");
         let map = world.map(0.05);
         let image = pixels(&world, &map, 0.265);
@@ -265,5 +293,6 @@ mod tests {
         assert_eq!(at(2.2, 0.7), UNMAPPED, "an object that is not in the map");
         assert_eq!((at(3.0, 0.5), at(1.0, 1.0)), (PERSON, ROBOT));
         assert_eq!((at(3.4, 1.6), at(3.7, 1.5)), (of_marker(MarkerColour::Green), [255; 3]), "a marker and beside it");
+        assert_eq!((at(0.08, 1.5), at(0.08, 1.2)), (of_marker(MarkerColour::Blue), [0; 3]), "a landmark and its wall");
     }
 }

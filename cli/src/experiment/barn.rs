@@ -3,16 +3,15 @@
 
 mod course;
 
-use super::findings::ExperimentResult;
+use super::conduct::chosen;
+use super::findings::Findings;
+use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
 use super::statistics::{Dispersion, Proportion};
-use super::trials::run_all;
 use crate::status::Status;
-use crate::terminal::console::Console;
 use crate::terminal::page::Block;
-use crate::terminal::progress;
 use crate::terminal::table::{NOTHING, Table};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use course::{COURSES, Course, RADIUS_M};
 use rpl_robot::avoidance::DriveLimits;
 use rpl_robot::description::{Driving, Laser, Motors, RobotDescription};
@@ -21,7 +20,7 @@ use rpl_robot::navigation::{DriveStatus, LocalDrive, MaplessNavigation, Navigati
 use rpl_robot::planning::Target;
 use rpl_robot::sensors::{LaserScan, LaserScanner, RangeSensor};
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::sync::Arc;
 
@@ -34,7 +33,7 @@ const TIME_UP_S: f64 = 100.0;
 /// A goal is reached from here.
 const GOAL_M: f64 = 1.0;
 
-const ROWS: [(&str, Method); 2] = [("seen so far", Method::Mapless), ("window alone", Method::Window)];
+static ROWS: [(&str, Method); 2] = [("seen so far", Method::Mapless), ("window alone", Method::Window)];
 
 /// How the robot finds its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +45,7 @@ enum Method {
 }
 
 /// How a trial ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum CourseEnd {
     Arrived,
     Touched,
@@ -55,8 +54,8 @@ enum CourseEnd {
 }
 
 /// One drive over a course.
-#[derive(Clone, Copy, Debug)]
-struct Drove {
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Drove {
     course: u64,
     ending: CourseEnd,
     time_s: f64,
@@ -95,7 +94,7 @@ impl BarnRow {
         Self {
             name,
             arrived: Proportion::new(count(CourseEnd::Arrived), drives.len()),
-            score: drives.iter().map(Drove::score).sum::<f64>() / drives.len() as f64,
+            score: drives.iter().map(Drove::score).sum::<f64>() / drives.len().max(1) as f64,
             touched: count(CourseEnd::Touched),
             gave_up: count(CourseEnd::GaveUp),
             time_up: count(CourseEnd::TimeUp),
@@ -105,32 +104,57 @@ impl BarnRow {
 }
 
 /// Drives over the courses, with each method or the one that is asked for.
-///
-/// # Errors
-/// No row has the name, or the results cannot be written.
-pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
-    let wanted = request.row.as_deref();
-    let methods: Vec<_> = ROWS.iter().filter(|(name, _)| wanted.is_none_or(|wanted| wanted == *name)).collect();
-    if methods.is_empty() {
-        bail!(request.no_row(wanted.unwrap_or_default(), &row_names()));
+pub struct Barn {
+    request: ExperimentRequest,
+    methods: Vec<&'static (&'static str, Method)>,
+}
+
+impl Barn {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let methods = chosen(&request, &ROWS, |(name, _)| name)?;
+        Ok(Self { request, methods })
     }
-    let courses: Vec<u64> =
-        (0..u64::from(request.runs)).map(|run| run * COURSES / u64::from(request.runs).max(1)).collect();
-    let mut rows = Vec::new();
-    let mut raw = "row,course,ending,time_s,optimum_s,score\n".to_string();
-    for (name, method) in methods {
-        let bar = progress::runs(courses.len() as u64, name, console);
-        let one = |course: u64| drive(&Course::new(course, request.first_seed), *method, course, request.first_seed);
-        let drives = run_all(&courses, request.jobs, one, || bar.inc(1));
-        bar.finish_and_clear();
-        rows.push(BarnRow::of(name, &drives));
-        for drove in &drives {
-            let Drove { course, ending, time_s, optimum_s } = drove;
-            raw.push_str(&format!("{name},{course},{ending:?},{time_s:.2},{optimum_s:.3},{:.4}\n", drove.score()));
-        }
+}
+
+impl ExperimentKind for Barn {
+    type Ground = ();
+    type Record = Drove;
+    type Tally = Vec<Drove>;
+
+    fn series(&self) -> Vec<String> {
+        self.methods.iter().map(|(name, _)| (*name).to_string()).collect()
     }
-    request.write(&[("runs.csv".to_string(), raw)])?;
-    Ok(ExperimentResult { status: Status::Succeeded, blocks: blocks(&rows), figures: json!({ "rows": rows }) })
+
+    fn ground(&self, _: usize) -> Result<()> {
+        Ok(())
+    }
+
+    /// The seed is that of the whole set of courses; of these an even selection is driven.
+    fn run(&self, series: usize, _: &(), run: Run) -> Result<Drove> {
+        let course = run.number * COURSES / u64::from(self.request.runs).max(1);
+        let seed = self.request.first_seed;
+        Ok(drive(&Course::new(course, seed), self.methods[series].1, course, seed))
+    }
+
+    fn head(&self, _: &Drove) -> String {
+        "row,course,ending,time_s,optimum_s,score".to_string()
+    }
+
+    fn lines(&self, series: &str, _: Run, drove: &Drove) -> String {
+        let Drove { course, ending, time_s, optimum_s } = drove;
+        format!("{series},{course},{ending:?},{time_s:.2},{optimum_s:.3},{:.4}\n", drove.score())
+    }
+
+    fn findings(&self, tallies: Vec<Vec<Drove>>, _: bool) -> Result<Findings> {
+        let rows = self.methods.iter().zip(&tallies).map(|((name, _), drives)| BarnRow::of(name, drives));
+        let rows: Vec<BarnRow> = rows.collect();
+        let (blocks, figures) = (blocks(&rows), json!({ "rows": rows }));
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+    }
 }
 
 /// What can be asked for with `--row`.

@@ -276,11 +276,13 @@ impl Reliability {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::over_time::ErrorTrack;
 
     fn trial(samples: impl Iterator<Item = (f64, bool)>) -> MissionTrial {
-        let samples =
+        let samples: Vec<Sample> =
             samples.map(|(certainty, is_right)| Sample { certainty, off_m: 0.1, off_rad: 0.01, is_right }).collect();
-        MissionTrial { seed: 1, fault: None, unmeasured: None, measures: vec![], samples }
+        let error = ErrorTrack::of(&samples);
+        MissionTrial { seed: 1, fault: None, unmeasured: None, measures: vec![], error, samples }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use rpl_robot::active::Exploration;
 use rpl_robot::description::RobotDescription;
-use rpl_robot::office::OfficeSettings;
+use rpl_robot::office::{OfficeSettings, PositionBy};
 
 /// An experiment with a name: a mission, and what it is compared with.
 pub struct Experiment {
@@ -27,6 +27,8 @@ pub enum ExperimentSubject {
     Worlds,
     /// Deliveries on whose way a door is closed for a while, world by world.
     Doors,
+    /// How long drives take, beside what is foreseen.
+    DriveTimes,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
     /// Courses nobody has mapped: no missions, and rows of its own.
@@ -49,6 +51,8 @@ pub enum ExperimentSubject {
     CaseKinds,
     /// How well a robot drives by behaviour cases: the same.
     Behaviours,
+    /// Errands by cases, which may begin with a memory of the user's own.
+    Errands,
 }
 
 /// One row of a table.
@@ -68,6 +72,8 @@ pub struct Row {
     pub item: Option<&'static str>,
     /// How the robot differs from the usual one.
     pub change: fn(&mut OfficeSettings),
+    /// Whether its driving by cases brakes before what it hears.
+    pub is_braked: bool,
 }
 
 impl Row {
@@ -87,6 +93,7 @@ const ROTATED: Row = Row {
     goal: Some("wolframs-shelf"),
     item: Some("mail"),
     change: |_| (),
+    is_braked: true,
 };
 
 const UNDISTURBED: Row = Row { name: "undisturbed", scenario: None, ..ROTATED };
@@ -103,6 +110,7 @@ const GLOBAL: Row = Row {
     goal: Some("a-desk"),
     item: None,
     change: |settings| settings.start_known = false,
+    is_braked: true,
 };
 
 const PATROL: Row =
@@ -118,6 +126,7 @@ const PEOPLE: Row = Row {
     goal: None,
     item: None,
     change: |_| (),
+    is_braked: true,
 };
 
 /// An errand by cases in the science hall, by the robot of RUPART.
@@ -129,6 +138,7 @@ const ERRAND: Row = Row {
     goal: None,
     item: None,
     change: pioneer,
+    is_braked: true,
 };
 
 /// The same to a goal.
@@ -237,6 +247,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "doors", subject: ExperimentSubject::Doors, rows: &[] },
     Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
     Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
+    Experiment { name: "drive-times", subject: ExperimentSubject::DriveTimes, rows: &[] },
     Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
     Experiment { name: "hallway-features", subject: ExperimentSubject::HallwayFeatures, rows: &[] },
     Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },
@@ -248,7 +259,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "behaviours", subject: ExperimentSubject::Behaviours, rows: &[] },
     Experiment {
         name: "rupart",
-        subject: ExperimentSubject::Comparison,
+        subject: ExperimentSubject::Errands,
         rows: &[
             ERRAND,
             errand("near", "experiments/by-cases-near.rpl", "room-113-inside"),
@@ -256,7 +267,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
             errand("far", "experiments/by-cases-far.rpl", "optics-lab-south-inside"),
             Row { name: "turned by 70°", scenario: Some("experiments/turned-on-the-way.rpl"), ..ERRAND },
             Row { name: "crowded", world: "olin-rice-crowded", ..ERRAND },
+            Row { name: "not braked", is_braked: false, ..ERRAND },
+            errand("two goals", "experiments/by-cases-two-goals.rpl", "room-113-inside"),
+            errand("another goal comes", "experiments/by-cases-another-goal.rpl", "room-113-inside"),
             Row { name: "by the map", plan: "experiments/by-map-anywhere.rpl", ..ERRAND },
+            Row { name: "position by landmarks", change: by_landmarks, ..ERRAND },
+            Row { name: "position by the grid", change: by_grid, ..ERRAND },
         ],
     },
 ];
@@ -265,6 +281,18 @@ fn pioneer(settings: &mut OfficeSettings) {
     if let Some(robot) = RobotDescription::builtin("pioneer-2dx") {
         *settings = OfficeSettings::of(robot);
     }
+}
+
+/// Odometry, set right at landmarks.
+fn by_landmarks(settings: &mut OfficeSettings) {
+    pioneer(settings);
+    settings.position_by = PositionBy::Landmarks;
+}
+
+/// Sonars alone.
+fn by_grid(settings: &mut OfficeSettings) {
+    pioneer(settings);
+    settings.position_by = PositionBy::GridWithoutLandmarks;
 }
 
 fn literal(settings: &mut OfficeSettings) {

@@ -1,8 +1,8 @@
 //! Charts as SVG, readable in black and white.
 
 use super::calibration::Bin;
+use super::over_time::{EVERY_S, OverTime, POINTS};
 use super::statistics::{Proportion, Summary};
-use super::trial::MissionTrial;
 use svg::Document;
 use svg::node::element::{Circle, Line as Stroke, Polyline, Rectangle, Text};
 
@@ -88,15 +88,6 @@ pub fn reliability(bins: &[Bin]) -> String {
 /// Lines of the error over time: solid, dashed, dotted, dash-dotted.
 const DASHES: [&str; 4] = ["none", "9 5", "2 4", "9 4 2 4"];
 
-/// Seconds between two points of the error over time.
-const EVERY_S: usize = 10;
-
-/// Samples of a trial in a second.
-const SAMPLES_PER_S: usize = 10;
-
-/// Points of a line at most.
-const POINTS: usize = 30;
-
 /// Something over time.
 pub struct Curve<'a> {
     /// What it is called.
@@ -119,30 +110,30 @@ pub struct CurvePoint {
 }
 
 /// The mean distance from the estimate to the truth over time, with 95 % bars; runs that have ended
-/// keep their last error.
-pub fn error_over_time(rows: &[(&str, Vec<MissionTrial>)]) -> String {
-    let longest = rows.iter().flat_map(|(_, trials)| trials).map(|trial| trial.samples.len()).max().unwrap_or(0);
-    let points = (longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, POINTS);
-    let over = |trials: &[MissionTrial]| (0..=points).map(|point| error_at(trials, point * EVERY_S)).collect();
-    let lines: Vec<Curve<'_>> = rows.iter().map(|(name, trials)| Curve { name, points: over(trials) }).collect();
-    over_time("error of the estimate, mean and 95 % interval", "error [m]", 1.0, &lines)
+/// keep their last error. None where nothing had an estimate.
+pub fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
+    let points = rows.iter().filter_map(|(_, over_time)| over_time.error_points()).max()?;
+    let over = |over_time: &OverTime| {
+        let at = |point: usize| around((point * EVERY_S) as f64, over_time.error_m(point));
+        (0..=points).map(at).collect()
+    };
+    let lines: Vec<Curve<'_>> = rows.iter().map(|(name, row)| Curve { name, points: over(row) }).collect();
+    Some(over_time("error of the estimate, mean and 95 % interval", "error [m]", 1.0, &lines))
 }
 
 /// The share of the runs that have succeeded by a time, with 95 % bars.
-pub fn success_over_time(rows: &[(&str, Vec<MissionTrial>)]) -> String {
-    let time_s = |trial: &MissionTrial| trial.measure("time [s]").unwrap_or(0.0);
-    let latest_s = rows.iter().flat_map(|(_, trials)| trials).map(time_s).fold(1.0, f64::max);
-    let line = |trials: &[MissionTrial]| -> Vec<CurvePoint> {
-        let done_s: Vec<f64> = trials.iter().filter(|trial| trial.succeeded()).map(time_s).collect();
-        let at = |point: usize| latest_s * point as f64 / POINTS as f64;
-        let share = |at_s: f64| Proportion::new(done_s.iter().filter(|&&done_s| done_s <= at_s).count(), trials.len());
-        let point = |at_s: f64| {
-            let Proportion { rate, interval_95: (low, high), .. } = share(at_s);
-            CurvePoint { time_s: at_s, value: rate.unwrap_or(0.0), low, high }
+pub fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
+    let latest_s = rows.iter().map(|(_, row)| row.latest_s).fold(1.0, f64::max);
+    let line = |row: &OverTime| -> Vec<CurvePoint> {
+        let point = |point: usize| {
+            let at_s = latest_s * point as f64 / POINTS as f64;
+            let share = Proportion::new(row.succeeded_s.up_to(at_s), row.runs);
+            let (low, high) = share.interval_95;
+            CurvePoint { time_s: at_s, value: share.rate.unwrap_or(0.0), low, high }
         };
-        (0..=POINTS).map(at).map(point).collect()
+        (0..=POINTS).map(point).collect()
     };
-    let lines: Vec<Curve<'_>> = rows.iter().map(|(name, trials)| Curve { name, points: line(trials) }).collect();
+    let lines: Vec<Curve<'_>> = rows.iter().map(|(name, row)| Curve { name, points: line(row) }).collect();
     over_time("runs that have succeeded, with 95 % interval", "share of the runs", 1.0, &lines)
 }
 
@@ -187,26 +178,21 @@ fn mark(number: usize, x: f64, y: f64) -> Circle {
     Circle::new().set("cx", x).set("cy", y).set("r", 3).set("fill", fill).set("stroke", "black")
 }
 
-/// The mean error at a time.
-fn error_at(trials: &[MissionTrial], time_s: usize) -> CurvePoint {
-    let errors: Vec<f64> = trials
-        .iter()
-        .filter_map(|trial| trial.samples.get(time_s * SAMPLES_PER_S).or(trial.samples.last()))
-        .map(|sample| f64::from(sample.off_m))
-        .collect();
-    point(time_s as f64, &errors)
-}
-
 /// The mean of some numbers at a time.
 pub fn point(time_s: f64, numbers: &[f64]) -> CurvePoint {
-    let (mean, half) = Summary::of(numbers).map_or((0.0, 0.0), |summary| (summary.spread.mean, summary.half_95));
+    around(time_s, Summary::of(numbers).map_or((0.0, 0.0), |summary| (summary.spread.mean, summary.half_95)))
+}
+
+/// A mean at a time, and half its interval.
+fn around(time_s: f64, (mean, half): (f64, f64)) -> CurvePoint {
     CurvePoint { time_s, value: mean, low: mean - half, high: mean + half }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::trial::Sample;
+    use crate::experiment::over_time::ErrorTrack;
+    use crate::experiment::trial::MissionTrial;
 
     #[test]
     fn a_bin_is_drawn_where_it_says_and_was() {
@@ -216,36 +202,19 @@ mod tests {
     }
 
     #[test]
-    fn an_ended_run_keeps_its_last_error() {
-        let samples = |errors: &[f32]| {
-            errors
-                .iter()
-                .map(|&off_m| Sample { certainty: 1.0, off_m, off_rad: 0.0, is_right: true })
-                .collect::<Vec<_>>()
-        };
-        let trial = |errors: &[f32]| MissionTrial {
-            seed: 1,
-            fault: None,
-            unmeasured: None,
-            measures: vec![],
-            samples: samples(errors),
-        };
-        let trials = [trial(&[4.0]), trial(&[2.0; 201])];
-        assert_eq!(error_at(&trials, 20).value, 3.0);
-        assert!(error_over_time(&[("a row", trials.to_vec())]).contains("a row"));
-    }
-
-    #[test]
     fn success_comes_when_the_plans_end_and_never_by_those_that_fail() {
         let trial = |fault: Option<&str>, time_s: f64| MissionTrial {
             seed: 1,
             fault: fault.map(str::to_string),
-            measures: vec![("time [s]", Some(time_s))],
+            measures: vec![("time [s]".into(), Some(time_s))],
             unmeasured: None,
+            error: ErrorTrack::default(),
             samples: vec![],
         };
-        let trials = vec![trial(None, 10.0), trial(None, 40.0), trial(Some("blocked"), 5.0), trial(None, 100.0)];
-        let drawn = success_over_time(&[("mine", trials)]);
+        let trials = [trial(None, 10.0), trial(None, 40.0), trial(Some("blocked"), 5.0), trial(None, 100.0)];
+        let mut over_time = OverTime::default();
+        trials.iter().for_each(|trial| over_time.add(trial));
+        let drawn = success_over_time(&[("mine", &over_time)]);
         let line = drawn.split("<polyline").nth(1).and_then(|rest| rest.split("points=\"").nth(1)).expect("a line");
         let shares: Vec<f64> = line
             .split('"')

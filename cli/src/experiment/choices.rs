@@ -2,15 +2,15 @@
 //! the sum over the states of the belief.
 
 use super::catalogue::Row;
-use super::findings::ExperimentResult;
-use super::missions::site_of;
+use super::findings::Findings;
+use super::kind::{ExperimentKind, Run};
+use super::missions::Mission;
 use super::request::ExperimentRequest;
 use super::statistics::{Proportion, Summary};
 use crate::drive::{Pace, drive};
-use crate::files::plans;
+use crate::files::outputs::OutputFolder;
 use crate::run_record::Records;
 use crate::show::choice_figures;
-use crate::sites;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use crate::terminal::page::Block;
@@ -19,8 +19,10 @@ use anyhow::{Context, Result, bail};
 use rpl_robot::active::{ActiveParameters, choose, choose_exactly};
 use rpl_robot::geometry::distance_m;
 use rpl_robot::localization::{Localization, LocalizationModel};
-use serde::Serialize;
+use rpl_robot::office::OfficeModel;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Targets nearer to each other than this are the same choice.
@@ -30,7 +32,8 @@ const SAME_M: f64 = 1.0;
 const PER_RUN: usize = 2;
 
 /// Two answers to one question.
-struct Pair {
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Pair {
     /// Between the two targets.
     apart_m: f64,
     /// What the shortcut loses, by the sum, in nats; none if it goes where the sum sees no way.
@@ -39,37 +42,83 @@ struct Pair {
     shortcut_ms: f64,
 }
 
-/// Runs missions up to their choices and answers each of these twice.
-///
-/// # Errors
-/// The plan's text is wrong, a run cannot be driven, or the figures cannot be written.
-pub fn run(request: &ExperimentRequest, rows: &[&'static Row], console: &mut Console) -> Result<ExperimentResult> {
-    let mut pairs = Vec::new();
-    let mut folder = request.results_folder()?;
-    for row in rows {
-        let (site, _) = site_of(request, row)?;
-        let Some(office) = site.office().cloned() else { bail!("there is no robot; add `--world dept`") };
-        let loaded = sites::load(&site, &plans::plan(row.plan)?, console.colour)?;
-        for seed in request.seeds() {
-            let mut system = site.start_traced(loaded.clone(), seed);
-            let mut records = Records { choices: Some(Vec::new()), ..Records::default() };
-            let pace = Pace { until_us: Some(request.until_us), ..Pace::default() };
-            drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;
-            for (number, localization) in records.choices.iter().flatten().take(PER_RUN).enumerate() {
-                let parameters = &office.settings.active;
-                if let Some(map) = &office.map {
-                    pairs.extend(pair(&map.localization, localization, parameters));
-                }
-                if let Some(folder) = &mut folder {
-                    let name = format!("seed-{seed}-choice-{}", number + 1);
-                    choice_figures::write(folder, &name, &office, localization)?;
-                }
-            }
-        }
+/// Missions up to their choices, each of which is answered twice.
+pub struct Choices {
+    request: ExperimentRequest,
+    rows: Vec<&'static Row>,
+    /// Where the choices are drawn as they come: all of the belief is too much to be written down.
+    folder: Mutex<Option<OutputFolder>>,
+}
+
+impl Choices {
+    /// The choices of some rows.
+    ///
+    /// # Errors
+    /// The folder for results cannot be written.
+    pub fn new(request: ExperimentRequest, rows: Vec<&'static Row>) -> Result<Self> {
+        let folder = Mutex::new(request.results_folder()?);
+        Ok(Self { request, rows, folder })
     }
-    let comparison = Comparison::of(&pairs);
-    let blocks = vec![Block::Lines(comparison.text())];
-    Ok(ExperimentResult { status: Status::Succeeded, blocks, figures: json!({ "choices": comparison }) })
+
+    fn draw(&self, name: &str, office: &OfficeModel, localization: &Localization) -> Result<()> {
+        let mut folder = self.folder.lock().unwrap_or_else(PoisonError::into_inner);
+        folder.as_mut().map_or(Ok(()), |folder| choice_figures::write(folder, name, office, localization))
+    }
+}
+
+impl ExperimentKind for Choices {
+    type Ground = Mission;
+    type Record = Vec<Pair>;
+    type Tally = Vec<Vec<Pair>>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, series: usize) -> Result<Mission> {
+        Mission::of(&self.request, self.rows[series])
+    }
+
+    fn run(&self, _: usize, mission: &Mission, Run { seed, .. }: Run) -> Result<Vec<Pair>> {
+        let Some(office) = mission.site.office() else { bail!("there is no robot; add `--world dept`") };
+        let mut system = mission.site.start_traced(mission.loaded.clone(), seed);
+        let mut records = Records { choices: Some(Vec::new()), ..Records::default() };
+        let pace = Pace { until_us: Some(self.request.until_us), ..Pace::default() };
+        drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;
+        let mut pairs = Vec::new();
+        for (number, localization) in records.choices.iter().flatten().take(PER_RUN).enumerate() {
+            if let Some(map) = &office.map {
+                pairs.extend(pair(&map.localization, localization, &office.settings.active));
+            }
+            self.draw(&format!("seed-{seed}-choice-{}", number + 1), office, localization)?;
+        }
+        Ok(pairs)
+    }
+
+    fn head(&self, _: &Vec<Pair>) -> String {
+        "row,seed,apart [m],lost [nats],shortcut [ms]".to_string()
+    }
+
+    fn lines(&self, series: &str, run: Run, pairs: &Vec<Pair>) -> String {
+        let line = |pair: &Pair| {
+            let lost = pair.regret.map_or(String::new(), |lost| lost.to_string());
+            format!("\"{series}\",{},{},{lost},{}\n", run.seed, pair.apart_m, pair.shortcut_ms)
+        };
+        pairs.iter().map(line).collect()
+    }
+
+    fn findings(&self, tallies: Vec<Vec<Vec<Pair>>>, _: bool) -> Result<Findings> {
+        let pairs: Vec<Pair> = tallies.into_iter().flatten().flatten().collect();
+        let comparison = Comparison::of(&pairs);
+        let blocks = vec![Block::Lines(comparison.text())];
+        let figures = json!({ "choices": comparison });
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+    }
+
+    /// What is measured is time.
+    fn jobs(&self, _: usize) -> usize {
+        1
+    }
 }
 
 fn pair(model: &LocalizationModel, localization: &Localization, parameters: &ActiveParameters) -> Option<Pair> {

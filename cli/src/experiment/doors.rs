@@ -1,12 +1,10 @@
 //! Deliveries on whose way a door is closed for a while, world by world.
 
-use super::findings::ExperimentResult;
 use super::request::ExperimentRequest;
 use super::trial::{Goal, MissionTrial};
-use super::worlds::{self, DRAWS, TestGround, draw_place, draw_start, no_errand, robot_at, run_errand};
+use super::worlds::{DRAWS, TestGround, WorldDrives, draw_place, draw_start, no_errand, robot_at, run_errand};
 use crate::files::plans::{Folder, PlanText};
 use crate::sites;
-use crate::terminal::console::Console;
 use anyhow::{Result, bail};
 use rpl_mission::modules::SiteRobot;
 use rpl_random::Stream;
@@ -45,12 +43,12 @@ struct Errand<'w> {
     optimum_m: f64,
 }
 
-/// Runs the deliveries of all worlds, or of the one that is asked for.
+/// The deliveries of all worlds, or of the one that is asked for.
 ///
 /// # Errors
-/// No row has the name, a run cannot be driven, or the results cannot be written.
-pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
-    worlds::run_in(request, console, &WORLDS, deliver)
+/// No row has the name.
+pub fn drives(request: ExperimentRequest) -> Result<WorldDrives> {
+    WorldDrives::of(request, &WORLDS, deliver)
 }
 
 fn deliver(ground: &TestGround, request: &ExperimentRequest, seed: u64) -> Result<MissionTrial> {

@@ -22,22 +22,23 @@ pub struct ExperimentRequest {
     pub world: Option<String>,
     /// The robot.
     pub robot: Arc<RobotDescription>,
+    /// How the user has named it, if at all.
+    pub robot_name: Option<String>,
     /// Another scenario than that of the experiment.
     pub scenario: Option<String>,
     /// The only row of the table.
     pub row: Option<String>,
+    /// What the robot of each run remembers at its start of driving by cases.
+    pub cases: Option<PathBuf>,
     /// The folder for every run, and for charts.
     pub results: Option<PathBuf>,
     /// Time of the plan after which a run counts as failed.
     pub until_us: u64,
+    /// Whether errors of plans are told in colour.
+    pub colour: bool,
 }
 
 impl ExperimentRequest {
-    /// The seeds, in their order.
-    pub fn seeds(&self) -> Vec<u64> {
-        (0..u64::from(self.runs)).map(|run| self.first_seed.wrapping_add(run)).collect()
-    }
-
     /// What is said of a row that the experiment does not have.
     pub fn no_row(&self, name: &str, rows: &[&str]) -> String {
         let meant =
@@ -53,17 +54,5 @@ impl ExperimentRequest {
     /// It cannot be made or written.
     pub fn results_folder(&self) -> Result<Option<OutputFolder>> {
         self.results.as_deref().map(|path| OutputFolder::open(path, "experiment")).transpose()
-    }
-
-    /// Writes texts, each with the name of its file, into the folder for results, if there is to be one.
-    ///
-    /// # Errors
-    /// One of them cannot be written.
-    pub fn write(&self, files: &[(String, String)]) -> Result<()> {
-        let Some(mut folder) = self.results_folder()? else { return Ok(()) };
-        files.iter().try_for_each(|(name, text)| match name.ends_with(".svg") {
-            true => folder.draw(name, text),
-            false => folder.write(name, text),
-        })
     }
 }

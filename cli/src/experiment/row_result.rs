@@ -1,10 +1,14 @@
 //! What came of the runs of a row: every figure the tables show, and the tables.
 
+use super::kind::Tally;
+use super::numbers::Numbers;
+use super::over_time::OverTime;
 use super::statistics::{Dispersion, PerKm, Proportion, Summary};
 use super::trial::MissionTrial;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Seeds of runs that failed, named in the tables.
 const NAMED: usize = 20;
@@ -37,7 +41,7 @@ pub struct RowResult {
 }
 
 /// A run that failed.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailedRun {
     /// Its seed.
     pub seed: u64,
@@ -49,7 +53,7 @@ pub struct FailedRun {
 #[derive(Clone, Debug, Serialize)]
 pub struct Measure {
     /// What was measured, with its unit.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// What it was on the whole.
     #[serde(flatten)]
     pub summary: Summary,
@@ -60,40 +64,108 @@ pub struct Measure {
 }
 
 impl Measure {
-    fn of(name: &'static str, mut numbers: Vec<f64>) -> Option<Self> {
-        numbers.sort_by(f64::total_cmp);
-        let nine_in_ten = *numbers.get(numbers.len() * 9 / 10)?;
-        Some(Self { name, summary: Summary::of(&numbers)?, nine_in_ten, total: numbers.iter().sum() })
+    fn of(name: Cow<'static, str>, numbers: &Numbers) -> Option<Self> {
+        let nine_in_ten = numbers.of_ten(9)?;
+        Some(Self { name, summary: numbers.summary()?, nine_in_ten, total: numbers.total() })
+    }
+}
+
+/// What is kept of the runs of a row. Its memory grows with the runs that failed, which are told one by one, and with
+/// no others.
+#[derive(Clone, Debug, Default)]
+pub struct RowTally {
+    runs: usize,
+    seeds: Option<(u64, u64)>,
+    succeeded: usize,
+    failures: Vec<FailedRun>,
+    not_measured: Vec<FailedRun>,
+    /// As the first run has them.
+    measures: Vec<(Cow<'static, str>, Numbers)>,
+    /// Of the disturbed runs: those with a wrong recovery.
+    wrong_recoveries: Share,
+    noticed_within_1_m: Share,
+    noticed_within_2_m: Share,
+    /// How the runs go over time.
+    pub over_time: OverTime,
+}
+
+/// How many of some runs.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    count: usize,
+    of: usize,
+}
+
+impl Share {
+    fn add(&mut self, is_so: bool) {
+        self.count += usize::from(is_so);
+        self.of += 1;
+    }
+
+    fn proportion(self) -> Option<Proportion> {
+        (self.of > 0).then(|| Proportion::new(self.count, self.of))
+    }
+}
+
+impl Tally<MissionTrial> for RowTally {
+    fn add(&mut self, trial: MissionTrial) {
+        if self.runs == 0 {
+            self.measures = trial.measures.iter().map(|(name, _)| (name.clone(), Numbers::default())).collect();
+        }
+        self.runs += 1;
+        self.seeds = Some((self.seeds.map_or(trial.seed, |(first, _)| first), trial.seed));
+        self.succeeded += usize::from(trial.succeeded());
+        for (name, numbers) in &mut self.measures {
+            if let Some(number) = trial.measure(name) {
+                numbers.add(number);
+            }
+        }
+        if let Some(count) = trial.measure("wrong recoveries") {
+            self.wrong_recoveries.add(count > 0.0);
+        }
+        // Of the runs that had a way to notice.
+        if let Some(within) = trial.measure("noticed within 2 m") {
+            self.noticed_within_2_m.add(within > 0.0);
+            self.noticed_within_1_m.add(trial.measure("noticed after [m]").is_some_and(|way_m| way_m <= 1.0));
+        }
+        if trial.is_measured() {
+            self.over_time.add(&trial);
+        }
+        let failed = |fault| FailedRun { seed: trial.seed, fault };
+        self.failures.extend(trial.fault.map(failed));
+        self.not_measured.extend(trial.unmeasured.map(failed));
+    }
+}
+
+impl RowTally {
+    /// Whether all runs succeeded, of which there are some.
+    pub fn has_succeeded(&self) -> bool {
+        self.succeeded == self.runs
+    }
+
+    /// Whether all runs count.
+    pub fn is_measured(&self) -> bool {
+        self.not_measured.is_empty()
     }
 }
 
 impl RowResult {
     /// The figures of some runs.
-    pub fn of(name: &str, trials: &[MissionTrial]) -> Self {
-        let numbers =
-            |measure: &str| -> Vec<f64> { trials.iter().filter_map(|trial| trial.measure(measure)).collect() };
-        let names = trials.first().map_or(&[][..], |trial| &trial.measures[..]);
-        let total = |measure: &str| numbers(measure).iter().fold(0.0, |sum, number| sum + number);
-        let runs = |why: fn(&MissionTrial) -> &Option<String>| {
-            let run = |trial: &MissionTrial| Some(FailedRun { seed: trial.seed, fault: why(trial).clone()? });
-            trials.iter().filter_map(run).collect::<Vec<_>>()
+    pub fn of(name: &str, tally: &RowTally) -> Self {
+        let total = |name: &str| {
+            tally.measures.iter().find(|(known, _)| known == name).map_or(0.0, |(_, numbers)| numbers.total())
         };
-        let measured = trials.iter().filter(|trial| trial.is_measured()).count();
-        // Of the runs that had a way to notice.
-        let noticed_m = trials.iter().filter(|trial| trial.measure("noticed within 2 m").is_some());
-        let noticed_m: Vec<f64> =
-            noticed_m.map(|trial| trial.measure("noticed after [m]").unwrap_or(f64::INFINITY)).collect();
         Self {
             name: name.to_string(),
-            runs: trials.len(),
-            seeds: trials.first().zip(trials.last()).map(|(first, last)| (first.seed, last.seed)),
-            succeeded: Proportion::new(trials.iter().filter(|trial| trial.succeeded()).count(), measured),
-            failures: runs(|trial| &trial.fault),
-            not_measured: runs(|trial| &trial.unmeasured),
-            measures: names.iter().filter_map(|&(name, _)| Measure::of(name, numbers(name))).collect(),
-            wrong_recoveries: Proportion::among(&numbers("wrong recoveries"), |count| count > 0.0),
-            noticed_within_1_m: Proportion::among(&noticed_m, |way_m| way_m <= 1.0),
-            noticed_within_2_m: Proportion::among(&numbers("noticed within 2 m"), |within| within > 0.0),
+            runs: tally.runs,
+            seeds: tally.seeds,
+            succeeded: Proportion::new(tally.succeeded, tally.runs - tally.not_measured.len()),
+            failures: tally.failures.clone(),
+            not_measured: tally.not_measured.clone(),
+            measures: tally.measures.iter().filter_map(|(name, numbers)| Measure::of(name.clone(), numbers)).collect(),
+            wrong_recoveries: tally.wrong_recoveries.proportion(),
+            noticed_within_1_m: tally.noticed_within_1_m.proportion(),
+            noticed_within_2_m: tally.noticed_within_2_m.proportion(),
             false_alarms_per_km: PerKm::new(total("false alarms") as u32, total("distance [m]") / 1000.0),
         }
     }
@@ -150,7 +222,7 @@ impl RowResult {
         for Measure { name, summary: Summary { count, spread, half_95 }, .. } in &self.measures {
             let Dispersion { mean, deviation, min, median, max } = spread;
             let numbers = [mean, half_95, deviation, min, median, max].map(|number| format!("{number:.2}"));
-            table.row([(*name).to_string(), count.to_string()].into_iter().chain(numbers));
+            table.row([name.to_string(), count.to_string()].into_iter().chain(numbers));
         }
         let mut blocks = vec![
             Block::Lines(format!(
@@ -179,6 +251,8 @@ pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
         "noticed",
         "≤ 2 m",
         "time",
+        "off",
+        "astray",
         "alarms/km (95 %)",
     ]);
     rows.iter().for_each(|row| table.row(compared(row)));
@@ -187,13 +261,15 @@ pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
     blocks.extend(unmeasured.map(Block::Lines));
     blocks.push(Block::Lines(
         "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it \
-         was not; noticed [m] and time [s]: medians; alarms: position lost while the estimate was right"
+         was not; noticed [m], time [s] and off [m], how far the estimate was on the average: medians; astray: \
+         the share of the time with an estimate more than a metre off, the mean; alarms: position lost while \
+         the estimate was right"
             .into(),
     ));
     blocks
 }
 
-fn compared(row: &RowResult) -> [String; 9] {
+fn compared(row: &RowResult) -> [String; 11] {
     let wrong = |share: &Proportion| format!("{} (≤{:.1} %)", share.count, 100.0 * share.interval_95.1);
     let percent = |share: &Proportion| share.rate.map_or(NOTHING.to_string(), |rate| format!("{:.1} %", 100.0 * rate));
     let alarms = |alarms: &PerKm| {
@@ -209,6 +285,8 @@ fn compared(row: &RowResult) -> [String; 9] {
         row.median("noticed after [m]"),
         row.noticed_within_2_m.as_ref().map_or(NOTHING.to_string(), percent),
         row.median("time [s]"),
+        row.median("estimate off [m]"),
+        row.measure("astray [%]").map_or(NOTHING.to_string(), |share| format!("{:.1} %", share.summary.spread.mean)),
         row.false_alarms_per_km.as_ref().map_or(NOTHING.to_string(), alarms),
     ]
 }
@@ -216,10 +294,18 @@ fn compared(row: &RowResult) -> [String; 9] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::over_time::ErrorTrack;
 
     fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> MissionTrial {
         let fault = fault.map(str::to_string);
-        MissionTrial { seed, fault, unmeasured: None, measures: vec![("time [s]", time_s)], samples: vec![] }
+        let (measures, error) = (vec![("time [s]".into(), time_s)], ErrorTrack::default());
+        MissionTrial { seed, fault, unmeasured: None, measures, error, samples: vec![] }
+    }
+
+    fn row(name: &str, trials: impl IntoIterator<Item = MissionTrial>) -> RowResult {
+        let mut tally = RowTally::default();
+        trials.into_iter().for_each(|trial| tally.add(trial));
+        RowResult::of(name, &tally)
     }
 
     fn text(blocks: &[Block]) -> String {
@@ -234,7 +320,7 @@ mod tests {
     fn the_table_counts_successes_and_names_failed_seeds() {
         let blocked = Some("blocked: for 20 s");
         let trials = [trial(1, None, Some(10.0)), trial(2, blocked, Some(30.0)), trial(3, None, None)];
-        let text = text(&RowResult::of("rotated", &trials).blocks());
+        let text = text(&row("rotated", trials).blocks());
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
         assert!(text.contains("time [s]     2  20.00   19.60"), "{text}");
         assert!(text.ends_with("failed with seed 2 (blocked)"), "{text}");
@@ -242,8 +328,8 @@ mod tests {
 
     #[test]
     fn seeds_that_are_not_named_are_counted() {
-        let trials: Vec<MissionTrial> = (1..=25).map(|seed| trial(seed, Some("timeout"), None)).collect();
-        let seeds = RowResult::of("rotated", &trials).failed_seeds().expect("all failed");
+        let trials = (1..=25).map(|seed| trial(seed, Some("timeout"), None));
+        let seeds = row("rotated", trials).failed_seeds().expect("all failed");
         assert!(seeds.starts_with("1 (timeout), ") && seeds.ends_with("20 (timeout), and 5 more"), "{seeds}");
     }
 }

@@ -8,49 +8,88 @@ mod settings;
 mod shuttle;
 mod table;
 
-use super::findings::ExperimentResult;
+use super::conduct::chosen;
+use super::findings::Findings;
+use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
-use super::trials::run_all;
 use crate::files::world_files;
 use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::terminal::progress;
-use anyhow::{Result, bail};
-use course::{Hall, NEVER_LONGER_US, SensingRun};
+use anyhow::Result;
+use course::{EndPoint, Hall, NEVER_LONGER_US, SensingRun};
 use serde_json::json;
 use settings::{SETTINGS, SensingSetting};
 
-/// The runs of one row, in the order of the seeds.
+/// The runs of each row.
 pub type SensingRuns = Vec<(&'static SensingSetting, Vec<SensingRun>)>;
 
-/// Runs the experiment; the status is about its first row.
-///
-/// # Errors
-/// There is no such row or world, or the results cannot be written.
-pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
-    let chosen: Vec<&SensingSetting> =
-        SETTINGS.iter().filter(|setting| request.row.as_deref().is_none_or(|row| row == setting.name)).collect();
-    if chosen.is_empty() {
-        bail!(request.no_row(request.row.as_deref().unwrap_or_default(), &row_names()));
+/// The experiment; its status is about its first row.
+pub struct Sensing {
+    request: ExperimentRequest,
+    settings: Vec<&'static SensingSetting>,
+}
+
+impl Sensing {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let settings = chosen(&request, &SETTINGS, |setting| setting.name)?;
+        Ok(Self { request, settings })
     }
-    let hall = Hall::new(world_files::for_all_seeds(request.world.as_deref().unwrap_or("sensing"), &request.robot)?)?;
-    let until_us = request.until_us.min(NEVER_LONGER_US);
-    let seeds = request.seeds();
-    let mut rows = SensingRuns::new();
-    for setting in chosen {
-        let bar = progress::runs(seeds.len() as u64, setting.name, console);
-        rows.push((setting, run_all(&seeds, request.jobs, |seed| hall.run(setting, seed, until_us), || bar.inc(1))));
-        bar.finish_and_clear();
+
+    fn hall(&self) -> Result<Hall> {
+        let world = self.request.world.as_deref().unwrap_or("sensing");
+        Hall::new(world_files::for_all_seeds(world, &self.request.robot)?)
     }
-    if request.results.is_some() {
-        let mut files = picture::pictures(&hall, &rows);
-        files.push(("runs.csv".to_string(), table::raw_rows(&rows)));
-        request.write(&files)?;
+
+    fn sense(&self, hall: &Hall, setting: &SensingSetting, seed: u64) -> (SensingRun, Vec<EndPoint>) {
+        hall.run(setting, seed, self.request.until_us.min(NEVER_LONGER_US))
     }
-    let succeeded = rows.first().is_some_and(|(_, courses)| courses.iter().all(SensingRun::succeeded));
-    let results = table::results(&rows);
-    let status = if succeeded { Status::Succeeded } else { Status::Failed };
-    Ok(ExperimentResult { status, blocks: table::blocks(&results), figures: json!({ "rows": results }) })
+}
+
+impl ExperimentKind for Sensing {
+    type Ground = Hall;
+    type Record = SensingRun;
+    type Tally = Vec<SensingRun>;
+
+    fn series(&self) -> Vec<String> {
+        self.settings.iter().map(|setting| setting.name.to_string()).collect()
+    }
+
+    fn ground(&self, _: usize) -> Result<Hall> {
+        self.hall()
+    }
+
+    fn run(&self, series: usize, hall: &Hall, run: Run) -> Result<SensingRun> {
+        Ok(self.sense(hall, self.settings[series], run.seed).0)
+    }
+
+    fn head(&self, _: &SensingRun) -> String {
+        table::HEAD.to_string()
+    }
+
+    fn lines(&self, series: &str, _: Run, course: &SensingRun) -> String {
+        table::line(series, course)
+    }
+
+    fn findings(&self, tallies: Vec<Vec<SensingRun>>, wants_drawings: bool) -> Result<Findings> {
+        let rows: SensingRuns = self.settings.iter().copied().zip(tallies).collect();
+        let mut drawings = Vec::new();
+        if wants_drawings {
+            drawings = picture::over_time(&rows);
+            let shown = rows.iter().find(|(setting, _)| picture::shows_readings(setting));
+            if let Some((setting, course)) = shown.and_then(|(setting, courses)| Some((setting, courses.first()?))) {
+                // A run is a function of its seed: what was read in it need not be kept.
+                let hall = self.hall()?;
+                drawings.extend(picture::readings(&hall, course.seed, &self.sense(&hall, setting, course.seed).1));
+            }
+        }
+        let succeeded = rows.first().is_some_and(|(_, courses)| courses.iter().all(SensingRun::succeeded));
+        let status = if succeeded { Status::Succeeded } else { Status::Failed };
+        let results = table::results(&rows);
+        Ok(Findings { status, blocks: table::blocks(&results), figures: json!({ "rows": results }), drawings })
+    }
 }
 
 /// What can be asked for with `--row`.

@@ -55,10 +55,15 @@ impl Proportion {
         Self { count, of, rate, interval_95: wilson_95(count, of) }
     }
 
-    /// How many of some numbers are as they should be; none if there are no numbers.
-    pub fn among(numbers: &[f64], is_so: impl Fn(f64) -> bool) -> Option<Self> {
-        let count = numbers.iter().filter(|&&number| is_so(number)).count();
-        (!numbers.is_empty()).then(|| Self::new(count, numbers.len()))
+    /// How many of how many in each of several groups, such as the openings of a drive, which succeed or fail together:
+    /// the interval is that of as many independent ones as tell as much (Franco, Little, Louis, Slud, "Comparative Study
+    /// of Confidence Intervals for Proportions in Complex Sample Surveys", 2019). Where all are alike, which tells
+    /// nothing of how far they hang together, each group counts for one.
+    pub fn in_groups(groups: &[(usize, usize)]) -> Self {
+        let (count, of) = groups.iter().fold((0, 0), |sum, group| (sum.0 + group.0, sum.1 + group.1));
+        let independent = independent(groups, count, of);
+        let whole = Self::new(count, of);
+        Self { interval_95: whole.rate.map_or(whole.interval_95, |rate| wilson_of_rate_95(rate, independent)), ..whole }
     }
 
     /// `19/20`
@@ -130,17 +135,35 @@ fn wilson_95(successes: usize, runs: usize) -> (f64, f64) {
     if runs == 0 {
         return (0.0, 1.0);
     }
-    let count = runs as f64;
-    let rate = successes as f64 / count;
+    wilson_of_rate_95(successes as f64 / runs as f64, runs as f64)
+}
+
+/// The same of a rate that was measured with so many runs, not necessarily a whole number of them.
+fn wilson_of_rate_95(rate: f64, count: f64) -> (f64, f64) {
     let z2 = Z_95 * Z_95;
     let centre = (rate + z2 / (2.0 * count)) / (1.0 + z2 / count);
     let half = Z_95 / (1.0 + z2 / count) * (rate * (1.0 - rate) / count + z2 / (4.0 * count * count)).sqrt();
     ((centre - half).max(0.0), (centre + half).min(1.0))
 }
 
+/// How many independent ones would tell as much of the rate as these groups: those there are, by the ratio of the
+/// variance between groups to that of a binomial; at most those there are.
+fn independent(groups: &[(usize, usize)], count: usize, of: usize) -> f64 {
+    let groups: Vec<(f64, f64)> =
+        groups.iter().filter(|group| group.1 > 0).map(|group| (group.0 as f64, group.1 as f64)).collect();
+    let (number, of) = (groups.len() as f64, of as f64);
+    let rate = count as f64 / of;
+    let squares: f64 = groups.iter().map(|(count, of)| (count - rate * of) * (count - rate * of)).sum();
+    if squares == 0.0 || number < 2.0 {
+        return number;
+    }
+    let variance = squares * number / (number - 1.0) / (of * of);
+    (rate * (1.0 - rate) / variance).clamp(1.0, of)
+}
+
 /// Half the 95 % interval of a mean of so many numbers with this deviation, for more than a few of
 /// them (normal approximation).
-fn mean_95(deviation: f64, count: usize) -> f64 {
+pub fn mean_95(deviation: f64, count: usize) -> f64 {
     if count == 0 { 0.0 } else { Z_95 * deviation / (count as f64).sqrt() }
 }
 
@@ -199,6 +222,20 @@ mod tests {
         assert_eq!(wilson_95(0, 0), (0.0, 1.0));
         assert_eq!(wilson_95(0, 50).0, 0.0);
         assert_eq!(wilson_95(50, 50).1, 1.0);
+    }
+
+    #[test]
+    fn what_hangs_together_counts_for_less() {
+        let alone: Vec<(usize, usize)> = (0..100).map(|run| (usize::from(run % 4 != 0), 1)).collect();
+        let (low, high) = Proportion::in_groups(&alone).interval_95;
+        let (wilson_low, wilson_high) = wilson_95(75, 100);
+        assert!((low - wilson_low).abs() < 1e-3 && (high - wilson_high).abs() < 1e-3, "groups of one are runs");
+        let together: Vec<(usize, usize)> = (0..100).map(|run| (if run % 4 == 0 { 0 } else { 10 }, 10)).collect();
+        let (low, high) = Proportion::in_groups(&together).interval_95;
+        assert!((low - wilson_low).abs() < 1e-3 && (high - wilson_high).abs() < 1e-3, "ten alike tell as much as one");
+        assert_eq!(Proportion::in_groups(&[(10, 10); 20]).interval_95, wilson_95(20, 20));
+        assert_eq!(Proportion::in_groups(&[]).interval_95, (0.0, 1.0));
+        assert_eq!(Proportion::in_groups(&[(0, 0), (3, 5)]).rate, Some(0.6));
     }
 
     #[test]

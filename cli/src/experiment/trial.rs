@@ -1,6 +1,7 @@
 //! One run of an experiment: driven to its end, and measured.
 
 use super::day::{AT_PLACE_M, Day};
+use super::over_time::ErrorTrack;
 use crate::drive::{Pace, drive};
 use crate::run_record::{Incident, Records, RunEnd};
 use crate::show::failure_report::Reporter;
@@ -16,6 +17,8 @@ use rpl_robot::simulator::ItemPlace;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// How near to the goal the robot must really be.
 const AT_GOAL_M: f64 = 0.5;
@@ -33,7 +36,7 @@ const RIGHT_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
 const NOTICED_WITHIN_M: f64 = 2.0;
 
 /// One run of an experiment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissionTrial {
     /// Its seed.
     pub seed: u64,
@@ -44,13 +47,15 @@ pub struct MissionTrial {
     pub unmeasured: Option<String>,
     /// What was measured: name with unit, and value, if there was anything to measure in this run;
     /// the same names in every run.
-    pub measures: Vec<(&'static str, Option<f64>)>,
-    /// The estimate and the truth, ten times a second.
+    pub measures: Vec<(Cow<'static, str>, Option<f64>)>,
+    /// How far the estimate was off.
+    pub error: ErrorTrack,
+    /// The estimate and the truth, ten times a second, in experiments that look at each moment.
     pub samples: Vec<Sample>,
 }
 
 /// The estimate and the truth at a moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// What the robot says.
     pub certainty: f64,
@@ -76,6 +81,11 @@ impl MissionTrial {
     /// What was measured under a name, if anything.
     pub fn measure(&self, name: &str) -> Option<f64> {
         self.measures.iter().find(|(known, _)| *known == name).and_then(|&(_, value)| value)
+    }
+
+    /// The same without the single moments.
+    pub fn without_samples(self) -> Self {
+        Self { samples: Vec::new(), ..self }
     }
 }
 
@@ -103,11 +113,11 @@ fn off_rad(sight: &Sight) -> f64 {
 
 /// Where a run is to end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Goal<'n> {
+pub struct Goal {
     /// Where the robot must really be ...
     pub pose_in_map: Pose,
     /// ... and this thing really lie, if anything.
-    pub item: Option<&'n str>,
+    pub item: Option<&'static str>,
 }
 
 /// How far from a point a thing really lies; none if it lies nowhere.
@@ -123,18 +133,23 @@ fn item_off_m(robot: &SiteRobot, name: &str, point: Point) -> Option<f64> {
 ///
 /// # Errors
 /// The run cannot be driven.
-pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Option<Goal<'_>>) -> Result<MissionTrial> {
+pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Option<Goal>) -> Result<MissionTrial> {
     let mut records = Records::default();
     let mut silent = Console::silent();
     let pace = Pace { until_us: Some(until_us), ..Pace::default() };
     let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
     let mut fault = fault_of(&system, ending);
-    let mut measures = vec![("time [s]", Some(system.machine.now_s()))];
+    let mut measures: Vec<(&'static str, Option<f64>)> = vec![("time [s]", Some(system.machine.now_s()))];
     if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
         measures.push(("distance [m]", Some(account.distance_m)));
         measures.push(("contacts caused", account.contacts.map(f64::from)));
         measures.push(("mean speed [m/s]", Some(account.distance_m / system.machine.now_s().max(1e-9))));
         measures.push(("relocalizations", Some(records.relocalizations as f64)));
+        let offs_m = || records.track.iter().map(off_m);
+        let mean = |sum: f64| (!records.track.is_empty()).then(|| sum / records.track.len() as f64);
+        measures.push(("estimate off [m]", mean(offs_m().sum::<f64>())));
+        let astray = offs_m().filter(|off_m| *off_m > WRONG_ESTIMATE_M).count() as f64;
+        measures.push(("astray [%]", mean(100.0 * astray)));
         measures.extend(disturbance(&records.incidents, &records.track, account.distance_m));
         if let Robot::Office(robot) = &system.outside
             && let Some(day) = Day::of(robot, &records.logs)
@@ -162,8 +177,9 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     }
     if let Some((scenario, failure)) = system.outside.failed_scenario() {
         let unmeasured = Some(described(&scenario.machine, &scenario.program, failure));
-        measures.iter_mut().for_each(|(_, value)| *value = None);
-        return Ok(MissionTrial { seed, fault: None, unmeasured, measures, samples: Vec::new() });
+        let measures = measures.into_iter().map(|(name, _)| (name.into(), None)).collect();
+        let (error, samples) = (ErrorTrack::default(), Vec::new());
+        return Ok(MissionTrial { seed, fault: None, unmeasured, measures, error, samples });
     }
     let sample = |sight: &Sight| Sample {
         certainty: sight.certainty,
@@ -171,7 +187,9 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
         off_rad: off_rad(sight) as f32,
         is_right: is_right(sight),
     };
-    Ok(MissionTrial { seed, fault, unmeasured: None, measures, samples: records.track.iter().map(sample).collect() })
+    let samples: Vec<Sample> = records.track.iter().map(sample).collect();
+    let measures = measures.into_iter().map(|(name, value)| (name.into(), value)).collect();
+    Ok(MissionTrial { seed, fault, unmeasured: None, measures, error: ErrorTrack::of(&samples), samples })
 }
 
 /// Why a plan did not succeed, the class of the failure first.

@@ -2,18 +2,16 @@
 //! beside the shortest.
 
 use super::catalogue::WORLDS;
-use super::findings::ExperimentResult;
-use super::missions::{results, write_results};
+use super::findings::Findings;
+use super::kind::{ExperimentKind, Run};
+use super::missions::{head, line, results};
 use super::request::ExperimentRequest;
-use super::row_result::RowResult;
+use super::row_result::{RowResult, RowTally};
 use super::trial::{Goal, MissionTrial, one_trial};
-use super::trials::run_all;
 use crate::files::world_files;
 use crate::sites;
 use crate::status::Status;
-use crate::terminal::console::Console;
 use crate::terminal::page::Block;
-use crate::terminal::progress;
 use crate::terminal::table::Table;
 use anyhow::{Context, Result, bail};
 use rpl_lang::compile::NoFiles;
@@ -45,7 +43,7 @@ const APART_M: f64 = 3.0;
 const WAY_BY_OPTIMUM: &str = "way / optimum";
 
 /// A world to drive in, and its floor.
-pub(super) struct TestGround {
+pub struct TestGround {
     pub(super) world: World,
     pub(super) site: Site,
     /// What really stands there, at the price of length alone: for the shortest ways there are.
@@ -79,45 +77,75 @@ pub(super) struct StartPoint {
     pub(super) path: Vec<Point>,
 }
 
-/// Runs the drives of all worlds, or of the one that is asked for.
-///
-/// # Errors
-/// No row has the name, a run cannot be driven, or the results cannot be written.
-pub fn run(request: &ExperimentRequest, console: &mut Console) -> Result<ExperimentResult> {
-    run_in(request, console, &WORLDS, drive)
+/// Drives world by world.
+pub struct WorldDrives {
+    request: ExperimentRequest,
+    worlds: Vec<&'static str>,
+    /// A run of a seed in one of them.
+    run: fn(&TestGround, &ExperimentRequest, u64) -> Result<MissionTrial>,
 }
 
-/// The same for any list of worlds, and any run of a seed in one of them.
-///
-/// # Errors
-/// As for [`run`].
-pub(super) fn run_in(
-    request: &ExperimentRequest,
-    console: &mut Console,
-    all_worlds: &[&'static str],
-    run: fn(&TestGround, &ExperimentRequest, u64) -> Result<MissionTrial>,
-) -> Result<ExperimentResult> {
-    let worlds: Vec<&str> = match request.row.as_deref().or(request.world.as_deref()) {
-        None => all_worlds.to_vec(),
-        Some(name) => match all_worlds.iter().find(|world| **world == name) {
-            Some(world) => vec![world],
-            None => bail!(request.no_row(name, all_worlds)),
-        },
-    };
-    let mut rows = Vec::new();
-    for name in worlds {
-        let ground = TestGround::new(name, &request.robot)?;
-        let seeds = request.seeds();
-        let bar = progress::runs(seeds.len() as u64, name, console);
-        let trials = run_all(&seeds, request.jobs, |seed| run(&ground, request, seed), || bar.inc(1));
-        bar.finish_and_clear();
-        rows.push((name, trials.into_iter().collect::<Result<Vec<MissionTrial>>>()?));
+impl WorldDrives {
+    /// From anywhere to any place, in all worlds, or in the one that is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        Self::of(request, &WORLDS, drive)
     }
-    write_results(request, &rows, &[])?;
-    let results = results(&rows);
-    let all_arrived = results.iter().all(|row| row.failures.is_empty());
-    let status = if all_arrived { Status::Succeeded } else { Status::Failed };
-    Ok(ExperimentResult { status, blocks: blocks(&results), figures: json!({ "rows": results }) })
+
+    /// The same for any list of worlds, and any run of a seed in one of them.
+    ///
+    /// # Errors
+    /// As for [`WorldDrives::new`].
+    pub fn of(
+        request: ExperimentRequest,
+        all: &[&'static str],
+        run: fn(&TestGround, &ExperimentRequest, u64) -> Result<MissionTrial>,
+    ) -> Result<Self> {
+        let worlds = match request.row.as_deref().or(request.world.as_deref()) {
+            None => all.to_vec(),
+            Some(name) => match all.iter().find(|world| **world == name) {
+                Some(world) => vec![*world],
+                None => bail!(request.no_row(name, all)),
+            },
+        };
+        Ok(Self { request, worlds, run })
+    }
+}
+
+impl ExperimentKind for WorldDrives {
+    type Ground = TestGround;
+    type Record = MissionTrial;
+    type Tally = RowTally;
+
+    fn series(&self) -> Vec<String> {
+        self.worlds.iter().map(|name| (*name).to_string()).collect()
+    }
+
+    fn ground(&self, series: usize) -> Result<TestGround> {
+        TestGround::new(self.worlds[series], &self.request.robot)
+    }
+
+    fn run(&self, _: usize, ground: &TestGround, run: Run) -> Result<MissionTrial> {
+        Ok((self.run)(ground, &self.request, run.seed)?.without_samples())
+    }
+
+    fn head(&self, first: &MissionTrial) -> String {
+        head(first)
+    }
+
+    fn lines(&self, series: &str, _: Run, trial: &MissionTrial) -> String {
+        line(series, trial)
+    }
+
+    fn findings(&self, tallies: Vec<RowTally>, _: bool) -> Result<Findings> {
+        let results = results(&self.series(), &tallies);
+        let all_arrived = results.iter().all(|row| row.failures.is_empty());
+        let status = if all_arrived { Status::Succeeded } else { Status::Failed };
+        let (blocks, figures) = (blocks(&results), json!({ "rows": results }));
+        Ok(Findings { status, blocks, figures, drawings: Vec::new() })
+    }
 }
 
 /// From anywhere to a place that is not near.
@@ -145,14 +173,14 @@ pub(super) fn run_errand(
     text: &str,
     request: &ExperimentRequest,
     seed: u64,
-    goal: Goal<'_>,
+    goal: Goal,
     optimum_m: f64,
 ) -> Result<MissionTrial> {
     let loaded = sites::load_text(&ground.site, "errand.rpl", text, &mut NoFiles, false)?;
     let system = ground.site.start_traced_with(Robot::Office(Box::new(robot)), loaded, seed);
     let mut trial = one_trial(system, seed, request.until_us, Some(goal))?;
     let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
-    trial.measures.push((WAY_BY_OPTIMUM, way_m.map(|way_m| way_m / optimum_m)));
+    trial.measures.push((WAY_BY_OPTIMUM.into(), way_m.map(|way_m| way_m / optimum_m)));
     Ok(trial)
 }
 

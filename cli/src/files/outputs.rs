@@ -170,14 +170,23 @@ impl OutputFolder {
         fs::write(&path, text).with_context(|| format!("cannot write the drawing `{}`", path.display()))
     }
 
+    /// What is no figure, empty, to be written on and on.
+    ///
+    /// # Errors
+    /// It cannot be made, or it is what the command has read.
+    pub fn begin(&self, name: &str) -> Result<File> {
+        let path = self.path.join(name);
+        refuse_input(&path, "a result")?;
+        File::create(&path).with_context(|| format!("cannot write `{}`", path.display()))
+    }
+
     /// Writes what is no figure.
     ///
     /// # Errors
     /// It cannot be written, or it is what the command has read.
     pub fn write(&self, name: &str, text: impl AsRef<[u8]>) -> Result<()> {
-        let path = self.path.join(name);
-        refuse_input(&path, "a result")?;
-        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))
+        let mut file = self.begin(name)?;
+        file.write_all(text.as_ref()).with_context(|| format!("cannot write `{}`", self.path.join(name).display()))
     }
 }
 

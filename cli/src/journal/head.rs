@@ -235,7 +235,7 @@ impl KeptRun {
         let names = run.modules.iter().map(|module| module.name.clone());
         let manifests = names.zip(self.head.modules.clone()).map(|(name, path)| ManifestFile { name, path });
         let (modules, sources) = module_files::opened(&manifests.collect::<Vec<_>>(), voices)?;
-        let setup = Setup { world: world.clone(), settings, memory_gib: run.memory_gib, natives: Vec::new() };
+        let setup = Setup { world: world.clone(), settings, memory_gib: run.memory_gib, ..Setup::default() };
         let site = sites::build(setup, scenario.as_ref().map(|text| self.text(text)), sources)?;
         Ok((site, world, modules))
     }

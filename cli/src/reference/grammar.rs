@@ -112,7 +112,7 @@ fn grammar(reference: &Reference) -> Value {
                 word("(?:nil|t)", "constant.language.rpl"),
                 word("&(?:optional|rest|key|body)", "storage.modifier.rpl"),
                 {
-                    "match": format!(r"(?<=\()(:tag)\s+({NAME}+)"),
+                    "match": format!(r"(?<=\()(:tag)(?=[\s()])(?:\s+({NAME}+))?"),
                     "captures": {
                         "1": { "name": "keyword.control.rpl" },
                         "2": { "name": "entity.name.tag.rpl" },

@@ -34,7 +34,7 @@ pub const TOPICS: &[Topic] = &[
         "definitions",
         "Definitions",
         "def-plan def-interp-proc defun defmacro defvar defconstant def-fluent global-fluent def-valve def-failure \
-         def-goal achieve defstruct def-resume deftest load",
+         def-goal achieve defstruct def-resume def-revision deftest load",
     ),
     topic(
         "control",
@@ -51,7 +51,14 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "tasks",
         "Tasks",
-        "this-task task task-path taskp status result begin-task end-task evaporate suspend resume with-task-suspended",
+        "this-task task task-path taskp status result begin-task end-task evaporate suspend resume with-task-suspended \
+         swap-plan finished? no-revision",
+    ),
+    topic(
+        "revision",
+        "Plans as data",
+        "plan-match plan-replace plan-steps plan-order plan-resumed plan-revisions with-foresight last-step-first \
+         first-step-last side-by-side one-after-the-other other-way-first try-once-more",
     ),
     topic(
         "waiting",
@@ -120,6 +127,15 @@ pub const TOPICS: &[Topic] = &[
          relocalize-when-necessary",
     ),
     topic(
+        "foresight",
+        "Foresight",
+        "project project-rest projecting? projection-success projection-time projection-failures projection-fluent \
+         projection-fluents projection-timeline projection-runs projection-horizon projection-thinking \
+         projection-stale compare-plans comparison-better comparison-difference comparison-error comparison-runs \
+         comparison-first comparison-second comparison-thinking comparison-stale make-projection projection-p \
+         copy-projection make-comparison comparison-p copy-comparison",
+    ),
+    topic(
         "behaviours",
         "The robot's behaviours, valves and fluents",
         "activate deactivate await-signal run-behaviour navigation active-localization position-tracking gripper \
@@ -147,9 +163,11 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "case-memory",
         "Driving by cases",
-        "go-by-cases deliver-by-cases reconsider-when-necessary reconsider case-navigation case* case-kind* case-distance* \
-         short-term-goal* progressing?* retrieve-case explain-case use-case case-kind adapt-route retain-case forget-case \
-         cases",
+        "go-by-cases deliver-by-cases reach-goals reach-goal reconsider-when-necessary reconsider route-by-cases \
+         localize-first case-navigation case* case-kind* case-distance* short-term-goal* progressing?* goals* \
+         retrieve-case retrieve-next-case retrieved-case explain-case use-case note-case case-kind case-goal case-plan \
+         adapt-route retain-case retain-goal forget-case cases cases-of \
+         landmark-localization localize-by-landmarks landmark* landmarks",
     ),
     topic(COMMANDS, "Commands", ""),
 ];

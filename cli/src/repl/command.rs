@@ -31,6 +31,7 @@ pub enum Verb {
     Fluents,
     Valves,
     Map,
+    Project,
     Trace,
     Doc,
     Source,
@@ -274,6 +275,14 @@ pub const COMMANDS: &[CommandEntry] = &[
         verb: Verb::Map,
         example: ":map",
         more: "",
+    },
+    CommandEntry {
+        name: ":project",
+        arguments: "[FORM]",
+        doc: "how a form, or what is under way, would probably go",
+        verb: Verb::Project,
+        example: ":project (go-to 'library)",
+        more: "It tells what follows from what the robot knows now, in 60 runs of at most an hour. Nothing is done.",
     },
     CommandEntry {
         name: ":trace",

@@ -27,7 +27,9 @@ fn colour_of(event: &Event) -> Option<&'static str> {
         EventKind::Failed | EventKind::Warning => Some("31"),
         EventKind::End | EventKind::Return if detail(event, "state") == "failed" => Some("31"),
         EventKind::Fluent | EventKind::Pulse => Some("36"),
-        EventKind::Valve | EventKind::Suspended | EventKind::Resumed => Some("33"),
+        EventKind::Valve | EventKind::Suspended | EventKind::Resumed | EventKind::Swapped | EventKind::Decided => {
+            Some("33")
+        }
         EventKind::Robot | EventKind::Behaviour | EventKind::Signal => Some("32"),
         EventKind::Begin
         | EventKind::End
@@ -54,6 +56,14 @@ fn what(event: &Event) -> String {
             "" => String::new(),
             by => format!("by {by}"),
         },
+        EventKind::Swapped => placed(match of("by") {
+            "" => "has another plan".to_string(),
+            by => format!("has another plan, by {by}"),
+        }),
+        EventKind::Decided => event.details.iter().fold(String::new(), |told, (name, value)| match name.as_str() {
+            "what" => value.clone(),
+            _ => format!("{told}  {name}={value}"),
+        }),
         EventKind::End | EventKind::Return => {
             let result = [of("value"), of("failure")].concat();
             if result.is_empty() { of("state").to_string() } else { format!("{}: {result}", of("state")) }

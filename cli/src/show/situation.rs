@@ -4,6 +4,7 @@
 
 use crate::show::event_line::ROBOT;
 use crate::show::events::detail;
+use crate::show::revision_story;
 use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_runtime::step::tasks::condition::FluentReading;
 use std::collections::BTreeMap;
@@ -116,6 +117,17 @@ pub struct Raised {
     pub text: String,
 }
 
+/// Something that was decided about the plan of a task.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Revision {
+    /// The path the task began with.
+    pub task: String,
+    /// When.
+    pub time_us: u64,
+    /// What, as a sentence.
+    pub text: String,
+}
+
 /// What stands where.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Situation {
@@ -127,6 +139,8 @@ pub struct Situation {
     pub changes: BTreeMap<String, Change>,
     /// Tasks and plan calls that have ended, in order.
     pub ended: Vec<Ended>,
+    /// What was decided about the plans of tasks, in order.
+    pub revisions: Vec<Revision>,
     /// The time of the last event.
     pub now_us: u64,
     /// Tasks among them, by path.
@@ -146,12 +160,13 @@ impl Situation {
     /// Takes the next event in.
     pub fn add(&mut self, event: &Event) {
         self.now_us = event.time_us;
+        self.note_revision(event);
         match event.kind {
             EventKind::Begin => self.begin(event),
             EventKind::End => self.end(event),
             EventKind::Call | EventKind::Blocked => self.stand(event),
             EventKind::Return => self.leave(event),
-            EventKind::Woken => self.change_task(event, |task| {
+            EventKind::Woken | EventKind::Swapped => self.change_task(event, |task| {
                 (task.on, task.at, task.until_us) = (None, None, None);
                 task.readings.clear();
             }),
@@ -179,7 +194,16 @@ impl Situation {
             | EventKind::Signal
             | EventKind::Robot
             | EventKind::Log
+            | EventKind::Decided
             | EventKind::Warning => {}
+        }
+    }
+
+    fn note_revision(&mut self, event: &Event) {
+        if let Some(text) = revision_story::sentence(event)
+            && let Some(task) = self.owner(&event.path)
+        {
+            self.revisions.push(Revision { task, time_us: event.time_us, text });
         }
     }
 

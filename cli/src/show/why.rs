@@ -23,12 +23,22 @@ pub fn why(situation: &Situation, path: &str) -> Result<Vec<String>, String> {
     let mut lines = Vec::new();
     if let Some(task) = living(situation, path) {
         waits(situation, task, "", 0, &mut lines);
+        tell_revisions(situation, task, &mut lines);
     } else if let Some(ended) = situation.ended.iter().rev().find(|ended| is_meant(&ended.path, path)) {
         tell_end(ended, &mut lines);
+        tell_revisions(situation, &ended.path, &mut lines);
     } else {
         return Err(missing(situation, path));
     }
     Ok(lines)
+}
+
+/// What was decided about the plan of a task, as a story.
+fn tell_revisions(situation: &Situation, task: &str, lines: &mut Vec<String>) {
+    for revision in situation.revisions.iter().filter(|revision| revision.task == task) {
+        let time_s = revision.time_us as f64 / 1e6;
+        say(lines, 1, &format!("at {time_s:.3} s: {}", revision.text));
+    }
 }
 
 /// The living task that is meant by a path, by its end, by a plan call it is in, or by nothing: the

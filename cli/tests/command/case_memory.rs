@@ -61,3 +61,36 @@ fn what_is_wrong_with_a_memory_is_told_with_its_place() {
         checked.out
     );
 }
+
+#[test]
+fn a_run_reads_its_cases_at_the_start_and_writes_them_at_the_end() {
+    let folder = folder("kept-cases");
+    put(&folder, "errand.rpl", "(go-by-cases 'table-side)");
+    put(&folder, "look.rpl", "(map #'third (cases))");
+    let run = |plan: &str, more: &[&str]| {
+        let robot = ["--world", "test-room", "--robot", "pioneer-2dx", "--cases", "robot.cases"];
+        run_in(&folder, &[&["run", plan], &robot[..], more].concat())
+    };
+    let first = run("errand.rpl", &[]);
+    assert_eq!(first.status, 0, "{}", first.errors);
+    let kept = std::fs::read_to_string(folder.join("robot.cases")).expect("it is written");
+    assert!(kept.contains("\"used\":1"), "{kept}");
+    assert!(run("look.rpl", &[]).errors.contains("(1 0 0 0)"), "what was used is remembered in the next run");
+    assert_eq!(std::fs::read_to_string(folder.join("robot.cases")).ok(), Some(kept.clone()), "nothing was learned");
+    // A plan that fails has learned all the same; a text that cannot be run has not.
+    put(&folder, "fails.rpl", "(retain-goal 'table-side) (fail \"no luck\")");
+    assert_eq!(run("fails.rpl", &[]).status, 1);
+    let with_goal = std::fs::read_to_string(folder.join("robot.cases")).expect("it is there");
+    assert!(with_goal.contains("\"goal\""), "{with_goal}");
+    put(&folder, "wrong.rpl", "(retain-goal");
+    assert_eq!(run("wrong.rpl", &[]).status, 2);
+    let refused = run("errand.rpl", &["--journal", "journal"]);
+    assert!(refused.status == 2 && refused.errors.contains("leave `--cases` away"), "{}", refused.errors);
+    put(&folder, "robot.cases", with_goal.replace("\"rpl_cases\":1", "\"rpl_cases\":9"));
+    let faulty = run("errand.rpl", &[]);
+    assert!(faulty.status == 2 && faulty.errors.contains("the file is of version 9"), "{}", faulty.errors);
+    let left: Vec<_> =
+        std::fs::read_dir(&folder).expect("it is there").flatten().map(|file| file.file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().contains("learned")), "{left:?}");
+    assert!(std::fs::read_to_string(folder.join("robot.cases")).is_ok_and(|text| text.contains("\"rpl_cases\":9")));
+}

@@ -200,8 +200,14 @@ fn expected(token: Token) -> Option<&'static str> {
 #[test]
 fn the_grammar_agrees_with_the_lexer_about_every_plan_of_the_repository() {
     let engine = Engine::new();
-    let libraries =
-        ["stdlib/src/prelude/constructs.rpl", "stdlib/src/prelude/functions.rpl", "robot/src/office/plans.rpl"];
+    let libraries = [
+        "stdlib/src/prelude/constructs.rpl",
+        "stdlib/src/prelude/functions.rpl",
+        "stdlib/src/prelude/revision.rpl",
+        "stdlib/src/prelude/rules.rpl",
+        "stdlib/src/prelude/foresight.rpl",
+        "robot/src/office/plans.rpl",
+    ];
     let mut texts = libraries.map(text_of).to_vec();
     for path in files_below(&root().join("examples"), &["rpl"]) {
         texts.push(fs::read_to_string(path).expect("an example can be read"));

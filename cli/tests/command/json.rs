@@ -108,7 +108,8 @@ fn experiments_of_other_kinds_are_as_documented() {
 fn experiments_with_instructions_are_as_documented() {
     let features: &[&str] =
         &["experiment", "hallway-features", "--row", "sonar alone", "--runs", "1", "--until", "40s", "--json"];
-    assert_documented("rpl experiment hallway-features", &[features]);
+    let matrices: &[&str] = &["experiment", "hallway-features", "--runs", "1", "--until", "1s", "--json"];
+    assert_documented("rpl experiment hallway-features", &[features, matrices]);
     let openings: &[&str] =
         &["experiment", "count-openings", "--row", "state set", "--runs", "1", "--until", "40s", "--json"];
     assert_documented("rpl experiment count-openings", &[openings]);
@@ -127,6 +128,6 @@ fn experiments_with_cases_are_as_documented() {
     assert_documented("rpl experiment routes", &[routes]);
     let kinds: &[&str] = &["experiment", "case-kinds", "--row", "weighted", "--runs", "1", "--json"];
     assert_documented("rpl experiment case-kinds", &[kinds]);
-    let tuned: &[&str] = &["experiment", "behaviours", "--row", "tuned alone", "--runs", "2", "--json"];
+    let tuned: &[&str] = &["experiment", "behaviours", "--row", "tuned alone", "--runs", "2", "--seed", "4", "--json"];
     assert_documented("rpl experiment behaviours", &[tuned]);
 }

@@ -25,6 +25,7 @@ mod localize;
 mod modules;
 mod outputs;
 mod pages;
+mod parts;
 mod pipes;
 mod plan_files;
 mod prompt;

@@ -62,6 +62,7 @@ pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(FormPart<'a>)) {
             match scope {
                 ScopeIr::Valve(value) | ScopeIr::Suspended(value) => see(FormPart::Form(value)),
                 ScopeIr::OnInterrupt(hook) | ScopeIr::OnResume(hook) => see(FormPart::Function(hook)),
+                ScopeIr::Fence => {}
             }
             see(FormPart::Form(body));
         }

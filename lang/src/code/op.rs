@@ -134,6 +134,8 @@ pub enum Op {
     PushOnResume(Reg),
     /// the task in r0 is suspended until the scope ends
     PushSuspended(Reg),
+    /// no task around this is given another plan until the scope ends
+    PushFence,
     /// count from now on how often the fluent in r0 becomes true; a network made for this alone
     /// dies with it
     PushWatch(Reg, Missed, bool),

@@ -161,6 +161,7 @@ pub(crate) enum ScopeIr {
     OnInterrupt(Box<Function>),
     OnResume(Box<Function>),
     Suspended(Box<Ir>),
+    Fence,
 }
 
 #[derive(Clone, Debug)]

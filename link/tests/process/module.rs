@@ -87,7 +87,7 @@ pub fn play(mode: &str, keys: &str) -> Result<Played, StartError> {
     for name in ["area", "times", "colour", "kitchen"] {
         symbols.intern(name);
     }
-    let machine = Machine::new(&Program::default(), symbols, Stream::new(1, "plan"));
+    let machine = Machine::new(&Program::default(), symbols, Stream::new(1, "plan"), Stream::new(1, "foresight"));
     Ok(Played { module, machine, time_us: 0 })
 }
 

@@ -6,9 +6,10 @@ use super::route::{Route, Standpoint, Step};
 use crate::feature::Feature;
 use crate::instruction::{Instruction, MOST_ORDINAL};
 use rpl_random::Stream;
+use serde::{Deserialize, Serialize};
 
 /// What was done to an instruction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FaultKind {
     /// It names an opening that does not exist: there are not so many.
     NoSuchOpening,
@@ -26,7 +27,7 @@ impl FaultKind {
 }
 
 /// What somebody who counts right finds of a wrong instruction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Finding {
     /// There are not so many openings on that side.
     NoSuchOpening,
@@ -38,7 +39,7 @@ pub enum Finding {
 }
 
 /// A wrong instruction in a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Which of the list, from 1; the leaving is the first.
     pub number: usize,

@@ -11,7 +11,7 @@ const BREAK_M: f64 = 0.1;
 const LEAST_M: f64 = 0.25;
 
 /// So much of the wall beside it is no better to be seen: a closed door shows by its leaf and the wall on both sides.
-const BESIDE_M: f64 = 0.4;
+pub const HIDES_BESIDE_M: f64 = 0.4;
 
 /// The parts of a side that are hidden.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,6 +36,10 @@ impl HiddenMonitor {
     /// What is hidden of the wall, in order.
     pub fn walls(&self, side: Side) -> impl Iterator<Item = HiddenWall> {
         let long = self.parts_m.iter().filter(|(from_m, to_m)| to_m - from_m >= LEAST_M);
-        long.map(move |(from_m, to_m)| HiddenWall { side, from_m: from_m - BESIDE_M, to_m: to_m + BESIDE_M })
+        long.map(move |(from_m, to_m)| HiddenWall {
+            side,
+            from_m: from_m - HIDES_BESIDE_M,
+            to_m: to_m + HIDES_BESIDE_M,
+        })
     }
 }

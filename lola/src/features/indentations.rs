@@ -80,37 +80,54 @@ impl IndentationMonitor {
     }
 }
 
-/// The best door that begins at a place.
+/// A reading of the wall or of a leaf in it.
+#[derive(Clone, Copy, Debug)]
+struct WallReading {
+    /// Where on the wall the echo comes from.
+    foot_m: f64,
+    /// The part of the wall in the cone.
+    cone_m: (f64, f64),
+    /// How much deeper than the wall it was heard.
+    depth_m: f64,
+}
+
+/// The best door that begins at a place. Cost: the readings that are kept, and seven widths times those near the door.
 fn candidate_at(from_m: f64, along_m: f64, kept: &[ContourPoint], taken_m: &[(f64, f64)]) -> Option<Candidate> {
     let p = &PARAMETERS;
     let widths = ((p.door_m.1 - p.door_m.0) / p.grain_m + 0.5) as u32;
     let all = (0..=widths).map(|step| from_m + p.door_m.0 + f64::from(step) * p.grain_m);
-    let tried = all.filter(|&to_m| to_m <= along_m + p.beside_m).filter_map(|to_m| {
-        let is_taken = taken_m.iter().any(|taken| from_m < taken.1 && to_m > taken.0);
-        if is_taken { None } else { fitted(from_m, to_m, kept, taken_m) }
+    let is_free = |to_m: f64| !taken_m.iter().any(|taken| from_m < taken.1 && to_m > taken.0);
+    let tried: Vec<f64> = all.filter(|&to_m| to_m <= along_m + p.beside_m && is_free(to_m)).collect();
+    let readings = wall_readings(kept, from_m - p.beside_m, tried.last()? + p.beside_m);
+    let fits = tried.iter().filter_map(|&to_m| fitted(from_m, to_m, &readings, taken_m));
+    fits.max_by(|a, b| a.significance.total_cmp(&b.significance))
+}
+
+/// The readings whose echo comes from this part of the wall.
+fn wall_readings(kept: &[ContourPoint], from_m: f64, to_m: f64) -> Vec<WallReading> {
+    let of_wall = kept.iter().filter_map(|point| {
+        let foot_m = point.foot_m();
+        let is_of_wall = foot_m >= from_m && foot_m <= to_m && point.heard() == Heard::Wall;
+        is_of_wall.then(|| WallReading { foot_m, cone_m: point.footprint_m(), depth_m: point.depth_m() })
     });
-    tried.max_by(|a, b| a.significance.total_cmp(&b.significance))
+    of_wall.collect()
 }
 
 /// Least squares of a wall, straight but for a step between two places: `depth = offset + slope · along + leaf · [on the leaf]`.
 /// Cones that hear both wall and leaf are left out.
-fn fitted(from_m: f64, to_m: f64, kept: &[ContourPoint], taken_m: &[(f64, f64)]) -> Option<Candidate> {
+fn fitted(from_m: f64, to_m: f64, readings: &[WallReading], taken_m: &[(f64, f64)]) -> Option<Candidate> {
     let p = &PARAMETERS;
     let middle_m = (from_m + to_m) / 2.0;
     let mut normal = Matrix3::<f64>::zeros();
     let mut right = Vector3::<f64>::zeros();
     let (mut depth2, mut on_leaf, mut on_wall) = (0.0, 0.0, 0.0);
-    for point in kept {
-        let (cone_from_m, cone_to_m) = point.footprint_m();
-        let foot_m = point.foot_m();
-        let is_near = foot_m >= from_m - p.beside_m && foot_m <= to_m + p.beside_m;
-        if !is_near || point.heard() != Heard::Wall {
-            continue;
-        }
-        let leaf = if cone_from_m >= from_m && cone_to_m <= to_m {
+    for &WallReading { foot_m, cone_m, depth_m } in
+        readings.iter().filter(|reading| reading.foot_m <= to_m + p.beside_m)
+    {
+        let leaf = if cone_m.0 >= from_m && cone_m.1 <= to_m {
             1.0
         } else if foot_m < from_m || foot_m > to_m {
-            let is_beside_opening = taken_m.iter().any(|taken| cone_from_m < taken.1 && cone_to_m > taken.0);
+            let is_beside_opening = taken_m.iter().any(|taken| cone_m.0 < taken.1 && cone_m.1 > taken.0);
             if is_beside_opening {
                 continue;
             }
@@ -119,7 +136,6 @@ fn fitted(from_m: f64, to_m: f64, kept: &[ContourPoint], taken_m: &[(f64, f64)])
             continue;
         };
         let row = Vector3::new(1.0, foot_m - middle_m, leaf);
-        let depth_m = point.depth_m();
         normal += row * row.transpose();
         right += row * depth_m;
         depth2 += depth_m * depth_m;

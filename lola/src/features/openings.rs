@@ -200,7 +200,7 @@ fn is_hidden(from_m: f64, to_m: f64, kept: &[ContourPoint]) -> bool {
 }
 
 /// Door, hallway or foyer: of one that is partly hidden, as much wider as the widest of its kind may be.
-fn opening_of_width(width_m: f64, is_hidden: bool) -> Feature {
+pub fn opening_of_width(width_m: f64, is_hidden: bool) -> Feature {
     let p = &PARAMETERS;
     let [hallway_m, foyer_m] = if is_hidden { p.hidden_m } else { [p.hallway_m, p.foyer_m] };
     if width_m < hallway_m {

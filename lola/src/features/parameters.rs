@@ -46,7 +46,8 @@ pub(super) struct FeatureParameters {
     pub beside_m: f64,
     /// Wall that must have been passed behind it.
     pub behind_m: f64,
-    /// Leaves are so deep in their walls, from and to: the depth in a wall of 15 cm is 5.5 cm, in one of 30 cm 13 cm.
+    /// Leaves are so deep in their walls, from and to: the depth in a wall of 15 cm is 5.5 cm, in one of 10 cm
+    /// 3 cm, in one of 30 cm 13 cm.
     pub leaf_m: (f64, f64),
     /// The wall's direction is known to so much from the axis.
     pub slope_rad: f64,
@@ -87,7 +88,7 @@ pub(super) const PARAMETERS: FeatureParameters = FeatureParameters {
     grain_m: 0.05,
     beside_m: 0.7,
     behind_m: 0.25,
-    leaf_m: (0.033, 0.17),
+    leaf_m: (0.022, 0.17),
     slope_rad: 0.02,
     least_significance: 6.0,
     least_noise_m: 0.015,

@@ -1,6 +1,6 @@
 //! How right the percepts of a drive were: percepts against the true features of the sides, counted.
 
-use crate::feature::{Feature, Percept, Side};
+use crate::feature::{Feature, HiddenWall, Percept, Side};
 use serde::{Deserialize, Serialize};
 
 /// A feature as it really is.
@@ -14,6 +14,14 @@ pub struct TrueFeature {
     pub from_m: f64,
     /// Where it ends.
     pub to_m: f64,
+}
+
+impl TrueFeature {
+    /// Whether something stood before its middle, and it is none that shows all the same.
+    fn is_hidden_by(&self, wall: &HiddenWall) -> bool {
+        let middle_m = (self.from_m + self.to_m) / 2.0;
+        self.is == Feature::ClosedDoor && wall.side == self.side && (wall.from_m..=wall.to_m).contains(&middle_m)
+    }
 }
 
 /// What features were taken for: counts of drives. Add up those of many with [`Confusion::add`].
@@ -41,10 +49,11 @@ impl Confusion {
     /// Compares the percepts of a drive of `driven_m` with the truth. Each percept tells of the feature of its
     /// side that it overlaps most; of several that tell of one, the one that overlaps most counts, the others
     /// are doubled. A feature that was not driven past from [`BEFORE_M`] before it to [`BEHIND_M`] behind it
-    /// counts neither way. Percepts are where the odometry puts them, which over tens of metres is a door's width
-    /// off: shift each before by how far the robot was from where it took itself to be along the axis when it
+    /// counts neither way, nor does a closed door before which something stood that is among `hidden`: state sets and
+    /// judgements count on none there. Percepts are where the odometry puts them, which over tens of metres is a
+    /// door's width off: shift each before by how far the robot was from where it took itself to be along the axis when it
     /// perceived it. Cost: their product.
-    pub fn of(percepts: &[Percept], truth: &[TrueFeature], driven_m: f64) -> Self {
+    pub fn of(percepts: &[Percept], truth: &[TrueFeature], hidden: &[HiddenWall], driven_m: f64) -> Self {
         let mut confusion = Self { driven_m, ..Self::default() };
         let mut told: Vec<Option<(f64, Feature)>> = vec![None; truth.len()];
         for percept in percepts {
@@ -62,7 +71,9 @@ impl Confusion {
             }
         }
         let is_passed = |feature: &TrueFeature| feature.from_m >= BEFORE_M && feature.to_m + BEHIND_M <= driven_m;
-        for (feature, told) in truth.iter().zip(told).filter(|(feature, _)| is_passed(feature)) {
+        let counts =
+            |feature: &TrueFeature| is_passed(feature) && !hidden.iter().any(|wall| feature.is_hidden_by(wall));
+        for (feature, told) in truth.iter().zip(told).filter(|(feature, _)| counts(feature)) {
             let seen = told.map_or(Feature::Wall, |(_, seen)| seen);
             confusion.taken[feature.is as usize][seen as usize] += 1;
         }

@@ -129,6 +129,18 @@ fn a_saved_drive_goes_on_as_it_would_have() {
     assert!(saved.len() < 150_000, "{} bytes", saved.len());
 }
 
+/// 1.4 m before it the 16 cones of a Nomad hear half a metre of the wall.
+#[test]
+fn the_end_of_a_hallway_is_heard_by_few_sonars_too() {
+    for name in ["b21", "nomad-200"] {
+        let mut drive = Drive::begin(&corridor(""), robot(name), 3, 0.0);
+        drive.drive_to(14.0);
+        let detection = drive.detection.as_ref().expect("started");
+        let ahead_m = detection.hallway_end_m().map(|end_m| end_m - detection.along_m());
+        assert!(ahead_m.is_some_and(|ahead_m| (ahead_m - 1.0).abs() < 0.1), "{name}: {ahead_m:?}");
+    }
+}
+
 #[test]
 fn percepts_are_scored_by_the_feature_they_overlap_most() {
     let percept =
@@ -146,12 +158,17 @@ fn percepts_are_scored_by_the_feature_they_overlap_most() {
         percept(2, Side::Right, Feature::Hallway, 4.9, 6.1),
         percept(3, Side::Left, Feature::ClosedDoor, 7.0, 7.9),
     ];
-    let confusion = Confusion::of(&percepts, &features, 10.0);
+    let confusion = Confusion::of(&percepts, &features, &[], 10.0);
     assert_eq!((confusion.features(), confusion.right(), confusion.doubled), (3, 2, 1), "the last was not passed");
     let missed = confusion.taken[Feature::ClosedDoor as usize];
     assert_eq!(missed, [1, 0, 0, 0, 0]);
     assert_eq!(confusion.false_alarms[Feature::ClosedDoor as usize], 1);
     assert!((confusion.false_in_100_m() - 20.0).abs() < 1e-9);
+    let hidden = |from_m, to_m| [HiddenWall { side: Side::Left, from_m, to_m }];
+    let shown = Confusion::of(&percepts, &features, &hidden(1.0, 3.0), 10.0);
+    assert_eq!(shown.taken[Feature::ClosedDoor as usize], [0; 5], "a box stood before it");
+    assert_eq!(shown.taken[Feature::OpenDoor as usize], confusion.taken[Feature::OpenDoor as usize]);
+    assert_eq!(Confusion::of(&percepts, &features, &hidden(1.0, 2.7), 10.0), confusion, "not before its middle");
     for row in confusion.certainties(0.5, 2.0) {
         assert!((row.iter().sum::<f64>() - 1.0).abs() < 1e-12);
     }

@@ -1,5 +1,6 @@
 //! What is expected of hallways, percepts and instructions before anything was seen.
 
+use super::spots::Sighting;
 use crate::feature::Feature;
 use crate::state_set::{Matrix, USUAL_DISTANCE_M};
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,10 @@ pub struct Expectation {
 /// which there is a stretch before each of them, have no share.
 pub(super) const SHARES: [f64; 5] = [0.0, 0.33, 0.34, 0.28, 0.05];
 
+/// How likely an opening that is partly hidden looks as narrow as one of the next kind: what is left of it may have
+/// any width.
+const LOOKS_NARROWER: f64 = 0.3;
+
 impl Expectation {
     /// In an event in which one of two lists has an error, in one of two or three instructions that count.
     #[must_use]
@@ -37,15 +42,23 @@ impl Expectation {
         self.wrong / (self.wrong + missed)
     }
 
-    /// C(what all looks saw | feature). With the chance `same_again` one look decides for all of them, else
-    /// each sees for itself; so a second look is worth less than a first one, for misses as for confusions.
-    /// A look that did not come there says nothing.
-    pub(super) fn certainty(&self, seen: &[Option<Feature>], feature: Feature) -> f64 {
+    /// C(what all looks saw | feature). Each look after the first sees with the chance `same_again` what that saw, and
+    /// else for itself; so a second look is worth less than a first one, for misses as for confusions. A look that did
+    /// not come there says nothing.
+    pub(super) fn certainty(&self, seen: &[Option<Sighting>], feature: Feature) -> f64 {
         let mut looks = seen.iter().flatten();
         let Some(&first) = looks.next() else { return 1.0 };
-        let of_first = self.matrix.certainty(first, feature);
-        let apart: f64 = looks.clone().map(|&seen| self.matrix.certainty(seen, feature)).product();
-        let together = if looks.all(|&seen| seen == first) { 1.0 } else { 0.0 };
-        of_first * (self.same_again * together + (1.0 - self.same_again) * apart)
+        let later = |&seen: &Sighting| {
+            let again = if seen.kind == first.kind { self.same_again } else { 0.0 };
+            again + (1.0 - self.same_again) * self.of_sighting(seen, feature)
+        };
+        self.of_sighting(first, feature) * looks.map(later).product::<f64>()
+    }
+
+    /// C(sighting | feature): an opening of which a part was hidden is of its kind, or of a wider one.
+    fn of_sighting(&self, sighting: Sighting, feature: Feature) -> f64 {
+        let wider = Feature::ALL.into_iter().filter(|&kind| sighting.is_partial && kind > sighting.kind);
+        let hidden: f64 = wider.map(|kind| self.matrix.certainty(kind, feature)).sum();
+        self.matrix.certainty(sighting.kind, feature) + LOOKS_NARROWER * hidden
     }
 }

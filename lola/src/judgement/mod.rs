@@ -41,7 +41,7 @@ pub enum Verdict {
     Right,
     /// It is wrong.
     Wrong(FaultKind),
-    /// What was seen does not suffice: drive along the hallway once more, in the other direction.
+    /// What was seen does not suffice: drive along the hallway again, in the other direction.
     LookAgain,
 }
 
@@ -82,8 +82,8 @@ pub struct Reading {
 // right instructions are called wrong where boxes hide doors. A robot that judges so rather asks
 // back than look for what may not be there.
 
-/// Below this an instruction is called wrong without another look: the look would not save it.
-const WRONG_BELOW: f64 = 0.1;
+/// Below this an instruction is called wrong after a second look: a third would not save it.
+const WRONG_BELOW: f64 = 0.05;
 
 /// Below this an instruction is doubted, so that another look is worth its time.
 const DOUBTED_BELOW: f64 = 0.9;
@@ -94,8 +94,9 @@ const WRONG_AT_LAST: f64 = 0.8;
 /// The same, and the limit of doubt, where the end of the hallway was not reached: what is ahead may be right.
 const WRONG_UNDER_WAY: f64 = 0.5;
 
-/// More looks see what two saw.
-const MOST_LOOKS: usize = 2;
+/// Whoever walked beside the robot hid what he passed, so no instruction is called wrong after one look. The second
+/// begins beside what is at the end of the hallway and does not see it well; the third does. More see what these saw.
+const MOST_LOOKS: usize = 3;
 
 /// What is less likely there is not gone to.
 const LEAST_READING: f64 = 0.25;
@@ -126,7 +127,7 @@ impl Judgement {
     /// What is to be done.
     pub fn verdict(&self) -> Verdict {
         let wrong_below = if self.is_ahead { WRONG_UNDER_WAY } else { WRONG_AT_LAST };
-        if self.needs_second_look() {
+        if self.needs_another_look() {
             Verdict::LookAgain
         } else if self.right < wrong_below {
             Verdict::Wrong(self.likeliest_fault())
@@ -136,9 +137,10 @@ impl Judgement {
     }
 
     /// Whether it is neither right nor wrong beyond doubt, and another look may tell.
-    pub fn needs_second_look(&self) -> bool {
+    pub fn needs_another_look(&self) -> bool {
         let doubted_below = if self.is_ahead { WRONG_UNDER_WAY } else { DOUBTED_BELOW };
-        self.looks < MOST_LOOKS && (WRONG_BELOW..doubted_below).contains(&self.right)
+        let wrong_below = if self.looks < 2 { 0.0 } else { WRONG_BELOW };
+        self.looks < MOST_LOOKS && (wrong_below..doubted_below).contains(&self.right)
     }
 
     /// That the instruction is wrong.

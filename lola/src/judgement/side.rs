@@ -2,7 +2,7 @@
 //! what was seen.
 
 use super::expectation::{Expectation, SHARES};
-use super::spots::{Look, Spot, spots};
+use super::spots::{Look, Sighting, Spot, spots};
 use crate::feature::{Feature, Percept, Side};
 
 /// Which opening is the so-manieth on a side, over all ways in which openings can have been seen, missed, or
@@ -117,7 +117,7 @@ impl<'a> SideOfHallway<'a> {
             let middle_m = (part[0] + part[1]) / 2.0;
             let openings = self.expectation.openings_per_m * (part[1] - part[0]).max(0.0);
             for (expected, kind) in expected.iter_mut().zip(Feature::OPENINGS) {
-                let shown = |look: &Look| look.shows(kind, self.side, middle_m).then_some(Feature::Wall);
+                let shown = |look: &Look| look.shows(kind, self.side, middle_m).then_some(Sighting::NOTHING);
                 let nothing: Vec<_> = self.looks.iter().map(shown).collect();
                 *expected += openings * SHARES[kind as usize] * self.expectation.certainty(&nothing, kind);
             }

@@ -9,7 +9,7 @@ use super::hallway::Hallway;
 use super::hallway_drive::{HallwayDrive, Until};
 use super::seeing::Seeing;
 use crate::routines::DoorwayDetection;
-use rpl_robot::geometry::{Point, Pose};
+use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::navigation::{DriveTask, LocalDrive, MaplessNavigation};
 use rpl_robot::office::{OfficeModel, Start, StopReason};
 use rpl_robot::planning::Target;
@@ -50,8 +50,8 @@ pub(super) fn behaviours() -> Vec<BehaviourSpec> {
         behaviour(
             "goal-seek",
             WHEELS,
-            ":to :through-door :patience",
-            "Drives to `:to`, a list (x y) or (x y heading) in the frame of the odometry, by what it sees on the way. With `:through-door t` it succeeds as soon as the robot has come through a door, and needs no goal. Fails with unreachable, or with blocked if for the time of `:patience`, without it 30 s, it gets no nearer.",
+            ":to :detour :through-door :patience",
+            "Drives to `:to`, a list (x y) or (x y heading) in the frame of the odometry, by what it sees on the way; with `:detour` by no way that is so many metres longer than the straight one: it waits for who stands there. With `:through-door t` it succeeds as soon as the robot has come through a door, and needs no goal. Fails with unreachable, or with blocked if for the time of `:patience`, without it 30 s, it gets no nearer.",
         ),
         behaviour(
             "registration",
@@ -131,7 +131,13 @@ impl Lola {
             None => return Err(no_goal()),
         };
         let mut navigation = MaplessNavigation::new(start.model.sensors.sharpest());
-        navigation.start(vec![target], patience_s(start)?);
+        match number(start, "detour", "metres, such as `:detour 4m`")? {
+            Some(detour_m) => {
+                let longest_way_m = distance_m(here.point(), target.point_in_frame) + detour_m;
+                navigation.start_nearby(target, patience_s(start)?, longest_way_m);
+            }
+            None => navigation.start(vec![target], patience_s(start)?),
+        }
         let doorways = through_door.then(DoorwayDetection::default);
         self.drive = Drive::Goal { navigation: Box::new(navigation), doorways };
         Ok(())

@@ -1,6 +1,6 @@
 //! How far the robot has got with an instruction.
 
-use super::hallway::EDGE_M;
+use super::hallway::counts;
 use crate::feature::{HiddenWall, Percept};
 use crate::instruction::Instruction;
 use crate::state_set::{Inference, StateSet};
@@ -24,8 +24,7 @@ impl Counting {
     /// Takes in what was perceived since, each percept once. Answers the one that is most likely the goal, if the
     /// robot has most likely passed that.
     pub fn progress(&mut self, inference: &Inference, percepts: &[Percept], hidden: &[HiddenWall]) -> Option<Percept> {
-        let counts = |percept: &&Percept| percept.from_m > self.from_m - EDGE_M;
-        let own: Vec<Percept> = percepts.iter().filter(counts).copied().collect();
+        let own: Vec<Percept> = percepts.iter().filter(|percept| counts(percept, self.from_m)).copied().collect();
         self.state_set.progress(inference, &own, hidden);
         self.state_set.arrived()
     }

@@ -60,13 +60,13 @@ pub(super) fn functions() -> Vec<Native> {
         look(
             "seen-both-ways?",
             "",
-            "Whether the robot has come along its hallway twice: there, and back after `turn-hallway-round`.",
+            "Whether the robot has come along its hallway more than once: there, and back after `turn-hallway-round`.",
             seen_both_ways,
         ),
         act(
             "turn-hallway-round",
             "",
-            "The hallway is from now on one that the robot goes back along; what was seen of it is kept for `explain-instruction`. The value is how far it is back to its beginning, in metres.",
+            "The hallway is from now on one that the robot goes along the other way; what was seen of it is kept for `explain-instruction`. The value is how far it is back to its beginning, in metres, or nil if the robot goes along it the first way again.",
             turn_hallway_round,
         ),
         look(
@@ -195,9 +195,11 @@ fn turn_hallway_round(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let lola = call.part::<Lola>()?;
     let hallway = lola.hallway.as_ref().ok_or_else(no_hallway)?;
     let back_m = hallway.along_m();
-    lola.hallway = Some(hallway.turned_round());
+    let turned = hallway.turned_round();
+    let value = if turned.is_gone_back() { Value::Float(back_m) } else { Value::Nil };
+    lola.hallway = Some(turned);
     lola.has_news = true;
-    Ok(Reply::Value(Value::Float(back_m)))
+    Ok(Reply::Value(value))
 }
 
 fn opening_pose(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

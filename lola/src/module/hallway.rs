@@ -3,15 +3,11 @@
 use crate::feature::{HiddenWall, Percept, Side};
 use crate::features::{FeatureDetection, wall_ahead_m};
 use crate::judgement::Look;
-use crate::registration::{Doubt, HallwayAxis, Registration};
-use crate::routines::across_m;
+use crate::registration::{Doubt, HallwayAxis, Registration, Ring};
 use rpl_robot::geometry::{Point, Pose, wrap_angle_rad};
 use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
-
-/// Walls beside the robot are those of the hallway if they are as far apart to within so much.
-const AS_WIDE_M: f64 = 0.3;
 
 /// What is heard while it is in doubt which way the robot looks waits for so much of the way: a crossing looks
 /// like it, too.
@@ -24,7 +20,7 @@ const BEFORE_END_M: f64 = 0.9;
 const GATE_RAD: f64 = 0.3;
 
 /// What begins so little before where counting begins may begin behind it: a percept's edges are not sharper.
-pub(super) const EDGE_M: f64 = 0.1;
+const EDGE_M: f64 = 0.1;
 
 /// Of what a robot is beside when it turns round, it sees less than half on the way back: as far behind it as this.
 const BESIDE_START_M: f64 = 0.5;
@@ -51,8 +47,43 @@ pub struct Hallway {
     at_in_odom: Pose,
     /// Where it ends, once the robot stood before its end.
     end_m: Option<f64>,
-    /// What was seen of it before the robot turned round, if it has.
-    first_look: Option<FirstLook>,
+    /// What was heard last.
+    heard: Option<Ring>,
+    /// What was seen of it before the robot turned round, each time that it has.
+    earlier: Vec<Look>,
+    /// Where it ends, as seen the way the robot went first, once it has turned round.
+    known_end_m: Option<f64>,
+    /// How the robot goes along it now.
+    direction: Direction,
+}
+
+/// How a robot goes along a hallway, as seen the way it went first: where it began, and whether it goes back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Direction {
+    start_m: f64,
+    is_back: bool,
+}
+
+impl Direction {
+    /// A place along the hallway.
+    fn first_m(self, along_m: f64) -> f64 {
+        if self.is_back { self.start_m - along_m } else { self.start_m + along_m }
+    }
+
+    /// A percept as seen the way the robot goes now, as it is seen the way it went first.
+    fn first(self, percept: &Percept) -> Percept {
+        if self.is_back { percept.turned(self.start_m) } else { percept.shifted(self.start_m) }
+    }
+
+    /// The other way.
+    fn now(self, percept: &Percept) -> Percept {
+        if self.is_back { percept.turned(self.start_m) } else { percept.shifted(-self.start_m) }
+    }
+
+    /// The same of what is hidden.
+    fn first_hidden(self, wall: &HiddenWall) -> HiddenWall {
+        if self.is_back { wall.turned(self.start_m) } else { wall.shifted(self.start_m) }
+    }
 }
 
 /// What was heard at a place.
@@ -62,14 +93,9 @@ struct Waiting {
     ranges_m: Vec<f32>,
 }
 
-/// What was seen of a hallway on the way on, by a robot that looks at it again on the way back.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct FirstLook {
-    percepts: Vec<Percept>,
-    hidden: Vec<HiddenWall>,
-    /// Where the robot turned round; what was there is where it began with the way back.
-    turned_at_m: f64,
-    end_m: Option<f64>,
+/// Whether a percept counts for who counts from a place on: the rest of what the robot began beside does not.
+pub(super) fn counts(percept: &Percept, from_m: f64) -> bool {
+    percept.from_m > from_m - EDGE_M && percept.middle_m() > from_m.max(BESIDE_START_M)
 }
 
 impl Hallway {
@@ -90,7 +116,10 @@ impl Hallway {
             farthest_m: 0.0,
             at_in_odom,
             end_m: None,
-            first_look: None,
+            heard: None,
+            earlier: Vec::new(),
+            known_end_m: None,
+            direction: Direction::default(),
         }
     }
 
@@ -123,46 +152,59 @@ impl Hallway {
         self.at_in_odom = odometry_in_odom;
     }
 
-    /// The same hallway as one goes back along it, from here on. What was seen on the way on is kept for
-    /// judgements.
+    /// The same hallway as one goes back along it, from here on. What was seen so far is kept for judgements.
     pub fn turned_round(&self) -> Self {
-        let first_look = FirstLook {
-            percepts: self.percepts.clone(),
-            hidden: self.hidden(),
-            turned_at_m: self.along_m,
-            end_m: self.end_m,
-        };
-        Self { first_look: Some(first_look), ..Self::with(self.registration.turned_round(), self.at_in_odom) }
+        let direction = Direction { start_m: self.direction.first_m(self.along_m), is_back: !self.direction.is_back };
+        let earlier = self.earlier.iter().cloned().chain([self.look()]).collect();
+        Self {
+            earlier,
+            known_end_m: self.first_end_m(),
+            direction,
+            ..Self::with(self.registration.turned_round(), self.at_in_odom)
+        }
     }
 
     /// Whether the robot has turned round in it, to see it once more.
     pub fn is_looked_back_at(&self) -> bool {
-        self.first_look.is_some()
+        !self.earlier.is_empty()
     }
 
-    /// What was seen of it from a place on, once or twice, as seen on the way on; and where it ends, if that is
-    /// known.
-    pub fn looks(&self, from_m: f64) -> (Vec<Look>, Option<f64>) {
-        let begins = |percept: &&Percept| percept.from_m > from_m - EDGE_M;
-        let look = |percepts: &[Percept], hidden: Vec<HiddenWall>, from_m: f64, to_m: f64| Look {
-            percepts: percepts.iter().filter(begins).copied().collect(),
-            hidden,
-            from_m,
-            to_m,
-        };
-        match &self.first_look {
-            None => (vec![look(&self.percepts, self.hidden(), from_m, self.farthest_m)], self.end_m),
-            Some(first) => {
-                let at_m = first.turned_at_m;
-                let back: Vec<Percept> = self.percepts.iter().map(|percept| percept.turned(at_m)).collect();
-                let hidden = self.hidden().iter().map(|wall| wall.turned(at_m)).collect();
-                // Where counting begins is the other half of what the first look began beside.
-                let second_from_m = (at_m - self.farthest_m).max(from_m + BESIDE_START_M);
-                let mut second = look(&back, hidden, second_from_m, at_m - BESIDE_START_M);
-                second.percepts.retain(|percept| percept.middle_m() > second_from_m);
-                (vec![look(&first.percepts, first.hidden.clone(), from_m, at_m), second], first.end_m)
-            }
+    /// Whether the robot goes along it the other way than it went first.
+    pub fn is_gone_back(&self) -> bool {
+        self.direction.is_back
+    }
+
+    /// What was seen of it since the robot turned round last, as seen the way it went first. It sees less than half of
+    /// what it is beside when it turns.
+    fn look(&self) -> Look {
+        let begins_m = if self.is_looked_back_at() { BESIDE_START_M } else { 0.0 };
+        let (one_m, other_m) = (self.direction.first_m(begins_m), self.direction.first_m(self.farthest_m));
+        Look {
+            turned_at_m: self.is_looked_back_at().then_some(self.direction.start_m),
+            percepts: self.percepts.iter().map(|percept| self.direction.first(percept)).collect(),
+            hidden: self.hidden().iter().map(|wall| self.direction.first_hidden(wall)).collect(),
+            from_m: one_m.min(other_m),
+            to_m: one_m.max(other_m),
         }
+    }
+
+    /// What was seen of it from a place on, once or several times, as seen the way the robot went first; and where it
+    /// ends, if that is known.
+    pub fn looks(&self, from_m: f64) -> (Vec<Look>, Option<f64>) {
+        let mut looks: Vec<Look> = self.earlier.iter().cloned().chain([self.look()]).collect();
+        for (number, look) in looks.iter_mut().enumerate() {
+            // Where counting begins is the other half of what the first look began beside.
+            look.from_m = look.from_m.max(if number == 0 { from_m } else { from_m + BESIDE_START_M });
+            look.percepts
+                .retain(|percept| counts(percept, from_m) && (number == 0 || percept.middle_m() > look.from_m));
+        }
+        (looks, self.first_end_m())
+    }
+
+    /// Where it ends, as seen the way the robot went first.
+    fn first_end_m(&self) -> Option<f64> {
+        let own_m = self.end_m.filter(|_| !self.direction.is_back).map(|end_m| self.direction.first_m(end_m));
+        self.known_end_m.or(own_m)
     }
 
     /// Where something stood before its walls.
@@ -170,36 +212,26 @@ impl Hallway {
         self.detection.as_ref().map_or_else(Vec::new, FeatureDetection::hidden)
     }
 
-    /// A percept as seen on the way on, as it is seen the way the robot goes now.
+    /// A percept as seen the way the robot went first, as it is seen the way it goes now.
     pub fn as_seen_now(&self, percept: &Percept) -> Percept {
-        self.first_look.as_ref().map_or(*percept, |first| percept.turned(first.turned_at_m))
+        self.direction.now(percept)
     }
 
-    /// Takes a scan in for the direction. Answers whether the axis was known and turned out to be wrong: the robot
-    /// was turned by hand, and has to register again.
-    ///
-    /// In a crossing the walls of the other hallway may look like a better axis. They are believed where they stand
-    /// to the left and right of the robot as far apart as those of its own.
-    pub fn register(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
+    /// Takes a scan in for the direction. In a crossing the walls of the other hallway may look like a better axis:
+    /// who was turned by hand is noticed by [`Hallway::is_turned`].
+    pub fn register(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) {
         self.registration.take_in(odometry_in_odom, scan);
         let Some(known) = self.axis else {
             self.axis = self.registration.axis().copied();
-            return false;
+            return;
         };
         let heading_rad = self.registration.heading_in_odom_rad();
         let is_near = wrap_angle_rad(heading_rad - known.heading_in_odom_rad).abs() < GATE_RAD;
         match self.registration.axis() {
             Some(axis) if is_near => self.axis = Some(*axis),
             None if is_near => {}
-            Some(_) | None => {
-                if self.are_walls_beside(odometry_in_odom, scan, heading_rad) {
-                    self.axis = None;
-                    return true;
-                }
-                self.registration = Registration::start(known.heading_in_odom_rad);
-            }
+            Some(_) | None => self.registration = Registration::start(known.heading_in_odom_rad),
         }
-        false
     }
 
     /// The same for a robot that fits nothing: it takes the direction that was guessed for the axis.
@@ -207,28 +239,14 @@ impl Hallway {
         self.axis = Some(self.registration.keep_guess(odometry_in_odom, scan));
     }
 
-    /// Whether walls as far apart as those of the hallway are heard beside the robot, square to a direction.
-    fn are_walls_beside(&self, odometry_in_odom: Pose, scan: SonarScan<'_>, heading_rad: f64) -> bool {
-        let width_m = self.width_m(odometry_in_odom);
-        let across_m = across_m(scan, wrap_angle_rad(heading_rad - odometry_in_odom.heading_rad));
-        width_m.is_some_and(|width_m| (across_m - width_m).abs() < AS_WIDE_M)
-    }
-
-    /// From wall to wall.
-    fn width_m(&self, odometry_in_odom: Pose) -> Option<f64> {
-        let wall_m = |side: Side| self.wall_distance_m(odometry_in_odom, side);
-        Some(wall_m(Side::Left)? + wall_m(Side::Right)?)
-    }
-
     /// Takes a scan in for whether the robot was turned by hand. Answers that it was, and has to register again: from
     /// where it began to be in doubt, it has gone another way than it believed.
     pub fn is_turned(&mut self, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
         let Some(axis) = &self.axis else { return false };
-        self.doubt = Doubt::after(self.doubt, axis, odometry_in_odom, scan);
-        let Some((doubt, other_rad)) = self.doubt.and_then(|doubt| Some((doubt, doubt.other_axis_in_odom_rad()?)))
-        else {
-            return false;
-        };
+        self.doubt = Doubt::after(self.doubt.take(), self.heard.as_ref(), axis, odometry_in_odom, scan);
+        self.heard = Some(Ring::of(odometry_in_odom, scan));
+        let turned = self.doubt.as_ref().and_then(|doubt| Some((doubt, doubt.other_axis_in_odom_rad()?)));
+        let Some((doubt, other_rad)) = turned else { return false };
         let gone = odometry_in_odom.point() - doubt.since_in_odom.point();
         let along_m = |axis_rad: f64| gone.x * libm::cos(axis_rad) + gone.y * libm::sin(axis_rad);
         self.along_m += along_m(other_rad) - along_m(axis.heading_in_odom_rad);
@@ -248,6 +266,7 @@ impl Hallway {
         let detection = self.detection.get_or_insert_with(|| FeatureDetection::start(axis, odometry_in_odom));
         if self
             .doubt
+            .as_ref()
             .is_some_and(|doubt| doubt.has_found() && doubt.since_in_odom.distance_m(odometry_in_odom) < WAITS_M)
         {
             self.waiting.push(Waiting { from_in_odom: odometry_in_odom, ranges_m: scan.ranges_m.to_vec() });

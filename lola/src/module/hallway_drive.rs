@@ -38,6 +38,9 @@ const SHOWN_SHARE: f64 = 0.6;
 /// Farther back than this it turns round and drives.
 const LONGEST_REVERSE_M: f64 = 3.0;
 
+/// Who was called away comes back by a way that is longer than the straight one by no more than this.
+const MOST_DETOUR_M: f64 = 15.0;
+
 /// How near it stands to where it is to.
 const THERE_M: f64 = 0.05;
 
@@ -130,13 +133,13 @@ pub struct Perceiving<'a> {
 }
 
 impl Perceiving<'_> {
-    /// Takes a scan in for the direction. Answers whether the robot has to register again.
-    fn look_along(&self, hallway: &mut Hallway, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
+    /// Takes a scan in for the direction.
+    fn look_along(&self, hallway: &mut Hallway, odometry_in_odom: Pose, scan: SonarScan<'_>) {
         if self.registers {
-            return hallway.register(odometry_in_odom, scan);
+            hallway.register(odometry_in_odom, scan);
+        } else {
+            hallway.keep_guess(odometry_in_odom, scan);
         }
-        hallway.keep_guess(odometry_in_odom, scan);
-        false
     }
 }
 
@@ -159,7 +162,7 @@ impl HallwayDrive {
     /// meanwhile, it goes back there first.
     pub fn follow(hallway: &Hallway, here: Pose, until: Until, lane_m: f64, patience_s: f64) -> Self {
         let stage = if here.distance_m(hallway.at_in_odom()) > ELSEWHERE_M {
-            returning(hallway, 0.0, patience_s)
+            returning(hallway, here, 0.0, patience_s)
         } else {
             Stage::Turning { registers: hallway.axis().is_none() }
         };
@@ -258,7 +261,7 @@ impl HallwayDrive {
             ReverseStatus::Driving(velocity) if back_m < LONGEST_REVERSE_M => (velocity, None),
             ReverseStatus::Arrived => self.is_back(hallway),
             ReverseStatus::Driving(_) | ReverseStatus::Blocked => {
-                self.stage = returning(hallway, -back_m, self.patience_s);
+                self.stage = returning(hallway, input.odometry_in_odom, -back_m, self.patience_s);
                 (Velocity::default(), None)
             }
         }
@@ -291,10 +294,7 @@ impl HallwayDrive {
             return (Velocity::default(), Some(DriveEnd::There));
         }
         if let Some(scan) = input.sonar {
-            if perceiving.look_along(hallway, input.odometry_in_odom, scan) {
-                self.stage = Stage::Turning { registers: true };
-                return (Velocity::default(), None);
-            }
+            perceiving.look_along(hallway, input.odometry_in_odom, scan);
             if detects {
                 hallway.detect(input.odometry_in_odom, scan, markers_in_odom);
             }
@@ -356,10 +356,11 @@ impl HallwayDrive {
 }
 
 /// To so far ahead of where the robot was in the hallway last, looking along it.
-fn returning(hallway: &Hallway, ahead_m: f64, patience_s: f64) -> Stage {
+fn returning(hallway: &Hallway, here: Pose, ahead_m: f64, patience_s: f64) -> Stage {
     let last = Pose { heading_rad: hallway.heading_in_odom_rad(), ..hallway.at_in_odom() };
     let mut navigation = MaplessNavigation::default();
-    navigation.start(vec![Target::at(last.compose(Pose::new(ahead_m, 0.0, 0.0)))], patience_s);
+    let there = last.compose(Pose::new(ahead_m, 0.0, 0.0));
+    navigation.start_nearby(Target::at(there), patience_s, here.distance_m(there) + MOST_DETOUR_M);
     Stage::Returning(Box::new(navigation))
 }
 

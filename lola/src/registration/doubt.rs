@@ -1,6 +1,7 @@
 //! Doubt: whether the robot still looks the way that it believes, told from single scans. Somebody may turn it by
 //! hand, of which the odometry knows nothing.
 
+use super::ring::Ring;
 use super::walls::{HallwayAxis, WIDEST_RAD};
 use crate::beside::{aside_m, side_readings};
 use crate::feature::Side;
@@ -27,37 +28,56 @@ const GRAIN_RAD: f64 = 0.05;
 /// So many scans in a row that show the hallway as it was known end the doubt.
 const CONFIRMING: u32 = 3;
 
+/// Who is turned by hand is turned at once: the walls run another way as soon as the doubt begins. In a crossing they
+/// end, and other walls come farther on.
+const AT_ONCE_M: f64 = 0.3;
+
 /// So many more scans that agree on another direction, to within so much, than do not are believed.
 const SCANS: u32 = 8;
 const AGREED_RAD: f64 = 0.3;
 
 /// No wall of the hallway is heard where it was, and perhaps others are.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Doubt {
     /// Where the robot was when it began, as far as it knew.
     pub since_in_odom: Pose,
     /// Another direction of the hallway that most scans agree on, in `odom`, and how many more than do not.
     found: Option<(f64, u32)>,
+    /// What was heard before it began.
+    before: Option<Ring>,
     /// How many scans before the last have shown the hallway as it was known, in a row.
     confirmed: u32,
 }
 
 impl Doubt {
-    /// Takes in a scan: whether no wall of the hallway is heard where it is to be, by what was in doubt before.
+    /// Takes in a scan: whether no wall of the hallway is heard where it is to be, by what was in doubt before, and
+    /// what was heard in the scan before.
     pub fn after(
         before: Option<Self>,
+        heard: Option<&Ring>,
         axis: &HallwayAxis,
         odometry_in_odom: Pose,
         scan: SonarScan<'_>,
     ) -> Option<Self> {
         let is_confirmed = is_confirmed(axis, odometry_in_odom, scan);
-        if is_confirmed && before.is_none_or(|before| before.confirmed + 1 >= CONFIRMING) {
+        if is_confirmed && before.as_ref().is_none_or(|before| before.confirmed + 1 >= CONFIRMING) {
             return None;
         }
-        let mut doubt = before.unwrap_or(Self { since_in_odom: odometry_in_odom, found: None, confirmed: 0 });
+        let mut doubt = before.unwrap_or_else(|| Self {
+            since_in_odom: odometry_in_odom,
+            found: None,
+            before: heard.cloned(),
+            confirmed: 0,
+        });
         doubt.confirmed = if is_confirmed { doubt.confirmed + 1 } else { 0 };
+        let is_at_once = odometry_in_odom.distance_m(doubt.since_in_odom) < AT_ONCE_M;
         let other_rad = doubt.hallway_around_rad(axis, odometry_in_odom, scan);
-        if let Some(other_rad) = other_rad.filter(|_| !is_confirmed) {
+        let is_turned = |other_rad: &f64| {
+            let by_rad = other_rad - axis.heading_in_odom_rad;
+            doubt.before.as_ref().is_none_or(|before| before.is_turned(by_rad, odometry_in_odom, scan))
+        };
+        let is_believable = !is_confirmed && (is_at_once || doubt.has_found());
+        if let Some(other_rad) = other_rad.filter(|other_rad| is_believable && is_turned(other_rad)) {
             doubt.found = Some(voted(doubt.found, other_rad));
         }
         Some(doubt)

@@ -3,9 +3,10 @@
 //!
 //! Read in this order: `views` (what is kept of the drive), `walls` (what a direction explains of it),
 //! `search` (the direction that explains most), `widths` (how wide the hallway is); `doubt` (whether the robot
-//! looks another way than it believes).
+//! looks another way than it believes) with `ring` (what was heard all around).
 
 mod doubt;
+mod ring;
 mod search;
 mod views;
 mod walls;
@@ -15,6 +16,7 @@ mod widths;
 mod tests;
 
 pub use doubt::Doubt;
+pub use ring::Ring;
 
 use crate::feature::Side;
 use rpl_robot::geometry::{Pose, wrap_angle_rad};

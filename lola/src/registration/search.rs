@@ -120,22 +120,27 @@ fn nearness(off_m: f64) -> f64 {
     nearness * nearness
 }
 
-/// What of a side lies on the line of this slope through `offset_m`.
-fn on_line(spots: &[Spot], slope: f64, offset_m: f64) -> f64 {
-    let near = |spot: &Spot| spot.count.min(MOST_COUNTED) * nearness(spot.off_m - slope * spot.along_m - offset_m);
-    spots.iter().map(near).sum()
+/// What of a side lies on each of the parallel lines through its spots, whose offsets are given. Cost: their square.
+fn on_lines(spots: &[Spot], offsets_m: &[f64]) -> Vec<f64> {
+    let mut on_lines = vec![0.0; offsets_m.len()];
+    // Spot by spot, so that the lines are independent of each other and several are counted at once.
+    for (spot, spot_m) in spots.iter().zip(offsets_m) {
+        let count = spot.count.min(MOST_COUNTED);
+        for (on_line, line_m) in on_lines.iter_mut().zip(offsets_m) {
+            *on_line += count * nearness(spot_m - line_m);
+        }
+    }
+    on_lines
 }
 
 /// The two segments of a side with this slope that have most of it, each with how much that is: of the lines through
 /// its spots the best, and the best that is not the same. None of a side without spots.
 fn segments(spots: &[Spot], slope: f64) -> Option<[(f64, f64); 2]> {
-    let offsets_m = || spots.iter().map(|spot| spot.off_m - slope * spot.along_m);
-    let best_of = |offsets_m: &mut dyn Iterator<Item = f64>| {
-        let scored = offsets_m.map(|offset_m| (on_line(spots, slope, offset_m), offset_m));
-        scored.max_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    let first = best_of(&mut offsets_m())?;
-    let second = best_of(&mut offsets_m().filter(|offset_m| (offset_m - first.1).abs() >= 2.0 * SEGMENT_M));
+    let offsets_m: Vec<f64> = spots.iter().map(|spot| spot.off_m - slope * spot.along_m).collect();
+    let lines: Vec<(f64, f64)> = on_lines(spots, &offsets_m).into_iter().zip(offsets_m).collect();
+    let best_of = |those: &mut dyn Iterator<Item = &(f64, f64)>| those.max_by(|a, b| a.0.total_cmp(&b.0)).copied();
+    let first = best_of(&mut lines.iter())?;
+    let second = best_of(&mut lines.iter().filter(|(_, offset_m)| (offset_m - first.1).abs() >= 2.0 * SEGMENT_M));
     Some([first, second.unwrap_or((0.0, first.1))])
 }
 

@@ -76,12 +76,14 @@ fn turned_by_hand_it_is_found_to_be_wrong_and_put_right() {
 fn doubted_rad(drive: &mut Drive, most_m: f64) -> Option<f64> {
     let axis = *drive.registration.axis().expect("registered");
     let from_m = drive.state.distance_driven_m;
-    let mut doubt = None;
+    let (mut doubt, mut heard) = (None, None);
     while drive.state.distance_driven_m < from_m + most_m {
         drive.step();
         let sonars = drive.model.sensors.sonars.as_ref().expect("it has sonars");
-        doubt = Doubt::after(doubt, &axis, drive.odometry_in_odom, SonarScan { sonars, ranges_m: &drive.ranges_m });
-        if let Some(other_rad) = doubt.and_then(|doubt| doubt.other_axis_in_odom_rad()) {
+        let scan = SonarScan { sonars, ranges_m: &drive.ranges_m };
+        doubt = Doubt::after(doubt, heard.as_ref(), &axis, drive.odometry_in_odom, scan);
+        heard = Some(Ring::of(drive.odometry_in_odom, scan));
+        if let Some(other_rad) = doubt.as_ref().and_then(|doubt| doubt.other_axis_in_odom_rad()) {
             return Some(other_rad);
         }
     }

@@ -40,13 +40,21 @@ pub struct Doorway {
     pub width_m: f64,
 }
 
+/// What may be a doorway.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Gap {
+    /// As it was where it was narrowest.
+    narrowest: Doorway,
+    /// How often it was heard.
+    sightings: u32,
+}
+
 /// Looks for doorways while the robot drives.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DoorwayDetection {
-    /// The narrowest there was since it became narrow.
-    narrowest: Option<Doorway>,
-    /// How often it was heard.
-    sightings: u32,
+    /// What the robot is in or has just left, each in a place of its own: a false echo makes another gap, and does
+    /// not hide the one that was heard before.
+    gaps: Vec<Gap>,
     /// Where the robot was, the last place last.
     trail_in_odom: Vec<Point>,
 }
@@ -64,34 +72,33 @@ impl DoorwayDetection {
                 self.see(Doorway { middle_in_odom, width_m });
             }
         }
-        let doorway = self.narrowest?;
-        let gone_m = distance_m(here.point(), doorway.middle_in_odom.point());
-        let beyond = here.relative_to(doorway.middle_in_odom);
-        if gone_m > THICKEST_M {
-            self.narrowest = None;
-        }
-        let is_through = self.sightings >= SIGHTINGS
-            && beyond.x_m > THROUGH_M
-            && gone_m <= THICKEST_M
-            && self.came_through(doorway.middle_in_odom);
-        if is_through && is_open(scan, wrap_angle_rad(doorway.middle_in_odom.heading_rad - here.heading_rad)) {
-            self.narrowest = None;
-            return Some(doorway);
-        }
-        None
+        let gone_m = |gap: &Gap| distance_m(here.point(), gap.narrowest.middle_in_odom.point());
+        self.gaps.retain(|gap| gone_m(gap) <= THICKEST_M);
+        let passed = self.gaps.iter().find(|gap| self.is_through(gap, here, scan)).map(|gap| gap.narrowest)?;
+        self.gaps.clear();
+        Some(passed)
     }
 
-    /// Keeps the narrowest, and how often it was heard in about the same place.
+    /// Keeps the narrowest of what was heard in about the same place, and how often it was.
     fn see(&mut self, doorway: Doorway) {
         let is_same =
-            |known: &Doorway| distance_m(known.middle_in_odom.point(), doorway.middle_in_odom.point()) < SAME_M;
-        match self.narrowest.filter(is_same) {
-            Some(known) => {
-                self.sightings += 1;
-                self.narrowest = Some(if doorway.width_m < known.width_m { doorway } else { known });
+            |gap: &&mut Gap| distance_m(gap.narrowest.middle_in_odom.point(), doorway.middle_in_odom.point()) < SAME_M;
+        match self.gaps.iter_mut().find(is_same) {
+            Some(gap) => {
+                gap.sightings += 1;
+                gap.narrowest = if doorway.width_m < gap.narrowest.width_m { doorway } else { gap.narrowest };
             }
-            None => (self.narrowest, self.sightings) = (Some(doorway), 1),
+            None => self.gaps.push(Gap { narrowest: doorway, sightings: 1 }),
         }
+    }
+
+    /// Whether the robot has come through a gap, and it was a doorway.
+    fn is_through(&self, gap: &Gap, here: Pose, scan: SonarScan<'_>) -> bool {
+        let middle_in_odom = gap.narrowest.middle_in_odom;
+        gap.sightings >= SIGHTINGS
+            && here.relative_to(middle_in_odom).x_m > THROUGH_M
+            && self.came_through(middle_in_odom)
+            && is_open(scan, wrap_angle_rad(middle_in_odom.heading_rad - here.heading_rad))
     }
 
     fn go_on(&mut self, here: Point) {
@@ -160,4 +167,52 @@ fn between(one: Point, other: Point, way_rad: f64) -> Pose {
     let is_ahead = wrap_angle_rad(normal_rad - way_rad).abs() <= FRAC_PI_2;
     let heading_rad = if is_ahead { normal_rad } else { normal_rad + 2.0 * FRAC_PI_2 };
     Pose::new((one.x + other.x) / 2.0, (one.y + other.y) / 2.0, heading_rad)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_robot::sensors::{SonarArray, SonarLayout};
+
+    const HALF_DOOR_M: f64 = 0.46;
+
+    /// What a ring of sonars hears in the middle of a wall across the way, of which a door is left out.
+    fn before_wall(sonars: &SonarArray, here: Pose) -> Vec<f32> {
+        let wall: Vec<Point> = (-60..=60)
+            .map(|step| f64::from(step) * 0.05)
+            .filter(|y_m| y_m.abs() > HALF_DOOR_M)
+            .map(|y_m| here.inverse().transform(Point::new(0.0, y_m)))
+            .collect();
+        let heard = |mount: usize| {
+            let looks_rad = sonars.mounts[mount].heading_rad;
+            let is_in_cone = |point: &&Point| {
+                wrap_angle_rad(libm::atan2(point.y, point.x) - looks_rad).abs() <= sonars.cone_rad / 2.0
+            };
+            let apex_m = sonars.mounts[mount].at_in_base.coords.norm();
+            wall.iter().filter(is_in_cone).map(|point| point.coords.norm() - apex_m).fold(sonars.range_m, f64::min)
+                as f32
+        };
+        (0..sonars.mounts.len()).map(heard).collect()
+    }
+
+    #[test]
+    fn a_false_echo_hides_no_door() {
+        let sonars = SonarArray::new(&SonarLayout::Ring(24), 15_f64.to_radians(), 5.0);
+        for has_false_echo in [false, true] {
+            let mut doorways = DoorwayDetection::default();
+            let mut found = Vec::new();
+            for step in -60..=60 {
+                let here = Pose::new(f64::from(step) * 0.02, 0.0, 0.0);
+                let mut ranges_m = before_wall(&sonars, here);
+                if has_false_echo && step == 18 {
+                    // Ahead on one side, opposite to the post that is behind on the other.
+                    ranges_m[3] = 0.25;
+                }
+                found.extend(doorways.take_in(here, SonarScan { sonars: &sonars, ranges_m: &ranges_m }));
+            }
+            let [doorway] = found[..] else { panic!("{found:?}") };
+            let middle = doorway.middle_in_odom;
+            assert!(middle.x_m.abs() < 0.15 && middle.y_m.abs() < 0.1 && middle.heading_rad.abs() < 0.3, "{doorway:?}");
+        }
+    }
 }

@@ -3,17 +3,15 @@
 //! velocities; all of them keep off what they see.
 //!
 //! `lane` is where in a hallway there is room, `direction_follow` drives along it and `reverse` back;
-//! `doorway` notices the frame of a door that the robot drives through; `across` measures how wide a
-//! hallway is. Seeking a goal is [`MaplessNavigation`](rpl_robot::navigation::MaplessNavigation), following a wall
+//! `doorway` notices the frame of a door that the robot drives through. Seeking a goal is
+//! [`MaplessNavigation`](rpl_robot::navigation::MaplessNavigation), following a wall
 //! [`LocalDrive`](rpl_robot::navigation::LocalDrive).
 
-mod across;
 mod direction_follow;
 mod doorway;
 mod lane;
 mod reverse;
 
-pub use across::across_m;
 pub use direction_follow::{DirectionFollow, DirectionInput, DirectionOutput};
 pub use doorway::{Doorway, DoorwayDetection};
 pub use lane::{Lane, clear_lane};

@@ -71,14 +71,6 @@ impl StateSet {
         Some(Self { instruction, certainties, next_number: 0, counted: 0, last_m: None })
     }
 
-    /// The same if it begins at a place along the hallway's axis: then it is known how far it was to the first
-    /// percept.
-    #[must_use]
-    pub fn starting_at(mut self, along_m: f64) -> Self {
-        self.last_m = Some(along_m);
-        self
-    }
-
     /// Takes in the percepts of a step, in the order of their numbers, and where something stands before the walls;
     /// what was taken in before, by its number, is left out. Cost: the number of percepts times that of nodes.
     pub fn progress(&mut self, inference: &Inference, percepts: &[Percept], hidden: &[HiddenWall]) {

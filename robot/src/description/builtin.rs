@@ -54,8 +54,8 @@ impl RobotDescription {
     }
 
     /// A robot by its name: `b21`, the papers' robot, with 24 sonars; `b21-camera` and `b21-laser`, the same
-    /// with a camera or a laser besides; `nomad-200` with 16 sonars and a camera; `pioneer-2dx` with sonars before and behind, `pioneer-front` with
-    /// those before alone; `turtlebot`, small, with a laser.
+    /// with a camera or a laser besides; `nomad-200` with 16 sonars and a camera; `pioneer-2dx` with sonars before
+    /// and behind and a camera, `pioneer-front` with those before alone; `turtlebot`, small, with a laser.
     pub fn builtin(name: &str) -> Option<Arc<Self>> {
         BUILTIN.iter().find(|robot| robot.name == name).cloned()
     }

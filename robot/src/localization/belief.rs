@@ -278,7 +278,7 @@ impl Belief {
     }
 
     /// Divides by the evidence, mixes, and lets planes fall asleep or wake up.
-    fn normalize(&mut self, model: &LocalizationModel, evidence: f64, average: f64, mixed: f64) {
+    pub(super) fn normalize(&mut self, model: &LocalizationModel, evidence: f64, average: f64, mixed: f64) {
         let scale = (1.0 - mixed) / evidence;
         let add = mixed * model.prior();
         let threshold = model.threshold();

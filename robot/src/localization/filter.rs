@@ -1,6 +1,7 @@
 //! The state of localization: belief, odometry, and what was last concluded from them.
 
 use super::belief::Belief;
+use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
 use super::scan::ScanModel;
@@ -82,6 +83,8 @@ pub struct Localization {
     agreed: f64,
     /// Updates so far.
     updates: u64,
+    /// How many of them there were when landmarks were seen last.
+    seen_at: Option<u64>,
 }
 
 impl Localization {
@@ -113,6 +116,7 @@ impl Localization {
             fix: None,
             agreed: 1.0,
             updates: 0,
+            seen_at: None,
         };
         localization.agreed = localization.agreement(model);
         localization
@@ -214,21 +218,60 @@ impl Localization {
 
     /// Updates the coarse belief, and makes the fine one anew if they disagree.
     fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan]) {
-        let (Some(watch), Some(coarse), Some(parameters)) = (&mut self.watch, &model.watch, &model.parameters.watch)
-        else {
-            return;
-        };
+        let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) else { return };
         // Beams far apart in turn: their evidence overlaps less, and they cost less.
         let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
         let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
         let scans: Vec<BinnedScan> = scans.iter().map(|scan| scan.iter().enumerate().map(beam).collect()).collect();
         watch.advance(coarse, motion);
         watch.sense(coarse, &scans);
-        self.agreed = watch.mass_within(coarse, self.mode.pose_in_map, parameters.near_m, parameters.near_rad);
+        self.bring_into_agreement(model);
+    }
+
+    /// Makes the fine belief anew if the coarse one disagrees.
+    fn bring_into_agreement(&mut self, model: &LocalizationModel) {
+        self.agreed = self.agreement(model);
+        let (Some(watch), Some(coarse), Some(parameters)) = (&self.watch, &model.watch, &model.parameters.watch) else {
+            return;
+        };
         if self.agreed < parameters.agreement * self.mode.mass {
             self.belief = Belief::resampled(model, watch, coarse);
             self.mode = self.belief.mode(model);
             self.agreed = self.agreement(model);
+        }
+    }
+
+    /// Takes in landmarks that were seen at the last observation. Returns whether they were: from a robot that has
+    /// not moved since the last ones they would be the same evidence again.
+    ///
+    /// # Deviation
+    /// Sightings count once for each update by the range sensors, whatever the rate of images.
+    pub fn see(&mut self, model: &LocalizationModel, sightings: &[LandmarkSighting]) -> bool {
+        if sightings.is_empty() || self.seen_at == Some(self.updates) {
+            return false;
+        }
+        self.seen_at = Some(self.updates);
+        let since = self.since_update();
+        for sighting in sightings {
+            let at_in_base = since.transform(sighting.at_in_base);
+            let sighting = LandmarkSighting { at_in_base, ..sighting.clone() };
+            self.belief.see(model, &sighting);
+            if let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) {
+                watch.see(coarse, &sighting);
+            }
+        }
+        self.mode = self.belief.mode(model);
+        self.bring_into_agreement(model);
+        self.fix = self.fix.filter(|fix| fix.is_near(self.mode.pose_in_map));
+        self.mode.pose_in_map = self.fix.map_or(self.mode.pose_in_map, |fix| fix.pose_in_map);
+        true
+    }
+
+    /// How the robot has moved since the last update.
+    fn since_update(&self) -> Pose {
+        match (self.updated_at_in_odom, self.observed_at_in_odom) {
+            (Some(updated), Some(observed)) => observed.relative_to(updated),
+            _ => Pose::default(),
         }
     }
 
@@ -250,10 +293,7 @@ impl Localization {
 
     /// Where the robot is; costs nothing, the mode is found at each update.
     pub fn estimate(&self, model: &LocalizationModel) -> Estimate {
-        let pose_in_map = match (self.updated_at_in_odom, self.observed_at_in_odom) {
-            (Some(updated), Some(observed)) => self.mode.pose_in_map.compose(observed.relative_to(updated)),
-            _ => self.mode.pose_in_map,
-        };
+        let pose_in_map = self.mode.pose_in_map.compose(self.since_update());
         let share = self.mode.mass.min(self.agreed);
         let calibration = model.parameters.calibration.as_ref();
         Estimate { pose_in_map, certainty: calibration.map_or(share, |calibration| calibration.certainty(share)) }
@@ -266,10 +306,7 @@ impl Localization {
 
     /// The local maxima, the heaviest first, as of the last update and carried on by odometry.
     pub fn maxima(&self, model: &LocalizationModel, max_count: usize, min_mass: f64) -> Vec<Maximum> {
-        let since = match (self.updated_at_in_odom, self.observed_at_in_odom) {
-            (Some(updated), Some(observed)) => observed.relative_to(updated),
-            _ => Pose::default(),
-        };
+        let since = self.since_update();
         let mut maxima = self.belief.maxima(model, max_count, min_mass);
         for maximum in &mut maxima {
             maximum.pose_in_map = maximum.pose_in_map.compose(since);

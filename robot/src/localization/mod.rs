@@ -7,8 +7,8 @@
 //! moves the robot.
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `sensor`, `scan`, `model` (what never changes), then
-//! `plane`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `calibration`, `filter` (the state others use),
-//! and `reading` (a belief read beam by beam).
+//! `plane`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark` (what was seen), `calibration`,
+//! `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
 mod calibration;
@@ -16,6 +16,7 @@ mod error;
 mod filter;
 mod grid;
 mod kernel;
+mod landmark;
 mod lanes;
 mod model;
 mod parameters;
@@ -38,6 +39,7 @@ pub use error::ModelError;
 pub use filter::{Estimate, Localization};
 pub use grid::{Bearings, BeliefGrid, State};
 pub use kernel::MAX_BEAMS;
+pub use landmark::{LandmarkNoise, LandmarkSighting};
 pub use model::LocalizationModel;
 pub use parameters::{LocalizationParameters, OdometryError, Spread, Watch};
 pub use plane::{Activity, Plane};

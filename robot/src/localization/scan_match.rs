@@ -54,7 +54,7 @@ impl Fix {
     }
 
     /// Whether it may be the pose that a belief has its mode at.
-    fn is_near(&self, mode_in_map: Pose) -> bool {
+    pub(super) fn is_near(&self, mode_in_map: Pose) -> bool {
         let turned_rad = libm::fabs(wrap_angle_rad(self.pose_in_map.heading_rad - mode_in_map.heading_rad));
         self.pose_in_map.distance_m(mode_in_map) <= FARTHEST_M && turned_rad <= FARTHEST_RAD
     }

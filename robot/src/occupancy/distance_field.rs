@@ -7,7 +7,8 @@ use crate::geometry::Point;
 /// The Euclidean distance from every cell of a map to the nearest occupied cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceField {
-    pub(super) resolution_m: f64,
+    /// Edge of a cell.
+    pub resolution_m: f64,
     pub(super) origin_in_frame: Point,
     columns: usize,
     /// Along x and y.

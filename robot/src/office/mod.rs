@@ -16,6 +16,7 @@ mod board;
 mod composition;
 mod controller;
 mod cost;
+mod foreseen_robot;
 mod functions;
 mod host;
 mod model;
@@ -41,7 +42,7 @@ pub use controller::Controller;
 pub use cost::Cost;
 pub use functions::{act, board, look, model};
 pub use host::{Host, HostLost, SaveHost, SimulatedHost};
-pub use model::{MapModel, OfficeModel, OfficeSettings};
+pub use model::{MapModel, OfficeModel, OfficeSettings, PositionBy};
 pub use module::{
     Layout, Module, ModuleSpec, Moment, Part, PlanText, Start, Telling, continuous, counter, fluent, fluent_number,
 };

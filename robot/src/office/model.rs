@@ -3,6 +3,7 @@
 use crate::active::ActiveParameters;
 use crate::avoidance::DriveLimits;
 use crate::description::RobotDescription;
+use crate::foresight::ways::{Routes, WayMap};
 use crate::localization::{LocalizationModel, LocalizationParameters, ModelError, ScanParameters};
 use crate::navigation::NavigationModel;
 use crate::occupancy::OccupancyGrid;
@@ -16,11 +17,24 @@ use std::sync::Arc;
 /// Edge of a cell of the map the expected distances are cast in.
 pub(super) const SENSOR_MAP_CELL_M: f64 = 0.05;
 
+/// What a robot with a map knows its position by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PositionBy {
+    /// Its range sensors, and the landmarks that it looks for.
+    Grid,
+    /// Its range sensors alone.
+    GridWithoutLandmarks,
+    /// Its odometry, set right at landmarks (Fox and Anderson-Sprecher, Localization).
+    Landmarks,
+}
+
 /// What can be set about the robot and its world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OfficeSettings {
     /// The robot.
     pub robot: Arc<RobotDescription>,
+    /// What it knows its position by.
+    pub position_by: PositionBy,
     /// The filter.
     pub localization: LocalizationParameters,
     /// Active localization.
@@ -40,9 +54,15 @@ impl Default for OfficeSettings {
 }
 
 impl OfficeSettings {
+    /// Whether the robot has a belief about where it is.
+    pub fn has_belief(&self) -> bool {
+        self.map_known && self.position_by != PositionBy::Landmarks
+    }
+
     /// What is usual for a robot.
     pub fn of(robot: Arc<RobotDescription>) -> Self {
         Self {
+            position_by: PositionBy::Grid,
             localization: LocalizationParameters::of(&robot),
             robot,
             active: ActiveParameters::default(),
@@ -78,9 +98,16 @@ pub struct MapModel {
     pub navigation: NavigationModel,
     /// Rooms, doors and regions.
     pub topology: TopologicalModel,
+    /// The ways between its places, for foresight.
+    pub routes: Routes,
 }
 
 impl MapModel {
+    /// What ways are searched in for foresight.
+    pub fn ways<'a>(&'a self, world: &'a World) -> WayMap<'a> {
+        WayMap { world, planner: &self.navigation.planner, topology: &self.topology, routes: &self.routes }
+    }
+
     fn new(world: &Arc<World>, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
         let mut parameters = settings.localization.clone();
         parameters.sensors = telling(&parameters.sensors, world);
@@ -99,7 +126,7 @@ impl MapModel {
         let localization = LocalizationModel::seeing(&sensor_map, &seen, parameters)?;
         let navigation = NavigationModel::new(world, limits);
         let topology = TopologicalModel::new(world, &navigation.planner);
-        Ok(Self { localization, navigation, topology })
+        Ok(Self { localization, navigation, topology, routes: Routes::new(world) })
     }
 }
 

@@ -1,28 +1,15 @@
 //! Navigation plans as data: what the topological planner found, written as an RPL plan.
 
-use super::model::MapModel;
 use super::words::mode_name;
-use crate::geometry::Pose;
-use crate::planning::{Target, Unreachable};
-use crate::world::{Place, TravelMode};
+use crate::planning::{NavigationPlan, Target};
+use crate::world::TravelMode;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
 
-/// The structured navigation plan from a pose to a place: the target points, under a policy for
+/// A way as a structured navigation plan: the target points, under a policy for
 /// each kind of region on the way that sets the travel mode when the robot enters it. Without a
 /// patience it is the one navigation has by itself.
-///
-/// # Errors
-/// If there is no way.
-pub(super) fn navigation_plan(
-    map: &MapModel,
-    machine: &mut Machine,
-    start_in_map: Pose,
-    destination: &Place,
-    closed_doors: &[usize],
-    patience_s: Option<f64>,
-) -> Result<Value, Unreachable> {
-    let plan = map.topology.plan(&map.navigation.planner, start_in_map, destination, closed_doors)?;
+pub(super) fn navigation_plan(plan: &NavigationPlan, machine: &mut Machine, patience_s: Option<f64>) -> Value {
     let mut modes: Vec<TravelMode> = Vec::new();
     for region in &plan.regions {
         if !modes.contains(&region.mode) {
@@ -38,11 +25,11 @@ pub(super) fn navigation_plan(
     let navigation = symbol(machine, "navigation");
     let drive = form(machine, "run-behaviour", &[&[navigation], &arguments[..]].concat());
     if modes.is_empty() {
-        return Ok(drive);
+        return drive;
     }
     let policies: Vec<Value> = modes.into_iter().map(|mode| mode_policy(machine, mode)).collect();
     let policies = machine.heap.list(&policies);
-    Ok(form(machine, "with-policies", &[policies, drive]))
+    form(machine, "with-policies", &[policies, drive])
 }
 
 /// `(whenever (eq region* 'MODE) (set-travel-mode 'MODE))`

@@ -2,14 +2,14 @@
 
 use super::model::{MapModel, OfficeModel};
 use crate::geometry::Pose;
-use crate::localization::{Estimate, Localization, Spread};
+use crate::localization::{Estimate, LandmarkSighting, Localization, Spread};
 use serde::{Deserialize, Serialize};
 
 /// Where the robot believes itself to be. Only position tracking writes here; others look, doubt it,
-/// or begin a search; modules of other crates can only look.
+/// or begin a search; modules of other crates look, and tell what was found out by landmarks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Position {
-    /// The filter; none without a map.
+    /// The filter; none without a map, and where the robot goes by its odometry.
     pub(super) localization: Option<Localization>,
     /// A plan has reason to think the estimate is wrong; position tracking answers in the next step.
     pub(super) is_doubted: bool,
@@ -17,19 +17,33 @@ pub struct Position {
     is_given_up: bool,
     /// Dead reckoning at the end of the last step.
     odometry_in_odom: Pose,
+    /// Where dead reckoning began, for a robot that goes by it; without a map nothing else is known of places.
+    odom_in_map: Pose,
+    /// Where a projected robot believes itself to be; it has no filter.
+    #[serde(skip)]
+    foreseen: Option<Estimate>,
 }
 
 impl Position {
     /// The position at the start of a run.
     pub(super) fn new(model: &OfficeModel) -> Self {
-        let localization = model.map.as_ref().map(|map| {
+        let map = model.map.as_ref();
+        let localization = map.filter(|_| model.settings.has_belief()).map(|map| {
             if model.settings.start_known {
                 Localization::start_at(&map.localization, model.world.start_in_map, Spread::default())
             } else {
                 Localization::start_uniform(&map.localization)
             }
         });
-        Self { localization, is_doubted: false, is_given_up: false, odometry_in_odom: Pose::default() }
+        let odom_in_map = map.map_or(Pose::default(), |_| model.world.start_in_map);
+        Self {
+            localization,
+            is_doubted: false,
+            is_given_up: false,
+            odometry_in_odom: Pose::default(),
+            odom_in_map,
+            foreseen: None,
+        }
     }
 
     /// The filter; none without a map.
@@ -37,11 +51,14 @@ impl Position {
         self.localization.as_ref()
     }
 
-    /// Without a map the robot is where its odometry says, in `odom`: there is nothing to be lost in.
+    /// Without a belief the robot is where its odometry says, and doubts nothing; without a map that is in `odom`.
     pub fn estimate(&self, map: Option<&MapModel>) -> Estimate {
+        if let Some(foreseen) = self.foreseen {
+            return foreseen;
+        }
         match (map, &self.localization) {
             (Some(map), Some(localization)) => localization.estimate(&map.localization),
-            _ => Estimate { pose_in_map: self.odometry_in_odom, certainty: 1.0 },
+            _ => Estimate { pose_in_map: self.odom_in_map.compose(self.odometry_in_odom), certainty: 1.0 },
         }
     }
 
@@ -57,12 +74,39 @@ impl Position {
 
     /// The robot is told where it is.
     pub(super) fn tell(&mut self, map: &MapModel, pose_in_map: Pose, spread: Spread) {
-        self.localization = Some(Localization::start_at(&map.localization, pose_in_map, spread));
+        self.odom_in_map = pose_in_map.compose(self.odometry_in_odom.inverse());
+        if let Some(localization) = &mut self.localization {
+            *localization = Localization::start_at(&map.localization, pose_in_map, spread);
+        }
+    }
+
+    /// The robot has measured where it is, before a landmark.
+    pub fn tell_by_landmark(&mut self, map: &MapModel, pose_in_map: Pose) {
+        self.tell(map, pose_in_map, Spread::default());
+    }
+
+    /// Takes landmarks that were seen in this step into the belief, if there is one.
+    pub fn see_landmarks(&mut self, map: &MapModel, sightings: &[LandmarkSighting]) {
+        if let Some(localization) = &mut self.localization {
+            localization.see(&map.localization, sightings);
+        }
+    }
+
+    /// A projected robot believes itself to be there; its odometry has not strayed since the beginning.
+    pub(super) fn foresee(&mut self, estimate: Estimate, odometry_in_odom: Pose) {
+        (self.localization, self.foreseen, self.odometry_in_odom) = (None, Some(estimate), odometry_in_odom);
+    }
+
+    /// Whether a plan has given the estimate up since this was asked last.
+    pub(super) fn take_doubt(&mut self) -> bool {
+        std::mem::take(&mut self.is_doubted)
     }
 
     /// The robot may be anywhere.
     pub(in crate::office) fn forget(&mut self, map: &MapModel) {
-        self.localization = Some(Localization::start_uniform(&map.localization));
+        if let Some(localization) = &mut self.localization {
+            *localization = Localization::start_uniform(&map.localization);
+        }
     }
 
     /// The belief for a search, which gives it up as it begins if it is worth nothing.

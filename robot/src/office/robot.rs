@@ -3,6 +3,7 @@
 use super::behaviours::{OfficeModules, office_modules};
 use super::composition::Composition;
 use super::controller::Controller;
+use super::foreseen_robot::foresee;
 use super::host::{Host, HostLost, SimulatedHost};
 use super::model::OfficeModel;
 use super::module::Module;
@@ -11,7 +12,7 @@ use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{Outbox, Outside, RobotEvent, RobotTables, StopReason};
+use rpl_runtime::robot::{ForeseenRobot, Outbox, Outside, RobotEvent, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -153,8 +154,8 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
         self.controller.stop(behaviour, how, outbox);
     }
 
-    fn period_us(&self) -> Option<u64> {
-        self.lost.is_none().then(|| self.model().settings.robot.step_us)
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        self.lost.is_none().then(|| stepped_us + self.model().settings.robot.step_us)
     }
 
     /// Where the world has gone on, all that the robot was doing in it is interrupted, and its position is
@@ -176,7 +177,7 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
         is_outside
     }
 
-    fn step(&mut self, phases: Phases<'_>, outbox: &mut Outbox) {
+    fn step(&mut self, _: u64, phases: Phases<'_>, outbox: &mut Outbox) {
         let commands = self.controller.take_commands(phases);
         let mut reports = Vec::new();
         let stepped = self.host.step(&commands, &mut reports);
@@ -191,6 +192,11 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
                 self.lost = Some(lost);
             }
         }
+    }
+
+    /// Of the controller alone: the host, which knows the truth, is not asked.
+    fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+        foresee(&self.controller, now_us, phases)
     }
 
     /// Functions of plans reach the controller, whatever the host, and never the host.

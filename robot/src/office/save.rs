@@ -3,6 +3,7 @@
 use super::board::Board;
 use super::controller::Controller;
 use super::host::{HostLost, SaveHost, SimulatedHost};
+use super::model::PositionBy;
 use super::module::Module;
 use super::report::Report;
 use super::robot::OfficeRobot;
@@ -24,6 +25,7 @@ use serde_bytes::ByteBuf;
 struct Setting {
     world: World,
     robot: RobotDescription,
+    position_by: PositionBy,
     localization: LocalizationParameters,
     active: ActiveParameters,
     map_known: bool,
@@ -37,6 +39,7 @@ impl Setting {
         Self {
             world: World::clone(&robot.model().world),
             robot: RobotDescription::clone(&settings.robot),
+            position_by: settings.position_by,
             localization: settings.localization.clone(),
             active: settings.active.clone(),
             map_known: settings.map_known,
@@ -91,8 +94,8 @@ impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
         type Changing<M> = (Board, M, ByteBuf, Option<HostLost>);
         let (board, mut modules, host, lost): Changing<M> = read(rest)?;
         modules.resume(&self.controller.modules)?;
-        if board.position.localization().is_some() != here.map_known {
-            return Err("its state is damaged: only a robot with a map has a belief".into());
+        if board.position.localization().is_some() != self.model().settings.has_belief() {
+            return Err("its state is damaged: it has a belief only where the robot localizes on a map".into());
         }
         self.host.load(&host)?;
         (self.controller.board, self.controller.modules, self.lost) = (board, modules, lost);

@@ -69,11 +69,11 @@ impl Outside for Oracle {
         "scenario"
     }
 
-    fn period_us(&self) -> Option<u64> {
-        Some(self.model.robot().step_us)
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        Some(stepped_us + self.model.robot().step_us)
     }
 
-    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
+    fn step(&mut self, _: u64, _: Phases<'_>, outbox: &mut Outbox) {
         let pose = self.state.true_pose();
         let values = [pose.x_m, pose.y_m, pose.heading_rad, self.state.distance_driven_m()];
         outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());

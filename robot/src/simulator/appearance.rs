@@ -101,7 +101,7 @@ impl Appearance {
         FLOOR.map(|share| share * (1.0 + FLOOR_GRAIN * (2.0 * grain - 1.0)))
     }
 
-    /// A marker.
+    /// A marker or a landmark.
     pub fn of_marker(colour: MarkerColour) -> Colour {
         match colour {
             MarkerColour::Pink => [1.05, 0.18, 0.62],

@@ -4,6 +4,7 @@ use super::back_projection::{Blob, blobs};
 use super::histogram::Histogram;
 use crate::geometry::{Point, Vector};
 use crate::sensors::{CameraImage, CameraView, Pixel};
+use crate::world::MarkerColour;
 use std::ops::Range;
 
 /// A sheet of a known colour and size that lies on the floor: what is looked for.
@@ -13,6 +14,13 @@ pub struct FloorMark {
     pub colours: Histogram,
     /// Length of its sides.
     pub size_m: f64,
+}
+
+impl FloorMark {
+    /// A marker of a colour and size.
+    pub fn marker(colour: MarkerColour, size_m: f64) -> Self {
+        Self { colours: Histogram::of_marker(colour), size_m }
+    }
 }
 
 /// A sheet that was found.
@@ -112,7 +120,6 @@ fn row_m(view: &CameraView, across: &Range<usize>, row: usize) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::description::RobotDescription;
-    use crate::world::MarkerColour;
 
     const PINK: [u8; 3] = [250, 45, 150];
 

@@ -1,11 +1,14 @@
 //! What the values of a world file must agree on with each other.
 
 use super::lookup::is_same_name;
-use super::{Door, Item, Marker, Object, Person, Place, Rect, Region, Room, Wall, World};
+use super::{Door, Item, Landmark, Marker, Object, Person, Place, Rect, Region, Room, SolidOrigin, Wall, World};
+use super::{distance_to_segment_m, nearest_on_segment};
 use crate::description::LEAST_RADIUS_M;
 use crate::file_text::{Placed, Reader, TomlTable, nearest};
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use crate::occupancy::Cell;
+use rpl_lang::symbol::fold_name;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// No two rooms or places share a name, and the rooms of places exist.
@@ -199,6 +202,70 @@ pub(super) fn markers_inside(reader: &mut Reader, bounds: Rect, markers: &[Place
         let help = reach(bounds);
         reader.note(marker.table.span_of("at"), "at", message, help);
     }
+}
+
+/// No two landmarks share a name.
+pub(super) fn landmark_names(reader: &mut Reader, landmarks: &[Placed<'_, '_, Landmark>]) {
+    let mut known = BTreeSet::new();
+    for landmark in landmarks {
+        let name = &landmark.value.name;
+        if !known.insert(fold_name(name).into_owned()) {
+            let message = format!("the landmark `{name}` has the name of a landmark above");
+            reader.note(landmark.table.span_of("name"), "name", message, "give each landmark a name of its own");
+        }
+    }
+}
+
+/// A sheet hangs on a face that is at most so far off ...
+const OFF_FACE_M: f64 = 0.02;
+
+/// ... and turned by at most so much.
+const OFF_FACE_RAD: f64 = 2.0 / 180.0 * std::f64::consts::PI;
+
+/// The face of a wall, from one end to the other, and where it looks.
+struct Face {
+    ends: [Point; 2],
+    facing_rad: f64,
+}
+
+fn faces(world: &World) -> Vec<Face> {
+    let walls = world.solids().into_iter().filter(|solid| solid.origin == SolidOrigin::Wall);
+    let edges = walls.flat_map(|solid| solid.outline.edges().collect::<Vec<_>>());
+    // A body is on the left of its edges, so that they look to the right.
+    let face = |(a, b): (Point, Point)| Face { ends: [a, b], facing_rad: libm::atan2(a.x - b.x, b.y - a.y) };
+    edges.map(face).collect()
+}
+
+/// Landmarks hang on walls, with both edges: `spans` are where their poses stand.
+pub(super) fn landmarks_hang(reader: &mut Reader, world: &World, spans: &[Range<usize>]) {
+    if world.landmarks.is_empty() {
+        return;
+    }
+    let faces = faces(world);
+    for (landmark, span) in world.landmarks.iter().zip(spans) {
+        let pose = landmark.pose_in_map;
+        let is_turned = |face: &Face| wrap_angle_rad(face.facing_rad - pose.heading_rad).abs() > OFF_FACE_RAD;
+        let looking: Vec<&Face> = faces.iter().filter(|face| !is_turned(face)).collect();
+        let hangs =
+            |at: Point| looking.iter().any(|face| distance_to_segment_m(at, face.ends[0], face.ends[1]) <= OFF_FACE_M);
+        let [left, right] = landmark.edges_in_map();
+        if !([left, pose.point(), right].into_iter().all(hangs)) {
+            let Landmark { name, width_m, .. } = landmark;
+            let message =
+                format!("the landmark `{name}`, {width_m} m wide, hangs on no wall at ({}, {})", pose.x_m, pose.y_m);
+            reader.note(span.clone(), "pose", message, advice(&faces, pose.point()));
+        }
+    }
+}
+
+/// Where the nearest wall is.
+fn advice(faces: &[Face], point: Point) -> String {
+    let nearest = |face: &Face| nearest_on_segment(point, face.ends[0], face.ends[1]);
+    let by_distance = |a: &&Face, b: &&Face| distance_m(nearest(a), point).total_cmp(&distance_m(nearest(b), point));
+    let rule = "`pose` is the middle of the sheet on the face of a wall, and the direction it faces";
+    let Some(face) = faces.iter().min_by(by_distance) else { return format!("{rule}; this world has no walls") };
+    let (at, degrees) = (nearest(face), libm::round(face.facing_rad.to_degrees().rem_euclid(360.0)));
+    format!("{rule}; the nearest is at [{:.3}, {:.3}, \"{degrees}deg\"]", at.x, at.y)
 }
 
 /// The start is on floor. Whether the robot that is to drive has room there is looked at when there is one,

@@ -5,6 +5,7 @@ mod builtin;
 mod check;
 mod greys;
 mod image;
+mod landmark;
 mod lookup;
 mod map;
 mod parse;
@@ -19,6 +20,7 @@ mod yaml;
 
 pub use greys::Greys;
 pub use image::{GreyImage, ImageError};
+pub use landmark::Landmark;
 pub use lookup::{UnknownName, is_same_name};
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
@@ -204,7 +206,7 @@ pub struct Marker {
     pub size_m: f64,
 }
 
-/// The fluorescent colours that markers come in.
+/// The fluorescent colours that markers and landmarks come in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum MarkerColour {
     /// Pink.
@@ -265,6 +267,8 @@ pub struct World {
     pub items: Vec<Item>,
     /// Sheets on the floor.
     pub markers: Vec<Marker>,
+    /// Sheets on walls.
+    pub landmarks: Vec<Landmark>,
 }
 
 impl World {

@@ -1,9 +1,9 @@
 //! Reading a world file.
 
 use super::check;
-use super::{Door, Item, Marker, MarkerColour, Object, Person, Place, Region, Room, Shape, Wall, World};
+use super::{Door, Item, Landmark, Marker, MarkerColour, Object, Person, Place, Region, Room, Shape, Wall, World};
 use super::{LARGEST_M, Rect, SMALLEST_M, recorded};
-use crate::file_text::{FileFaults, Findings, Placed, Reader, TomlTable, TomlValue};
+use crate::file_text::{FileFaults, Findings, Placed, Reader, TomlTable};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::OccupancyGrid;
 use rpl_lang::symbol::fold_name;
@@ -13,16 +13,20 @@ use toml::de::DeTable;
 const WALL_THICKNESS_M: f64 = 0.15;
 
 /// The keys at the top of a world file.
-const WORLD_KEYS: [&str; 14] = [
+const WORLD_KEYS: [&str; 15] = [
     "name", "size", "map", "start", "people", "wall", "room", "door", "object", "place", "region", "person", "item",
-    "marker",
+    "marker", "landmark",
 ];
 
 /// Colour and side of a marker that states none.
 const MARKER: (MarkerColour, f64) = (MarkerColour::Pink, 0.3);
 
-/// Nobody can step over a sheet that is larger.
-const LARGEST_MARKER_M: f64 = 2.0;
+/// Colour of a landmark that states none, and its width, height and lower edge: at the height of a small robot's
+/// camera.
+const LANDMARK: (MarkerColour, [f64; 3]) = (MarkerColour::Pink, [0.3, 0.3, 0.2]);
+
+/// Nobody can step over a sheet that is larger, or hang it on a wall.
+const LARGEST_SHEET_M: f64 = 2.0;
 
 /// More people would be a crush in any building.
 const MOST_PEOPLE: usize = 200;
@@ -78,9 +82,11 @@ fn read_world<'i>(
     let people = read_all(reader, top, "person", read_person);
     let items = read_all(reader, top, "item", read_item);
     let markers = read_all(reader, top, "marker", read_marker);
+    let landmarks = read_all(reader, top, "landmark", read_landmark);
 
     check::names(reader, &rooms, &places);
     check::item_names(reader, &items);
+    check::landmark_names(reader, &landmarks);
     check::doors(reader, &doors, &rooms, &walls);
     check::floors(reader, &rooms, &doors);
     check::regions(reader, &regions);
@@ -91,6 +97,7 @@ fn read_world<'i>(
         check::people_inside(reader, ground.bounds, &people);
     }
     let ground = ground?;
+    let hung: Vec<_> = landmarks.iter().map(|landmark| landmark.table.span_of("pose")).collect();
     let world = World {
         name: name?,
         origin_in_map: ground.bounds.min,
@@ -107,7 +114,9 @@ fn read_world<'i>(
         crowd,
         items: values(items),
         markers: values(markers),
+        landmarks: values(landmarks),
     };
+    check::landmarks_hang(reader, &world, &hung);
     check::start_is_free(reader, &world, top.span_of("start"));
     Some(world)
 }
@@ -272,23 +281,47 @@ fn read_item<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<I
 fn read_marker<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Marker> {
     reader.only_keys(table, &["at", "colour", "size"]);
     let at = reader.point(table, "at", "[2.0, 3.0]");
-    let colour = match table.values.contains_key("colour") {
-        true => reader.choice(table, "colour", &MarkerColour::ALL.map(|colour| (colour.name(), colour))),
-        false => Some(MARKER.0),
-    };
-    let size_m = match table.values.get("size") {
-        Some(value) => marker_size(reader, value),
-        None => Some(MARKER.1),
-    };
+    let colour = colour(reader, table, MARKER.0);
+    let size_m = sheet_size(reader, table, "marker", "size", MARKER.1);
     Some(Marker { at: at?, colour: colour?, size_m: size_m? })
 }
 
-fn marker_size(reader: &mut Reader, value: &TomlValue) -> Option<f64> {
-    let size_m = reader.size_value(value, "size", false, "0.3")?;
-    if size_m <= LARGEST_MARKER_M {
+fn read_landmark<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Landmark> {
+    reader.only_keys(table, &["name", "pose", "width", "height", "bottom", "colour"]);
+    let (usual_colour, [usual_width_m, usual_height_m, usual_bottom_m]) = LANDMARK;
+    let name = reader.text(table, "name", "\"by-the-stairs\"");
+    let pose_in_map = reader.pose(table, "pose", "[2.0, 3.0, \"90deg\"]");
+    let width_m = sheet_size(reader, table, "landmark", "width", usual_width_m);
+    let height_m = sheet_size(reader, table, "landmark", "height", usual_height_m);
+    let bottom_m = match table.values.get("bottom") {
+        Some(value) => reader.size_value(value, "bottom", true, "0.2"),
+        None => Some(usual_bottom_m),
+    };
+    let colour = colour(reader, table, usual_colour);
+    Some(Landmark {
+        name: name?,
+        pose_in_map: pose_in_map?,
+        width_m: width_m?,
+        height_m: height_m?,
+        bottom_m: bottom_m?,
+        colour: colour?,
+    })
+}
+
+fn colour<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, usual: MarkerColour) -> Option<MarkerColour> {
+    match table.values.contains_key("colour") {
+        true => reader.choice(table, "colour", &MarkerColour::ALL.map(|colour| (colour.name(), colour))),
+        false => Some(usual),
+    }
+}
+
+fn sheet_size(reader: &mut Reader, table: &TomlTable, kind: &str, key: &str, usual_m: f64) -> Option<f64> {
+    let Some(value) = table.values.get(key) else { return Some(usual_m) };
+    let size_m = reader.size_value(value, key, false, "0.3")?;
+    if size_m <= LARGEST_SHEET_M {
         return Some(size_m);
     }
-    let message = format!("the `size` of a marker must be at most {LARGEST_MARKER_M} m, found {size_m} m");
-    reader.note(value.span(), "size", message, "a marker is a sheet on the floor; write it like `size = 0.3`");
+    let message = format!("the `{key}` of a {kind} must be at most {LARGEST_SHEET_M} m, found {size_m} m");
+    reader.note(value.span(), key, message, format!("a {kind} is a sheet; write it like `{key} = 0.3`"));
     None
 }

@@ -35,6 +35,7 @@ impl World {
             crowd: 0,
             items: Vec::new(),
             markers: Vec::new(),
+            landmarks: Vec::new(),
         })
     }
 }

@@ -136,7 +136,7 @@ pub struct Outbox {
     /// Things worth a line in the trace.
     pub events: Vec<RobotEvent>,
     /// The robot is gone, told once: one sentence that says why. It makes no step any more
-    /// ([`Outside::period_us`]), and the main task fails.
+    /// ([`Outside::next_event_us`]), and the main task fails.
     pub lost: Option<String>,
 }
 
@@ -149,6 +149,9 @@ pub struct RobotEvent {
     /// Details by name.
     pub details: Vec<(Cow<'static, str>, String)>,
 }
+
+/// When what never happens by itself happens: after the end of the clock.
+pub const NEVER_US: u64 = u64::MAX;
 
 /// The robot, as the machine sees it.
 pub trait Outside: 'static {
@@ -176,9 +179,16 @@ pub trait Outside: 'static {
         "plan"
     }
 
-    /// Microseconds between two steps; none if there is no robot, or if it is gone.
-    fn period_us(&self) -> Option<u64> {
+    /// When it makes its next step, if it made the last one at `stepped_us`: [`NEVER_US`] if nothing will
+    /// happen to it by itself; none if there is no robot, or if it is gone.
+    fn next_event_us(&self, _stepped_us: u64) -> Option<u64> {
         None
+    }
+
+    /// Whether it makes a step in an instant that the run has come to, for whatever reason. A robot whose
+    /// readings follow time between its events says so in every instant.
+    fn steps_at(&self, stepped_us: u64, now_us: u64) -> bool {
+        self.next_event_us(stepped_us).is_some_and(|next_us| next_us <= now_us)
     }
 
     /// What lies outside the run was started anew, between two steps, because the process of the run had ended:
@@ -190,7 +200,16 @@ pub trait Outside: 'static {
 
     /// One step: commands go out, percepts come in, behaviours work. Which of them do is told by
     /// their phases.
-    fn step(&mut self, _phases: Phases<'_>, _outbox: &mut Outbox) {}
+    fn step(&mut self, _now_us: u64, _phases: Phases<'_>, _outbox: &mut Outbox) {}
+
+    /// The robot as projected runs have it from here on: made of what it knows and believes, and of nothing
+    /// else. The phases say what its behaviours are doing.
+    ///
+    /// # Errors
+    /// There is no model to project it by; one sentence that says what is missing.
+    fn foresee(&self, _now_us: u64, _phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+        Err(Raise::new("projection-failure", "there is no model of this robot to project it by"))
+    }
 
     /// The part of the robot that is of a type, if it has one: what native functions of that part work
     /// on ([`Call::part`](crate::step::native::Call::part)).
@@ -225,4 +244,94 @@ impl Outside for NoRobot {
     }
 
     fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
+
+    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+        Ok(ForeseenRobot::of(Self))
+    }
+}
+
+/// A robot that is foreseen.
+pub trait Foreseen: Outside {
+    /// A copy, for one run.
+    fn copied(&self) -> Box<dyn Foreseen>;
+
+    /// Draws what the robot does not know and what it leaves to chance, before a run begins.
+    fn begin_run(&mut self, seed: u64);
+
+    /// What the run has come to need for which there is no model, if it has: one sentence.
+    fn unforeseen(&self) -> Option<&str>;
+}
+
+/// A robot of projected runs, whatever it is.
+pub struct ForeseenRobot(Box<dyn Foreseen>);
+
+impl ForeseenRobot {
+    /// That robot.
+    pub fn of(robot: impl Foreseen) -> Self {
+        Self(Box::new(robot))
+    }
+
+    /// As for [`Foreseen::begin_run`].
+    pub(crate) fn begin_run(&mut self, seed: u64) {
+        self.0.begin_run(seed);
+    }
+
+    /// As for [`Foreseen::unforeseen`].
+    pub(crate) fn unforeseen(&self) -> Option<&str> {
+        self.0.unforeseen()
+    }
+}
+
+impl Clone for ForeseenRobot {
+    fn clone(&self) -> Self {
+        Self(self.0.copied())
+    }
+}
+
+impl Foreseen for NoRobot {
+    fn copied(&self) -> Box<dyn Foreseen> {
+        Box::new(*self)
+    }
+
+    fn begin_run(&mut self, _: u64) {}
+
+    fn unforeseen(&self) -> Option<&str> {
+        None
+    }
+}
+
+impl Outside for ForeseenRobot {
+    fn tables(&self) -> &RobotTables {
+        self.0.tables()
+    }
+
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        outbox: &mut Outbox,
+    ) -> Result<(), Raise> {
+        self.0.start(machine, behaviour, arguments, outbox)
+    }
+
+    fn stop(&mut self, behaviour: u16, why: StopReason, outbox: &mut Outbox) {
+        self.0.stop(behaviour, why, outbox);
+    }
+
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        self.0.next_event_us(stepped_us)
+    }
+
+    fn steps_at(&self, stepped_us: u64, now_us: u64) -> bool {
+        self.0.steps_at(stepped_us, now_us)
+    }
+
+    fn step(&mut self, now_us: u64, phases: Phases<'_>, outbox: &mut Outbox) {
+        self.0.step(now_us, phases, outbox);
+    }
+
+    fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
+        self.0.part(of)
+    }
 }

@@ -3,7 +3,7 @@
 //! Both ways keep a stack of their own, so depth costs no Rust stack.
 
 use crate::state::heap::Heap;
-use crate::state::value::Value;
+use crate::state::value::{TaskRef, Value};
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, NodeKind, Tree};
@@ -11,6 +11,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Which pair was made from which list, so that what a macro passes on keeps its place.
 pub(crate) type Origins = BTreeMap<u32, NodeId>;
+
+/// What macros have in place of an object in a datum: the name of a task that there never is.
+fn stand_in(object: u32) -> TaskRef {
+    TaskRef { index: object, generation: u32::MAX }
+}
 
 /// What is left to do of a node on its way to a value.
 enum Visit {
@@ -46,7 +51,8 @@ pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: No
             NodeKind::Int(value) => Value::Int(*value),
             NodeKind::Float(value) => Value::Float(*value),
             NodeKind::Str(text) => heap.string(text),
-            NodeKind::Object(_) | NodeKind::Hole => Value::Nil,
+            NodeKind::Object(number) => Value::Task(stand_in(*number)),
+            NodeKind::Hole => Value::Nil,
         });
     }
     values.pop().unwrap_or_default()
@@ -144,6 +150,7 @@ fn leaf(
         Value::Symbol(symbol) => NodeKind::Symbol(symbol),
         Value::Keyword(symbol) => NodeKind::Keyword(symbol),
         Value::Str(text) => NodeKind::Str(heap.strings[text].clone()),
+        Value::Task(task) if task == stand_in(task.index) => NodeKind::Object(task.index),
         Value::Cons(_)
         | Value::Cell(_)
         | Value::Function(_)

@@ -19,6 +19,9 @@ pub enum Disturbance {
     /// What a blocked task waits for ends with a failure. Nothing happens to a task that waits for
     /// other tasks, or does not wait.
     Fail(TaskRef),
+    /// A task is given the plan of a code to run, now or as soon as nothing is in the way. Nothing happens
+    /// to a task that cannot be revised.
+    Swap(TaskRef, u32),
     /// A fluent gets a value; one that is computed or set by the robot keeps its own.
     Assign(u32, Value),
     /// A fluent is pulsed; one that is computed is not.
@@ -56,6 +59,7 @@ impl<O: Outside> System<O> {
                     machine.wake(task, Wake::Raise(failure));
                 }
             }
+            Disturbance::Swap(task, code) => machine.revise(around, task, code),
             Disturbance::Assign(fluent, value) => {
                 if machine.fluents.get(fluent).is_some() {
                     // What a plan may not assign stays as it is.

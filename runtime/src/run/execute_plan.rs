@@ -9,6 +9,7 @@ use crate::run::system::System;
 use crate::run::units::give_back;
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::projected::Answered;
 use crate::state::value::Value;
 use crate::step::exec::turn::Ran;
 use rpl_lang::diagnostic::render;
@@ -31,14 +32,14 @@ const PLAN_WIDTH: usize = 100;
 const MAX_SHARED_TEXT: usize = 1 << 16;
 
 impl<O: Outside> System<O> {
-    /// Compiles a datum for the running task, which asked for it, and lets the task go on in it.
-    pub(crate) fn execute_datum(&mut self, datum: Value) -> Ran {
+    /// Compiles a datum for the running task, which asked for it, and lets the task go on in it or with it.
+    pub(crate) fn execute_datum(&mut self, datum: Value, answered: fn(u32) -> Answered) -> Ran {
         let (outcome, steps) = self.compile_datum(datum);
-        self.with_machine(|machine, around| machine.enter(around, outcome, steps))
+        self.with_machine(|machine, around| machine.enter(around, outcome.map(answered), steps))
     }
 
     /// The code of a datum, or what is wrong with it; and how many steps that takes.
-    fn compile_datum(&mut self, datum: Value) -> (Result<u32, Raise>, usize) {
+    pub(crate) fn compile_datum(&mut self, datum: Value) -> (Result<u32, Raise>, usize) {
         let (mut tree, root, objects, source) = match self.tree_of(datum) {
             Ok(made) => made,
             Err(raise) => return (Err(raise), STEPS_A_UNIT),

@@ -45,7 +45,7 @@ impl<O: Outside> System<O> {
     pub fn next_instant_us(&mut self) -> Option<u64> {
         let tasks = &self.machine.tasks;
         let timer = self.machine.timers.next(|timer| is_current(tasks, timer)).map(|timer| timer.deadline_us);
-        let step = self.outside.period_us().map(|_| self.next_step_us);
+        let step = self.outside.next_event_us(self.stepped_us);
         [timer, step].into_iter().flatten().min()
     }
 
@@ -55,7 +55,7 @@ impl<O: Outside> System<O> {
             self.machine.instant = self.machine.instant.wrapping_add(1);
             self.machine.now_us = time_us;
         }
-        if self.outside.period_us().is_some() && self.next_step_us <= time_us {
+        if self.outside.steps_at(self.stepped_us, time_us) {
             let lost = self.step_robot();
             self.end_without_robot(lost);
         }

@@ -30,6 +30,11 @@ impl Machine {
         ensure(resting == self.waits_for_rest as usize, || {
             format!("{resting} tasks wait for others to be at rest, and {} are counted", self.waits_for_rest)
         })?;
+        let has_swap = |task: &Task| task.rare.as_ref().is_some_and(|rare| rare.swap_pending.is_some());
+        let swaps = self.tasks.iter().filter(|(_, task)| has_swap(task)).count();
+        ensure(swaps == self.swaps_pending as usize, || {
+            format!("{swaps} tasks are to be given other plans, and {} are counted", self.swaps_pending)
+        })?;
         self.check_fluents()?;
         self.check_watches()?;
         self.check_valves()
@@ -117,7 +122,7 @@ impl Machine {
                     "does not stand in the line of its valve, or is suspended and does".into()
                 })
             }
-            Waiting::Death(other) => {
+            Waiting::Death(other) | Waiting::Swap(other) => {
                 let other = self.tasks.get_alive(other).and_then(|other| other.rare.as_ref());
                 let is_in_line = other.is_some_and(|other| self.stands_in(index, other.mourners));
                 ensure(is_in_line, || "waits for nobody's death".into())

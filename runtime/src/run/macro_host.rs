@@ -46,7 +46,7 @@ impl Clone for Macros {
 impl MacroMachine {
     /// A machine for the macros of a program.
     pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
-        let machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"));
+        let machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"), Stream::new(0, "foresight"));
         let mut host = Self { machine, steps: 0, natives, signatures };
         host.begin();
         host

@@ -31,7 +31,7 @@ use std::sync::Arc;
 const MAGIC: &[u8; 7] = b"RPLSAVE";
 
 /// Of the layout and of everything in it; any change to a saved type needs a new one.
-const VERSION: u32 = 11;
+const VERSION: u32 = 13;
 
 const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 
@@ -224,7 +224,7 @@ impl<O: SaveOutside> System<O> {
         bytes.extend_from_slice(&VERSION.to_le_bytes());
         bytes.extend_from_slice(&self.base.fingerprint(&self.library).to_le_bytes());
         bytes.extend_from_slice(&[0; 4]);
-        let mut bytes = self.outside.save(append(bytes, &(addition, &self.machine, self.next_step_us)));
+        let mut bytes = self.outside.save(append(bytes, &(addition, &self.machine, self.stepped_us)));
         let checksum = crc32fast::hash(&bytes[HEADER..]);
         bytes[HEADER - 4..HEADER].copy_from_slice(&checksum.to_le_bytes());
         bytes
@@ -236,7 +236,7 @@ impl<O: SaveOutside> System<O> {
         let addition = |system: &Self| Addition::between(&system.base.program, &system.program, &system.units);
         difference("machine", &self.machine, &other.machine)
             .or_else(|| difference("program", &addition(self), &addition(other)))
-            .or_else(|| difference("next_step_us", &self.next_step_us, &other.next_step_us))
+            .or_else(|| difference("stepped_us", &self.stepped_us, &other.stepped_us))
             .or_else(|| difference("robot", &self.outside.save(Vec::new()), &other.outside.save(Vec::new())))
     }
 
@@ -265,7 +265,7 @@ impl<O: SaveOutside> System<O> {
             return Err(SaveError::Program);
         }
         type Payload = (Addition, Machine, u64);
-        let ((addition, machine, next_step_us), robot) =
+        let ((addition, machine, stepped_us), robot) =
             postcard::take_from_bytes::<Payload>(payload).map_err(|_| SaveError::Damaged)?;
         outside.load(robot).map_err(SaveError::Outside)?;
         let (program, units) = addition.add_to(&base.program);
@@ -282,7 +282,7 @@ impl<O: SaveOutside> System<O> {
             outside,
             library,
             base: Arc::new(base),
-            next_step_us,
+            stepped_us,
             slice_steps: SLICE_STEPS,
             slice_left: SLICE_STEPS,
             macros: Macros::default(),

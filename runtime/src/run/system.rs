@@ -8,6 +8,7 @@ use crate::run::macro_host::Macros;
 use crate::run::units::Units;
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::projected::{Answered, Asked};
 use crate::state::task::State;
 use crate::state::value::Value;
 use crate::step::exec::turn::Ran;
@@ -62,8 +63,8 @@ pub struct System<O> {
     pub library: Arc<Library>,
     /// The program it started from.
     pub(crate) base: Arc<Base>,
-    /// When the robot's next step is due.
-    pub(crate) next_step_us: u64,
+    /// When the robot made its last step.
+    pub(crate) stepped_us: u64,
     /// Steps that tasks take before [`System::step_slice`] tells that a slice is over, at least 1. It
     /// makes no difference to the run, unless that comes close to the limit of memory: what is laid
     /// aside counts. It is not saved with the run.
@@ -102,7 +103,8 @@ impl<O: Outside> System<O> {
 
     fn start(library: Arc<Library>, loaded: Loaded, outside: O, seed: u64, traced: bool) -> Self {
         let Loaded { program, symbols, main, .. } = loaded;
-        let mut machine = Machine::new(&program, symbols, Stream::new(seed, outside.stream()));
+        let mut machine =
+            Machine::new(&program, symbols, Stream::new(seed, outside.stream()), Stream::new(seed, "foresight"));
         machine.trace.enabled = traced;
         for (&global, spec) in library.robot.fluents.iter().zip(&outside.tables().fluents) {
             let first = spec.first.map_or(Value::Nil, Value::Int);
@@ -116,7 +118,7 @@ impl<O: Outside> System<O> {
             outside,
             library,
             base,
-            next_step_us: 0,
+            stepped_us: 0,
             slice_steps: SLICE_STEPS,
             slice_left: SLICE_STEPS,
             macros: Macros::default(),
@@ -145,11 +147,12 @@ impl<O: Outside> System<O> {
 
     /// Lets the robot make a step; why there is none any more, if this was its last.
     pub(crate) fn step_robot(&mut self) -> Option<String> {
-        let period = self.outside.period_us()?;
+        let now_us = self.machine.now_us;
+        self.outside.next_event_us(now_us)?;
         let mut outbox = Outbox::default();
-        self.outside.step(self.machine.phases(), &mut outbox);
+        self.outside.step(now_us, self.machine.phases(), &mut outbox);
         self.machine.make_room_for(&outbox);
-        self.next_step_us = self.machine.now_us + period;
+        self.stepped_us = now_us;
         let lost = outbox.lost.take();
         self.with_machine(|machine, around| {
             machine.apply_outbox(around, outbox);
@@ -216,14 +219,18 @@ impl<O: Outside> System<O> {
         turn
     }
 
-    /// Compiles what the task that runs asks for, as often as it does; tells what became of its turn.
+    /// Answers what the task that runs asks for, as often as it does; tells what became of its turn.
     pub(crate) fn answer_asked(&mut self, mut ran: Ran) -> Turn {
         loop {
             match ran {
                 Ran::Nothing => return Turn::Idle,
                 Ran::Task => return Turn::Over,
                 Ran::Slice => return Turn::Cut,
-                Ran::Asked(datum) => ran = self.execute_datum(datum),
+                Ran::Asked(Asked::Code(datum)) => ran = self.execute_datum(datum, Answered::Code),
+                Ran::Asked(Asked::Function(datum)) => {
+                    ran = self.execute_datum(datum, |code| Answered::Value(Value::Function(code)));
+                }
+                Ran::Asked(Asked::Projection(question)) => ran = self.project(&question),
             }
         }
     }
@@ -236,12 +243,12 @@ impl<O: Outside> System<O> {
                     match machine.run_next(around) {
                         Ran::Nothing => return None,
                         Ran::Task | Ran::Slice => {}
-                        Ran::Asked(datum) => return Some(datum),
+                        Ran::Asked(asked) => return Some(asked),
                     }
                 }
             });
-            let Some(datum) = asked else { return };
-            self.answer_asked(Ran::Asked(datum));
+            let Some(asked) = asked else { return };
+            self.answer_asked(Ran::Asked(asked));
         }
     }
 

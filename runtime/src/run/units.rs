@@ -69,6 +69,11 @@ impl Units {
         bytes
     }
 
+    /// Whether all units of an earlier copy are still here, in their places.
+    pub(crate) fn extend(&self, earlier: &Units) -> bool {
+        earlier.all.iter().all(|(number, unit)| self.all.get(number) == Some(unit))
+    }
+
     /// Whether it is time to look for units that nothing refers to, where all take so many bytes.
     pub(crate) fn are_due(&self, bytes: usize) -> bool {
         self.fresh_bytes > MIN_FRESH_BYTES.max(bytes.saturating_sub(self.fresh_bytes))

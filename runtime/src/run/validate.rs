@@ -7,7 +7,7 @@ use crate::state::line::Line;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::slab::Marks;
 use crate::state::slab::NONE;
-use crate::state::task::{Children, Decision, Leaving, Raises, Scope, ScopeKind, Task, Then, Waiting};
+use crate::state::task::{Children, Decision, Leaving, Raises, Scope, ScopeKind, Swap, Task, Then, Waiting};
 use crate::state::value::{TaskRef, Value};
 use crate::state::valve::{HoldPurpose, LinkKind};
 use crate::step::exec::WINDOW;
@@ -253,7 +253,7 @@ impl Machine {
             Waiting::Fluent { fluent, .. } => self.fluent(fluent)?,
             Waiting::Watch(watch) => ensure(self.watches.get(watch).is_some(), "a watch is not in its table")?,
             Waiting::Valve(valve) => ensure((valve as usize) < self.valves.len(), "there is no such valve")?,
-            Waiting::Death(other) | Waiting::Rest(other) => {
+            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
                 ensure(self.tasks.get(other).is_some(), "a task waits for one that is not there")?;
             }
             Waiting::Signal(behaviour) => {
@@ -264,7 +264,8 @@ impl Machine {
         let Some(rare) = &task.rare else { return Ok(()) };
         let fluents = [rare.fluents.status, rare.fluents.result, rare.fluents.begin, rare.fluents.end];
         fluents.into_iter().flatten().try_for_each(|fluent| self.fluent(fluent))?;
-        rare.counters.keys().try_for_each(|&name| self.symbol(name))?;
+        rare.counters.keys().chain(rare.finished.keys()).try_for_each(|&name| self.symbol(name))?;
+        rare.swap_pending.as_ref().map_or(Ok(()), |swap| self.validate_swap(bounds, swap))?;
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
         let mut valves = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
@@ -301,6 +302,7 @@ impl Machine {
             ScopeKind::OnInterrupt(hook) | ScopeKind::OnResume(hook) => self.validate_value(bounds, *hook),
             ScopeKind::Suspended(task) => self.validate_reference(*task),
             ScopeKind::Watch(watch) => ensure(self.watches.get(*watch).is_some(), "a watch is not in its table"),
+            ScopeKind::Fence => Ok(()),
         }
     }
 
@@ -320,6 +322,7 @@ impl Machine {
     fn validate_leaving(&self, bounds: &Bounds<'_>, task: &Task, leaving: &Leaving) -> Result<(), String> {
         match leaving {
             Leaving::Evaporate => Ok(()),
+            Leaving::Swap(swap) => self.validate_swap(bounds, swap),
             Leaving::Fail(failure) | Leaving::FailCall { failure, .. } => self.validate_failure(bounds, *failure),
             Leaving::Block { value, .. } => self.validate_value(bounds, *value),
             Leaving::Jump { target, depth, .. } => {
@@ -330,6 +333,13 @@ impl Machine {
                 ensure((*target as usize) < length, "a departure goes on beyond its code")
             }
         }
+    }
+
+    fn validate_swap(&self, bounds: &Bounds<'_>, swap: &Swap) -> Result<(), String> {
+        bounds.code(swap.code)?;
+        swap.by.map_or(Ok(()), |by| self.validate_reference(by))?;
+        let mut kept = swap.kept.iter();
+        ensure(kept.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
     }
 
     /// No line is a circle, no task stands in two.

@@ -98,6 +98,7 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
     ),
     ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
     ("localization-failure", "behaviour-failure", &[], "The position was not found."),
+    ("projection-failure", "failure", &[], "A plan could not be projected, and the message says why."),
     ("host-failure", "failure", &[], "Who moves the robot is gone: the run ends, and no handler keeps it."),
     (
         "module-failure",

@@ -6,6 +6,7 @@ use crate::state::heap::Heap;
 use crate::state::limits::Limits;
 use crate::state::output::Output;
 use crate::state::priorities::Priorities;
+use crate::state::projected::ProjectedRun;
 use crate::state::registers::Registers;
 use crate::state::scratch::Scratch;
 use crate::state::slab::{NONE, Slab};
@@ -56,6 +57,8 @@ pub struct Machine {
     pub(crate) current: u32,
     /// How many tasks wait for others to be at rest.
     pub(crate) waits_for_rest: u32,
+    /// How many tasks are to be given other plans as soon as nothing is in the way.
+    pub(crate) swaps_pending: u32,
     /// How many valves have somebody waiting for clean-ups or hooks to end.
     pub(crate) claims: u32,
     /// Waits there have been.
@@ -76,6 +79,11 @@ pub struct Machine {
     pub steps: u64,
     /// What `random` draws from.
     pub(crate) random: Stream,
+    /// What the seeds of projected runs are drawn from: to project leaves what plans draw as it is.
+    pub(crate) foresight: Stream,
+    /// What is noted of a projected run; none in a run that is real.
+    #[serde(skip)]
+    pub projected: Option<Box<ProjectedRun>>,
     #[serde(skip)]
     pub(crate) scratch: Scratch,
 }
@@ -85,7 +93,7 @@ pub(crate) const SCRATCH_TASK: u32 = 0;
 
 impl Machine {
     /// A machine at time 0 for a program, before its first step.
-    pub fn new(program: &Program, symbols: Symbols, random: Stream) -> Self {
+    pub fn new(program: &Program, symbols: Symbols, random: Stream, foresight: Stream) -> Self {
         let mut machine = Self {
             symbols,
             heap: Heap::new(),
@@ -103,6 +111,7 @@ impl Machine {
             next_identity: 0,
             current: NONE,
             waits_for_rest: 0,
+            swaps_pending: 0,
             claims: 0,
             waits: 0,
             stall: Stall::default(),
@@ -113,6 +122,8 @@ impl Machine {
             limits: Limits::default(),
             steps: 0,
             random,
+            foresight,
+            projected: None,
             scratch: Scratch::default(),
         };
         let name = machine.symbols.intern("network");

@@ -71,7 +71,8 @@ pub(crate) fn scope(kind: &ScopeKind) -> usize {
         | ScopeKind::OnInterrupt(_)
         | ScopeKind::OnResume(_)
         | ScopeKind::Suspended(_)
-        | ScopeKind::Watch(_) => 0,
+        | ScopeKind::Watch(_)
+        | ScopeKind::Fence => 0,
     };
     size_of::<Scope>() + size_of::<u32>() + inside
 }
@@ -97,7 +98,10 @@ pub(crate) fn task(task: &Task) -> usize {
     };
     let scopes: usize = task.scopes.iter().map(|entered| scope(&entered.kind)).sum();
     let scopes = if scopes == 0 { 0 } else { SCOPE_STACK + scopes };
-    let rare = task.rare.as_ref().map_or(0, |rare| block(size_of::<Rare>()) + counters(rare.counters.len()));
+    let rare = task
+        .rare
+        .as_ref()
+        .map_or(0, |rare| block(size_of::<Rare>()) + counters(rare.counters.len()) + counters(rare.finished.len()));
     frames + scopes + rare
 }
 

@@ -13,6 +13,7 @@ pub mod machine;
 pub(crate) mod memory;
 pub mod output;
 pub mod priorities;
+pub mod projected;
 pub mod registers;
 pub mod scratch;
 pub mod slab;

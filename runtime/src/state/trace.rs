@@ -41,6 +41,10 @@ pub enum EventKind {
     Signal,
     /// The robot reports: `what` and its details.
     Robot,
+    /// A task was given another plan: `by`, if a task did it; `at`, where the text of the plan begins.
+    Swapped,
+    /// Foresight has decided something about the plan of a task: `what`, and the figures it goes by.
+    Decided,
     /// `(log …)`.
     Log,
     /// Something a person should know.
@@ -67,6 +71,8 @@ impl EventKind {
             EventKind::Behaviour => "behaviour",
             EventKind::Signal => "signal",
             EventKind::Robot => "robot",
+            EventKind::Swapped => "swapped",
+            EventKind::Decided => "decided",
             EventKind::Log => "log",
             EventKind::Warning => "warning",
         }

@@ -3,6 +3,7 @@
 use crate::robot::{Outside, RobotGlobals};
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::projected::Asked;
 use crate::state::value::{TaskRef, Value};
 use rpl_lang::code::Program;
 use rpl_lang::compile::NativeSignature;
@@ -24,8 +25,8 @@ pub enum Reply {
     Wait,
     /// Go on in a function of the plan, with these arguments; its value is the answer.
     Call(Value, Vec<Value>),
-    /// Compile a datum and go on in it.
-    Execute(Value),
+    /// Ask the whole run: to compile a datum and go on in it, or to project plans.
+    Ask(Asked),
     /// The task itself is leaving.
     Leave,
 }

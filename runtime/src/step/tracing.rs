@@ -3,12 +3,13 @@
 use crate::robot::RobotEvent;
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
-use crate::state::task::{Leaving, State, Waiting};
+use crate::state::task::{Leaving, State, Swap, Waiting};
 use crate::state::trace::{Event, EventKind};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
 use crate::step::tasks::condition::FluentReading;
 use rpl_lang::code::Program;
+use rpl_lang::symbol::Symbol;
 use std::collections::BTreeSet;
 
 /// A fluent's name, in parentheses with those it is computed from.
@@ -43,6 +44,9 @@ impl Machine {
     }
 
     pub(crate) fn trace_task_begin(&mut self, task: u32) {
+        if self.projected.is_some() && self.tasks[task].exposed {
+            self.note_step_of_projection(task);
+        }
         if !self.trace.enabled {
             return;
         }
@@ -81,7 +85,7 @@ impl Machine {
             let how = match leaving {
                 Leaving::Evaporate => "evaporated",
                 Leaving::Fail(_) | Leaving::FailCall { .. } => "failed",
-                Leaving::Block { .. } | Leaving::Jump { .. } => "left",
+                Leaving::Block { .. } | Leaving::Jump { .. } | Leaving::Swap(_) => "left",
             };
             self.event(path, EventKind::Return, vec![("state", how.to_string())]);
         }
@@ -152,6 +156,42 @@ impl Machine {
         if self.trace.enabled {
             let path = self.path(task);
             self.event(path, EventKind::Woken, Vec::new());
+        }
+    }
+
+    pub(crate) fn trace_swapped(&mut self, program: &Program, task: u32, swap: &Swap) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let by = swap.by.and_then(|by| self.tasks.find_alive(by)).map(|by| ("by", self.path(by)));
+            let first = program.codes[swap.code as usize].spans.first();
+            let at = first.map(|&span| ("at", program.sources.place(span)));
+            self.event(path, EventKind::Swapped, by.into_iter().chain(at).collect());
+        }
+    }
+
+    /// A figure as a person reads it: functions by their names.
+    fn figure(&mut self, program: &Program, value: Value) -> String {
+        match value {
+            Value::Function(code) => self.symbols.name(program.codes[code as usize].name).to_string(),
+            Value::Cons(_) => {
+                let parts = self.heap.elements(value).unwrap_or_default();
+                parts.into_iter().map(|part| self.figure(program, part)).collect::<Vec<_>>().join(" ")
+            }
+            other => self.show(program, other),
+        }
+    }
+
+    /// What foresight has decided about a task, with figures by name.
+    pub(crate) fn trace_decided(&mut self, program: &Program, task: u32, what: &str, figures: &[(Symbol, Value)]) {
+        if self.trace.enabled {
+            let path = self.path(task);
+            let told: Vec<(String, String)> = figures
+                .iter()
+                .map(|&(name, value)| (self.symbols.name(name).to_string(), self.figure(program, value)))
+                .collect();
+            let figures = told.iter().map(|(name, value)| (name.as_str(), value.clone()));
+            let details = std::iter::once(("what", what.to_string())).chain(figures).collect();
+            self.event(path, EventKind::Decided, details);
         }
     }
 

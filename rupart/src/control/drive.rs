@@ -5,8 +5,9 @@ use super::progress::Progress;
 use super::state::{State, Trigger};
 use super::surroundings::Surroundings;
 use super::wander::blend;
+use crate::landmarks::{LandmarkFix, Localizing, LocalizingEnd, LocalizingTarget};
 use rpl_robot::avoidance::{DriveLimits, braked_velocity};
-use rpl_robot::geometry::{Point, Velocity};
+use rpl_robot::geometry::{Point, Pose, Velocity};
 use rpl_robot::navigation::NavigationInput;
 use rpl_robot::obstacles::ObstacleMemory;
 use serde::{Deserialize, Serialize};
@@ -40,12 +41,16 @@ pub struct DriveGoal {
 }
 
 /// What happened in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveEvent {
     /// The goal is reached.
     GoalReached,
     /// The robot has run into something.
     Bumped,
+    /// The robot knows where it is, by a landmark.
+    Localized(LandmarkFix),
+    /// It does not come to know it by this landmark.
+    LandmarkLost,
 }
 
 /// What a step decides.
@@ -68,6 +73,8 @@ pub struct CaseDrive {
     pub state: State,
     /// How the robot gets on with its goal.
     pub progress: Progress,
+    /// How far it has got with localizing by a landmark.
+    pub localizing: Localizing,
     memory: ObstacleMemory,
     bumped_s: f64,
 }
@@ -84,6 +91,22 @@ impl CaseDrive {
         self.pull(Trigger::GoalGiven);
     }
 
+    /// There is a landmark to localize by. Whether the robot does: not while it stands, backs off or is at it.
+    pub fn begin_localizing(&mut self, target: LocalizingTarget) -> bool {
+        let before = self.state;
+        self.pull(Trigger::LandmarkNear);
+        let begins = self.state != before;
+        if begins {
+            self.localizing = Localizing::begin(target);
+        }
+        begins
+    }
+
+    /// Whether the robot localizes by a landmark.
+    pub fn is_localizing(&self) -> bool {
+        matches!(self.state, State::Loc1 | State::Loc2)
+    }
+
     /// One step of `limits.step_s`. Cost: a look in some directions at what was heard lately.
     pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, goal: Option<DriveGoal>) -> DriveStep {
         self.memory.update(input.odometry_in_odom, input.sonar, input.laser, limits.step_s, |_| None);
@@ -92,7 +115,7 @@ impl CaseDrive {
         self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
         let goal_in_base = goal.map(|goal| goal.in_base);
         let around = Surroundings { limits, obstacles_in_base: &obstacles_in_base, goal_in_base };
-        let wanted = self.wanted(&around, goal);
+        let wanted = self.wanted(&around, goal, input.odometry_in_odom);
         let velocity = match self.is_braked {
             true => braked_velocity(limits, &obstacles_in_base, input.velocity, wanted),
             false => wanted,
@@ -101,7 +124,7 @@ impl CaseDrive {
     }
 
     /// What the state wants of the wheels.
-    fn wanted(&self, around: &Surroundings<'_>, goal: Option<DriveGoal>) -> Velocity {
+    fn wanted(&self, around: &Surroundings<'_>, goal: Option<DriveGoal>, robot_in_odom: Pose) -> Velocity {
         match self.state {
             State::NoGoal => Velocity::default(),
             State::NewGoal => {
@@ -112,6 +135,8 @@ impl CaseDrive {
             }
             State::Wander => arriving(around.limits, blend(&self.parameters, around), goal),
             State::Bump => Velocity { translation_mps: -BACK_OFF_MPS, rotation_radps: 0.0 },
+            State::Loc1 => self.localizing.approach(around.limits, robot_in_odom).unwrap_or_default(),
+            State::Loc2 => self.localizing.turn(around.limits, robot_in_odom).unwrap_or_default(),
         }
     }
 
@@ -137,6 +162,9 @@ impl CaseDrive {
                 self.pull(Trigger::BackedOff);
             }
         }
+        if self.is_localizing() {
+            return self.localize(limits, input);
+        }
         let goal = goal?;
         let goal_m = goal.in_base.coords.norm();
         self.progress.note(goal_m, limits.step_s);
@@ -148,6 +176,35 @@ impl CaseDrive {
             self.pull(Trigger::GoalFaced);
         }
         None
+    }
+}
+
+impl CaseDrive {
+    fn localize(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>) -> Option<DriveEvent> {
+        if self.localizing.is_spent(limits.step_s) {
+            self.pull(Trigger::LandmarkLost);
+            return Some(DriveEvent::LandmarkLost);
+        }
+        let robot_in_odom = input.odometry_in_odom;
+        if self.state == State::Loc1 {
+            if self.localizing.approach(limits, robot_in_odom).is_none() {
+                self.pull(Trigger::LandmarkReached);
+            }
+            return None;
+        }
+        if self.localizing.turn(limits, robot_in_odom).is_some() {
+            return None;
+        }
+        match self.localizing.measure(input)? {
+            LocalizingEnd::Localized(fix) => {
+                self.pull(Trigger::Localized);
+                Some(DriveEvent::Localized(fix))
+            }
+            LocalizingEnd::Lost => {
+                self.pull(Trigger::LandmarkLost);
+                Some(DriveEvent::LandmarkLost)
+            }
+        }
     }
 }
 

@@ -2,10 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A state of the control (Fox and Anderson-Sprecher, Fig. 2).
-///
-/// # Deviation
-/// The paper's Track, Loc1 and Loc2, which localize by landmarks, are missing: the position comes from the grid.
+/// A state of the control that drives (Fox and Anderson-Sprecher, Fig. 2). The paper's Track turns the camera, and is
+/// active beside any of these: [`Track`](crate::landmarks::Track).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum State {
     /// Stands.
@@ -17,11 +15,15 @@ pub enum State {
     Wander,
     /// Backs off from what the robot ran into.
     Bump,
+    /// Drives to before a landmark.
+    Loc1,
+    /// Turns perpendicular to its wall, and finds out where the robot is.
+    Loc2,
 }
 
 impl State {
     /// All of them.
-    pub const ALL: [State; 4] = [Self::NoGoal, Self::NewGoal, Self::Wander, Self::Bump];
+    pub const ALL: [State; 6] = [Self::NoGoal, Self::NewGoal, Self::Wander, Self::Bump, Self::Loc1, Self::Loc2];
 
     /// The state that a trigger leads to: this one, if it leads nowhere from here.
     #[must_use]
@@ -44,12 +46,22 @@ pub enum Trigger {
     Bumped,
     /// It has backed off for long enough.
     BackedOff,
+    /// There is a landmark to localize by.
+    LandmarkNear,
+    /// The robot is before it.
+    LandmarkReached,
+    /// The position is known.
+    Localized,
+    /// It will not be known by this landmark.
+    LandmarkLost,
 }
 
 /// From which state a trigger leads to which.
-pub const TRANSITIONS: [(State, Trigger, State); 9] = {
-    use State::{Bump, NewGoal, NoGoal, Wander};
-    use Trigger::{BackedOff, Bumped, GoalFaced, GoalGiven, GoalReached};
+pub const TRANSITIONS: [(State, Trigger, State); 17] = {
+    use State::{Bump, Loc1, Loc2, NewGoal, NoGoal, Wander};
+    use Trigger::{
+        BackedOff, Bumped, GoalFaced, GoalGiven, GoalReached, LandmarkLost, LandmarkNear, LandmarkReached, Localized,
+    };
     [
         (NoGoal, GoalGiven, NewGoal),
         (Wander, GoalGiven, NewGoal),
@@ -60,6 +72,14 @@ pub const TRANSITIONS: [(State, Trigger, State); 9] = {
         (Wander, Bumped, Bump),
         (Bump, GoalReached, NoGoal),
         (Bump, BackedOff, Wander),
+        (NewGoal, LandmarkNear, Loc1),
+        (Wander, LandmarkNear, Loc1),
+        (Loc1, LandmarkReached, Loc2),
+        (Loc1, LandmarkLost, NewGoal),
+        (Loc1, Bumped, Bump),
+        (Loc2, Localized, NewGoal),
+        (Loc2, LandmarkLost, NewGoal),
+        (Loc2, Bumped, Bump),
     ]
 };
 
@@ -88,5 +108,16 @@ mod tests {
         assert_eq!(state, State::Wander);
         assert_eq!(state.after(Trigger::Bumped).after(Trigger::GoalFaced).after(Trigger::BackedOff), State::Wander);
         assert_eq!(state.after(Trigger::Bumped).after(Trigger::GoalGiven), State::Bump, "it is not off yet");
+    }
+
+    #[test]
+    fn localizing_holds_all_else_up_and_ends_with_the_goal() {
+        let localizing = State::Wander.after(Trigger::LandmarkNear);
+        for other in [Trigger::GoalGiven, Trigger::GoalFaced, Trigger::GoalReached, Trigger::LandmarkNear] {
+            assert_eq!(localizing.after(other), State::Loc1);
+            assert_eq!(localizing.after(Trigger::LandmarkReached).after(other), State::Loc2);
+        }
+        let localized = localizing.after(Trigger::LandmarkReached).after(Trigger::Localized);
+        assert_eq!(localized.after(Trigger::GoalFaced), State::Wander);
     }
 }

@@ -4,7 +4,8 @@ use super::chunk::{Chunk, Query};
 use super::columns::{Bounds, Least};
 use super::number::CaseNumber;
 use super::retrieval::{Best, Retrieval};
-use crate::case::{Case, Kind};
+use crate::case::{Case, Content, Kind};
+use crate::routes::Route;
 use crate::similarity::Similarity;
 use crate::situation::Situation;
 
@@ -13,6 +14,9 @@ use std::sync::Arc;
 
 /// Runners-up that a retrieval tells of.
 pub const RUNNERS_UP: usize = 3;
+
+/// Cases that are looked at first: with more of them the limit is nearer for the others.
+const PROMISING: usize = 32;
 
 /// Cases of all kinds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -178,9 +182,17 @@ impl CaseMemory {
         self.tables[kind as usize].iter().flat_map(|chunk| chunk.cases())
     }
 
+    /// The routes, by number.
+    pub fn routes(&self) -> impl Iterator<Item = (CaseNumber, &Route)> {
+        self.cases_of(Kind::Route).filter_map(|(number, case)| match &case.content {
+            Content::Route(route) => Some((number, route)),
+            Content::Behaviour(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
+        })
+    }
+
     /// The most similar case to a situation, of whatever kind, and those that come next; of two at the same
     /// distance the one with the lower number. None if there is no case. Cost: a pass over the columns of
-    /// all cases, and the distances of those that may be among the first.
+    /// all cases, and the sonars and distances of those that may be among the first by them.
     ///
     /// # Panics
     /// The situation has features that no case can be compared by ([`Situation::unusable_features`]).
@@ -189,7 +201,7 @@ impl CaseMemory {
         assert!(unusable.is_empty(), "a situation must be comparable, and {unusable:?} of this one is not");
         let mut best = Best::new(1 + RUNNERS_UP);
         // The cases that promise most, looked at first, rule out most of the others.
-        let mut promising = Best::new(1 + RUNNERS_UP);
+        let mut promising = Best::new(PROMISING);
         let searches: Vec<(Query, Bounds, Vec<Least>)> = Kind::ALL
             .into_iter()
             .zip(&self.tables)
@@ -201,17 +213,22 @@ impl CaseMemory {
             .collect();
         for ((.., least), table) in searches.iter().zip(&self.tables) {
             for (least, chunk) in least.iter().zip(table) {
-                for (&least, (number, _)) in least.iter().zip(chunk.cases()) {
-                    if f64::from(least) < promising.worst() {
-                        promising.offer(f64::from(least), number);
+                let mut worst = promising.worst();
+                for (&least, number) in least.iter().zip(chunk.numbers()) {
+                    if f64::from(least) < worst {
+                        promising.offer(f64::from(least), *number);
+                        worst = promising.worst();
                     }
                 }
             }
         }
-        let most = promising.farthest(|number| {
-            let case = self.get(number)?;
-            Some(self.similarity.distance(asked, case.content.kind(), &case.index))
-        });
+        let mut known = Best::new(1 + RUNNERS_UP);
+        for number in promising.numbers() {
+            if let Some(case) = self.get(number) {
+                known.offer(self.similarity.distance(asked, case.content.kind(), &case.index), number);
+            }
+        }
+        let most = known.worst();
         for ((query, bounds, least), table) in searches.iter().zip(&self.tables) {
             for (least, chunk) in least.iter().zip(table) {
                 chunk.search(bounds, least, query, most, &mut best);

@@ -1,6 +1,6 @@
 //! Some cases of one kind that lie together, with what is compared of them in columns.
 
-use super::columns::{Bounds, CHUNK, COLUMNS, Least, Row};
+use super::columns::{Bounds, CHUNK, COLUMNS, Least, Rings, Row};
 use super::number::CaseNumber;
 use super::retrieval::Best;
 use crate::case::{Case, Kind};
@@ -15,11 +15,12 @@ pub(super) struct Chunk {
     cases: Vec<Arc<Case>>,
     /// `columns[column][case]`; beyond the last case whatever.
     columns: Box<[[f32; CHUNK]; COLUMNS]>,
+    rings: Vec<Rings>,
 }
 
 impl Default for Chunk {
     fn default() -> Self {
-        Self { numbers: Vec::new(), cases: Vec::new(), columns: Box::new([[0.0; CHUNK]; COLUMNS]) }
+        Self { numbers: Vec::new(), cases: Vec::new(), columns: Box::new([[0.0; CHUNK]; COLUMNS]), rings: Vec::new() }
     }
 }
 
@@ -38,6 +39,10 @@ impl Chunk {
 
     pub(super) fn last(&self) -> Option<CaseNumber> {
         self.numbers.last().copied()
+    }
+
+    pub(super) fn numbers(&self) -> &[CaseNumber] {
+        &self.numbers
     }
 
     pub(super) fn slot_of(&self, number: CaseNumber) -> Option<usize> {
@@ -60,9 +65,10 @@ impl Chunk {
     pub(super) fn push(&mut self, number: CaseNumber, case: Arc<Case>, most_m: f64) {
         let slot = self.len();
         let row = Row::of(&case.index, most_m);
-        for (column, value) in self.columns.iter_mut().zip(row.0) {
+        for (column, value) in self.columns.iter_mut().zip(row.columns) {
             column[slot] = value;
         }
+        self.rings.push(row.rings);
         self.numbers.push(number);
         self.cases.push(case);
     }
@@ -71,6 +77,7 @@ impl Chunk {
         let len = self.len();
         self.numbers.remove(slot);
         self.cases.remove(slot);
+        self.rings.remove(slot);
         self.columns.iter_mut().for_each(|column| column.copy_within(slot + 1..len, slot));
     }
 
@@ -84,22 +91,26 @@ impl Chunk {
         let (len, more) = (self.len(), other.len());
         self.numbers.extend_from_slice(&other.numbers);
         self.cases.extend_from_slice(&other.cases);
+        self.rings.extend_from_slice(&other.rings);
         for (column, of_other) in self.columns.iter_mut().zip(other.columns.iter()) {
             column[len..len + more].copy_from_slice(&of_other[..more]);
         }
     }
 
-    /// The least distance each case can have.
+    /// The least distance each case can have by its columns.
     pub(super) fn least(&self, bounds: &Bounds) -> Least {
         bounds.of(&self.columns)
     }
 
     /// Offers each case that may be among the best, and no farther off than `most`, with its distance.
     pub(super) fn search(&self, bounds: &Bounds, least: &Least, query: &Query, most: f64, best: &mut Best) {
-        for (slot, case) in self.cases.iter().enumerate() {
-            if f64::from(least[slot]) <= best.worst().min(most) + bounds.margin {
-                best.offer(query.distance(case), self.numbers[slot]);
+        let mut limit = best.worst().min(most) + bounds.margin;
+        for (slot, &least) in least[..self.len()].iter().enumerate() {
+            if f64::from(least) > limit || f64::from(least + bounds.of_rings(&self.rings[slot])) > limit {
+                continue;
             }
+            best.offer(query.distance(&self.cases[slot]), self.numbers[slot]);
+            limit = best.worst().min(most) + bounds.margin;
         }
     }
 }

@@ -1,7 +1,9 @@
-//! What is compared of cases, in columns, and a lower bound of each distance from them.
+//! What is compared of cases, laid out for a quick look at all of them, and lower bounds of distances from it.
 //!
-//! Numbers and places are there as they are, in single precision; of the sonars the mean over each sixteenth of
-//! them: the mean of differences is no less than the difference of means, and of sixteen sonars it is the same.
+//! Numbers and places stand in columns, in single precision: a pass over them bounds the distance of every case,
+//! and rules out nearly all. Of the sonars the mean is there: the mean of differences is no less than the difference
+//! of means. Where that does not rule a case out, the means over each sixteenth of its sonars are looked at, which
+//! stand together; of sixteen sonars they are the sonars themselves.
 
 use crate::case::Kind;
 use crate::similarity::{Comparison, Similarity};
@@ -15,56 +17,63 @@ pub(super) const CHUNK: usize = 256;
 /// Parts of a ring of sonars that are taken together.
 const PARTS: usize = 16;
 
-/// Cases whose sums are kept in registers.
-const LANES: usize = 8;
-
 /// Columns in all.
-pub(super) const COLUMNS: usize = 2 * PARTS + 4 + 3 * 2;
+pub(super) const COLUMNS: usize = 2 + 4 + 3 * 2;
+
+/// The sonars of a case: what was heard last, and the means; not a number where they are missing.
+pub(super) type Rings = [[f32; PARTS]; 2];
 
 /// Rounding to single precision changes a distance of weight 1 by less than this.
 const ROUNDING: f64 = 1e-5;
 
-/// The columns of a feature; those that are left out are bounded by 0.
+/// The columns of a feature; those that have none are bounded by 0.
 fn columns_of(feature: Feature) -> Range<usize> {
-    const FIRST: usize = 2 * PARTS;
     match feature {
-        Feature::Sonars => 0..PARTS,
-        Feature::MeanSonars => PARTS..FIRST,
-        Feature::Translation => FIRST..FIRST + 1,
-        Feature::Rotation => FIRST + 1..FIRST + 2,
-        Feature::ShortTermGoalDistance => FIRST + 2..FIRST + 3,
-        Feature::ShortTermGoalBearing => FIRST + 3..FIRST + 4,
-        Feature::Place => FIRST + 4..FIRST + 6,
-        Feature::ShortTermGoal => FIRST + 6..FIRST + 8,
-        Feature::LongTermGoal => FIRST + 8..FIRST + 10,
+        Feature::Sonars => 0..1,
+        Feature::MeanSonars => 1..2,
+        Feature::Translation => 2..3,
+        Feature::Rotation => 3..4,
+        Feature::ShortTermGoalDistance => 4..5,
+        Feature::ShortTermGoalBearing => 5..6,
+        Feature::Place => 6..8,
+        Feature::ShortTermGoal => 8..10,
+        Feature::LongTermGoal => 10..12,
         // There are few goals, and times do not fit into single precision.
         Feature::Priority | Feature::Time => 0..0,
     }
 }
 
-/// The columns of one situation; not a number where a feature is missing.
-pub(super) struct Row(pub(super) [f32; COLUMNS]);
+/// Which of the rings a feature is.
+fn ring_of(feature: Feature) -> Option<usize> {
+    [Feature::Sonars, Feature::MeanSonars].iter().position(|ring| *ring == feature)
+}
+
+/// What is compared of one situation; not a number where a feature is missing.
+pub(super) struct Row {
+    pub(super) columns: [f32; COLUMNS],
+    pub(super) rings: Rings,
+}
 
 impl Row {
     /// With ranges taken for `most_m` if they are greater.
     pub(super) fn of(situation: &Situation, most_m: f64) -> Self {
-        let mut row = [f32::NAN; COLUMNS];
+        let mut row = Self { columns: [f32::NAN; COLUMNS], rings: [[f32::NAN; PARTS]; 2] };
         for feature in Feature::ALL {
-            let columns = &mut row[columns_of(feature)];
+            let columns = &mut row.columns[columns_of(feature)];
             match (situation.value(feature), &mut *columns) {
-                (Value::Missing, _) | (_, []) => {}
-                (Value::Ranges(ranges_m), parts) => {
-                    for (part, mean_m) in parts.iter_mut().enumerate() {
-                        *mean_m = mean_of_part(ranges_m, part, most_m);
-                    }
+                (Value::Ranges(ranges_m), whole) => {
+                    let Some(ring) = ring_of(feature) else { continue };
+                    row.rings[ring] = std::array::from_fn(|part| mean_m(part_of(ranges_m, part), most_m));
+                    whole[0] = mean_m(ranges_m, most_m);
                 }
+                (Value::Missing, _) | (_, []) => {}
                 (Value::Point(point), both) => {
                     both.iter_mut().zip(point.iter()).for_each(|(column, metres)| *column = *metres as f32);
                 }
                 (Value::Number(number), one) => one[0] = number as f32,
             }
         }
-        Self(row)
+        row
     }
 }
 
@@ -72,9 +81,8 @@ fn part_of(ranges_m: &[f64], part: usize) -> &[f64] {
     &ranges_m[part * ranges_m.len() / PARTS..(part + 1) * ranges_m.len() / PARTS]
 }
 
-/// 0 of a part without a sonar.
-fn mean_of_part(ranges_m: &[f64], part: usize, most_m: f64) -> f32 {
-    let ranges_m = part_of(ranges_m, part);
+/// The mean of ranges, taken for `most_m` if they are greater; 0 of none.
+fn mean_m(ranges_m: &[f64], most_m: f64) -> f32 {
     let sum_m: f64 = ranges_m.iter().map(|range_m| range_m.min(most_m)).sum();
     (sum_m / ranges_m.len().max(1) as f64) as f32
 }
@@ -82,16 +90,25 @@ fn mean_of_part(ranges_m: &[f64], part: usize, most_m: f64) -> f32 {
 /// What bounds the distances to a situation from below.
 pub(super) struct Bounds {
     terms: Vec<Term>,
+    rings: [RingTerm; 2],
     /// How much greater than the distance a bound may be, by rounding.
     pub(super) margin: f64,
+}
+
+/// What the difference of a ring adds, by its parts, but not more than so much; what is not a number counts
+/// `missing`.
+#[derive(Clone, Copy, Default)]
+struct RingTerm {
+    asked: [f32; PARTS],
+    per_unit: [f32; PARTS],
+    most: f32,
+    missing: f32,
 }
 
 /// What a feature adds to the bounds.
 enum Term {
     /// The feature is there: the weighted difference, or what it counts if the case lacks it.
     Number { column: usize, asked: f32, per_unit: f32, most: f32, missing: f32 },
-    /// The same of each part of a ring of sonars.
-    Ring { first: usize, asked: [f32; PARTS], per_unit: [f32; PARTS], most: f32, missing: f32 },
     /// The same around the circle.
     Bearing { column: usize, asked: f32, per_unit: f32, most: f32, missing: f32 },
     /// The same in the plane.
@@ -105,47 +122,62 @@ enum Term {
 impl Bounds {
     /// Of a kind of cases.
     pub(super) fn new(similarity: &Similarity, asked: &Situation, kind: Kind) -> Self {
-        let row = Row::of(asked, similarity.scales.sonar_m).0;
-        let mut terms = Vec::new();
+        let row = Row::of(asked, similarity.scales.sonar_m);
+        let (mut terms, mut rings) = (Vec::new(), [RingTerm::default(); 2]);
         for feature in Feature::ALL {
-            let columns = columns_of(feature);
-            let Some(column) = columns.clone().next() else { continue };
-            let weight = similarity.weights[feature as usize];
-            let missing = similarity.missing[feature as usize] as f32;
+            let (weight, missing) = (similarity.weights[feature as usize], similarity.missing[feature as usize] as f32);
             let most = weight as f32;
             let per_unit = (weight / similarity.scales.of_number(feature)) as f32;
             let value = asked.value(feature);
-            let term = match (similarity.comparison(kind, feature), value) {
+            let comparison = similarity.comparison(kind, feature);
+            if let (Some(ring), Value::Ranges(ranges_m), Comparison::Distance) = (ring_of(feature), value, comparison) {
+                let share = |part: usize| part_of(ranges_m, part).len() as f32 / ranges_m.len() as f32;
+                rings[ring] = RingTerm {
+                    asked: row.rings[ring],
+                    per_unit: std::array::from_fn(|part| share(part) * per_unit),
+                    most: most.min(missing),
+                    missing,
+                };
+            }
+            let Some(column) = columns_of(feature).next() else { continue };
+            let here = row.columns[column];
+            terms.push(match (comparison, value) {
                 (Comparison::Foreign, _) => continue,
                 (_, Value::Missing) => Term::Absent { column, missing },
                 (Comparison::Presence, _) => Term::Present { column, missing },
                 (Comparison::Distance, Value::Point(_)) => {
-                    Term::Point { column, asked: [row[column], row[column + 1]], per_unit, most, missing }
+                    Term::Point { column, asked: [here, row.columns[column + 1]], per_unit, most, missing }
                 }
                 (Comparison::Distance, Value::Number(_)) if feature == Feature::ShortTermGoalBearing => {
-                    Term::Bearing { column, asked: row[column], per_unit, most, missing }
+                    Term::Bearing { column, asked: here, per_unit, most, missing }
                 }
                 (Comparison::Distance, Value::Number(_)) => {
-                    Term::Number { column, asked: row[column], per_unit, most, missing }
+                    Term::Number { column, asked: here, per_unit, most, missing }
                 }
-                (Comparison::Distance, Value::Ranges(ranges_m)) => {
-                    let share = |part: usize| part_of(ranges_m, part).len() as f32 / ranges_m.len() as f32;
-                    Term::Ring {
-                        first: column,
-                        asked: std::array::from_fn(|part| row[column + part]),
-                        per_unit: std::array::from_fn(|part| share(part) * per_unit),
-                        // Another ring counts as missing, however much its means differ.
-                        most: most.min(missing),
-                        missing,
-                    }
+                // Another ring counts as missing, however much its means differ.
+                (Comparison::Distance, Value::Ranges(_)) => {
+                    Term::Number { column, asked: here, per_unit, most: most.min(missing), missing }
                 }
-            };
-            terms.push(term);
+            });
         }
-        Self { terms, margin: ROUNDING * similarity.weights.iter().chain(&similarity.missing).sum::<f64>() }
+        let margin = ROUNDING * similarity.weights.iter().chain(&similarity.missing).sum::<f64>();
+        Self { terms, rings, margin }
     }
 
-    /// The least distance each case of a chunk can have.
+    /// What the sonars, one by one, add to the least distance of a case by its columns.
+    #[inline]
+    pub(super) fn of_rings(&self, rings: &Rings) -> f32 {
+        let of_ring = |(term, ring): (&RingTerm, &[f32; PARTS])| {
+            let differences: [f32; PARTS] =
+                std::array::from_fn(|part| (ring[part] - term.asked[part]) * term.per_unit[part]);
+            let of_means = differences.iter().sum::<f32>().abs();
+            let of_each: f32 = differences.iter().map(|difference| difference.abs()).sum();
+            bounded(of_each, term.most, term.missing) - bounded(of_means, term.most, term.missing)
+        };
+        self.rings.iter().zip(rings).map(of_ring).sum()
+    }
+
+    /// The least distance each case of a chunk can have by its columns.
     pub(super) fn of(&self, columns: &[[f32; CHUNK]; COLUMNS]) -> Least {
         let mut least = [0.0; CHUNK];
         self.terms.iter().for_each(|term| term.add(columns, &mut least));
@@ -153,7 +185,7 @@ impl Bounds {
     }
 }
 
-/// The least distance each case of a chunk can have; beyond the last case whatever.
+/// The least distance each case of a chunk can have by its columns; beyond the last case whatever.
 pub(super) type Least = [f32; CHUNK];
 
 impl Term {
@@ -163,20 +195,6 @@ impl Term {
             Self::Number { column, asked, per_unit, most, missing } => {
                 for (least, value) in least.iter_mut().zip(&columns[column]) {
                     *least += bounded((value - asked).abs() * per_unit, most, missing);
-                }
-            }
-            Self::Ring { first, ref asked, ref per_unit, most, missing } => {
-                for (block, least) in least.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-                    let mut sums = [0.0_f32; LANES];
-                    for ((column, asked), per_unit) in columns[first..first + PARTS].iter().zip(asked).zip(per_unit) {
-                        let values = &column[block * LANES..(block + 1) * LANES];
-                        for (sum, value) in sums.iter_mut().zip(values) {
-                            *sum += (value - asked).abs() * per_unit;
-                        }
-                    }
-                    for (least, sum) in least.iter_mut().zip(sums) {
-                        *least += bounded(sum, most, missing);
-                    }
                 }
             }
             Self::Bearing { column, asked, per_unit, most, missing } => {

@@ -70,12 +70,9 @@ impl Best {
         }
     }
 
-    /// The greatest distance of those found; infinite if there are fewer than were looked for.
-    pub(super) fn farthest(&self, distance: impl Fn(CaseNumber) -> Option<f64>) -> f64 {
-        if self.found.len() < self.count {
-            return f64::INFINITY;
-        }
-        self.found.iter().filter_map(|(_, number)| distance(*number)).fold(0.0, f64::max)
+    /// The cases that were found.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = CaseNumber> {
+        self.found.iter().map(|(_, number)| *number)
     }
 
     /// What was found, with the kind and the contributions of each case.

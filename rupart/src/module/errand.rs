@@ -1,6 +1,7 @@
 //! A route that is driven.
 
 use crate::control::{CaseDrive, DriveEvent, DriveGoal};
+use crate::memory::CaseNumber;
 use crate::places::Places;
 use crate::routes::{Route, Stop};
 use rpl_robot::geometry::{Point, Pose, Velocity};
@@ -13,6 +14,8 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Errand {
     /// With the times of the steps that were driven so far.
     pub route: Route,
+    /// How it was made, if it is one that was.
+    pub made: Option<Made>,
     /// Where its stops are.
     stops_in_map: Vec<Point>,
     /// What they are called; none where they are coordinates.
@@ -24,6 +27,21 @@ pub(super) struct Errand {
     patience_s: f64,
 }
 
+/// How a route was made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Made {
+    /// The route, as it is driven.
+    pub stops: Vec<Stop>,
+    /// The case it was made from; none if it was made from scratch.
+    pub case: Option<CaseNumber>,
+    /// Whether what came of that case was poor, and the route made anew.
+    pub is_repaired: bool,
+    /// From where it was asked for ...
+    pub start_in_map: Point,
+    /// ... to where.
+    pub goal_in_map: Point,
+}
+
 /// What became of it in a step.
 pub(super) struct ErrandStep {
     pub velocity: Velocity,
@@ -31,14 +49,16 @@ pub(super) struct ErrandStep {
     pub ending: Option<Ending>,
     /// Whether there is another short-term goal.
     pub has_news: bool,
+    /// What happened to the drive.
+    pub event: Option<DriveEvent>,
 }
 
 impl Errand {
-    pub fn begin(route: Route, places: &Places, patience_s: f64) -> Self {
+    pub fn begin(route: Route, made: Option<Made>, places: &Places, patience_s: f64) -> Self {
         let stops_in_map = route.stops.iter().map(|stop| stop.at_in_map(places)).collect();
         let name = |stop: &Stop| stop.known().map(|place| places.name(place).to_string());
         let names = route.stops.iter().map(name).collect();
-        Self { route, stops_in_map, names, next: 0, step_s: 0.0, patience_s }
+        Self { route, made, stops_in_map, names, next: 0, step_s: 0.0, patience_s }
     }
 
     /// The short-term goal.
@@ -69,7 +89,7 @@ impl Errand {
         if step.event == Some(DriveEvent::GoalReached) {
             self.pass(drive);
             let ending = (self.next == self.stops_in_map.len()).then_some(Ending::Success);
-            return ErrandStep { velocity: step.velocity, ending, has_news: true };
+            return ErrandStep { velocity: step.velocity, ending, has_news: true, event: step.event };
         }
         let is_blocked = drive.progress.idle_s() > self.patience_s;
         let ending = is_blocked.then(|| {
@@ -81,7 +101,7 @@ impl Errand {
             );
             Ending::failure("blocked", message)
         });
-        ErrandStep { velocity: step.velocity, ending, has_news: false }
+        ErrandStep { velocity: step.velocity, ending, has_news: false, event: step.event }
     }
 
     /// The short-term goal is reached. How long the way to the first took tells of no step.

@@ -1,12 +1,18 @@
 //! Its functions.
 
-use super::Rupart;
 use super::data::{case_data, route_data};
-use crate::case::{Case, Content, Kind};
-use crate::memory::{CaseMemory, CaseNumber};
+use super::errand::Made;
+use super::landmarks::can_look;
+use super::{Driven, Rupart, Seen};
+use crate::case::{Case, Content};
+use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
-use crate::routes::{Guidance, Route, RouteProblem, Stop, TravelTimes, adapt_guided, learn_route, learn_times};
-use rpl_robot::geometry::Velocity;
+use crate::routes::{
+    Adapted, Guidance, Route, RouteProblem, Stop, TravelTimes, adapt_guided, learn_route, learn_times, learn_to_make,
+};
+use crate::situation::Situation;
+use rpl_lang::symbol::fold_name;
+use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::office::{act, board, look, model};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -21,8 +27,8 @@ pub(super) fn functions() -> Vec<Native> {
     vec![
         act(
             "retrieve-case",
-            "",
-            "Looks for the most similar case to the situation of the robot: its number, or nil if there is no case.",
+            "&optional place",
+            "Looks for the most similar case to the situation of the robot: its number, or nil if there is no case. With a place, to the situation in which it is to go there and has no route yet.",
             retrieve_case,
         ),
         look(
@@ -31,38 +37,63 @@ pub(super) fn functions() -> Vec<Native> {
             "Why that case was found, as text: its distance with what each feature adds, and the runners-up.",
             explain_case,
         ),
-        look(
+        act(
             "adapt-route",
-            "place",
-            "A route from the estimated position to a place, made of remembered ones where that is quicker than to search one: a list of places and points (x y).",
+            "place &optional anew",
+            "A route from the estimated position to a place, made of remembered ones where that is quicker than to search one, or ANEW on the map and the times that are known: a list of places and points (x y).",
             adapt_route,
         ),
         act("use-case", "case", "Drives by the parameters of the behaviour case of this number from now on.", use_case),
         act(
             "retain-case",
             "",
-            "Remembers the route that `case-navigation` drove last, with the times it took, if it has steps that no other has. The value is the number of the new case, or nil.",
+            "Remembers the route that `case-navigation` drove last, with the times it took, if it has steps that no other has; and where the case it was made from was no good, that it is to be made anew there. The value is the number of the new route case, or nil.",
             retain_case,
         ),
         act("forget-case", "case", "Forgets the case of this number; whether there was one.", forget_case),
         look("cases", "", "All cases, as lists (number kind used succeeded).", cases),
+        look(
+            "landmarks",
+            "",
+            "The names of the landmarks that the robot can localize by: those of the world, or nil if it has no camera to see them with or no map that shows them.",
+            landmarks,
+        ),
     ]
 }
 
 fn retrieve_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let goal_in_map = match call.argument(0) {
+        Value::Nil => None,
+        _ => Some(place(call)?.1),
+    };
+    retrieve(call, |rupart, seen| match goal_in_map {
+        Some(goal_in_map) => Situation { long_term_goal_in_map: Some(goal_in_map), ..rupart.situation(seen) },
+        None => rupart.situation_on_the_way(seen),
+    })
+}
+
+/// The number of the most similar case to a situation.
+pub(super) fn retrieve(
+    call: &mut Call<'_, '_>,
+    asked: impl FnOnce(&Rupart, &Seen) -> Situation,
+) -> Result<Reply, Raise> {
     let model = model(call)?;
     let board = board(call)?;
-    let velocity = board
-        .percept
-        .as_ref()
-        .map(|percept| Velocity { translation_mps: percept.translation_mps, rotation_radps: percept.rotation_radps });
-    let position = board.position.clone();
+    let seen = Seen::of(&model, &board.position, board.percept.as_ref());
     let rupart = call.part::<Rupart>()?;
-    let asked = rupart.situation(&model, &position, velocity);
-    rupart.retrieval = rupart.memory.retrieve(&asked);
+    rupart.retrieval = rupart.memory.retrieve(&asked(rupart, &seen));
     rupart.has_news = true;
     let found = rupart.retrieval.as_ref().map(|retrieval| retrieval.best.number);
     Ok(Reply::Value(found.map_or(Value::Nil, |number| Value::Int(number.0.into()))))
+}
+
+/// The known place that the first argument names, and where it is.
+pub(super) fn place(call: &mut Call<'_, '_>) -> Result<(PlaceId, Point), Raise> {
+    let model = model(call)?;
+    let name = call.name(0)?;
+    let places = call.part::<Rupart>()?.places(&model)?;
+    let place = places.named(&name).ok_or_else(|| no_place(&model.world.place(&name)))?;
+    Ok((place, places.at_in_map(place)))
 }
 
 fn explain_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -76,20 +107,23 @@ fn explain_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn adapt_route(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let model = model(call)?;
-    let name = call.name(0)?;
+    let (goal, goal_in_map) = place(call)?;
+    let is_anew = call.argument(1) != Value::Nil;
     let here = board(call)?.position.estimate(model.map.as_ref()).pose_in_map.point();
     let rupart = call.part::<Rupart>()?;
     let places = rupart.places(&model)?;
-    let goal = places.named(&name).ok_or_else(|| no_place(&model.world.place(&name)))?;
     let times =
-        TravelTimes::of_routes(&places, model.limits.hallway_mps, routes(&rupart.memory).map(|(_, route)| route));
+        TravelTimes::of_routes(&places, model.limits.hallway_mps, rupart.memory.routes().map(|(_, route)| route));
     let near = places.closest(here);
-    let is_there = rpl_robot::geometry::distance_m(places.at_in_map(near), here) < AT_PLACE_M;
+    let is_there = distance_m(places.at_in_map(near), here) < AT_PLACE_M;
     let start = if is_there { Stop::Known(near) } else { Stop::At(here) };
     let problem = RouteProblem::new(&places, &times, start, Stop::Known(goal));
-    let adapted = adapt_guided(&places, &times, &problem, routes(&rupart.memory), Guidance::USUAL);
-    let adapted = adapted.ok_or_else(|| unreachable(&places, near, goal))?;
-    let route = without_start(adapted.route);
+    let cases = rupart.memory.routes().filter(|_| !is_anew);
+    let adapted = adapt_guided(&places, &times, &problem, cases, Guidance::USUAL);
+    let Adapted { route, case, is_repaired, .. } = adapted.ok_or_else(|| unreachable(&places, near, goal))?;
+    let route = without_start(route);
+    let stops = route.stops.clone();
+    rupart.made = Some(Made { stops, case, is_repaired, start_in_map: here, goal_in_map });
     Ok(Reply::Value(route_data(call.machine, &route, &places)))
 }
 
@@ -102,13 +136,6 @@ fn without_start(route: Route) -> Route {
             Stop::Known(_) => route,
         },
     }
-}
-
-fn routes(memory: &CaseMemory) -> impl Iterator<Item = (CaseNumber, &Route)> {
-    memory.cases_of(Kind::Route).filter_map(|(number, case)| match &case.content {
-        Content::Route(route) => Some((number, route)),
-        Content::Behaviour(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
-    })
 }
 
 fn no_place(found: &Result<&rpl_robot::world::Place, rpl_robot::world::UnknownName>) -> Raise {
@@ -124,8 +151,8 @@ fn unreachable(places: &Places, from: PlaceId, to: PlaceId) -> Raise {
     Raise::new("unreachable", format!("no chain of places in sight of each other leads from `{from}` to `{to}`"))
 }
 
-/// The number that an argument is, and its case.
-fn numbered(call: &mut Call<'_, '_>) -> Result<(CaseNumber, Arc<Case>), Raise> {
+/// The number that the first argument is, and its case.
+pub(super) fn numbered(call: &mut Call<'_, '_>) -> Result<(CaseNumber, Arc<Case>), Raise> {
     let given = call.integer(0)?;
     let number = u32::try_from(given).ok().map(CaseNumber);
     let memory = &call.part::<Rupart>()?.memory;
@@ -151,17 +178,21 @@ fn retain_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let model = model(call)?;
     let rupart = call.part::<Rupart>()?;
     let places = rupart.places(&model)?;
-    let Some(driven) = rupart.driven.take() else { return Ok(Reply::Value(Value::Nil)) };
-    learn_times(&mut rupart.memory, &driven);
-    let is_new = driven.stops.len() > 1 && routes(&rupart.memory).all(|(_, route)| driven.steps_beyond(route) > 0);
-    let number = if is_new { learn_route(&mut rupart.memory, &places, driven) } else { None };
+    let Some(Driven { route, made }) = rupart.driven.take() else { return Ok(Reply::Value(Value::Nil)) };
+    learn_times(&mut rupart.memory, &route);
+    if let Some(made) = made.filter(|made| made.is_repaired) {
+        learn_to_make(&mut rupart.memory, made.start_in_map, made.goal_in_map);
+    }
+    let is_new = route.stops.len() > 1 && rupart.memory.routes().all(|(_, known)| route.steps_beyond(known) > 0);
+    let number = if is_new { learn_route(&mut rupart.memory, &places, route) } else { None };
     Ok(Reply::Value(number.map_or(Value::Nil, |number| Value::Int(number.0.into()))))
 }
 
 fn forget_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let number = u32::try_from(call.integer(0)?).ok().map(CaseNumber);
-    let memory = &mut call.part::<Rupart>()?.memory;
-    Ok(Reply::Value(Value::truth(number.is_some_and(|number| memory.forget(number)))))
+    let rupart = call.part::<Rupart>()?;
+    rupart.has_news = true;
+    Ok(Reply::Value(Value::truth(number.is_some_and(|number| rupart.memory.forget(number)))))
 }
 
 fn cases(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -170,4 +201,12 @@ fn cases(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     call.burn(all.len());
     let data: Vec<Value> = all.iter().map(|(number, case)| case_data(call.machine, *number, case)).collect();
     Ok(Reply::Value(call.machine.heap.list(&data)))
+}
+
+fn landmarks(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let model = model(call)?;
+    let known = if can_look(&model).is_ok() { model.world.landmarks.as_slice() } else { &[] };
+    let names: Vec<Value> =
+        known.iter().map(|one| Value::Symbol(call.machine.symbols.intern(&fold_name(&one.name)))).collect();
+    Ok(Reply::Value(call.machine.heap.list(&names)))
 }

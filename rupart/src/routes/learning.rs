@@ -1,15 +1,26 @@
 //! Learning routes: what was driven is kept where it is new, and how long it took.
 
 use super::route::{Route, Stop};
-use crate::case::{Case, Content, Kind};
+use crate::case::{Case, Content, Kind, MetaPlan};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
 use crate::situation::Situation;
+use rpl_robot::geometry::Point;
 
 /// Keeps a route as a case for its start and goal. None if it leads nowhere.
 pub fn learn_route(memory: &mut CaseMemory, places: &Places, route: Route) -> Option<CaseNumber> {
     let (start, goal) = (route.stops.first()?.at_in_map(places), route.stops.last()?.at_in_map(places));
     Some(memory.retain(Case::new(Situation::of_route(start, goal), Content::Route(route))))
+}
+
+/// Keeps that no route case is good for this problem: the route is to be made on the map. Nothing, if the memory says
+/// so already.
+pub fn learn_to_make(memory: &mut CaseMemory, start_in_map: Point, goal_in_map: Point) {
+    let problem = Situation::of_route(start_in_map, goal_in_map);
+    let best = memory.retrieve(&problem).map(|found| found.best.kind);
+    if best != Some(Kind::MetaPlan) {
+        memory.retain(Case::new(problem, Content::MetaPlan(MetaPlan::MakeRoute)));
+    }
 }
 
 /// Notes how long the steps of a driven route took in every case that has them, in either direction. Cost: the

@@ -15,7 +15,7 @@ mod travel_times;
 pub use adapted::Adapted;
 pub use competence::{Competence, competences, least_competent};
 pub use guided::{CaseUse, Guidance, adapt_guided, best_use};
-pub use learning::{learn_route, learn_times};
+pub use learning::{learn_route, learn_times, learn_to_make};
 pub use literal::adapt_literally;
 pub use problem::RouteProblem;
 pub use route::{Route, Stop};

@@ -11,6 +11,7 @@ use crate::situation::Situation;
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::simulator::SimulatorModel;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -44,7 +45,7 @@ const REGRETS: [f64; 3] = [0.05, 0.15, 0.4];
 /// # Deviation
 /// The paper judged by eye. Here all candidates are driven from the same state, and what counts is how much
 /// less far the retrieved one gets than the best.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Quality {
     /// As good as the best.
     Optimal,
@@ -80,7 +81,7 @@ pub enum Driver {
 }
 
 /// What came of a drive.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
     /// Whether the robot came to the end of the route.
     pub has_arrived: bool,
@@ -176,7 +177,7 @@ impl DrivingGround<'_> {
         memory
     }
 
-    fn learn(&self, memory: &mut CaseMemory, trial: &Trial, noise: u64) {
+    pub(super) fn learn(&self, memory: &mut CaseMemory, trial: &Trial, noise: u64) {
         let situation = trial.situation();
         let Some(retrieved) = retrieved(memory, &situation) else { return };
         let gains_m = |noise: u64| {
@@ -243,14 +244,19 @@ impl DrivingGround<'_> {
         let until_us = trial.state.time_us + (seconds * 1e6) as u64;
         let mut retrieve_us = trial.state.time_us;
         while !trial.is_over() && trial.state.time_us < until_us {
-            if trial.state.time_us >= retrieve_us || trial.event == Some(DriveEvent::GoalReached) {
-                if let Some(parameters) = retrieved(memory, &trial.situation()) {
-                    trial.drive.parameters = parameters;
-                }
-                retrieve_us = trial.state.time_us + (RETRIEVAL_S * 1e6) as u64;
-            }
-            trial.step();
+            self.step_by(trial, memory, &mut retrieve_us);
         }
+    }
+
+    /// One step, before which a case is retrieved if that is due.
+    pub(super) fn step_by(&self, trial: &mut Trial, memory: &CaseMemory, retrieve_us: &mut u64) {
+        if trial.state.time_us >= *retrieve_us || trial.event == Some(DriveEvent::GoalReached) {
+            if let Some(parameters) = retrieved(memory, &trial.situation()) {
+                trial.drive.parameters = parameters;
+            }
+            *retrieve_us = trial.state.time_us + (RETRIEVAL_S * 1e6) as u64;
+        }
+        trial.step();
     }
 
     /// A random route from where the robot stands, until when it must be driven, and its length.
@@ -266,16 +272,23 @@ impl DrivingGround<'_> {
         let at = Pose::new(points[0].x, points[0].y, stream.uniform_in(-PI, PI));
         let drive = CaseDrive::new(BehaviourParameters::TUNED, is_braked);
         let trial = Trial::begin(self.model, seed, at, points[1..].to_vec(), drive)?;
-        let until_us = trial.state.time_us + ((GRACE_S + length_m / SLOWEST_MPS) * 1e6) as u64;
+        let until_us = trial.state.time_us + allowed_us(length_m);
         Some((trial, until_us, length_m))
     }
 }
 
+/// How long a drive over such a way may take.
+pub(super) fn allowed_us(length_m: f64) -> u64 {
+    ((GRACE_S + length_m / SLOWEST_MPS) * 1e6) as u64
+}
+
 /// The parameters of the most similar behaviour case.
 fn retrieved(memory: &CaseMemory, situation: &Situation) -> Option<BehaviourParameters> {
-    let best = memory.retrieve(situation)?.best;
+    let found = memory.retrieve(situation)?;
+    let mut behaviours = std::iter::once(&found.best).chain(&found.runners_up);
+    let best = behaviours.find(|found| found.kind == Kind::Behaviour)?;
     match &memory.get(best.number)?.content {
-        Content::Behaviour(parameters) if best.kind == Kind::Behaviour => Some(*parameters),
-        Content::Behaviour(_) | Content::Route(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
+        Content::Behaviour(parameters) => Some(*parameters),
+        Content::Route(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
     }
 }

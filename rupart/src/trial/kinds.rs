@@ -13,7 +13,9 @@ use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::occupancy::DistanceField;
 use rpl_robot::sensors::SonarMount;
 use rpl_robot::world::World;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Edge of a cell of the map that sonars hear.
 const RESOLUTION_M: f64 = 0.05;
@@ -25,7 +27,7 @@ const BEHAVIOURS: usize = 9;
 const GOALS: usize = 3;
 
 /// Why a case is retrieved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Reason {
     /// There is a goal, and no route to it; also after an unexpected landmark or a place that was not reached,
     /// which erase the route.
@@ -113,7 +115,7 @@ impl Telling {
 }
 
 /// What came back for a reason.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KindRetrieved {
     /// Why something was retrieved.
     pub reason: Reason,
@@ -122,17 +124,18 @@ pub struct KindRetrieved {
 }
 
 /// A building, and what a robot hears in it.
-pub struct KindGround<'w> {
-    world: &'w World,
-    places: &'w Places,
-    robot: &'w RobotDescription,
+pub struct KindGround {
+    world: World,
+    places: Places,
+    robot: Arc<RobotDescription>,
     field: DistanceField,
 }
 
-impl<'w> KindGround<'w> {
+impl KindGround {
     /// O(cells of the map).
-    pub fn new(world: &'w World, places: &'w Places, robot: &'w RobotDescription) -> Self {
-        Self { world, places, robot, field: DistanceField::new(&world.map(RESOLUTION_M)) }
+    pub fn new(world: World, places: Places, robot: Arc<RobotDescription>) -> Self {
+        let field = DistanceField::new(&world.map(RESOLUTION_M));
+        Self { world, places, robot, field }
     }
 
     /// A memory and situations of a seed, `each` of them for each reason; the same however kinds are told apart.
@@ -152,12 +155,12 @@ impl<'w> KindGround<'w> {
     fn memory(&self, telling: Telling, phase: Phase, stream: &mut Stream) -> CaseMemory {
         let location_m = self.world.size_m.norm();
         let mut memory = CaseMemory::new(telling.similarity(Scales { location_m, ..Scales::default() }));
-        let map = TravelTimes::of_map(self.places, 1.0);
+        let map = TravelTimes::of_map(&self.places, 1.0);
         for _ in 0..100 * ROUTES {
             let (from, to) = (self.place(stream), self.place(stream));
-            let way = map.quickest_way(self.places, from, to).filter(|way| way.places.len() > 1);
+            let way = map.quickest_way(&self.places, from, to).filter(|way| way.places.len() > 1);
             if let Some(way) = way.filter(|_| memory.len() < ROUTES) {
-                learn_route(&mut memory, self.places, Route::over(&way.places));
+                learn_route(&mut memory, &self.places, Route::over(&way.places));
             }
         }
         for _ in 0..BEHAVIOURS {

@@ -1,6 +1,5 @@
 //! Routes asked for one after the other, without the robot: how good they are, and how much work.
 
-use crate::case::{Content, Kind};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::{PlaceId, Places};
 use crate::routes::{
@@ -11,6 +10,7 @@ use crate::similarity::{Scales, Similarity};
 use crate::situation::Situation;
 use rpl_random::Stream;
 use rpl_robot::geometry::distance_m;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Routes that the memory has at the beginning (Fox and Anderson-Sprecher, Route plan quality).
@@ -62,7 +62,7 @@ pub struct RouteTrial {
 }
 
 /// A route that was asked for, and what came of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RouteAsked {
     /// What was made.
     pub adapted: Adapted,
@@ -161,7 +161,7 @@ struct Building<'t> {
 impl Building<'_> {
     fn ask(&mut self, start: PlaceId, goal: PlaceId) -> Option<RouteAsked> {
         let (places, stops) = (self.places, [Stop::Known(start), Stop::Known(goal)]);
-        let routes: Vec<(CaseNumber, &Route)> = routes_of(&self.memory).collect();
+        let routes: Vec<(CaseNumber, &Route)> = self.memory.routes().collect();
         let map = TravelTimes::of_map(places, SPEED_MPS);
         let known = TravelTimes::of_routes(places, SPEED_MPS, routes.iter().map(|(_, route)| *route));
         let adapted = match self.trial.planner {
@@ -205,7 +205,7 @@ impl Building<'_> {
             learn_route(&mut self.memory, self.places, driven);
         }
         if self.trial.cap.is_some_and(|cap| self.memory.len() > cap) {
-            let routes: Vec<(CaseNumber, &Route)> = routes_of(&self.memory).collect();
+            let routes: Vec<(CaseNumber, &Route)> = self.memory.routes().collect();
             let known = TravelTimes::of_routes(self.places, SPEED_MPS, routes.iter().map(|(_, route)| *route));
             if let Some(least) = least_competent(self.places, &known, &routes) {
                 self.memory.forget(least);
@@ -216,11 +216,4 @@ impl Building<'_> {
 
 fn untimed(route: &Route) -> Route {
     Route::new(route.stops.clone())
-}
-
-fn routes_of(memory: &CaseMemory) -> impl Iterator<Item = (CaseNumber, &Route)> {
-    memory.cases_of(Kind::Route).filter_map(|(number, case)| match &case.content {
-        Content::Route(route) => Some((number, route)),
-        Content::Behaviour(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
-    })
 }

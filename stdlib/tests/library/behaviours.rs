@@ -46,11 +46,11 @@ impl Outside for Digger {
         self.stops += 1;
     }
 
-    fn period_us(&self) -> Option<u64> {
-        Some(1_000_000)
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        Some(stepped_us + 1_000_000)
     }
 
-    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
+    fn step(&mut self, _: u64, _: Phases<'_>, outbox: &mut Outbox) {
         let Some(left) = self.steps_left.as_mut() else { return };
         *left -= 1;
         if *left == 0 {

@@ -17,7 +17,9 @@ fn prelude_definitions() -> Vec<(String, String, Option<String>)> {
         .map(|&form| {
             let items = tree.items(form);
             let name = |at: usize| tree.symbol(items[at]).map(|name| symbols.name(name).to_string());
-            let doc = items.get(3).and_then(|&doc| match &tree.get(doc).kind {
+            // A rule says at its end what it is for.
+            let is_rule = name(0).is_some_and(|kind| kind == "def-revision");
+            let doc = items.get(if is_rule { items.len() - 1 } else { 3 }).and_then(|&doc| match &tree.get(doc).kind {
                 NodeKind::Str(text) if items.len() > 4 => Some(text.to_string()),
                 _ => None,
             });
@@ -28,9 +30,10 @@ fn prelude_definitions() -> Vec<(String, String, Option<String>)> {
 
 #[test]
 fn every_definition_of_the_prelude_is_documented() {
-    for (kind, name, doc) in prelude_definitions() {
+    // A record documents the functions it defines itself.
+    for (kind, name, doc) in prelude_definitions().into_iter().filter(|(kind, ..)| kind != "defstruct") {
         assert!(
-            matches!(kind.as_str(), "defun" | "defmacro"),
+            matches!(kind.as_str(), "defun" | "defmacro" | "def-revision"),
             "{kind} {name}: the prelude only defines, it does not run"
         );
         let doc = doc.unwrap_or_else(|| panic!("`{name}` has no documentation"));

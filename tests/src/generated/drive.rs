@@ -18,6 +18,14 @@ const STEPS: usize = 160;
 /// Steps of the scheduler in which it must then have ended.
 const STEPS_TO_END: usize = 100_000;
 
+/// The function whose plan tasks are given.
+const NEW_PLAN: &str = "new-plan";
+
+/// What cases with revisions have beside the generated text.
+const REVISIONS: &str = "(defun new-plan () (wait-time 0.1) 'new)\n\
+    (defmacro revise (task) `(ignore-failures (control-error deadlock) (swap-plan ,task '(seq (wait-time 0.1) (note 'new)))))\n\
+    (defmacro keep (task) `(no-revision (wait-time 0.1) (note (finished? ,(if (consp task) 'none task)))))\n";
+
 /// What else happens to a run that must make no difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variation {
@@ -78,6 +86,34 @@ impl Case {
         Self { seed, text: grammar::program(seed) }
     }
 
+    /// The case of a seed in which tasks are given other plans where they would be ended, and where others
+    /// are suspended, they are kept from that.
+    pub fn revised(seed: u64) -> Self {
+        let text = grammar::program(seed).replace("(evaporate ", "(revise ").replace("(suspend ", "(keep ");
+        Self { seed, text: format!("{REVISIONS}{text}") }
+    }
+
+    /// Judges the runs of the case in which some task is given another plan before the first step, before
+    /// the second, and so on, nothing else happening to them.
+    ///
+    /// # Errors
+    /// The first thing that should not have happened.
+    pub fn judge_swaps(&self, tally: &mut Tally) -> Result<(), String> {
+        let text = format!("{REVISIONS}{}", self.text);
+        let judged = catch_unwind(AssertUnwindSafe(|| {
+            let loaded = library().load("generated.rpl", &text, &mut NoFiles).map_err(|found| found.render(false))?;
+            for at in 0..STEPS {
+                let seed = self.seed.wrapping_add((at as u64) << 40);
+                let steps = judge_run(&loaded, seed, Some(at), tally).map_err(|what| format!("swap {at}: {what}"))?;
+                if steps <= at {
+                    break;
+                }
+            }
+            Ok(())
+        }));
+        judged.unwrap_or_else(|panic| Err(format!("panic: {}", said(&*panic))))
+    }
+
     /// Compiles the case and judges so many of its runs, each under disturbances of its own.
     ///
     /// # Errors
@@ -88,14 +124,16 @@ impl Case {
                 tally.rejected += 1;
                 return Ok(());
             };
-            (0..runs).try_for_each(|number| judge_run(&loaded, self.seed.wrapping_add(number << 40), tally))
+            (0..runs)
+                .try_for_each(|number| judge_run(&loaded, self.seed.wrapping_add(number << 40), None, tally).map(drop))
         }));
         judged.unwrap_or_else(|panic| Err(format!("panic: {}", said(&*panic))))
     }
 }
 
-/// One run as it is, and once more with a variation.
-fn judge_run(loaded: &Loaded, seed: u64, tally: &mut Tally) -> Result<(), String> {
+/// One run as it is, and once more with a variation; before a certain step, some task of it is given another
+/// plan. Gives how many steps it took.
+fn judge_run(loaded: &Loaded, seed: u64, swap_at: Option<usize>, tally: &mut Tally) -> Result<usize, String> {
     let mut dice = Dice::new(seed ^ 0xd15e_a5ed);
     let period_us = [None, None, Some(70_000), Some(300_000)][dice.below(4)];
     let mischief = [0, 40, 12, 6, 3][dice.below(5)];
@@ -114,7 +152,8 @@ fn judge_run(loaded: &Loaded, seed: u64, tally: &mut Tally) -> Result<(), String
         dice: Dice::new(seed),
         variation,
         vary: Dice::new(!seed),
-        mischief,
+        mischief: if swap_at.is_none() { mischief } else { 0 },
+        swap_at,
         entries: BTreeMap::new(),
         record: Record { trace: Vec::new(), notes: Vec::new(), ending: String::new() },
         steps: 0,
@@ -130,7 +169,7 @@ fn judge_run(loaded: &Loaded, seed: u64, tally: &mut Tally) -> Result<(), String
         Some("failed") => tally.failed += 1,
         _ => tally.stopped += 1,
     }
-    Ok(())
+    Ok(steps)
 }
 
 /// What a panic said.
@@ -179,6 +218,8 @@ struct Run<'l> {
     vary: Dice,
     /// A disturbance comes once in so many steps; never if 0.
     mischief: usize,
+    /// Before this step, some task is given another plan.
+    swap_at: Option<usize>,
     /// Memory is short: what was entered may fail before its clean-up is there.
     is_short: bool,
     /// Parts that were entered and whose clean-up has not run: their tasks, in the order of entering.
@@ -193,6 +234,10 @@ impl Run<'_> {
             if self.mischief > 0 && self.dice.once_in(self.mischief) {
                 self.disturb();
                 self.check("after a disturbance")?;
+            }
+            if self.swap_at == Some(self.steps) {
+                self.swap();
+                self.check("after another plan was given")?;
             }
             self.step()?;
         }
@@ -286,6 +331,17 @@ impl Run<'_> {
             _ => Disturbance::Pulse(self.some_fluent()),
         };
         self.system.disturb(disturbance);
+    }
+
+    /// Some task is given the plan of the function `new-plan`.
+    fn swap(&mut self) {
+        let task = self.some_task();
+        let (program, machine) = (&self.system.program, &self.system.machine);
+        let name = machine.symbols.find(NEW_PLAN).and_then(|name| program.names.get(&name));
+        if let Some(Value::Function(code)) = name.and_then(|&global| machine.globals.get(global as usize)) {
+            let code = *code;
+            self.system.disturb(Disturbance::Swap(task, code));
+        }
     }
 
     fn check(&mut self, when: &str) -> Result<(), String> {

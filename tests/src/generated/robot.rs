@@ -85,11 +85,11 @@ impl Outside for Whim {
         outbox.fluents.push((2, Reading::Truth(self.active[0] || self.active[1])));
     }
 
-    fn period_us(&self) -> Option<u64> {
-        self.period_us
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        self.period_us.map(|period_us| stepped_us + period_us)
     }
 
-    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
+    fn step(&mut self, _: u64, _: Phases<'_>, outbox: &mut Outbox) {
         let drawn = self.draw();
         outbox.fluents.push((0, Reading::Int((drawn & 3) as i64)));
         outbox.fluents.push((1, Reading::Truth(drawn & 0x30 == 0)));

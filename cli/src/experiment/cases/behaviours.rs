@@ -1,13 +1,28 @@
 //! `behaviours`: how well a robot drives by what it retrieves, and how good that is.
 
+use super::Building;
+use crate::experiment::conduct::chosen;
+use crate::experiment::findings::Findings;
+use crate::experiment::kind::{ExperimentKind, Run};
+use crate::experiment::request::ExperimentRequest;
 use crate::experiment::statistics::{Proportion, Summary};
+use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
-use rpl_rupart::trial::{Driven, Driver, Quality};
-use serde::Serialize;
+use anyhow::Result;
+use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
+use rpl_rupart::memory::CaseMemory;
+use rpl_rupart::places::Places;
+use rpl_rupart::trial::{Driven, Driver, DrivingGround, Quality};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::sync::Arc;
 
 /// Drives a memory is trained on.
 const TRAINED_ON: u32 = 30;
+
+/// Of so many drives the retrievals of one are judged, which takes fifty times as long as the drive.
+const JUDGED_EVERY: u64 = 4;
 
 /// A row: what the robot drives by.
 pub struct BehaviourRow {
@@ -17,17 +32,103 @@ pub struct BehaviourRow {
     pub driver: Driver,
     /// Whether it brakes before what it hears.
     pub is_braked: bool,
-    /// Whether retrievals are judged, which takes most of the time.
+    /// Whether retrievals are judged.
     pub judges: bool,
 }
 
 /// All rows.
-pub const ROWS: [BehaviourRow; 4] = [
+pub static ROWS: [BehaviourRow; 4] = [
     BehaviourRow { name: "learned", driver: Driver::Learned(TRAINED_ON), is_braked: true, judges: true },
     BehaviourRow { name: "tuned alone", driver: Driver::Tuned, is_braked: true, judges: true },
     BehaviourRow { name: "nine by hand", driver: Driver::HandMade, is_braked: true, judges: true },
     BehaviourRow { name: "tuned, not braked", driver: Driver::Tuned, is_braked: false, judges: false },
 ];
+
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    ROWS.iter().map(|row| row.name).collect()
+}
+
+/// Drives by behaviour cases, row by row; all rows drive the same routes.
+pub struct Behaviours {
+    request: ExperimentRequest,
+    rows: Vec<&'static BehaviourRow>,
+}
+
+impl Behaviours {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let rows = chosen(&request, &ROWS, |row| row.name)?;
+        Ok(Self { request, rows })
+    }
+}
+
+/// Where is driven, and by what.
+pub struct Driveway {
+    model: Arc<SimulatorModel>,
+    places: Places,
+    memory: CaseMemory,
+}
+
+/// A drive, if a route could be drawn for it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct BehaviourDrive {
+    /// Cases of the memory by which it was driven.
+    cases: usize,
+    driven: Option<Driven>,
+}
+
+impl ExperimentKind for Behaviours {
+    type Ground = Driveway;
+    type Record = BehaviourDrive;
+    type Tally = Vec<BehaviourDrive>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, series: usize) -> Result<Driveway> {
+        let Building { world, robot, places } = Building::of(&self.request)?;
+        let model = Arc::new(SimulatorModel::new(Arc::new(world), SimulatorSettings::of(robot)));
+        let memory = DrivingGround { model: &model, places: &places }.memory(self.rows[series].driver);
+        Ok(Driveway { model, places, memory })
+    }
+
+    fn run(&self, series: usize, Driveway { model, places, memory }: &Driveway, run: Run) -> Result<BehaviourDrive> {
+        let BehaviourRow { is_braked, judges, .. } = self.rows[series];
+        let judges = *judges && run.seed.is_multiple_of(JUDGED_EVERY);
+        let driven = DrivingGround { model, places }.drive(memory, *is_braked, judges, run.seed);
+        Ok(BehaviourDrive { cases: memory.len(), driven })
+    }
+
+    fn head(&self, _: &BehaviourDrive) -> String {
+        "row,seed,arrived,time_s,length_m,contacts,retrievals".to_string()
+    }
+
+    fn lines(&self, series: &str, run: Run, drive: &BehaviourDrive) -> String {
+        let Some(Driven { has_arrived, time_s, length_m, contacts, qualities }) = &drive.driven else {
+            return String::new();
+        };
+        let (arrived, judged) = (u8::from(*has_arrived), qualities.len());
+        format!("\"{series}\",{},{arrived},{time_s:.2},{length_m:.2},{contacts},{judged}\n", run.seed)
+    }
+
+    fn findings(&self, tallies: Vec<Vec<BehaviourDrive>>, _: bool) -> Result<Findings> {
+        let cases = |drives: &[BehaviourDrive]| drives.first().map_or(0, |drive| drive.cases);
+        let driven = |drives: Vec<BehaviourDrive>| drives.into_iter().map(|drive| drive.driven).collect();
+        let rows = self.rows.iter().zip(tallies).map(|(row, drives)| (row, cases(&drives), driven(drives)));
+        let rows: Vec<(&&BehaviourRow, usize, Vec<Option<Driven>>)> = rows.collect();
+        let tuned = rows.iter().find(|(row, ..)| row.driver == Driver::Tuned && row.is_braked);
+        let tuned = tuned.map(|(.., driven)| driven.as_slice());
+        let results: Vec<BehaviourResult> =
+            rows.iter().map(|(row, cases, driven)| BehaviourResult::of(row.name, *cases, driven, tuned)).collect();
+        let (blocks, figures) = (blocks(&results), json!({ "rows": results }));
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+    }
+}
 
 /// What came of the drives of a row.
 #[derive(Clone, Debug, Serialize)]
@@ -111,17 +212,4 @@ pub fn blocks(rows: &[BehaviourResult]) -> Vec<Block> {
         ]);
     }
     vec![Block::Table(table)]
-}
-
-/// Every drive as a line of comma-separated values.
-pub fn raw_rows(seeds: &[u64], rows: &[(&BehaviourRow, Vec<Option<Driven>>)]) -> String {
-    let mut text = String::from("row,seed,arrived,time_s,length_m,contacts,retrievals\n");
-    for (row, driven) in rows {
-        for (seed, driven) in seeds.iter().zip(driven) {
-            let Some(Driven { has_arrived, time_s, length_m, contacts, qualities }) = driven else { continue };
-            let (arrived, judged) = (u8::from(*has_arrived), qualities.len());
-            text += &format!("\"{}\",{seed},{arrived},{time_s:.2},{length_m:.2},{contacts},{judged}\n", row.name);
-        }
-    }
-    text
 }

@@ -1,13 +1,21 @@
 //! `case-kinds`: whether the kind of case comes back that is needed.
 
+use super::Building;
+use crate::experiment::conduct::chosen;
+use crate::experiment::findings::Findings;
+use crate::experiment::kind::{ExperimentKind, Run};
+use crate::experiment::request::ExperimentRequest;
 use crate::experiment::statistics::Proportion;
+use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
-use rpl_rupart::trial::{KindRetrieved, Phase, Reason, Telling};
+use anyhow::Result;
+use rpl_rupart::trial::{KindGround, KindRetrieved, Phase, Reason, Telling};
 use serde::Serialize;
+use serde_json::json;
 
 /// Situations of a seed for each reason.
-pub const EACH: usize = 25;
+const EACH: usize = 25;
 
 /// A row: how kinds are told apart.
 pub struct KindRow {
@@ -24,7 +32,7 @@ const fn row(name: &'static str, telling: Telling, phase: Phase) -> KindRow {
 }
 
 /// All rows.
-pub const ROWS: [KindRow; 6] = [
+pub static ROWS: [KindRow; 6] = [
     row("weighted", Telling::Certain, Phase::Second),
     row("unit weights", Telling::UnitWeights, Phase::Second),
     row("first phase, weighted", Telling::Certain, Phase::First),
@@ -32,6 +40,63 @@ pub const ROWS: [KindRow; 6] = [
     row("first phase, missing ignored", Telling::MissingIgnored, Phase::First),
     row("first phase, nothing foreign", Telling::NothingForeign, Phase::First),
 ];
+
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    ROWS.iter().map(|row| row.name).collect()
+}
+
+/// Retrieves cases for every reason, row by row.
+pub struct Kinds {
+    request: ExperimentRequest,
+    rows: Vec<&'static KindRow>,
+}
+
+impl Kinds {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let rows = chosen(&request, &ROWS, |row| row.name)?;
+        Ok(Self { request, rows })
+    }
+}
+
+impl ExperimentKind for Kinds {
+    type Ground = KindGround;
+    type Record = Vec<KindRetrieved>;
+    type Tally = Vec<Vec<KindRetrieved>>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, _: usize) -> Result<KindGround> {
+        let Building { world, robot, places } = Building::of(&self.request)?;
+        Ok(KindGround::new(world, places, robot))
+    }
+
+    fn run(&self, series: usize, ground: &KindGround, run: Run) -> Result<Vec<KindRetrieved>> {
+        let KindRow { telling, phase, .. } = self.rows[series];
+        Ok(ground.retrieve(*telling, *phase, EACH, run.seed))
+    }
+
+    fn head(&self, _: &Vec<KindRetrieved>) -> String {
+        "row,seed,reason,kind".to_string()
+    }
+
+    fn lines(&self, series: &str, run: Run, retrieved: &Vec<KindRetrieved>) -> String {
+        lines(series, run.seed, retrieved)
+    }
+
+    fn findings(&self, tallies: Vec<Vec<Vec<KindRetrieved>>>, _: bool) -> Result<Findings> {
+        let results = self.rows.iter().zip(&tallies).map(|(row, retrieved)| KindResult::of(row.name, retrieved));
+        let results: Vec<KindResult> = results.collect();
+        let (blocks, figures) = (blocks(&results), json!({ "rows": results }));
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+    }
+}
 
 /// What came of the retrievals of a row.
 #[derive(Clone, Debug, Serialize)]
@@ -72,15 +137,8 @@ pub fn blocks(rows: &[KindResult]) -> Vec<Block> {
     vec![Block::Table(table)]
 }
 
-/// Every retrieval as a line of comma-separated values.
-pub fn raw_rows(seeds: &[u64], rows: &[(&str, Vec<Vec<KindRetrieved>>)]) -> String {
-    let mut text = String::from("row,seed,reason,kind\n");
-    for (name, retrieved) in rows {
-        for (seed, found) in
-            seeds.iter().zip(retrieved).flat_map(|(seed, found)| found.iter().map(move |one| (seed, one)))
-        {
-            text += &format!("\"{name}\",{seed},\"{}\",{}\n", found.reason.name(), found.kind.name());
-        }
-    }
-    text
+/// The retrievals of a run as lines of comma-separated values.
+fn lines(row: &str, seed: u64, found: &[KindRetrieved]) -> String {
+    let line = |one: &KindRetrieved| format!("\"{row}\",{seed},\"{}\",{}\n", one.reason.name(), one.kind.name());
+    found.iter().map(line).collect()
 }

@@ -1,11 +1,19 @@
 //! `routes`: how good the routes of the case memory are, and how much work.
 
+use super::{Building, pictures};
+use crate::experiment::conduct::chosen;
+use crate::experiment::findings::Findings;
+use crate::experiment::kind::{ExperimentKind, Run};
+use crate::experiment::request::ExperimentRequest;
 use crate::experiment::statistics::Dispersion;
+use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::Table;
+use anyhow::Result;
 use rpl_rupart::routes::Guidance;
-use rpl_rupart::trial::{Planner, RouteAsked, RouteStart, RouteTrial};
+use rpl_rupart::trial::{Planner, RouteAsked, RouteStart, RouteTrial, run_routes};
 use serde::Serialize;
+use serde_json::json;
 
 /// A route is near the quickest if it takes at most this many times as long.
 const NEAR: f64 = 1.1;
@@ -51,7 +59,7 @@ const fn row(name: &'static str, trial: RouteTrial) -> RouteRow {
 }
 
 /// All rows; the first is what the product does.
-pub const ROWS: [RouteRow; 14] = [
+pub static ROWS: [RouteRow; 14] = [
     row("guided, learning", LEARNING),
     row("guided", GUIDED),
     row("literal", LITERAL),
@@ -79,6 +87,69 @@ pub const ROWS: [RouteRow; 14] = [
         learned_on: 100,
     },
 ];
+
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    ROWS.iter().map(|row| row.name).collect()
+}
+
+/// Asks for routes, row by row.
+pub struct Routes {
+    request: ExperimentRequest,
+    rows: Vec<&'static RouteRow>,
+}
+
+impl Routes {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let rows = chosen(&request, &ROWS, |row| row.name)?;
+        Ok(Self { request, rows })
+    }
+}
+
+impl ExperimentKind for Routes {
+    type Ground = Building;
+    type Record = Vec<RouteAsked>;
+    type Tally = Vec<Vec<RouteAsked>>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, _: usize) -> Result<Building> {
+        Building::of(&self.request)
+    }
+
+    fn run(&self, series: usize, building: &Building, run: Run) -> Result<Vec<RouteAsked>> {
+        let home = building.places.closest(building.world.start_in_map.point());
+        Ok(run_routes(&building.places, home, &self.rows[series].trial, run.seed))
+    }
+
+    fn head(&self, _: &Vec<RouteAsked>) -> String {
+        "row,seed,number,ratio,generated,new,expanded,a_star_expanded,repaired,first".to_string()
+    }
+
+    fn lines(&self, series: &str, run: Run, asked: &Vec<RouteAsked>) -> String {
+        lines(series, run.seed, asked)
+    }
+
+    fn findings(&self, tallies: Vec<Vec<Vec<RouteAsked>>>, wants_drawings: bool) -> Result<Findings> {
+        let rows: Vec<(&RouteRow, Vec<Vec<RouteAsked>>)> = self.rows.iter().copied().zip(tallies).collect();
+        let results: Vec<RouteResult> = rows.iter().map(|(row, asked)| RouteResult::of(row, asked)).collect();
+        let drawings = match wants_drawings {
+            true => {
+                let building = Building::of(&self.request)?;
+                pictures::files(&building.world, &building.places, &rows)
+            }
+            false => Vec::new(),
+        };
+        let (blocks, figures) = (blocks(&results), json!({ "rows": results }));
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings })
+    }
+}
 
 /// What came of the routes of a row.
 #[derive(Clone, Debug, Serialize)]
@@ -217,26 +288,20 @@ pub fn blocks(rows: &[RouteResult]) -> Vec<Block> {
     ]
 }
 
-/// Every route as a line of comma-separated values.
-pub fn raw_rows(seeds: &[u64], rows: &[(&RouteRow, Vec<Vec<RouteAsked>>)]) -> String {
-    let mut text = String::from("row,seed,number,ratio,generated,new,expanded,a_star_expanded,repaired,first\n");
-    for (row, runs) in rows {
-        for (seed, run) in seeds.iter().zip(runs) {
-            for (number, asked) in (1..).zip(run) {
-                let adapted = &asked.adapted;
-                text += &format!(
-                    "\"{}\",{seed},{number},{:.4},{},{},{},{},{},{}\n",
-                    row.name,
-                    asked.ratio,
-                    adapted.generated_steps,
-                    adapted.new_steps,
-                    adapted.expanded,
-                    asked.from_scratch_expanded,
-                    adapted.is_repaired,
-                    asked.is_first
-                );
-            }
-        }
-    }
-    text
+/// The routes of a run as lines of comma-separated values.
+fn lines(row: &str, seed: u64, run: &[RouteAsked]) -> String {
+    let line = |(number, asked): (u32, &RouteAsked)| {
+        let adapted = &asked.adapted;
+        format!(
+            "\"{row}\",{seed},{number},{:.4},{},{},{},{},{},{}\n",
+            asked.ratio,
+            adapted.generated_steps,
+            adapted.new_steps,
+            adapted.expanded,
+            asked.from_scratch_expanded,
+            adapted.is_repaired,
+            asked.is_first
+        )
+    };
+    (1..).zip(run).map(line).collect()
 }

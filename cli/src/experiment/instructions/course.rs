@@ -1,11 +1,13 @@
 //! Drives along single hallways: what the robot perceived, and where that really was.
 
 use super::setting::Ground;
+use crate::experiment::row_result::FailedRun;
+use crate::experiment::trial::described;
 use anyhow::{Result, bail};
 use rpl_lola::Hallway as KnownHallway;
 use rpl_lola::arena::{ArenaSettings, SingleHallway};
 use rpl_lola::feature::{Feature, HiddenWall, Percept, Side};
-use rpl_lola::features::score::{Confusion, TrueFeature};
+use rpl_lola::features::score::{BEHIND_M, Confusion, TrueFeature};
 use rpl_mission::modules::SiteRobot;
 use rpl_mission::robot::Robot;
 use rpl_mission::run::{Reached, run_to};
@@ -87,7 +89,7 @@ pub fn drive(ground: &Ground, arena: &ArenaSettings, seed: u64, until_us: u64) -
     let Robot::Office(robot) = &system.outside else { bail!("a world has a robot") };
     let fault = match reached {
         Reached::End(Outcome::Succeeded(_)) => None,
-        Reached::End(Outcome::Failed(_)) => Some("the plan failed".to_string()),
+        Reached::End(Outcome::Failed(failure)) => Some(described(&system.machine, &system.program, failure)),
         Reached::End(Outcome::Evaporated) => Some("the plan ended itself".to_string()),
         Reached::Time => Some("time is up".to_string()),
         Reached::Stop => lost.map(str::to_string),
@@ -172,14 +174,25 @@ fn axis_off_deg(robot: &SiteRobot, hallway: &KnownHallway) -> Option<f64> {
 }
 
 impl Course {
-    /// What its percepts were worth.
-    pub fn confusion(&self) -> Confusion {
-        Confusion::of(&self.percepts, &self.truth, self.driven_m)
+    /// What went wrong, if it did not get to the end.
+    pub fn failure(&self) -> Option<FailedRun> {
+        Some(FailedRun { seed: self.seed, fault: self.fault.clone()? })
     }
 
-    /// What is counted on a side, in order.
+    /// What its percepts were worth.
+    pub fn confusion(&self) -> Confusion {
+        Confusion::of(&self.percepts, &self.truth, &[], self.driven_m)
+    }
+
+    /// The same without closed doors before which something stood.
+    pub fn shown(&self) -> Confusion {
+        Confusion::of(&self.percepts, &self.truth, &self.hidden, self.driven_m)
+    }
+
+    /// What is counted on a side and was driven past, in order.
     pub fn openings(&self, side: Side) -> Vec<TrueFeature> {
-        let ahead = self.truth.iter().filter(|found| found.side == side && found.from_m > 0.0);
-        ahead.filter(|found| Feature::OPENINGS.contains(&found.is)).copied().collect()
+        let is_passed = |found: &&TrueFeature| found.from_m > 0.0 && found.to_m + BEHIND_M <= self.driven_m;
+        let on_side = self.truth.iter().filter(|found| found.side == side).filter(is_passed);
+        on_side.filter(|found| Feature::OPENINGS.contains(&found.is)).copied().collect()
     }
 }

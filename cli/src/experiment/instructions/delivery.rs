@@ -2,22 +2,32 @@
 //! with an error.
 
 use super::figures;
-use super::setting::{Ground, Setting};
+use super::setting::{
+    CALM, CROWDED, CROWDED_MARKED, EXACT, Ground, MARKED, NOMAD, Setting, THICK, THIN, UNREGISTERED, by, by_dervish,
+};
+use crate::experiment::conduct::chosen;
+use crate::experiment::findings::Findings;
+use crate::experiment::kind::{ExperimentKind, Run};
+use crate::experiment::request::ExperimentRequest;
 use crate::experiment::row_result::FailedRun;
 use crate::experiment::statistics::{Dispersion, Proportion};
 use crate::experiment::trial::described;
 use crate::show::figures::{Figure, draw};
+use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, bail};
+use rpl_lola::LolaSettings;
 use rpl_lola::arena::{Arena, Fault, Finding};
 use rpl_lola::judgement::FaultKind;
+use rpl_lola::state_set::Method;
 use rpl_mission::robot::Robot;
 use rpl_mission::run::{Reached, fluent_value, run_to};
 use rpl_robot::geometry::Point;
 use rpl_robot::world::Room;
 use rpl_runtime::run::system::{Outcome, System};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::ops::ControlFlow;
 
 /// Which lists the robot is given.
@@ -60,8 +70,112 @@ impl Lists {
     }
 }
 
+/// A row of `office-delivery`.
+struct DeliverySetting {
+    name: &'static str,
+    setting: Setting,
+    lists: Lists,
+}
+
+/// A row with right lists, called as its setting is.
+const fn right(setting: Setting) -> DeliverySetting {
+    DeliverySetting { name: setting.name, setting, lists: Lists::Right }
+}
+
+/// A row in which openings are counted by something else.
+const fn counting(name: &'static str, lola: fn(&mut LolaSettings)) -> DeliverySetting {
+    right(Setting { name, lola, ..CALM })
+}
+
+/// The rows of `office-delivery`.
+static DELIVERIES: [DeliverySetting; 17] = [
+    right(CALM),
+    right(MARKED),
+    right(THIN),
+    right(THICK),
+    right(CROWDED),
+    right(CROWDED_MARKED),
+    right(EXACT),
+    counting("plain counter", |settings| settings.inference = Some(by(Method::PlainCounter))),
+    counting("counter with class", |settings| settings.inference = Some(by(Method::CounterWithClass))),
+    counting("literal equations", |settings| settings.inference = Some(by(Method::LiteralEquations))),
+    counting("DERVISH's matrix", |settings| settings.inference = Some(by_dervish())),
+    right(UNREGISTERED),
+    right(NOMAD),
+    DeliverySetting { name: "wrong lists", setting: CALM, lists: Lists::Wrong },
+    DeliverySetting { name: "wrong lists, crowded", setting: CROWDED, lists: Lists::Wrong },
+    DeliverySetting { name: "asked back", setting: CALM, lists: Lists::Answered },
+    DeliverySetting { name: "asked back, crowded", setting: CROWDED, lists: Lists::Answered },
+];
+
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    DELIVERIES.iter().map(|row| row.name).collect()
+}
+
+/// Whole routes, row by row.
+pub struct OfficeDelivery {
+    request: ExperimentRequest,
+    rows: Vec<&'static DeliverySetting>,
+}
+
+impl OfficeDelivery {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let rows = chosen(&request, &DELIVERIES, |row| row.name)?;
+        Ok(Self { request, rows })
+    }
+}
+
+impl ExperimentKind for OfficeDelivery {
+    type Ground = Ground;
+    type Record = Delivery;
+    type Tally = Vec<Delivery>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, series: usize) -> Result<Ground> {
+        Ground::new(&self.rows[series].setting, &self.request.robot)
+    }
+
+    fn run(&self, series: usize, ground: &Ground, run: Run) -> Result<Delivery> {
+        let DeliverySetting { setting, lists, .. } = self.rows[series];
+        Ok(deliver(ground, setting, *lists, run.seed, self.request.until_us)?.0)
+    }
+
+    fn head(&self, _: &Delivery) -> String {
+        "row,seed,outcome,time [s],distance [m],contacts,fault number,fault kind,detectable".to_string()
+    }
+
+    fn lines(&self, series: &str, _: Run, delivery: &Delivery) -> String {
+        delivery.line(series)
+    }
+
+    fn findings(&self, tallies: Vec<Vec<Delivery>>, wants_drawings: bool) -> Result<Findings> {
+        let mut drawings = Vec::new();
+        for (series, (row, deliveries)) in self.rows.iter().zip(&tallies).enumerate() {
+            if let Some(Delivery { seed, .. }) = deliveries.first().filter(|_| wants_drawings) {
+                let DeliverySetting { name, setting, lists } = row;
+                let (_, track) = deliver(&self.ground(series)?, setting, *lists, *seed, self.request.until_us)?;
+                drawings.push(route(name, &lists.arena(*seed, setting), *seed, track));
+            }
+        }
+        let rows = self.rows.iter().zip(&tallies).map(|(row, deliveries)| DeliveryRow::of(row.name, deliveries));
+        let rows: Vec<DeliveryRow> = rows.collect();
+        let first = rows.first().is_some_and(|row| row.others.is_empty() && row.contacts == 0);
+        let status = if first { Status::Succeeded } else { Status::Failed };
+        let (blocks, figures) = (blocks(&rows), json!({ "rows": rows }));
+        Ok(Findings { status, blocks, figures, drawings })
+    }
+}
+
 /// A delivery: one arena and one list.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Delivery {
     /// Its seed.
     pub seed: u64,
@@ -77,12 +191,10 @@ pub struct Delivery {
     pub distance_m: f64,
     /// Contacts the robot caused.
     pub contacts: u32,
-    /// Where it was, twice a second.
-    pub track: Vec<Point>,
 }
 
 /// What came of a delivery.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DeliveryOutcome {
     /// The robot is in the goal room, and says that it has arrived.
     Arrived,
@@ -95,7 +207,7 @@ pub enum DeliveryOutcome {
 }
 
 /// What a robot says of a wrong instruction.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accusation {
     /// Which one it is, from 1.
     number: usize,
@@ -115,11 +227,17 @@ const BETWEEN_POINTS_US: u64 = 500_000;
 /// Edge of a cell in drawings of routes.
 const DRAWN_CELL_M: f64 = 0.1;
 
-/// Follows the list of a seed.
+/// Follows the list of a seed. Answers where the robot was, too, twice a second.
 ///
 /// # Errors
 /// The robot cannot be simulated there, or the list is not understood.
-pub fn deliver(ground: &Ground, setting: &Setting, lists: Lists, seed: u64, until_us: u64) -> Result<Delivery> {
+fn deliver(
+    ground: &Ground,
+    setting: &Setting,
+    lists: Lists,
+    seed: u64,
+    until_us: u64,
+) -> Result<(Delivery, Vec<Point>)> {
     let arena = lists.arena(seed, setting);
     let (site, loaded) = ground.site(arena.world.clone(), &lists.plan(&arena))?;
     let mut system = site.start(loaded, seed);
@@ -154,7 +272,7 @@ pub fn deliver(ground: &Ground, setting: &Setting, lists: Lists, seed: u64, unti
         Reached::Time => DeliveryOutcome::Failed("time is up".to_string()),
         Reached::Stop => DeliveryOutcome::Failed("it does not believe the answers".to_string()),
     };
-    Ok(Delivery {
+    let delivery = Delivery {
         seed,
         drawn: arena.fault,
         accused,
@@ -162,8 +280,8 @@ pub fn deliver(ground: &Ground, setting: &Setting, lists: Lists, seed: u64, unti
         time_s: system.machine.now_s(),
         distance_m: robot.distance_driven_m(),
         contacts: robot.contacts().caused,
-        track,
-    })
+    };
+    Ok((delivery, track))
 }
 
 /// Who answers the robot with the right instruction.
@@ -233,6 +351,16 @@ impl Delivery {
             DeliveryOutcome::Elsewhere => self.drawn.is_some_and(|fault| !fault.is_detectable()),
             DeliveryOutcome::Failed(_) => false,
         }
+    }
+
+    /// As a line of comma-separated values.
+    fn line(&self, row: &str) -> String {
+        let fault = self
+            .drawn
+            .map_or(",,".to_string(), |fault| format!("{},{:?},{}", fault.number, fault.kind, fault.is_detectable()));
+        let Self { seed, time_s, distance_m, contacts, .. } = self;
+        let said = self.said().replace('"', "'");
+        format!("\"{row}\",{seed},\"{said}\",{time_s:.2},{distance_m:.2},{contacts},{fault}\n")
     }
 
     fn said(&self) -> String {
@@ -361,30 +489,13 @@ pub fn blocks(rows: &[DeliveryRow]) -> Vec<Block> {
     blocks
 }
 
-/// Every delivery as a line of comma-separated values.
-pub fn raw_rows(rows: &[(&str, Vec<Delivery>)]) -> String {
-    let mut text = String::from("row,seed,outcome,time [s],distance [m],contacts,fault number,fault kind,detectable\n");
-    for (name, deliveries) in rows {
-        for delivery in deliveries {
-            let fault = delivery.drawn.map_or(",,".to_string(), |fault| {
-                format!("{},{:?},{}", fault.number, fault.kind, fault.is_detectable())
-            });
-            let (seed, said) = (delivery.seed, delivery.said().replace('"', "'"));
-            let Delivery { time_s, distance_m, contacts, .. } = delivery;
-            text += &format!("\"{name}\",{seed},\"{said}\",{time_s:.2},{distance_m:.2},{contacts},{fault}\n");
-        }
-    }
-    text
-}
-
 /// A drawing of a route, with the name of its file.
-pub fn route(row: &str, lists: Lists, setting: &Setting, delivery: &Delivery) -> (String, String) {
-    let arena = lists.arena(delivery.seed, setting);
+fn route(row: &str, arena: &Arena, seed: u64, track: Vec<Point>) -> (String, String) {
     let map = arena.world.map(DRAWN_CELL_M);
-    let title = format!("{row}, seed {}", delivery.seed);
+    let title = format!("{row}, seed {seed}");
     let is_shown = |room: &&Room| ["start", "goal"].contains(&room.name.as_str());
     let rooms: Vec<Room> = arena.world.rooms.iter().filter(is_shown).cloned().collect();
     let mut figure = Figure::of_map(&title, &map, &rooms);
-    figure.true_paths_in_map.push(delivery.track.clone());
+    figure.true_paths_in_map.push(track);
     (format!("route-{}.svg", figures::file_name(row)), draw(&figure))
 }

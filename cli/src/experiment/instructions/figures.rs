@@ -15,8 +15,12 @@ const ALONG_PX: f64 = 20.0;
 const ACROSS_PX: f64 = 22.0;
 
 /// Around the drawing.
-const LEFT_PX: f64 = 90.0;
+const LEFT_PX: f64 = 120.0;
 const TOP_PX: f64 = 50.0;
+
+/// A bar of something beside the hallway, and the one above it.
+const BAR_PX: f64 = 12.0;
+const BARS_PX: f64 = 14.0;
 
 /// What is heard farther from the middle of the hallway is drawn at this distance.
 const FARTHEST_M: f64 = 3.0;
@@ -25,51 +29,64 @@ const FARTHEST_M: f64 = 3.0;
 const SEEN_M: f64 = 3.4;
 const THERE_M: f64 = 4.0;
 
+/// The lines of a legend are so far apart.
+const LEGEND_PX: f64 = 20.0;
+
 /// The name of a row in the name of a file.
 pub fn file_name(row: &str) -> String {
     let words: Vec<&str> = row.split(|sign: char| !sign.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     words.join("-").to_lowercase()
 }
 
-/// A drawing of the first drive of each row.
-pub fn contours(rows: &[(&str, Vec<Course>)]) -> Vec<(String, String)> {
-    let drawn = rows.iter().filter_map(|(name, courses)| {
-        let file = format!("contour-{}.svg", file_name(name));
-        Some((file, contour(name, courses.first()?)))
-    });
-    drawn.collect()
+/// A drawing of a drive: the contour lines of both sides, with what was perceived and what is there.
+pub fn contour(name: &str, course: &Course) -> (String, String) {
+    (format!("contour-{}.svg", file_name(name)), contour_lines(name, course))
 }
 
-/// The contour lines of both sides, with what was perceived and what is there.
-fn contour(name: &str, course: &Course) -> String {
+fn contour_lines(name: &str, course: &Course) -> String {
     let middle_px = TOP_PX + (THERE_M + 0.5) * ACROSS_PX;
-    let y = |aside_m: f64| rounded(middle_px - aside_m.clamp(-THERE_M - 0.5, THERE_M + 0.5) * ACROSS_PX);
-    let title = format!("contour lines, {name}, seed {}: heard, perceived (white), and there (grey)", course.seed);
-    let mut document = sheet(course.driven_m, 2.0 * (THERE_M + 0.5) * ACROSS_PX, &title);
+    let y = |aside_m: f64| rounded(middle_px - aside_m * ACROSS_PX);
+    let height_px = 2.0 * (THERE_M + 0.5) * ACROSS_PX;
+    let title = format!("contour lines of a hallway, {name}, seed {}", course.seed);
+    let mut document = sheet(course.driven_m, height_px, LEGEND_PX, &title);
+    for aside_m in [-2.0, -1.0, 0.0, 1.0, 2.0] {
+        let tick = level(x(0.0) - 5.0, x(0.0), y(aside_m)).set("stroke", "black");
+        document = document.add(tick).add(at_end(&format!("{} m", aside_m.abs()), x(0.0) - 9.0, y(aside_m) + 4.0));
+    }
+    let middle = level(x(0.0), x(course.driven_m), y(0.0)).set("stroke", "#a0a0a0").set("stroke-dasharray", "6 4");
+    document = document.add(middle);
     for side in Side::ALL {
         let points = course.contour.iter().filter(|point| point.side == side);
         let path: Vec<String> = points
             .map(|point| format!("{},{}", x(point.along_m), y(point.aside_m.clamp(-FARTHEST_M, FARTHEST_M))))
             .collect();
         document = document.add(line(&path));
-        let bar = |from_m: f64, to_m: f64, aside_m: f64, fill: &str, feature: Feature| {
-            let (from_px, to_px, y_px) = (x(from_m), x(to_m), y(side.sign() * aside_m));
-            let bar = Rectangle::new().set("x", from_px).set("y", y_px - 6.0).set("width", rounded(to_px - from_px));
-            let bar = bar.set("height", 12).set("fill", fill).set("stroke", "black").set("stroke-width", 0.6);
-            (bar, text(letter(feature), (from_px + to_px) / 2.0, y_px + 4.0))
-        };
-        let seen = course.percepts.iter().filter(|percept| percept.side == side);
-        let seen = seen.map(|percept| bar(percept.from_m, percept.to_m, SEEN_M, "white", percept.seen));
-        let there = course.truth.iter().filter(|found| found.side == side);
-        let there = there.filter(|found| found.to_m > 0.0 && found.from_m < course.driven_m);
-        let there = there.map(|found| bar(found.from_m.max(0.0), found.to_m, THERE_M, "#d4d4d4", found.is));
-        for (bar, label) in seen.chain(there) {
-            document = document.add(bar).add(label);
-        }
-        let label = text(side.in_words(), LEFT_PX - 45.0, y(side.sign() * SEEN_M) + 4.0);
-        document = document.add(label);
+        let (seen_px, there_px) = (y(side.sign() * SEEN_M), y(side.sign() * THERE_M));
+        document = beside(document, course, side, course.driven_m, [seen_px, there_px]);
     }
-    document.to_string()
+    legend_of_features(document, TOP_PX + height_px).to_string()
+}
+
+/// What was perceived on a side, and what is there, up to a place, as bars in two lines.
+fn beside(mut document: Document, course: &Course, side: Side, end_m: f64, lines_px: [f64; 2]) -> Document {
+    let seen = course.percepts.iter().map(|percept| (percept.side, percept.from_m, percept.to_m, percept.seen));
+    let there = course.truth.iter().map(|found| (found.side, found.from_m, found.to_m, found.is));
+    let lines: [(&str, Vec<_>); 2] = [("perceived", seen.collect()), ("there", there.collect())];
+    for ((what, found), middle_px) in lines.into_iter().zip(lines_px) {
+        let label = format!("{}, {what}", side.in_words());
+        document = document.add(at_end(&label, LEFT_PX - 9.0, middle_px + 4.0));
+        for (_, from_m, to_m, is) in found.into_iter().filter(|found| found.0 == side) {
+            let (from_m, to_m) = (f64::max(from_m, 0.0), f64::min(to_m, end_m));
+            if to_m > from_m {
+                document = document.add(bar(x(from_m), x(to_m), middle_px, colour(is)));
+                // The rest of a bar at the edge of the drawing has no room for it.
+                if x(to_m) - x(from_m) >= BAR_PX {
+                    document = document.add(text(letter(is), (x(from_m) + x(to_m)) / 2.0, middle_px + 4.0));
+                }
+            }
+        }
+    }
+    document
 }
 
 /// Closed door, open door, hallway, foyer.
@@ -83,20 +100,43 @@ fn letter(feature: Feature) -> &'static str {
     }
 }
 
+/// Told apart by who sees no red or no green as well (Okabe and Ito, "Color Universal Design", 2008).
+fn colour(feature: Feature) -> &'static str {
+    match feature {
+        Feature::Wall => "white",
+        Feature::ClosedDoor => "#e69f00",
+        Feature::OpenDoor => "#56b4e9",
+        Feature::Hallway => "#7fcfb9",
+        Feature::Foyer => "#cc79a7",
+    }
+}
+
+/// What the bars mean, below a drawing that ends there.
+fn legend_of_features(mut document: Document, bottom_px: f64) -> Document {
+    let middle_px = bottom_px + 24.0 + LEGEND_PX;
+    for (feature, at) in Feature::ALL.into_iter().filter(|feature| *feature != Feature::Wall).zip(0_u8..) {
+        let from_px = LEFT_PX + f64::from(at) * 110.0;
+        document = document.add(bar(from_px, from_px + 20.0, middle_px - 4.0, colour(feature)));
+        document = document.add(text(letter(feature), from_px + 10.0, middle_px));
+        document = document
+            .add(text(&feature.name().replace('-', " "), from_px + 26.0, middle_px).set("text-anchor", "start"));
+    }
+    document
+}
+
 /// So much of the way beyond the arrival is drawn.
 const BEYOND_M: f64 = 4.0;
 
 /// The opening that is asked for in the drawing of a state set, at the most.
 const DRAWN_ORDINAL: usize = 4;
 
-/// A drawing of the first drive of each setting: the state set of an instruction as it moves.
-pub fn state_sets(driven: &[(&str, Vec<Course>)]) -> Vec<(String, String)> {
-    let drawn = driven.iter().filter_map(|(name, courses)| {
-        let course = courses.first()?;
-        let file = format!("state-set-{}.svg", file_name(name));
-        Some((file, state_set(name, course)?))
-    });
-    drawn.collect()
+/// A node of a state set is drawn so high.
+const NODE_PX: f64 = 30.0;
+
+/// A drawing of a drive whose percepts are judged so: the state set of an instruction as it moves. None if nothing can
+/// be asked for.
+pub fn state_set(name: &str, inference: &Inference, course: &Course) -> Option<(String, String)> {
+    Some((format!("state-set-{}.svg", file_name(name)), certainties(name, inference, course)?))
 }
 
 /// What is asked for: on the left, the last of the first few openings that an instruction can lead to.
@@ -106,58 +146,95 @@ fn drawn_goal(course: &Course) -> Option<Goal> {
     goals.last().map(|(found, ordinal)| Goal { ordinal, side: Side::Left, kind: found.is })
 }
 
-/// Certainties of the nodes over the way: the darker the likelier.
-fn state_set(name: &str, course: &Course) -> Option<String> {
-    let goal = drawn_goal(course)?;
-    let inference = Inference::of_robot(name.contains("markers"));
-    let mut state_set = StateSet::start(goal.instruction())?;
-    let mut columns = vec![(0.0, state_set.certainties())];
-    let mut arrived_m = None;
-    for percept in course.percepts.iter().filter(|percept| percept.side == goal.side) {
-        state_set.progress(&inference, &[*percept], &course.hidden);
-        columns.push((percept.to_m, state_set.certainties()));
-        if state_set.arrived().is_some() {
-            arrived_m = Some(percept.to_m);
-            break;
+/// Certainties of the nodes from one percept to the next.
+struct Moves {
+    /// From where on along the hallway they hold, and what they are.
+    columns: Vec<(f64, Vec<f64>)>,
+    /// Where the robot has passed the goal, as it believes.
+    arrived_m: Option<f64>,
+}
+
+impl Moves {
+    fn of(goal: Goal, inference: &Inference, course: &Course) -> Option<Self> {
+        let mut state_set = StateSet::start(goal.instruction())?;
+        let mut moves = Self { columns: vec![(0.0, state_set.certainties())], arrived_m: None };
+        for percept in course.percepts.iter().filter(|percept| percept.side == goal.side) {
+            state_set.progress(inference, &[*percept], &course.hidden);
+            moves.columns.push((percept.to_m, state_set.certainties()));
+            if state_set.arrived().is_some() {
+                moves.arrived_m = Some(percept.to_m);
+                break;
+            }
         }
+        Some(moves)
     }
-    let end_m = arrived_m.map_or(course.driven_m, |arrived_m| arrived_m + BEYOND_M);
+}
+
+/// Certainties of the nodes over the way: the darker the likelier.
+fn certainties(name: &str, inference: &Inference, course: &Course) -> Option<String> {
+    let goal = drawn_goal(course)?;
+    let Moves { columns, arrived_m } = Moves::of(goal, inference, course)?;
+    let end_m = arrived_m.map_or(course.driven_m, |arrived_m| (arrived_m + BEYOND_M).min(course.driven_m));
     let nodes = columns[0].1.len();
-    let row_px = 34.0;
-    let y = |node: usize| TOP_PX + row_px * (nodes - 1 - node) as f64;
+    let top_px = TOP_PX + 3.0 * BARS_PX;
+    let bottom_px = top_px + NODE_PX * nodes as f64;
+    let y = |node: usize| top_px + NODE_PX * (nodes - 1 - node) as f64;
     let title = format!("state set of \"{}\", {name}, seed {}", goal.instruction(), course.seed);
-    let mut document = sheet(end_m, row_px * nodes as f64, &title);
+    let mut document = sheet(end_m, bottom_px - TOP_PX, LEGEND_PX + NODE_PX, &title);
+    document = beside(document, course, goal.side, end_m, [TOP_PX + 1.5 * BARS_PX, TOP_PX + 0.5 * BARS_PX]);
     for node in 0..nodes {
-        document = document.add(text(&node_name(node, nodes), LEFT_PX - 45.0, y(node) + row_px / 2.0 + 4.0));
+        document = document.add(at_end(&node_name(node, nodes), LEFT_PX - 9.0, y(node) + NODE_PX / 2.0 + 4.0));
     }
     let ends = columns.iter().skip(1).map(|(from_m, _)| *from_m).chain([end_m]);
     for ((from_m, certainties), to_m) in columns.iter().zip(ends) {
         for (node, certainty) in certainties.iter().enumerate() {
-            let cell = Rectangle::new().set("x", x(*from_m)).set("y", y(node)).set("height", row_px);
-            let cell = cell.set("width", rounded((to_m - from_m).max(0.0) * ALONG_PX)).set("fill", "black");
-            document = document.add(cell.set("fill-opacity", rounded(*certainty)));
+            document = cell(document, x(*from_m), x(to_m), y(node), *certainty);
         }
-        let border = Line::new().set("x1", x(*from_m)).set("x2", x(*from_m)).set("y1", TOP_PX);
-        let border = border.set("y2", TOP_PX + row_px * nodes as f64).set("stroke", "black").set("stroke-width", 0.5);
-        document = document.add(border);
     }
-    let label = arrived_m.map(|arrived_m| text("arrived", x(arrived_m), TOP_PX - 6.0));
-    Some(label.into_iter().fold(document, Document::add).to_string())
+    if let Some(arrived_m) = arrived_m {
+        let border = Line::new().set("x1", x(arrived_m)).set("x2", x(arrived_m)).set("y1", top_px - 10.0);
+        document = document.add(border.set("y2", bottom_px).set("stroke", "#d55e00").set("stroke-width", 2.5));
+        document = document.add(text("arrived", x(arrived_m) + 5.0, top_px - 4.0).set("text-anchor", "start"));
+    }
+    document = legend_of_features(document, bottom_px);
+    let legend_px = bottom_px + 34.0 + 2.0 * LEGEND_PX;
+    document = document.add(at_end("certainty", LEFT_PX - 9.0, legend_px));
+    for at in 0_u8..=4 {
+        let from_px = LEFT_PX + f64::from(at) * 50.0;
+        document = cell(document, from_px, from_px + 50.0, legend_px - 4.0 - NODE_PX / 2.0, f64::from(at) / 4.0);
+    }
+    Some(document.to_string())
+}
+
+/// A certainty as a box, which says what it is if there is room for it.
+fn cell(document: Document, from_px: f64, to_px: f64, top_px: f64, certainty: f64) -> Document {
+    // The sum of no certainties is −0.
+    let certainty = certainty.abs();
+    let width_px = (to_px - from_px).max(0.0);
+    let shade = Rectangle::new().set("x", from_px).set("y", top_px).set("width", rounded(width_px));
+    let shade = shade.set("height", NODE_PX).set("fill", "#0b3c6f").set("fill-opacity", rounded(certainty));
+    let document = document.add(shade.set("stroke", "black").set("stroke-width", 0.5));
+    if width_px < 26.0 {
+        return document;
+    }
+    let ink = if certainty > 0.5 { "white" } else { "black" };
+    let said = text(&format!("{certainty:.2}"), (from_px + to_px) / 2.0, top_px + NODE_PX / 2.0 + 4.0);
+    document.add(said.set("fill", ink))
 }
 
 fn node_name(node: usize, nodes: usize) -> String {
     match nodes - node {
-        1 => "beyond".to_string(),
+        1 => "beyond, unseen".to_string(),
         2 => "goal".to_string(),
         _ if node == 0 => "start".to_string(),
         _ => format!("opening {node}"),
     }
 }
 
-/// A white sheet with a title, and metres below.
-fn sheet(along_m: f64, height_px: f64, title: &str) -> Document {
-    let width_px = LEFT_PX + along_m * ALONG_PX + 30.0;
-    let whole_px = TOP_PX + height_px + 50.0;
+/// A white sheet with a title, metres below, and room for a legend below them.
+fn sheet(along_m: f64, height_px: f64, legend_px: f64, title: &str) -> Document {
+    let width_px = (LEFT_PX + along_m * ALONG_PX + 30.0).max(LEAST_WIDTH_PX);
+    let whole_px = TOP_PX + height_px + 40.0 + legend_px;
     let mut document = Document::new()
         .set("viewBox", (0, 0, rounded(width_px), rounded(whole_px)))
         .set("width", rounded(width_px))
@@ -168,17 +245,21 @@ fn sheet(along_m: f64, height_px: f64, title: &str) -> Document {
         .add(text(title, width_px / 2.0, 24.0).set("font-size", 15));
     let mut along = 0.0;
     while along <= along_m {
-        document = document.add(text(&format!("{along:.0} m"), x(along), TOP_PX + height_px + 24.0));
+        let bottom_px = TOP_PX + height_px;
+        document = document.add(text(&format!("{along:.0} m"), x(along), bottom_px + 18.0));
         along += 5.0;
     }
     document
 }
 
+/// The legend needs so much.
+const LEAST_WIDTH_PX: f64 = 600.0;
+
 fn x(along_m: f64) -> f64 {
     rounded(LEFT_PX + along_m * ALONG_PX)
 }
 
-/// To the tenth of a pixel, or of certainty to the hundredth: more digits only make the file longer.
+/// To the hundredth of a pixel, or of certainty: more digits only make the file longer.
 fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
@@ -187,6 +268,21 @@ fn line(points: &[String]) -> Polyline {
     Polyline::new().set("points", points.join(" ")).set("fill", "none").set("stroke", "black").set("stroke-width", 1.0)
 }
 
+fn level(from_px: f64, to_px: f64, y_px: f64) -> Line {
+    Line::new().set("x1", from_px).set("x2", to_px).set("y1", y_px).set("y2", y_px)
+}
+
+fn bar(from_px: f64, to_px: f64, middle_px: f64, fill: &str) -> Rectangle {
+    let bar = Rectangle::new().set("x", from_px).set("y", rounded(middle_px - BAR_PX / 2.0));
+    let bar = bar.set("width", rounded(to_px - from_px)).set("height", BAR_PX);
+    bar.set("fill", fill).set("stroke", "black").set("stroke-width", 0.6)
+}
+
 fn text(content: &str, x_px: f64, y_px: f64) -> Text {
     Text::new(content).set("x", rounded(x_px)).set("y", rounded(y_px)).set("text-anchor", "middle")
+}
+
+/// A text that ends there.
+fn at_end(content: &str, x_px: f64, y_px: f64) -> Text {
+    text(content, x_px, y_px).set("text-anchor", "end")
 }

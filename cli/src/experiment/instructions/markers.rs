@@ -1,7 +1,12 @@
 //! `marker-detection`: whether the camera has found the markers of a hallway before the robot is beside them.
 
 use super::setting::usual_camera;
+use crate::experiment::conduct::chosen;
+use crate::experiment::findings::Findings;
+use crate::experiment::kind::{ExperimentKind, Run};
+use crate::experiment::request::ExperimentRequest;
 use crate::experiment::statistics::Proportion;
+use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Context, Result};
@@ -13,7 +18,8 @@ use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings, SimulatorState};
 use rpl_robot::vision::FloorMark;
 use rpl_robot::world::{Marker, MarkerColour};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::sync::Arc;
 
 /// A row: what markers are looked for, and among what.
@@ -33,7 +39,7 @@ const fn crowded(name: &'static str, colour: MarkerColour) -> MarkerRow {
 }
 
 /// All rows.
-pub const ROWS: [MarkerRow; 6] = [
+pub static ROWS: [MarkerRow; 6] = [
     MarkerRow { name: "calm", arena: ArenaSettings::MARKED, colour: MarkerColour::Pink, places: None },
     crowded("crowded", MarkerColour::Pink),
     crowded("crowded, orange", MarkerColour::Orange),
@@ -55,7 +61,7 @@ const NEAR_M: f64 = 0.4;
 const JUDGED_M: f64 = 3.0;
 
 /// What a drive along a hallway came to.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct MarkerDrive {
     /// Its seed.
     pub seed: u64,
@@ -68,11 +74,67 @@ pub struct MarkerDrive {
     driven_m: f64,
 }
 
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    ROWS.iter().map(|row| row.name).collect()
+}
+
+/// Drives along hallways with markers, row by row.
+pub struct MarkerDetections {
+    request: ExperimentRequest,
+    rows: Vec<&'static MarkerRow>,
+}
+
+impl MarkerDetections {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: ExperimentRequest) -> Result<Self> {
+        let rows = chosen(&request, &ROWS, |row| row.name)?;
+        Ok(Self { request, rows })
+    }
+}
+
+impl ExperimentKind for MarkerDetections {
+    type Ground = ();
+    type Record = MarkerDrive;
+    type Tally = Vec<MarkerDrive>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, _: usize) -> Result<()> {
+        Ok(())
+    }
+
+    fn run(&self, series: usize, _: &(), run: Run) -> Result<MarkerDrive> {
+        look_for_markers(self.rows[series], &self.request.robot, run.seed)
+    }
+
+    fn head(&self, _: &MarkerDrive) -> String {
+        "row,seed,passed,found,false alarms,driven [m]".to_string()
+    }
+
+    fn lines(&self, series: &str, _: Run, drive: &MarkerDrive) -> String {
+        let MarkerDrive { seed, passed, off_m, false_alarms, driven_m } = drive;
+        format!("\"{series}\",{seed},{passed},{},{false_alarms},{driven_m:.2}\n", off_m.len())
+    }
+
+    fn findings(&self, tallies: Vec<Vec<MarkerDrive>>, _: bool) -> Result<Findings> {
+        let rows = self.rows.iter().zip(&tallies).map(|(row, drives)| MarkerResult::of(row.name, drives));
+        let rows: Vec<MarkerResult> = rows.collect();
+        let (blocks, figures) = (blocks(&rows), json!({ "rows": rows }));
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+    }
+}
+
 /// Drives along the hallway of a seed, and looks to both sides.
 ///
 /// # Errors
 /// There is no camera for the robot.
-pub fn look_for_markers(row: &MarkerRow, robot: &Arc<RobotDescription>, seed: u64) -> Result<MarkerDrive> {
+fn look_for_markers(row: &MarkerRow, robot: &Arc<RobotDescription>, seed: u64) -> Result<MarkerDrive> {
     let camera = robot.camera.or_else(usual_camera).context("a robot has a camera or the usual one")?;
     let robot = &Arc::new(RobotDescription { camera: Some(camera), ..RobotDescription::clone(robot) });
     let mut mark = FloorMark::marker(row.colour, 0.3);
@@ -193,15 +255,4 @@ pub fn blocks(rows: &[MarkerResult]) -> Vec<Block> {
         table.row([row.name.clone(), row.runs.to_string()].into_iter().chain(cells));
     }
     vec![Block::Table(table)]
-}
-
-/// Every drive as a line of comma-separated values.
-pub fn raw_rows(rows: &[(&str, Vec<MarkerDrive>)]) -> String {
-    let mut text = String::from("row,seed,passed,found,false alarms,driven [m]\n");
-    for (name, drives) in rows {
-        for MarkerDrive { seed, passed, off_m, false_alarms, driven_m } in drives {
-            text += &format!("\"{name}\",{seed},{passed},{},{false_alarms},{driven_m:.2}\n", off_m.len());
-        }
-    }
-    text
 }

@@ -22,6 +22,8 @@ pub struct Setting {
     pub name: &'static str,
     /// What stands in the arenas.
     pub arena: ArenaSettings,
+    /// Another robot than the one that is asked for.
+    pub robot: Option<&'static str>,
     /// Whether sensors and odometry make no errors.
     pub is_exact: bool,
     /// How the robot differs from the usual one.
@@ -29,7 +31,8 @@ pub struct Setting {
 }
 
 /// Nobody and nothing in the hallways, and a robot without a camera, or one that finds no markers.
-pub const CALM: Setting = Setting { name: "sonar alone", arena: ArenaSettings::CALM, is_exact: false, lola: |_| () };
+pub const CALM: Setting =
+    Setting { name: "sonar alone", arena: ArenaSettings::CALM, robot: None, is_exact: false, lola: |_| () };
 
 /// The same with markers and a camera.
 pub const MARKED: Setting = Setting { name: "with markers", arena: ArenaSettings::MARKED, ..CALM };
@@ -56,6 +59,9 @@ pub const EXACT: Setting = Setting { name: "exact sensors", is_exact: true, ..CA
 pub const UNREGISTERED: Setting =
     Setting { name: "without registration", lola: |settings| settings.registers = false, ..CALM };
 
+/// LOLA's own robot: 16 sonars, whose cones overlap.
+pub const NOMAD: Setting = Setting { name: "nomad-200", robot: Some("nomad-200"), ..CALM };
+
 /// Openings are counted by a rule.
 pub fn by(method: Method) -> Inference {
     Inference { method, ..Inference::of_robot(false) }
@@ -74,7 +80,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// For a robot, which gets a camera if there are markers to see.
+    /// For the setting's robot, or this one; it gets a camera if there are markers to see.
     ///
     /// # Errors
     /// The library of plans does not compile.
@@ -83,7 +89,8 @@ impl Ground {
         (setting.lola)(&mut lola);
         let modules = modules_with(lola)?;
         let library = robot_library(&modules, Vec::new())?;
-        let mut robot = RobotDescription::clone(robot);
+        let own = setting.robot.and_then(RobotDescription::builtin);
+        let mut robot = RobotDescription::clone(own.as_ref().unwrap_or(robot));
         robot.camera = if setting.arena.markers { robot.camera.or_else(usual_camera) } else { None };
         let robot = Arc::new(if setting.is_exact { robot.without_errors() } else { robot });
         Ok(Self { robot, library, modules })

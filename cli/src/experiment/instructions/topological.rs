@@ -1,12 +1,19 @@
 //! `topological-global`: where the robot is on a complete topological map, from an unknown start.
 
+use crate::experiment::conduct::chosen;
+use crate::experiment::findings::Findings;
+use crate::experiment::kind::{ExperimentKind, Run};
+use crate::experiment::request::ExperimentRequest;
 use crate::experiment::statistics::Proportion;
+use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
+use anyhow::Result;
 use rpl_lola::arena::{Arena, ArenaSettings};
 use rpl_lola::state_set::Matrix;
 use rpl_lola::topological::{Step, drive};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// A row: how percepts come about, and what they are taken for.
 pub struct MapRow {
@@ -19,7 +26,7 @@ pub struct MapRow {
 }
 
 /// All rows.
-pub const ROWS: [MapRow; 3] = [
+pub static ROWS: [MapRow; 3] = [
     MapRow { name: "sonar alone", truth: Matrix::SONAR, believed: Matrix::SONAR },
     MapRow { name: "with markers", truth: Matrix::MARKED, believed: Matrix::MARKED },
     MapRow { name: "DERVISH's matrix", truth: Matrix::SONAR, believed: Matrix::DERVISH },
@@ -34,10 +41,73 @@ const KNOWN_AFTER: usize = 8;
 /// From this certainty on it is sure.
 const SURE: f64 = 0.95;
 
-/// Drives about the arena of a seed.
-pub fn drive_about(row: &MapRow, seed: u64) -> Vec<Step> {
-    let map = Arena::draw(seed, &ArenaSettings::CALM).topological_map();
-    drive(&map, &row.truth, &row.believed, seed, PERCEPTS)
+/// What can be asked for with `--row`.
+pub fn row_names() -> Vec<&'static str> {
+    ROWS.iter().map(|row| row.name).collect()
+}
+
+/// Drives about complete maps, row by row.
+pub struct TopologicalDrives {
+    rows: Vec<&'static MapRow>,
+}
+
+impl TopologicalDrives {
+    /// What is asked for.
+    ///
+    /// # Errors
+    /// No row has the name.
+    pub fn new(request: &ExperimentRequest) -> Result<Self> {
+        Ok(Self { rows: chosen(request, &ROWS, |row| row.name)? })
+    }
+}
+
+/// How things stood after a percept.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    /// Whether the likeliest state was the true one.
+    is_right: bool,
+    /// How certain the robot was of it.
+    certainty: f64,
+}
+
+impl ExperimentKind for TopologicalDrives {
+    type Ground = ();
+    type Record = Vec<Standing>;
+    type Tally = Vec<Vec<Standing>>;
+
+    fn series(&self) -> Vec<String> {
+        self.rows.iter().map(|row| row.name.to_string()).collect()
+    }
+
+    fn ground(&self, _: usize) -> Result<()> {
+        Ok(())
+    }
+
+    fn run(&self, series: usize, _: &(), Run { seed, .. }: Run) -> Result<Vec<Standing>> {
+        let MapRow { truth, believed, .. } = self.rows[series];
+        let map = Arena::draw(seed, &ArenaSettings::CALM).topological_map();
+        let steps = drive(&map, truth, believed, seed, PERCEPTS);
+        let standing = |step: &Step| Standing { is_right: step.truth == step.believed, certainty: step.certainty };
+        Ok(steps.iter().map(standing).collect())
+    }
+
+    fn head(&self, _: &Vec<Standing>) -> String {
+        "row,seed,percept,right,certainty".to_string()
+    }
+
+    fn lines(&self, series: &str, run: Run, steps: &Vec<Standing>) -> String {
+        let line = |(at, Standing { is_right, certainty }): (u32, &Standing)| {
+            format!("\"{series}\",{},{at},{is_right},{certainty:.4}\n", run.seed)
+        };
+        (1..).zip(steps).map(line).collect()
+    }
+
+    fn findings(&self, tallies: Vec<Vec<Vec<Standing>>>, _: bool) -> Result<Findings> {
+        let rows = self.rows.iter().zip(&tallies).map(|(row, drives)| MapResult::of(row.name, drives));
+        let rows: Vec<MapResult> = rows.collect();
+        let (blocks, figures) = (blocks(&rows), json!({ "rows": rows }));
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+    }
 }
 
 /// What came of the drives of a row.
@@ -57,13 +127,13 @@ pub struct MapResult {
 
 impl MapResult {
     /// The figures of some drives.
-    pub fn of(name: &str, drives: &[Vec<Step>]) -> Self {
+    pub fn of(name: &str, drives: &[Vec<Standing>]) -> Self {
         let after = |percepts: usize| drives.iter().filter_map(move |steps| steps.get(percepts - 1));
-        let share = |percepts: usize, is_so: &dyn Fn(&Step) -> bool| {
+        let share = |percepts: usize, is_so: &dyn Fn(&Standing) -> bool| {
             Proportion::new(after(percepts).filter(|step| is_so(step)).count(), after(percepts).count())
         };
-        let is_right = |step: &Step| step.truth == step.believed;
-        let is_sure = |step: &Step| step.certainty >= SURE;
+        let is_right = |step: &Standing| step.is_right;
+        let is_sure = |step: &Standing| step.certainty >= SURE;
         Self {
             name: name.to_string(),
             runs: drives.len(),
@@ -91,21 +161,4 @@ pub fn blocks(rows: &[MapResult]) -> Vec<Block> {
         table.row([row.name.clone()].into_iter().chain(right).chain(ends));
     }
     vec![Block::Table(table)]
-}
-
-/// A seed, and the drive it gave.
-pub type SeededDrive = (u64, Vec<Step>);
-
-/// Every step of every drive as a line of comma-separated values.
-pub fn raw_rows(rows: &[(&str, Vec<SeededDrive>)]) -> String {
-    let mut text = String::from("row,seed,percept,right,certainty\n");
-    for (name, drives) in rows {
-        for (seed, steps) in drives {
-            for (at, step) in (1..).zip(steps) {
-                let right = step.truth == step.believed;
-                text += &format!("\"{name}\",{seed},{at},{right},{:.4}\n", step.certainty);
-            }
-        }
-    }
-    text
 }

@@ -13,6 +13,7 @@ use rpl_robot::localization::{
 use rpl_robot::sensors::RangeSensor;
 use rpl_robot::simulator::{Commands, Percept, SimulatorModel, SimulatorSettings};
 use rpl_robot::world::{SeenBy, World};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// How long a run lasts.
@@ -51,7 +52,7 @@ pub struct Hall {
 }
 
 /// What was the case after a reading.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensingMoment {
     pub time_s: f64,
     /// L1 distance to the true position, weighted by the belief.
@@ -69,11 +70,10 @@ pub struct EndPoint {
 }
 
 /// One run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensingRun {
     pub seed: u64,
     pub moments: Vec<SensingMoment>,
-    pub readings: Vec<EndPoint>,
     /// Probability within 0.4 m of the position mirrored at the middle of the world, at the end.
     pub mirrored: f64,
 }
@@ -176,8 +176,8 @@ impl Hall {
         Some((range_m, EndPoint { is_sonar, end_in_map: truth_in_map.transform(end) }))
     }
 
-    /// Moves the robot, from a place on the lane that is drawn from the seed.
-    pub fn run(&self, setting: &SensingSetting, seed: u64, until_us: u64) -> SensingRun {
+    /// Moves the robot, from a place on the lane that is drawn from the seed. Answers what its readings met, too.
+    pub fn run(&self, setting: &SensingSetting, seed: u64, until_us: u64) -> (SensingRun, Vec<EndPoint>) {
         let model = &self.localization;
         let sensing = SensingModel::new(model, setting.sensors.numbers());
         let mut chance = Stream::new(seed, "sensing");
@@ -186,7 +186,8 @@ impl Hall {
         state.robot_in_map = start_in_map;
         let mut belief = Belief::uniform(model);
         let mut odometry_in_odom = state.odometry_in_odom;
-        let mut course = SensingRun { seed, moments: Vec::new(), readings: Vec::new(), mirrored: 0.0 };
+        let mut course = SensingRun { seed, moments: Vec::new(), mirrored: 0.0 };
+        let mut readings = Vec::new();
         while state.time_us < until_us {
             let commands = Commands { sonars_on: true, ..shuttle.commands(state.robot_in_map) };
             let percept = self.simulator.step(&mut state, &commands);
@@ -198,7 +199,7 @@ impl Hall {
             let direction = choose(setting.policy, &sensing, &belief, model, &mut chance);
             if let Some((range_m, end)) = self.read(direction, &percept, state.robot_in_map) {
                 belief.sense_reading(model, direction.sensor, direction.beam, range_m);
-                course.readings.push(end);
+                readings.push(end);
             }
             let off = belief.off_from(model, state.robot_in_map.point(), NEAR_M);
             course.moments.push(SensingMoment {
@@ -210,7 +211,7 @@ impl Hall {
         let middle = self.world.bounds().centre();
         let mirrored = middle + (middle - state.robot_in_map.point());
         course.mirrored = belief.off_from(model, mirrored, NEAR_M).near;
-        course
+        (course, readings)
     }
 }
 

@@ -2,8 +2,8 @@
 //! position (Fig. 10), and what the selected readings met (Fig. 11).
 
 use super::SensingRuns;
-use super::course::{Hall, SensingMoment, SensingRun};
-use super::settings::{Policy, Sensors};
+use super::course::{EndPoint, Hall, SensingMoment, SensingRun};
+use super::settings::{Policy, SensingSetting, Sensors};
 use crate::experiment::chart::{self, Curve, CurvePoint as Mean};
 use crate::show::figures::{self, Figure};
 use rpl_robot::geometry::Point;
@@ -16,8 +16,8 @@ const EVERY_S: usize = 20;
 
 const KINDS: [(Sensors, &str); 3] = [(Sensors::Sonars, "sonars"), (Sensors::Laser, "laser"), (Sensors::Both, "both")];
 
-/// Names of files and what is in them.
-pub fn pictures(hall: &Hall, rows: &SensingRuns) -> Vec<(String, String)> {
+/// Names of files, and error and probability over time in them.
+pub fn over_time(rows: &SensingRuns) -> Vec<(String, String)> {
     let mut files = Vec::new();
     for (sensors, name) in KINDS {
         let lines = lines(rows, sensors, |moment| moment.error_m);
@@ -31,12 +31,20 @@ pub fn pictures(hall: &Hall, rows: &SensingRuns) -> Vec<(String, String)> {
             files.push((format!("probability-{name}.svg"), chart::over_time(&title, "probability", 1.0, &lines)));
         }
     }
-    let chosen = rows.iter().find(|(setting, _)| setting.sensors == Sensors::Both && setting.policy == Policy::Active);
-    if let Some(course) = chosen.and_then(|(_, courses)| courses.first()) {
-        files.push(("readings-sonars.svg".to_string(), end_points(hall, course, true)));
-        files.push(("readings-laser.svg".to_string(), end_points(hall, course, false)));
-    }
     files
+}
+
+/// Whether the readings of the first run of a row are shown.
+pub fn shows_readings(setting: &SensingSetting) -> bool {
+    setting.sensors == Sensors::Both && setting.policy == Policy::Active
+}
+
+/// Names of files, and where the readings of a run ended in them.
+pub fn readings(hall: &Hall, seed: u64, readings: &[EndPoint]) -> [(String, String); 2] {
+    [true, false].map(|sonars| {
+        let name = if sonars { "readings-sonars.svg" } else { "readings-laser.svg" };
+        (name.to_string(), end_points(hall, seed, readings, sonars))
+    })
 }
 
 /// The mean over the runs of each row with these sensors.
@@ -55,12 +63,12 @@ fn points(courses: &[SensingRun], of: fn(&SensingMoment) -> f64) -> Vec<Mean> {
 }
 
 /// Where the readings of one run ended, seen from where the robot really was.
-fn end_points(hall: &Hall, course: &SensingRun, sonars: bool) -> String {
+fn end_points(hall: &Hall, seed: u64, readings: &[EndPoint], sonars: bool) -> String {
     let map = hall.world.map(RESOLUTION_M).around_free();
-    let ends = course.readings.iter().filter(|reading| reading.is_sonar == sonars);
+    let ends = readings.iter().filter(|reading| reading.is_sonar == sonars);
     let dots_in_map: Vec<Point> = ends.map(|reading| reading.end_in_map).collect();
     let sensor = if sonars { "sonars" } else { "laser" };
-    let title = format!("end points of the {} readings of the {sensor}, seed {}", dots_in_map.len(), course.seed);
+    let title = format!("end points of the {} readings of the {sensor}, seed {seed}", dots_in_map.len());
     let mut figure = Figure::of_map(&title, &map, &[]);
     figure.dots_in_map = dots_in_map;
     figures::draw(&figure)

@@ -42,7 +42,7 @@ pub struct SensingSetting {
     pub policy: Policy,
 }
 
-pub const SETTINGS: [SensingSetting; 6] = [
+pub static SETTINGS: [SensingSetting; 6] = [
     SensingSetting { name: "both, active", sensors: Sensors::Both, policy: Policy::Active },
     SensingSetting { name: "both, random", sensors: Sensors::Both, policy: Policy::Random },
     SensingSetting { name: "sonars, active", sensors: Sensors::Sonars, policy: Policy::Active },

@@ -87,17 +87,14 @@ pub fn blocks(rows: &[SensingRow]) -> Vec<Block> {
     vec![Block::Table(table), Block::Lines(notes)]
 }
 
-/// Every run as a line of comma-separated values.
-pub fn raw_rows(rows: &SensingRuns) -> String {
-    let mut lines = vec!["row,seed,certain after [s],error at the end [m],at the position,at the mirrored".to_string()];
-    for (setting, courses) in rows {
-        for course in courses {
-            let after = course.certain_after_s().map_or(String::new(), |time_s| time_s.to_string());
-            let (error_m, near) = course.moments.last().map_or((0.0, 0.0), |moment| (moment.error_m, moment.near));
-            lines.push(format!("\"{}\",{},{after},{error_m},{near},{}", setting.name, course.seed, course.mirrored));
-        }
-    }
-    lines.join("\n") + "\n"
+/// The names of the values of [`line`].
+pub const HEAD: &str = "row,seed,certain after [s],error at the end [m],at the position,at the mirrored";
+
+/// A run as a line of comma-separated values.
+pub fn line(row: &str, course: &SensingRun) -> String {
+    let after = course.certain_after_s().map_or(String::new(), |time_s| time_s.to_string());
+    let (error_m, near) = course.moments.last().map_or((0.0, 0.0), |moment| (moment.error_m, moment.near));
+    format!("\"{row}\",{},{after},{error_m},{near},{}\n", course.seed, course.mirrored)
 }
 
 #[cfg(test)]
@@ -108,7 +105,7 @@ mod tests {
 
     fn course(near: impl Fn(usize) -> f64) -> SensingRun {
         let moment = |second: usize| SensingMoment { time_s: second as f64, error_m: 0.5, near: near(second) };
-        SensingRun { seed: 1, moments: (1..=600).map(moment).collect(), readings: vec![], mirrored: 0.1 }
+        SensingRun { seed: 1, moments: (1..=600).map(moment).collect(), mirrored: 0.1 }
     }
 
     #[test]

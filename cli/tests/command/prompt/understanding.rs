@@ -56,3 +56,13 @@ fn events_and_documentation_are_looked_up() {
     assert!(shown.out.contains("fluent     main  level = 7\nno such event\n"), "{}", shown.out);
     assert!(shown.out.contains("(wait-for "), "{}", shown.out);
 }
+
+#[test]
+fn a_form_is_projected_and_what_is_under_way() {
+    let lines = ":project\n:project (go-to 'table-side)\n:break (> (now) 2)\n(go-to 'table-side)\n:project\n\
+                 :project (go-to 'desk)\n:delete\n:continue\n";
+    let shown = session(&["repl", "--world", "test-room"], lines);
+    assert!(shown.errors.contains("nothing runs; type `:project FORM`"), "{}", shown.errors);
+    assert!(shown.errors.contains("a form is under way; `:project` alone tells"), "{}", shown.errors);
+    assert_eq!(shown.out.matches("runs succeed").count(), 2, "{}", shown.out);
+}

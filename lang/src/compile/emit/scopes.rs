@@ -97,6 +97,7 @@ impl Emitter<'_, '_> {
                 self.value(value, reg, false);
                 Op::PushSuspended(reg)
             }
+            ScopeIr::Fence => Op::PushFence,
             ScopeIr::OnInterrupt(hook) | ScopeIr::OnResume(hook) => {
                 let code = self.inner(hook);
                 self.push(Op::Closure(reg, code));

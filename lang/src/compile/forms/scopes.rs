@@ -1,4 +1,4 @@
-//! Forms around a body that runs in the same task: clean-ups, valves, hooks, suspension.
+//! Forms around a body that runs in the same task: clean-ups, valves, hooks, suspension, fences.
 
 use super::special_form::{Role, SpecialForm};
 use crate::code::CodeKind;
@@ -64,6 +64,17 @@ pub(super) const FORMS: &[SpecialForm] = &[
         example: "",
         layout: Some(Layout::with(Body(1), &[Data])),
         role: Role::Effect(|compiler, written| compiler.with_task_suspended(written.rest(), written.span)),
+    },
+    SpecialForm {
+        names: &["no-revision"],
+        form: "(no-revision FORM...)",
+        doc: "Runs the forms; until they have ended, `swap-plan` of the task or of one above it waits.",
+        example: "(no-revision\n  (print \"picks up\")\n  (print \"sets down\"))",
+        layout: Some(Layout::plain(Body(0))),
+        role: Role::Effect(|compiler, written| {
+            let body = Box::new(compiler.body(written.rest(), written.span));
+            Ir { span: written.span, kind: IrKind::Scope(ScopeIr::Fence, body) }
+        }),
     },
 ];
 

@@ -2,7 +2,7 @@
 
 use super::ways::SeenWays;
 use crate::avoidance::{CollisionAvoidance, DriveLimits};
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, distance_m};
 use crate::navigation::driver::{Driver, Guidance, Guide};
 use crate::navigation::input::NavigationInput;
 use crate::obstacles::{is_seen, points_in_base};
@@ -61,11 +61,17 @@ impl Guide for SeenGuide<'_> {
         Guidance::LookAround
     }
 
-    /// Whether the robot has neither come nearer nor seen anything new for long.
-    fn has_stalled(&mut self, driver: &mut Driver, _: Target, here: Point) -> bool {
+    /// Whether the robot has neither come nearer nor seen anything new for long. Nearer to a target at hand is nearer
+    /// as the crow flies, and what is forgotten to wait there is not new when it is seen again.
+    fn has_stalled(&mut self, driver: &mut Driver, first: Target, here: Point) -> bool {
         let now_s = driver.now_s;
-        let cost_m = self.ways.costs(self.limits).and_then(|costs| costs.cost_m(here));
-        self.ways.progress.measure(now_s, cost_m, self.ways.seen.seen_cells());
+        let (cost_m, seen_cells) = if self.ways.is_nearby() {
+            (Some(distance_m(here, first.point_in_frame)), 0)
+        } else {
+            let cost_m = self.ways.costs(self.limits).and_then(|costs| costs.cost_m(here));
+            (cost_m, self.ways.seen.seen_cells())
+        };
+        self.ways.progress.measure(now_s, cost_m, seen_cells);
         if self.ways.progress.is_time_to_begin_anew(now_s) {
             self.begin_anew(driver, here);
         }

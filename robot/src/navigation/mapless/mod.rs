@@ -41,7 +41,14 @@ impl MaplessNavigation {
     /// The way is blocked when for `patience_s` the robot has neither come nearer nor seen anything new.
     pub fn start(&mut self, targets: Vec<Target>, patience_s: f64) {
         self.driver.start(targets);
-        self.ways.start(self.driver.now_s, patience_s);
+        self.ways.start(self.driver.now_s, patience_s, None);
+    }
+
+    /// The same for a target at hand, to which no way is taken that is longer than this: around what stands before it
+    /// the robot would go through all of a building that it does not know. It goes up to there instead, and waits.
+    pub fn start_nearby(&mut self, target: Target, patience_s: f64, longest_way_m: f64) {
+        self.driver.start(vec![target]);
+        self.ways.start(self.driver.now_s, patience_s, Some(longest_way_m));
     }
 
     /// Deletes all targets: how another process interrupts the navigation. Not an arrival.

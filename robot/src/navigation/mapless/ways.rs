@@ -7,7 +7,7 @@ use crate::geometry::{Point, distance_m};
 use crate::navigation::cache::Cache;
 use crate::navigation::input::NavigationInput;
 use crate::obstacles::{Confidence, LearnedMap, ObstacleMemory};
-use crate::planning::{CostGrid, CostToGo, Inflation};
+use crate::planning::{CostGrid, CostToGo, Inflation, path_length_m};
 use crate::sensors::RangeSensor;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -43,6 +43,8 @@ pub(super) struct SeenWays {
     pub scanned: ObstacleMemory,
     plan: Option<WayPlan>,
     next_look_s: f64,
+    /// Longer ways are not taken; none if any is.
+    longest_way_m: Option<f64>,
     pub progress: SeenProgress,
     /// What it costs to go to the target of the plan.
     #[serde(skip)]
@@ -56,12 +58,13 @@ impl SeenWays {
     }
 
     /// For new targets.
-    pub fn start(&mut self, now_s: f64, patience_s: f64) {
+    pub fn start(&mut self, now_s: f64, patience_s: f64, longest_way_m: Option<f64>) {
         *self = Self {
             seen: std::mem::take(&mut self.seen),
             heard: std::mem::take(&mut self.heard),
             scanned: std::mem::take(&mut self.scanned),
             next_look_s: now_s,
+            longest_way_m,
             progress: SeenProgress::from(now_s, patience_s),
             ..Self::default()
         };
@@ -114,6 +117,23 @@ impl SeenWays {
         if !has_way(self.costs(limits)) {
             self.plan_on(here, target_in_odom, Confidence::Certain, now_s);
         }
+        if self.is_detour(limits, here) {
+            // Who stands in the way walks on: the robot goes up to there, and waits.
+            self.seen = LearnedMap::new(self.seen.sharpest());
+            self.plan_on(here, target_in_odom, Confidence::Certain, now_s);
+        }
+    }
+
+    /// Whether the target is at hand, so that no way to it may be long.
+    pub fn is_nearby(&self) -> bool {
+        self.longest_way_m.is_some()
+    }
+
+    /// Whether there is no way but one that leads too far around.
+    fn is_detour(&mut self, limits: &DriveLimits, here: Point) -> bool {
+        let Some(longest_way_m) = self.longest_way_m else { return false };
+        let way = self.costs(limits).and_then(|costs| costs.way_ahead(here, FARTHEST_M));
+        way.is_none_or(|way| path_length_m(&way) > longest_way_m)
     }
 
     fn plan_on(&mut self, from_in_odom: Point, target_in_odom: Point, confidence: Confidence, at_s: f64) {

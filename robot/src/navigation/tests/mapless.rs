@@ -125,6 +125,27 @@ fn a_goal_inside_a_wall_or_behind_closed_walls_is_a_failure() {
     }
 }
 
+/// What stands before a goal at hand walks on, or it is a failure: nobody looks for a way through the whole building.
+#[test]
+fn a_goal_at_hand_is_not_gone_to_by_a_long_way() {
+    let mut scene = hall_with("[[wall]]\nline = [[6.0, 0.1], [6.0, 8.0]]\nthickness = 0.2\n");
+    scene.simulator = SimulatorModel::new(scene.world.clone(), SimulatorSettings::of(without_drift("b21")));
+    let (start, goal) = (Pose::new(4.5, 2.0, 0.0), Point::new(7.5, 2.0));
+    let by_any_way = Stranger::new(&scene, start, goal, 1).until_event();
+    assert!(by_any_way.event == Some(NavigationEvent::Arrived) && by_any_way.way_m > 12.0, "{by_any_way:?}");
+    let mut robot = Stranger::new(&scene, start, goal, 1);
+    let target = Target::through(start.inverse().transform(goal));
+    robot.navigation.start_nearby(target, PATIENCE_S, distance_m(start.point(), goal) + 4.0);
+    let (mut event, mut farthest_m) = (None, 0.0_f64);
+    while event.is_none() && robot.state.time_us < LATEST_US {
+        event = robot.step();
+        farthest_m = farthest_m.max(robot.state.true_pose().distance_m(start));
+    }
+    let outcome = robot.outcome(event);
+    assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Blocked), 0), "{outcome:?}");
+    assert!(farthest_m < 3.5, "it stays where it waits: {farthest_m}");
+}
+
 #[test]
 fn a_laser_alone_finds_the_way_as_well() {
     let mut scene = hall_with(DEAD_END);

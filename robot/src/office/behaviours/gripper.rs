@@ -1,15 +1,18 @@
 //! The gripper: it takes a thing, or lets go.
 
 use super::body::ARM;
+use crate::foresight::models::GraspRecord;
 use crate::geometry::Velocity;
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, Start, Telling};
 use crate::office::position::Position;
 use crate::simulator::{Commands, GripperCommand, GripperMotion};
 use crate::world::TravelMode;
+use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::{BehaviourSpec, Ending, StopReason};
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -27,6 +30,57 @@ pub struct Gripping {
     task: Option<GripperTask>,
     /// What goes out with the next step.
     command: GripperCommand,
+    /// What it has learned.
+    record: GraspRecord,
+    /// The thing that was missed last, and how often in a row.
+    missed: Option<(String, u32)>,
+}
+
+/// A thing that was missed so often is not there.
+const TRIES_AT_A_THING: u32 = 3;
+
+impl Gripping {
+    /// What it has learned of grasping.
+    pub(in crate::office) fn record(&self) -> GraspRecord {
+        self.record
+    }
+
+    /// The thing to grasp that the arguments name; none for letting go.
+    ///
+    /// # Errors
+    /// They name neither.
+    pub(in crate::office) fn asked(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<Option<String>, Raise> {
+        match arguments {
+            [(key, Value::Symbol(item))] if machine.symbols.name(*key) == "grasp" => {
+                Ok(Some(machine.symbols.name(*item).to_string()))
+            }
+            [(key, release)] if machine.symbols.name(*key) == "release" && release.is_true() => Ok(None),
+            _ => Err(Raise::type_error("`gripper` takes `:grasp NAME` or `:release t`")),
+        }
+    }
+
+    /// Whether the gripper was asked to grasp and has not come to an end: the thing.
+    pub(in crate::office) fn wanted(&self) -> Option<&str> {
+        match &self.task {
+            Some(GripperTask::Grasp(thing)) => Some(thing),
+            Some(GripperTask::Release) | None => None,
+        }
+    }
+
+    /// Takes down how a try at a thing went. Misses of what turns out not to be there are none.
+    fn note(&mut self, thing: &str, held: bool) {
+        let before = self.missed.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
+        if held {
+            self.record.things += 1;
+            self.record.tries += before + 1;
+            self.record.misses += before;
+        } else if before + 1 == TRIES_AT_A_THING {
+            self.record.things += 1;
+            self.record.missing += 1;
+        } else {
+            self.missed = Some((thing.to_string(), before + 1));
+        }
+    }
 }
 
 impl Module for Gripping {
@@ -56,14 +110,9 @@ impl Module for Gripping {
         if robot.gripper.is_none() {
             return Err(Raise::new("grasp-failure", format!("the robot `{}` has no gripper", robot.name)));
         }
-        let symbols = &start.machine.symbols;
-        let (task, command) = match (start.argument("grasp"), start.argument("release")) {
-            (Some(Value::Symbol(item)), None) => {
-                let item = symbols.name(item).to_string();
-                (GripperTask::Grasp(item.clone()), GripperCommand::Grasp(item))
-            }
-            (None, Some(release)) if release.is_true() => (GripperTask::Release, GripperCommand::Release),
-            _ => return Err(Raise::type_error("`gripper` takes `:grasp NAME` or `:release t`")),
+        let (task, command) = match Self::asked(start.machine, start.arguments)? {
+            Some(item) => (GripperTask::Grasp(item.clone()), GripperCommand::Grasp(item)),
+            None => (GripperTask::Release, GripperCommand::Release),
         };
         (self.task, self.command) = (Some(task), command);
         Ok(())
@@ -90,7 +139,9 @@ impl Module for Gripping {
             }
             (GripperTask::Release, ..) => Ending::failure("grasp-failure", "the gripper did not open"),
         };
-        self.task = None;
+        if let Some(GripperTask::Grasp(thing)) = self.task.take() {
+            self.note(&thing, ending == Ending::Success);
+        }
         tell.end(0, ending);
         None
     }

@@ -2,7 +2,7 @@
 
 pub(super) mod active_localization;
 pub(super) mod body;
-mod gripper;
+pub(super) mod gripper;
 mod look_around;
 pub(super) mod navigation;
 mod places;

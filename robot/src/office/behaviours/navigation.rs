@@ -2,6 +2,9 @@
 
 use super::body::WHEELS;
 use super::places::named_place;
+use crate::foresight::drive_times::{DriveTimes, WayFeatures};
+use crate::foresight::models::DriveRecord;
+use crate::foresight::ways::ForeseenWays;
 use crate::geometry::{Point, Pose, Velocity};
 use crate::navigation::{MaplessNavigation, MappedNavigation, NavigationEvent, NavigationOutput, Obstruction};
 use crate::office::functions::{act, board, look};
@@ -25,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Its name.
-const NAME: &str = "navigation";
+pub(in crate::office) const NAME: &str = "navigation";
 
 /// The robot's own plan library.
 pub const PLANS: &str = include_str!("../plans.rpl");
@@ -46,15 +49,63 @@ pub struct Navigating {
     /// Without a map; idle with one.
     mapless: MaplessNavigation,
     needs_sonars: bool,
+    /// The drive on the map that goes on, if nobody has interrupted it.
+    driving: Option<DriveBegun>,
+    /// What it has learned of its drives.
+    record: DriveRecord,
 }
+
+/// A drive that goes on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct DriveBegun {
+    begun_us: u64,
+    /// What was driven so far.
+    way: WayFeatures,
+    mode: TravelMode,
+    /// Doorways that were entered.
+    doorways: u32,
+}
+
+/// What turns slower than this does not turn, but keeps its way.
+const TURNING_RADPS: f64 = 0.2;
 
 impl Navigating {
     /// Doors found closed not long ago.
-    fn closed_doors(&self) -> Vec<usize> {
+    pub(in crate::office) fn closed_doors(&self) -> Vec<usize> {
         self.mapped.closed_doors()
     }
 
+    /// What it has learned of its drives.
+    pub(in crate::office) fn record(&self) -> &DriveRecord {
+        &self.record
+    }
+
+    /// Targets on the map that are not reached yet.
+    pub(in crate::office) fn targets_in_map(&self) -> &[Target] {
+        self.mapped.remaining_targets()
+    }
+
+    /// Takes down what this step adds to the drive.
+    fn note_step(&mut self, now: &Moment<'_>) {
+        let (Some(drive), step_s) = (&mut self.driving, now.model.limits.step_s) else { return };
+        let Velocity { translation_mps, rotation_radps } = now.input().velocity;
+        drive.way.add(now.mode, translation_mps.abs() * step_s);
+        if rotation_radps.abs() > TURNING_RADPS {
+            drive.way.turned_rad += rotation_radps.abs() * step_s;
+        }
+        drive.doorways += u32::from(now.mode == TravelMode::Doorway && drive.mode != now.mode);
+        drive.mode = now.mode;
+    }
+
+    fn note_arrival(&mut self, now: &Moment<'_>) {
+        let Some(drive) = self.driving.take() else { return };
+        let took_s = now.percept.time_us.saturating_sub(drive.begun_us) as f64 / 1e6;
+        let expected_s = DriveTimes::of(&now.model.settings.robot).time_s(&drive.way);
+        self.record.note(took_s / expected_s, drive.doorways);
+    }
+
     fn remove_all_targets(&mut self) {
+        self.driving = None;
         self.mapped.remove_all_targets();
         self.mapless.remove_all_targets();
     }
@@ -141,11 +192,23 @@ impl Module for Navigating {
 
     fn new((): &(), model: &OfficeModel, _: u64) -> Self {
         let mapless = MaplessNavigation::new(model.sensors.sharpest());
-        Self { mapped: MappedNavigation::default(), mapless, needs_sonars: true }
+        Self {
+            mapped: MappedNavigation::default(),
+            mapless,
+            needs_sonars: true,
+            driving: None,
+            record: DriveRecord::default(),
+        }
     }
 
     fn start(&mut self, _: usize, start: &Start<'_>, _: &mut Position, tell: &mut Telling<'_>) -> Result<(), Raise> {
         let (targets, patience_s) = arguments(start.machine, start.arguments)?;
+        self.driving = start.model.map.is_some().then_some(DriveBegun {
+            begun_us: start.time_us,
+            way: WayFeatures::default(),
+            mode: TravelMode::Hallway,
+            doorways: 0,
+        });
         match start.model.map {
             Some(_) => self.mapped.start(targets, patience_s.unwrap_or(MappedNavigation::PATIENCE_S)),
             None => self.mapless.start(targets, patience_s.unwrap_or(MaplessNavigation::PATIENCE_S)),
@@ -175,10 +238,18 @@ impl Module for Navigating {
         if now.phases != [Phase::Active] {
             return None;
         }
+        self.note_step(now);
         let ending = match output.event {
-            Some(NavigationEvent::Arrived) => Ending::Success,
+            Some(NavigationEvent::Arrived) => {
+                self.note_arrival(now);
+                Ending::Success
+            }
             Some(NavigationEvent::Unreachable) => self.unreachable(now.model, position),
-            Some(NavigationEvent::Blocked) => self.blocked(now, position),
+            Some(NavigationEvent::Blocked) => {
+                let ending = self.blocked(now, position);
+                self.record.doors_closed += u32::from(is_at_door(&ending));
+                ending
+            }
             Some(NavigationEvent::TargetReached) | None => return Some(output.velocity),
         };
         self.remove_all_targets();
@@ -195,8 +266,14 @@ impl Module for Navigating {
     }
 }
 
+/// Whether a door was in the way.
+fn is_at_door(ending: &Ending) -> bool {
+    let door = Reading::Symbol("door".to_string());
+    matches!(ending, Ending::Failure { slots, .. } if slots.iter().any(|(name, value)| name == "obstacle" && *value == door))
+}
+
 /// The failure that tells what blocks the way, and where; `here` is the robot's own place.
-fn blocked(world: &World, obstruction: Option<Obstruction>, here: Point) -> Ending {
+pub(in crate::office) fn blocked(world: &World, obstruction: Option<Obstruction>, here: Point) -> Ending {
     let (what, obstacle, room, at) = match obstruction {
         Some(Obstruction::Door(door)) => {
             let Door { room, at, .. } = &world.doors[door];
@@ -227,7 +304,10 @@ fn blocked(world: &World, obstruction: Option<Obstruction>, here: Point) -> Endi
 }
 
 /// `:targets`, a list of (x y) or (x y heading), and `:patience` in seconds.
-fn arguments(machine: &Machine, arguments: &[(Symbol, Value)]) -> Result<(Vec<Target>, Option<f64>), Raise> {
+pub(in crate::office) fn arguments(
+    machine: &Machine,
+    arguments: &[(Symbol, Value)],
+) -> Result<(Vec<Target>, Option<f64>), Raise> {
     let (mut targets, mut patience_s) = (Vec::new(), None);
     for &(key, value) in arguments {
         match machine.symbols.name(key) {
@@ -269,10 +349,18 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let (model, place) = named_place(call)?;
     let patience_s = if call.arguments.len() > 1 { patience_argument(call.argument(1))? } else { None };
     let start_in_map = board(call)?.position.estimate(model.map.as_ref()).pose_in_map;
-    let closed_doors = call.part::<Navigating>()?.closed_doors();
     let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
-    let plan = plan_text::navigation_plan(map, call.machine, start_in_map, &place, &closed_doors, patience_s);
-    plan.map(Reply::Value).map_err(|unreachable| {
+    // A projected robot knows doors closed that this one will find, and goes the same ways often.
+    let plan = match call.part::<ForeseenWays>() {
+        Ok(ForeseenWays { ways, closed_doors }) => {
+            ways.plan(map.ways(&model.world), start_in_map, &place, closed_doors)
+        }
+        Err(_) => {
+            let closed_doors = call.part::<Navigating>()?.closed_doors();
+            map.topology.plan(&map.navigation.planner, start_in_map, &place, &closed_doors)
+        }
+    };
+    plan.map(|plan| Reply::Value(plan_text::navigation_plan(&plan, call.machine, patience_s))).map_err(|unreachable| {
         let destination = Value::Symbol(call.machine.symbols.intern(&fold_name(&place.name)));
         Raise::New {
             class: "unreachable",

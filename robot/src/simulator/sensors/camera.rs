@@ -11,8 +11,8 @@ use crate::simulator::appearance::{Appearance, Colour, Light};
 use crate::simulator::fan::Fan;
 use crate::simulator::model::SimulatorModel;
 use crate::simulator::state::SimulatorState;
-use crate::simulator::sweep::Body;
-use crate::world::Marker;
+use crate::simulator::sweep::{Body, cross};
+use crate::world::{Landmark, Marker};
 use rpl_random::Stream;
 
 /// So far the camera sees.
@@ -109,6 +109,7 @@ impl SimulatorModel {
             light: appearance.light(camera_in_map.point(), SIGHT_M),
             appearance,
             markers: self.markers_around(camera_in_map.point()),
+            sheets: self.landmarks_facing(camera_in_map),
             hits,
         };
         let noise = eye.camera.noise;
@@ -122,6 +123,54 @@ impl SimulatorModel {
         };
         self.world.markers.iter().filter(near).collect()
     }
+
+    /// The landmarks near enough whose fronts look to the camera.
+    fn landmarks_facing(&self, camera_in_map: Pose) -> Vec<Sheet<'_>> {
+        let map_in_camera = camera_in_map.inverse();
+        let near = |landmark: &&Landmark| {
+            let at = landmark.pose_in_map.point() - camera_in_map.point();
+            at.norm_squared() < (SIGHT_M + landmark.width_m) * (SIGHT_M + landmark.width_m)
+        };
+        let sheets = self.world.landmarks.iter().filter(near).map(|landmark| Sheet::new(landmark, map_in_camera));
+        sheets.filter(|sheet| sheet.before_m > 0.0).collect()
+    }
+}
+
+/// A landmark as the camera has it, in `pan`.
+struct Sheet<'m> {
+    landmark: &'m Landmark,
+    middle: Vector,
+    /// Of unit length.
+    facing: Vector,
+    /// How far the camera is before its plane.
+    before_m: f64,
+}
+
+/// What is met so little before a sheet is the wall that it hangs on.
+const ON_WALL_M: f64 = 0.05;
+
+impl<'m> Sheet<'m> {
+    fn new(landmark: &'m Landmark, map_in_camera: Pose) -> Self {
+        let in_pan = map_in_camera.compose(landmark.pose_in_map);
+        let (sin, cos) = libm::sincos(in_pan.heading_rad);
+        let (middle, facing) = (in_pan.point().coords, Vector::new(cos, sin));
+        Self { landmark, middle, facing, before_m: -facing.dot(&middle) }
+    }
+
+    /// How far off the sheet is along a line of sight that ends after so much, if the sheet is in it.
+    fn range_m(&self, line: &Line, camera_m: f64, ends_m: f64) -> Option<f64> {
+        let towards = -self.facing.dot(&line.direction);
+        if towards <= 0.0 {
+            return None;
+        }
+        let range_m = self.before_m / towards;
+        let aside_m = cross(self.facing, line.direction * range_m - self.middle);
+        let over_bottom_m = camera_m - line.drop_per_m * range_m - self.landmark.bottom_m;
+        let is_on = range_m <= ends_m + ON_WALL_M
+            && aside_m.abs() <= self.landmark.width_m / 2.0
+            && (0.0..=self.landmark.height_m).contains(&over_bottom_m);
+        is_on.then_some(range_m)
+    }
 }
 
 /// What is around a camera.
@@ -131,6 +180,7 @@ struct Scene<'m> {
     appearance: Appearance,
     light: Light,
     markers: Vec<&'m Marker>,
+    sheets: Vec<Sheet<'m>>,
     /// What each ray of the fan meets.
     hits: Vec<Hit>,
 }
@@ -140,13 +190,18 @@ impl Scene<'_> {
     fn colour(&self, line: &Line) -> Colour {
         let hit = self.hits[line.ray];
         let floor_m = if line.drop_per_m > 0.0 { self.height_m / line.drop_per_m } else { f64::INFINITY };
-        let (range_m, colour) = match hit.body {
+        let sheet = self.sheets.iter().find_map(|sheet| {
+            let range_m = sheet.range_m(line, self.height_m, hit.range_m.min(floor_m))?;
+            Some((range_m, Appearance::of_marker(sheet.landmark.colour)))
+        });
+        let (range_m, colour) = match (sheet, hit.body) {
+            (Some(found), _) => found,
             _ if floor_m < hit.range_m => (floor_m, self.floor(self.at(line, floor_m))),
-            Some(body) => {
+            (None, Some(body)) => {
                 let height_m = self.height_m - line.drop_per_m * hit.range_m;
                 (hit.range_m, self.appearance.of_body(body, height_m))
             }
-            None => (SIGHT_M, Appearance::of_haze()),
+            (None, None) => (SIGHT_M, Appearance::of_haze()),
         };
         let light = self.light.at(self.at(line, range_m));
         std::array::from_fn(|part| colour[part] * light[part])

@@ -3,21 +3,20 @@
 
 mod measured;
 
-use super::floor_marks::FloorMark;
 use super::histogram::Histogram;
 use crate::world::MarkerColour;
 use measured::MEASURED;
 
-impl FloorMark {
-    /// A marker of a colour and size. Its histogram was measured in places with all kinds of light, by a
+impl Histogram {
+    /// Of the paper that markers and landmarks are of. It was measured in places with all kinds of light, by a
     /// camera like that of the robots here.
-    pub fn marker(colour: MarkerColour, size_m: f64) -> Self {
-        let mut colours = Histogram::default();
+    pub fn of_marker(colour: MarkerColour) -> Self {
+        let mut colours = Self::default();
         let measured = MARKERS.iter().zip(MEASURED).filter(|(known, _)| **known == colour);
         for (bin, share) in measured.flat_map(|(_, bins)| bins) {
             colours.counts[*bin] = f64::from(*share);
         }
-        Self { colours, size_m }
+        colours
     }
 }
 

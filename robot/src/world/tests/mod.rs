@@ -1,5 +1,6 @@
 //! World files: what they mean, which faults are found in them, and what is drawn of them.
 
+mod landmarks;
 mod ros_map;
 
 use super::*;

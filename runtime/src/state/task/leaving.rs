@@ -1,6 +1,6 @@
 //! Departures from the ordinary course of a task.
 
-use crate::state::value::Value;
+use crate::state::value::{TaskRef, Value};
 use serde::{Deserialize, Serialize};
 
 /// A departure from the ordinary course of a task.
@@ -33,6 +33,19 @@ pub enum Leaving {
         /// Frames below the one it is in.
         depth: u32,
     },
+    /// Out of the plan it runs, into another.
+    Swap(Box<Swap>),
+}
+
+/// A plan that takes the place of the one a task runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Swap {
+    /// Its code.
+    pub code: u32,
+    /// Valves that the task goes on holding.
+    pub kept: Vec<u32>,
+    /// Who asked for it; none if that was nobody in the run.
+    pub by: Option<TaskRef>,
 }
 
 /// What follows a clean-up.

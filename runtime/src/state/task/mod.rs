@@ -7,7 +7,7 @@ mod scope;
 mod waiting;
 
 pub use children::{Children, Decision, Held};
-pub use leaving::{Leaving, Then};
+pub use leaving::{Leaving, Swap, Then};
 pub use life::State;
 pub use scope::{PlanCall, Scope, ScopeKind, Scopes};
 pub use waiting::{Raises, Waiting, Wake};
@@ -34,6 +34,18 @@ pub struct Frame {
     pub base: u32,
 }
 
+/// What the name of a task is that of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Naming {
+    /// Its construct, whose only child it is, or what spawned it.
+    #[default]
+    Whole,
+    /// Its construct, in which its path gives its position.
+    Position,
+    /// A tag or a process.
+    Tag,
+}
+
 /// Fluents about a task, made when they are asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaskFluents {
@@ -54,6 +66,8 @@ pub struct Rare {
     pub fluents: TaskFluents,
     /// How often each name was used directly in it.
     pub counters: BTreeMap<Symbol, u32>,
+    /// Whether the last run of each tag below it, and below no other tag, succeeded.
+    pub finished: BTreeMap<Symbol, bool>,
     /// Suspensions of its own, which `resume` takes back.
     pub suspensions: u32,
     /// Suspensions of its own that only the scope or valve which made them takes back.
@@ -80,6 +94,8 @@ pub struct Rare {
     pub stop: u32,
     /// It was evaporated while a clean-up, a departure or the end of a construct was under way.
     pub evaporation_pending: bool,
+    /// The plan it is to be given as soon as nothing is in the way.
+    pub swap_pending: Option<Box<Swap>>,
     /// A plan call of it keeps the failure of a spawned child until nothing is in its way.
     pub failure_pending: bool,
     /// A departure that waits for children or for the next run.
@@ -112,8 +128,8 @@ pub struct Task {
     state: State,
     /// A value names it, so its record outlives it.
     pub exposed: bool,
-    /// Whether the path gives its position.
-    pub named_by_construct: bool,
+    /// What its name is that of.
+    pub naming: Naming,
     /// How often it, or what it started, ran away or was deadlocked in the instant of its budget.
     pub strikes: u8,
     /// How many numbers its priority has, trailing zeros included.
@@ -170,7 +186,7 @@ impl Task {
             wake_register: 0,
             state: State::Created,
             exposed: false,
-            named_by_construct: false,
+            naming: Naming::Whole,
             strikes: 0,
             priority_depth: 0,
             priority,
@@ -254,6 +270,11 @@ impl Task {
         });
         rare.failure_pending = failed.is_some();
         failed
+    }
+
+    /// Takes the plan out that it is to be given.
+    pub(crate) fn take_swap(&mut self) -> Option<Box<Swap>> {
+        self.rare.as_mut()?.swap_pending.take()
     }
 
     /// Ends the departure under way.

@@ -82,6 +82,8 @@ pub enum ScopeKind {
     Suspended(TaskRef),
     /// A fluent is watched.
     Watch(u32),
+    /// No task around is given another plan meanwhile.
+    Fence,
 }
 
 /// A scope and the number of frames below the one that opened it.
@@ -121,7 +123,8 @@ impl ScopeStack {
             | ScopeKind::OnInterrupt(_)
             | ScopeKind::OnResume(_)
             | ScopeKind::Suspended(_)
-            | ScopeKind::Watch(_) => None,
+            | ScopeKind::Watch(_)
+            | ScopeKind::Fence => None,
         }
     }
 }

@@ -32,6 +32,8 @@ pub enum Waiting {
     Death(u32),
     /// Another task, which it has suspended, to have no clean-up running any more.
     Rest(u32),
+    /// Another task, to which it has given a plan, to begin that.
+    Swap(u32),
     /// The signal of a behaviour.
     Signal(u16),
 }

@@ -5,7 +5,7 @@ use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::NONE;
-use crate::state::task::{Children, Held, ScopeKind, State, Task};
+use crate::state::task::{Children, Held, Naming, ScopeKind, State, Task};
 use crate::state::value::Value;
 use crate::step::construct::outcome::shortfall;
 use crate::step::native::Surroundings;
@@ -198,7 +198,6 @@ impl Machine {
         let index = self.place_task(child, task, base);
         let occurrence = self.count_use(owner, child.name.unwrap_or(construct.name));
         self.name_child(index, child, construct, 0, occurrence);
-        self.tasks[index].named_by_construct = false;
         self.adopt(owner, scope as u32, index);
         if let ScopeKind::Call(call) = &mut self.tasks[owner].scopes[scope].kind {
             call.spawned += 1;
@@ -218,7 +217,11 @@ impl Machine {
         let record = &mut self.tasks[task];
         record.position = position as u32;
         record.name = child.name.unwrap_or(construct.name);
-        record.named_by_construct = child.name.is_none() && !construct.is_single();
+        record.naming = match child.name {
+            Some(_) => Naming::Tag,
+            None if construct.is_single() => Naming::Whole,
+            None => Naming::Position,
+        };
         record.occurrence = occurrence;
     }
 

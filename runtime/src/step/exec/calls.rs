@@ -210,7 +210,7 @@ impl Machine {
                 self.scratch.stack[base + usize::from(to)] = Value::Nil;
                 Ok(Proceed::Leave)
             }
-            Reply::Execute(datum) => Ok(Proceed::Execute(datum, to)),
+            Reply::Ask(asked) => Ok(Proceed::Ask(asked, to)),
             Reply::Call(function, arguments) => {
                 self.call_value(around, place, function, &arguments, usize::from(to), false, to)
             }
@@ -243,7 +243,7 @@ impl Machine {
                     return Ok(Proceed::Blocked);
                 }
                 Reply::Leave => return Ok(Proceed::Entered),
-                Reply::Execute(datum) => return Ok(Proceed::Execute(datum, result)),
+                Reply::Ask(asked) => return Ok(Proceed::Ask(asked, result)),
                 Reply::Call(next, further) => {
                     (function, arguments) = (next, Cow::Owned(further));
                     (first, tail) = (usize::from(result), false);

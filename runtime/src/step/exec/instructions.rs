@@ -226,7 +226,7 @@ impl Machine {
                             check_switch!();
                         }
                         Proceed::Blocked => return Ok(Exit::Blocked),
-                        Proceed::Execute(datum, to) => return Ok(Exit::Execute(datum, to)),
+                        Proceed::Ask(asked, to) => return Ok(Exit::Ask(asked, to)),
                     }
                     continue 'frame;
                 }};
@@ -551,9 +551,7 @@ impl Machine {
                     Op::Spawn(a, construct) => hand_over!(self.spawn(around, place, a, construct)),
                     Op::PushBlock(a, result, distance) => hand_over!(self.push_block(place, a, result, distance)),
                     Op::ReturnFrom(a, b) => hand_over!(self.return_from(place, a, b)),
-                    Op::PushHandler(failure, clauses, distance) => {
-                        hand_over!(self.push_handler(place, failure, clauses, distance))
-                    }
+                    Op::PushHandler(a, clauses, distance) => hand_over!(self.push_handler(place, a, clauses, distance)),
                     Op::PushCleanup(distance) => hand_over!(self.push_cleanup(place, distance)),
                     Op::BeginCleanup => hand_over!(self.begin_cleanup()),
                     Op::EndCleanup => hand_over!(self.end_cleanup(around)),
@@ -561,6 +559,7 @@ impl Machine {
                     Op::PushOnInterrupt(a) => hand_over!(self.push_on_interrupt(place, a)),
                     Op::PushOnResume(a) => hand_over!(self.push_on_resume(place, a)),
                     Op::PushSuspended(a) => hand_over!(self.push_suspended(around, place, a)),
+                    Op::PushFence => hand_over!(self.push_fence()),
                     Op::PushWatch(a, missed, owned) => hand_over!(self.push_watch(place, a, missed, owned)),
                     Op::WatchWait => hand_over!(self.wait_for_event(place)),
                     Op::WatchDone => hand_over!(self.end_event_service()),

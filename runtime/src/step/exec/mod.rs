@@ -10,6 +10,7 @@ mod raising;
 pub(crate) mod turn;
 
 use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::projected::Asked;
 use crate::state::scratch::Cursor;
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
@@ -36,8 +37,8 @@ pub(crate) enum Exit {
     Paused,
     /// The task is dead.
     Dead,
-    /// A datum is to be compiled; its code goes on in the register.
-    Execute(Value, Reg),
+    /// Something is asked of the whole run; the answer goes to the register.
+    Ask(Asked, Reg),
 }
 
 /// How the loop goes on after an instruction that it has handed over.
@@ -53,8 +54,8 @@ pub(crate) enum Proceed {
     Entered,
     /// Not now: the task waits or departs.
     Blocked,
-    /// When a datum is compiled, in its code; the value goes to the register.
-    Execute(Value, Reg),
+    /// When the whole run has answered; the answer goes to the register.
+    Ask(Asked, Reg),
 }
 
 impl Machine {

@@ -322,6 +322,12 @@ impl Machine {
         Ok(Proceed::Switch)
     }
 
+    /// Keeps the tasks around from being given other plans.
+    pub(super) fn push_fence(&mut self) -> Result<Proceed, Raise> {
+        self.refuse_in_network("`no-revision` cannot be entered")?;
+        self.open_scope(ScopeKind::Fence)
+    }
+
     pub(super) fn push_watch(
         &mut self,
         place: &Cursor,
@@ -386,6 +392,7 @@ impl Machine {
                 }
             }
             Some(ScopeKind::Watch(watch)) => self.end_watch(watch),
+            Some(ScopeKind::Fence) => self.protection_ended(around, task),
             _ => {}
         }
     }

@@ -9,6 +9,7 @@ use crate::step::exec::Exit;
 use crate::step::native::Surroundings;
 use crate::step::tasks::path::form_in_plan;
 use crate::step::tasks::unwind::{Landing, Unwound};
+use rpl_lang::code::Program;
 
 impl Machine {
     /// Raises a failure where the current task stands; answers how it left, if it did.
@@ -40,12 +41,20 @@ impl Machine {
         loop {
             match self.unwind_step(around, task, true) {
                 Unwound::Land(landing) => self.land_at(place, landing),
+                Unwound::Swapped => self.enter_plan_anew(around.program, place),
                 Unwound::Waiting | Unwound::Dead => return false,
             }
             if !self.take_up_pending(around, task) {
                 return true;
             }
         }
+    }
+
+    /// The running task goes on in the plan it was given, with nothing of what it did before.
+    fn enter_plan_anew(&mut self, program: &Program, place: &mut Cursor) {
+        place.frame = self.tasks[self.current].frame;
+        self.scratch.frames.clear();
+        self.clear_frame(&program.codes[place.frame.code as usize], 0);
     }
 
     fn land_at(&mut self, place: &mut Cursor, landing: Landing) {

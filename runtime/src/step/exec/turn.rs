@@ -2,6 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::projected::{Answered, Asked};
 use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Frame, Raises, ScopeKind, State, Wake};
@@ -21,8 +22,8 @@ pub(crate) enum Ran {
     Task,
     /// A task ran and has not come to its end: the next turn is its own.
     Slice,
-    /// The task that runs asks for a datum to be compiled.
-    Asked(Value),
+    /// The task that runs asks something of the whole run.
+    Asked(Asked),
 }
 
 impl Machine {
@@ -41,7 +42,7 @@ impl Machine {
     }
 
     fn run_ready(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
-        if around.outside.period_us().is_some() {
+        if around.outside.next_event_us(self.now_us).is_some() {
             self.note_progress(task);
         }
         self.run_task(around, task)
@@ -83,9 +84,9 @@ impl Machine {
     fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit, steps: u32) -> Ran {
         // One that ran out of its limit has got it anew.
         self.steps += u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
-        if let Exit::Execute(datum, register) = exit {
+        if let Exit::Ask(asked, register) = exit {
             self.scratch.asked = Some((place, register));
-            return Ran::Asked(datum);
+            return Ran::Asked(asked);
         }
         if matches!(exit, Exit::Blocked) && self.pause(around, task, place) {
             return Ran::Task;
@@ -93,19 +94,28 @@ impl Machine {
         self.after_exit(around, task, place, exit)
     }
 
-    /// Lets the running task, which asked for a datum to be compiled, go on in its code, or fail
+    /// Lets the running task, which asked something of the whole run, go on with the answer, or fail
     /// instead. It may ask again.
-    pub(crate) fn enter(&mut self, around: &mut Surroundings<'_>, code: Result<u32, Raise>, steps: usize) -> Ran {
+    pub(crate) fn enter(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        answer: Result<Answered, Raise>,
+        steps: usize,
+    ) -> Ran {
         let Some((mut place, register)) = self.scratch.asked.take() else { return Ran::Task };
         let (task, left) = (self.current, place.steps());
         place.spend(steps);
         let base = place.frame.base as usize + usize::from(register);
-        let code = code.and_then(|code| match self.limits.allow(self.scratch.frames.len(), base) {
-            true => Ok(code),
-            false => Err(self.too_deep()),
+        let answer = answer.and_then(|answer| match answer {
+            Answered::Code(_) if !self.limits.allow(self.scratch.frames.len(), base) => Err(self.too_deep()),
+            answer => Ok(answer),
         });
-        let exit = match code {
-            Ok(code) => {
+        let exit = match answer {
+            Ok(Answered::Value(value)) => {
+                self.scratch.stack[base] = value;
+                None
+            }
+            Ok(Answered::Code(code)) => {
                 self.scratch.frames.push(place.frame);
                 place.frame = Frame { code, pc: 0, base: base as u32 };
                 self.clear_frame(&around.program.codes[code as usize], base);

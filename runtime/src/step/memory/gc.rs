@@ -118,7 +118,7 @@ impl Machine {
             bytes: 0,
             code,
         };
-        let asked = self.scratch.asked.as_ref().map(|(place, _)| place.frame);
+        let asked = self.scratch.asked.as_ref().map(|(place, ..)| place.frame);
         self.scratch.frames.iter().chain(asked.as_ref()).for_each(|frame| marker.refer_to(frame.code));
         marker.extend(&self.globals);
         marker.extend(&self.constants);
@@ -188,6 +188,9 @@ impl Machine {
             marker.push(Value::Fluent(fluent));
         }
         if let Some(rare) = &task.rare {
+            if let Some(swap) = &rare.swap_pending {
+                marker.refer_to(swap.code);
+            }
             if let Some(leaving) = &rare.leaving {
                 mark_leaving(marker, leaving);
             }
@@ -229,7 +232,7 @@ impl Machine {
             }
             ScopeKind::Suspended(task) => marker.push(Value::Task(*task)),
             ScopeKind::Handler { code, .. } => marker.refer_to(*code),
-            ScopeKind::Block { .. } | ScopeKind::Cleanup { .. } | ScopeKind::Valve(_) => {}
+            ScopeKind::Block { .. } | ScopeKind::Cleanup { .. } | ScopeKind::Valve(_) | ScopeKind::Fence => {}
         }
     }
 
@@ -332,6 +335,7 @@ fn mark_leaving(marker: &mut Marker, leaving: &Leaving) {
         Leaving::Fail(value) | Leaving::FailCall { failure: value, .. } | Leaving::Block { value, .. } => {
             marker.push(*value);
         }
+        Leaving::Swap(swap) => marker.refer_to(swap.code),
         Leaving::Evaporate | Leaving::Jump { .. } => {}
     }
 }

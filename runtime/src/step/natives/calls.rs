@@ -2,6 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::output::Channel;
+use crate::state::projected::Asked;
 use crate::state::value::Value;
 use crate::step::native::NativeCode::Plain;
 use crate::step::native::{Call, Effect, Native, Reply};
@@ -26,7 +27,7 @@ pub(super) const NATIVES: &[Native] = &[
         parameters: "datum",
         doc: "Compiles a quoted plan and runs it here, in this task.",
         effect: Effect::Calls,
-        code: Plain(|call| Ok(Reply::Execute(call.argument(0)))),
+        code: Plain(|call| Ok(Reply::Ask(Asked::Code(call.argument(0))))),
     },
     Native {
         name: "random",

@@ -36,6 +36,7 @@ impl Machine {
             Waiting::Children | Waiting::Spawned => "children".into(),
             Waiting::Valve(valve) => format!("valve {}", self.valve_name(valve)),
             Waiting::Death(other) => format!("the end of {}", self.path(other)),
+            Waiting::Swap(other) => format!("the new plan of {}", self.path(other)),
             Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
             Waiting::Signal(_) => "signal".into(),
         }
@@ -106,6 +107,7 @@ impl Machine {
             | Waiting::Valve(_)
             | Waiting::Death(_)
             | Waiting::Rest(_)
+            | Waiting::Swap(_)
             | Waiting::Signal(_) => return Vec::new(),
         };
         self.readings_of(program, fluent, 0, &mut Vec::new())

@@ -80,7 +80,7 @@ impl Machine {
         let record = &self.tasks[task];
         match record.waiting {
             Waiting::Valve(valve) => self.holder_of(valve).into_iter().collect(),
-            Waiting::Death(other) | Waiting::Rest(other) => {
+            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
                 self.tasks.get_alive(other).map(|_| other).into_iter().collect()
             }
             Waiting::Spawned => self.children(task),
@@ -122,6 +122,7 @@ impl Machine {
                 | Waiting::Valve(_)
                 | Waiting::Death(_)
                 | Waiting::Rest(_)
+                | Waiting::Swap(_)
                 | Waiting::Signal(_) => false,
             };
             found.extend(is_awaited.then_some(record.parent));

@@ -23,7 +23,7 @@ impl Machine {
             Leaving::Fail(failure) | Leaving::FailCall { failure, .. } => {
                 self.die(around, task, State::Failed, failure);
             }
-            Leaving::Block { .. } | Leaving::Jump { .. } => {
+            Leaving::Block { .. } | Leaving::Jump { .. } | Leaving::Swap(_) => {
                 let raise = Raise::new("control-error", "the block to return from is no longer there");
                 let failure = self.failure_from(raise);
                 self.die(around, task, State::Failed, failure);
@@ -61,6 +61,7 @@ impl Machine {
         record.raises = Raises::Nothing;
         record.frames = Stack::default();
         record.waiting = Waiting::Nothing;
+        self.swaps_pending -= u32::from(record.take_swap().is_some());
         if let Some(rare) = &mut record.rare {
             rare.leaving = None;
             rare.stop = 0;
@@ -70,7 +71,7 @@ impl Machine {
         self.end_activations_of(around, task);
         self.drop_links_of(around, task);
         self.update_task_fluents(around, task);
-        if was_protected || self.waits_for_rest > 0 {
+        if was_protected || self.waits_for_rest > 0 || self.swaps_pending > 0 {
             self.protection_ended(around, task);
         }
         if let Some(mourners) = self.tasks[task].rare.as_ref().map(|rare| rare.mourners) {
@@ -79,6 +80,7 @@ impl Machine {
             }
         }
         self.hooks_ended(around, task);
+        self.note_finished(task);
         let (parent, scope) = (self.tasks[task].parent, self.tasks[task].parent_scope);
         if let (true, Some(strikes @ 1..)) = (parent != NONE, strikes) {
             self.strike(parent, strikes);

@@ -2,7 +2,7 @@
 
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
-use crate::state::task::{Frame, Task};
+use crate::state::task::{Frame, Naming, Task};
 use rpl_lang::code::Program;
 use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
@@ -67,7 +67,7 @@ impl Machine {
 
     fn segment(&self, task: &Task) -> String {
         let name = self.counted(task.name, task.occurrence);
-        if task.named_by_construct { format!("{name}[{}]", task.position) } else { name }
+        if task.naming == Naming::Position { format!("{name}[{}]", task.position) } else { name }
     }
 
     fn counted(&self, name: Symbol, occurrence: u32) -> String {

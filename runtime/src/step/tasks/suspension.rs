@@ -140,6 +140,7 @@ impl Machine {
             }
             at = self.tasks[at].parent;
         }
+        self.take_up_swaps(around, task);
         self.stir_claims_above(around, task);
     }
 }

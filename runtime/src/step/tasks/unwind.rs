@@ -31,6 +31,8 @@ pub(crate) enum Unwound {
     Waiting,
     /// The task is dead.
     Dead,
+    /// It is in another plan, at whose first instruction it goes on.
+    Swapped,
 }
 
 enum Popped {
@@ -52,6 +54,8 @@ impl Machine {
         self.tasks[task].waiting = Waiting::Nothing;
         match self.unwind_step(around, task, false) {
             Unwound::Land(_) => self.make_ready(task),
+            Unwound::Swapped if self.take_up_pending(around, task) => self.unwind(around, task),
+            Unwound::Swapped => self.make_ready(task),
             Unwound::Waiting | Unwound::Dead => {}
         }
     }
@@ -81,7 +85,10 @@ impl Machine {
                     }
                     return Unwound::Waiting;
                 }
-                return self.leave_task(around, task, leaving);
+                return match leaving {
+                    Leaving::Swap(swap) => self.begin_plan(around, task, &swap),
+                    leaving => self.leave_task(around, task, leaving),
+                };
             };
             if let Some(landing) = self.landing(around.program, task, &scope, &leaving) {
                 if !may_run {
@@ -148,7 +155,7 @@ impl Machine {
         let (failure, within) = match leaving {
             Leaving::Fail(failure) => (*failure, within),
             Leaving::FailCall { scope, failure } => (*failure, within.min(*scope as usize)),
-            Leaving::Evaporate | Leaving::Block { .. } | Leaving::Jump { .. } => return None,
+            Leaving::Evaporate | Leaving::Block { .. } | Leaving::Jump { .. } | Leaving::Swap(_) => return None,
         };
         (!self.is_handled(program, task, failure, within)).then_some(failure)
     }
@@ -216,7 +223,7 @@ impl Machine {
         self.note_status(task);
         self.protection_ended(around, task);
         self.scratch.switch |= self.tasks[task].is_held();
-        false
+        self.tasks[task].is_leaving()
     }
 
     fn land(&mut self, task: u32, landing: Landing) -> Unwound {
@@ -299,7 +306,9 @@ impl Machine {
             | ScopeKind::Handler { .. }
             | ScopeKind::Cleanup { .. }
             | ScopeKind::OnInterrupt(_)
-            | ScopeKind::OnResume(_) => {
+            | ScopeKind::OnResume(_)
+            // Who waits for the end of a fence is told when the departure is over.
+            | ScopeKind::Fence => {
                 self.tasks[task].scopes.pop();
             }
         }
@@ -337,6 +346,10 @@ impl Machine {
             (Then::Leave(Leaving::Evaporate), Leaving::Fail(later)) => {
                 self.warn_of_failure(around.program, later, "in a clean-up during evaporation");
                 Leaving::Evaporate
+            }
+            (Then::Leave(Leaving::Swap(swap)), Leaving::Fail(later)) => {
+                self.warn_of_failure(around.program, later, "in a clean-up before another plan");
+                Leaving::Swap(swap)
             }
             (Then::Leave(Leaving::Block { .. } | Leaving::Jump { .. }), Leaving::Fail(later)) => Leaving::Fail(later),
             // A departure under way cannot be turned aside by an exit from its clean-up.

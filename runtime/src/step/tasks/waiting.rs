@@ -45,8 +45,10 @@ impl Machine {
                 }
             }
             Waiting::Valve(valve) => self.leave_valve_line(task, valve),
-            Waiting::Death(other) => {
+            Waiting::Death(other) => self.leave_line(task, other, |rare| &mut rare.mourners),
+            Waiting::Swap(other) => {
                 self.leave_line(task, other, |rare| &mut rare.mourners);
+                self.forget_swap(other, task);
             }
             Waiting::Rest(other) => {
                 self.waits_for_rest -= 1;

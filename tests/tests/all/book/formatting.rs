@@ -27,8 +27,14 @@ fn content(text: &str) -> Option<(String, Vec<String>)> {
 
 #[test]
 fn the_plans_that_come_with_the_program_are_formatted() {
-    let libraries =
-        ["stdlib/src/prelude/constructs.rpl", "stdlib/src/prelude/functions.rpl", "robot/src/office/plans.rpl"];
+    let libraries = [
+        "stdlib/src/prelude/constructs.rpl",
+        "stdlib/src/prelude/functions.rpl",
+        "stdlib/src/prelude/revision.rpl",
+        "stdlib/src/prelude/rules.rpl",
+        "stdlib/src/prelude/foresight.rpl",
+        "robot/src/office/plans.rpl",
+    ];
     let mut plans = libraries.map(|library| root().join(library)).to_vec();
     plans.extend(files_below(&root().join("examples"), &["rpl"]));
     assert!(plans.len() > 10);

@@ -20,6 +20,34 @@ fn generated_runs_keep_what_every_run_must() {
     assert!(tally.clean_ups > 300 && tally.succeeded > 500 && tally.failed > 500 && tally.stopped > 50, "{tally:?}");
 }
 
+/// r[swap.leaves], r[fence.form]: tasks are given other plans by others, by themselves and by tasks below,
+/// among everything else that can happen.
+#[test]
+fn generated_runs_with_revisions_keep_what_every_run_must() {
+    let mut tally = Tally::default();
+    for seed in 0..150 {
+        let case = Case::revised(seed);
+        if let Err(finding) = case.judge(10, &mut tally) {
+            panic!("seed {seed}: {finding}\n{}", case.text);
+        }
+    }
+    assert_eq!(tally.rejected, 0, "the grammar writes what can run");
+    assert!(tally.clean_ups > 150 && tally.succeeded > 250 && tally.failed > 250, "{tally:?}");
+}
+
+/// r[swap.leaves]
+#[test]
+fn some_task_is_given_another_plan_at_every_step() {
+    let mut tally = Tally::default();
+    for seed in 1000..1030 {
+        let case = Case::generated(seed);
+        if let Err(finding) = case.judge_swaps(&mut tally) {
+            panic!("seed {seed}: {finding}\n{}", case.text);
+        }
+    }
+    assert!(tally.runs > 300 && tally.clean_ups > 30, "{tally:?}");
+}
+
 #[test]
 fn mangled_texts_are_compiled_or_refused() {
     let mut compiled = 0;

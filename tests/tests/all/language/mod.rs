@@ -6,4 +6,5 @@ mod evaluation;
 mod kinds;
 mod plans_as_data;
 mod registers;
+mod revision;
 mod values;

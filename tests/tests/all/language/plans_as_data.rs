@@ -31,6 +31,12 @@ fn equal_data_share_a_unit() {
 }
 
 #[test]
+fn objects_pass_through_macros() {
+    check("(let ((f (create-fluent 3))) (execute-plan `(when ,f (prog1 (value ,f) (setf (value ,f) 4)))))", "=> 3");
+    check("(par (:tag a (wait-time 9)) (execute-plan `(when t (evaporate ,a)))) (now)", "=> 0.0");
+}
+
+#[test]
 fn objects_are_embedded() {
     check("(def-fluent f 1) (let ((g (create-fluent 5))) (execute-plan (list 'value g)))", "=> 5");
     check("(execute-plan (list (lambda (x) (+ x 1)) 2))", "=> 3");

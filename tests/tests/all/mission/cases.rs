@@ -1,9 +1,11 @@
 //! Driving by cases: routes made of remembered ones, behaviours that are retrieved, and what is learned.
 
+use rpl_mission::modules::SiteRobot;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
-use rpl_runtime::run::system::Progress;
+use rpl_runtime::run::system::{Progress, System};
+use rpl_runtime::state::trace::Event;
 use rpl_tests::mission::{Mission, Run, lines, model};
 use std::sync::{Arc, OnceLock};
 
@@ -83,15 +85,25 @@ fn a_place_is_reached_over_places_in_sight_of_each_other() {
 
 #[test]
 fn a_driven_route_is_remembered_once() {
-    let kinds = "(map (lambda (case) (second case)) (cases))";
-    assert_value(&format!("(seq (go-by-cases 'in-south) {kinds})"), "(behaviour route)");
-    let again = "(seq (go-by-cases 'in-south) (go-by-cases 'in-north) (go-by-cases 'in-south) (length (cases)))";
-    assert_value(again, "3");
+    assert_value("(seq (go-by-cases 'in-south) (length (cases-of 'route)))", "1");
+    let again =
+        "(seq (go-by-cases 'in-south) (go-by-cases 'in-north) (go-by-cases 'in-south) (length (cases-of 'route)))";
+    assert_value(again, "2");
+}
+
+#[test]
+fn a_route_case_is_used_when_a_route_is_made_of_it_and_succeeds_when_that_is_driven() {
+    let sums = "(let ((routes (cases-of 'route)))
+                  (list (apply #'+ (map #'third routes)) (apply #'+ (map #'fourth routes))))";
+    // The way back is made of the way there, as far as they go together.
+    assert_value(&format!("(seq (go-by-cases 'in-south) (go-by-cases 'in-north) {sums})"), "(1 1)");
+    let blocked = "(with-failure-handling ((blocked (f) nil)) (go-by-cases 'in-north :patience 0))";
+    assert_value(&format!("(seq (go-by-cases 'in-south) {blocked} {sums})"), "(3 0)");
 }
 
 #[test]
 fn what_is_retrieved_on_the_way_is_a_behaviour_and_explains_itself() {
-    let plan = "(pursue (go-by-cases 'in-south) (seq (wait-for case*) (list (value case*) (value case-kind*) (explain-case))))";
+    let plan = "(pursue (go-by-cases 'in-south) (seq (wait-for (eq case-kind* 'behaviour)) (list (value case*) (value case-kind*) (explain-case))))";
     let run = run(plan);
     assert!(run.outcome().starts_with("=> (0 behaviour \"case 0 (behaviour), distance "), "{}", run.outcome());
 }
@@ -106,7 +118,7 @@ fn who_takes_the_wheels_only_delays_it() {
 
 #[test]
 fn a_case_that_is_forgotten_is_not_used() {
-    assert_value("(list (forget-case 0) (forget-case 0) (retrieve-case) (cases))", "(t nil nil nil)");
+    assert_value("(list (forget-case 0) (forget-case 0) (retrieve-case) (length (cases)))", "(t nil 1 3)");
     let run = run("(use-case 7)");
     assert!(run.outcome().contains("there is no case 7; `(cases)` lists them"), "{}", run.outcome());
 }
@@ -140,4 +152,114 @@ fn reloading_on_the_way_changes_nothing() {
     }
     events.append(&mut system.machine.trace.take());
     assert_eq!(lines(&events), mission.run(SEED, 300.0).trace());
+}
+
+#[test]
+fn of_two_goals_the_more_important_is_gone_to_first() {
+    let plan = "(seq
+                  (retain-goal 'in-south 0.2)
+                  (retain-goal 'in-north 0.9)
+                  (reach-goal (retrieve-next-case))
+                  (print (list (at-destination? 'in-north) (length (cases-of 'goal))))
+                  (reach-goals)
+                  (list (at-destination? 'in-south) (cases-of 'goal)))";
+    let run = run(plan);
+    assert_eq!((run.outcome(), run.output.concat().trim()), ("=> (t nil)".to_string(), "(t 1)"));
+}
+
+#[test]
+fn another_goal_that_is_more_urgent_comes_before_the_one_that_is_driven_to() {
+    let plan = "(seq
+                  (retain-goal 'in-south 0.3)
+                  (with-policy (seq (wait-time 4) (retain-goal 'in-north 1.0))
+                    (reach-goal (retrieve-next-case))
+                    (print (list (at-destination? 'in-south) (case-goal (retrieve-next-case))))
+                    (reach-goal (retrieve-next-case))
+                    (print (at-destination? 'in-north))
+                    (reach-goals))
+                  (list (at-destination? 'in-south) (cases-of 'goal)))";
+    let run = run(plan);
+    assert_eq!(run.outcome(), "=> (t nil)");
+    assert_eq!(run.output.join(" "), "(nil in-north) t");
+}
+
+#[test]
+fn a_robot_that_is_turned_by_hand_reaches_its_goals() {
+    let plan =
+        "(seq (retain-goal 'in-south 0.9) (retain-goal 'in-north 0.2) (reach-goals) (at-destination? 'in-north))";
+    let run = mission(plan).with_scenario("(wait-time 6) (rotate-robot! 70deg)").run(SEED, 300.0);
+    assert_eq!(run.outcome(), "=> t");
+}
+
+#[test]
+fn a_robot_that_is_lost_is_told_to_find_its_position_first() {
+    let plan = "(seq
+                  (retain-goal 'in-south)
+                  (print (list (case-plan (retrieve-next-case)) (case-plan (retrieve-case 'in-south))))
+                  (reach-goals)
+                  (at-destination? 'in-south))";
+    let mission = mission(plan);
+    let mut robot = mission.robot(SEED);
+    robot.forget_position();
+    let mut system = mission.start_with(robot, SEED);
+    system.run_until(600_000_000);
+    let run = Run::of(system);
+    assert_eq!((run.outcome(), run.output.concat().trim()), ("=> t".to_string(), "(localize-first localize-first)"));
+}
+
+#[test]
+fn what_cannot_be_reached_is_tried_twice_and_remembered_as_what_to_train_for() {
+    let plan = "(seq
+                  (retain-goal 'in-south)
+                  (with-failure-handling ((blocked (f) nil)) (reach-goals :patience 0))
+                  (list (map #'rest (cases-of 'goal))
+                    (map (lambda (case) (case-plan (first case))) (cases-of 'meta-plan))))";
+    assert_value(plan, "(((goal 1 0)) (localize-first localize-first make-route train-behaviour))");
+}
+
+#[test]
+fn goals_that_are_none_are_told() {
+    let told = |plan: &str, message: &str| assert!(run(plan).outcome().contains(message), "{}", run(plan).outcome());
+    told("(retain-goal 'nowhere)", "place `nowhere` is not in world `hall-and-rooms`");
+    told("(retain-goal 'in-south 2)", "a goal has a priority from 0 to 1");
+    assert_value("(list (case-goal 0) (case-plan 0))", "(nil nil)");
+}
+
+/// The wheels are taken at twenty moments, each in a run of its own.
+#[test]
+fn interrupted_at_any_moment_it_arrives_all_the_same() {
+    for moment in 0..20 {
+        let wait_s = 0.3 + f64::from(moment);
+        let plan = format!(
+            "(with-policy (seq (wait-time {wait_s}) (with-valve wheels (wait-time 1)))
+               (go-by-cases 'in-south)
+               (at-destination? 'in-south))"
+        );
+        assert_value(&plan, "t");
+    }
+}
+
+#[test]
+fn a_fork_goes_on_as_the_run_does() {
+    let mission = mission("(seq (go-by-cases 'in-south) (go-by-cases 'in-north))");
+    let whole = mission.run(SEED, 300.0).trace();
+    for instants in (0..=600).step_by(150) {
+        let mut system = mission.start(SEED);
+        let mut events = Vec::new();
+        for _ in 0..instants {
+            assert_eq!(system.advance(), Progress::Running);
+        }
+        events.append(&mut system.machine.trace.take());
+        let mut fork = system.clone();
+        let mut of_fork = events.clone();
+        let to_end = |system: &mut System<SiteRobot>, events: &mut Vec<Event>| {
+            while system.advance() == Progress::Running {}
+            events.append(&mut system.machine.trace.take());
+        };
+        // The fork first: what it learns must not reach the run.
+        to_end(&mut fork, &mut of_fork);
+        to_end(&mut system, &mut events);
+        assert_eq!(lines(&of_fork), whole, "forked after {instants} instants");
+        assert_eq!(lines(&events), whole, "the run that was forked after {instants} instants");
+    }
 }

@@ -118,6 +118,8 @@ fn the_trace_of_the_interrupted_delivery() {
         | EventKind::Resumed
         | EventKind::Failed
         | EventKind::Handled
+        | EventKind::Swapped
+        | EventKind::Decided
         | EventKind::Log
         | EventKind::Warning => false,
     };

@@ -28,7 +28,7 @@ fn clean_ups_run_and_the_robot_stands() {
     assert_eq!(system.outside.host.state.translation_mps, 0.0, "half a second is enough to stop");
     let before = system.outside.true_pose_in_map();
     for _ in 0..20 {
-        system.outside.step(system.machine.phases(), &mut Outbox::default());
+        system.outside.step(0, system.machine.phases(), &mut Outbox::default());
     }
     assert_eq!(system.outside.true_pose_in_map(), before, "nothing is commanded any more");
     let run = Run::of(system);

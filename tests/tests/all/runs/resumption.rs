@@ -38,8 +38,8 @@ impl Outside for Walker {
 
     fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
-    fn period_us(&self) -> Option<u64> {
-        Some(1_000_000)
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        Some(stepped_us + 1_000_000)
     }
 
     fn renew(&mut self, outbox: &mut Outbox) -> bool {

@@ -39,11 +39,11 @@ impl Outside for Talker {
 
     fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
-    fn period_us(&self) -> Option<u64> {
-        Some(50_000)
+    fn next_event_us(&self, stepped_us: u64) -> Option<u64> {
+        Some(stepped_us + 50_000)
     }
 
-    fn step(&mut self, _: Phases<'_>, outbox: &mut Outbox) {
+    fn step(&mut self, _: u64, _: Phases<'_>, outbox: &mut Outbox) {
         outbox.fluents.push((0, self.says.clone()));
     }
 }

@@ -2,6 +2,8 @@
 
 mod constructs;
 mod failures;
+mod foresight;
 mod life;
 mod policies;
 mod quorum;
+mod revision;

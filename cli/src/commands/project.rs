@@ -1,0 +1,112 @@
+//! `rpl project FILE`: how a mission would probably go on from a moment, as tables.
+
+use crate::arguments::completion;
+use crate::arguments::duration::parse_duration_us;
+use crate::arguments::site::SiteArguments;
+use crate::commands::run::load;
+use crate::files::module_files::{GoingBack, ModuleVoices};
+use crate::files::plans;
+use crate::status::Status;
+use crate::terminal::console::Console;
+use crate::terminal::page::Block;
+use crate::terminal::table::{NOTHING, Table};
+use anyhow::{Result, anyhow, bail};
+use clap_complete::engine::ArgValueCompleter;
+use rpl_mission::run::{Reached, run_to};
+use rpl_runtime::run::projection_record::Figures;
+use std::ops::ControlFlow::Continue;
+
+/// Tells how a plan would probably go, by what the robot knows
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// A plan file, or a built-in example; `-` for standard input
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
+    file: String,
+    #[command(flatten)]
+    site: SiteArguments,
+    /// Another first value for a variable of the plan
+    #[arg(long, value_name = "NAME=EXPR", add = ArgValueCompleter::new(completion::variables))]
+    set: Vec<String>,
+    /// How many runs are projected
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    runs: u32,
+    /// The plan is run up to this time, such as 3min, and projected from there
+    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = parse_duration_us)]
+    from: u64,
+    /// How far is projected
+    #[arg(long, value_name = "TIME", default_value = "1h", value_parser = parse_duration_us)]
+    horizon: u64,
+    /// Writes one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the plan up to the moment and projects the rest.
+///
+/// # Errors
+/// The text or the command line is wrong, the run ends before, or it cannot be projected.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    if arguments.horizon == 0 {
+        bail!("nothing can be projected for no time; write a time such as `--horizon 20min`");
+    }
+    let plan = plans::plan(&arguments.file)?;
+    let (site, _, _modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Never))?;
+    let Some(loaded) = load(&site.library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
+    let mut system = site.start(loaded, arguments.site.seed);
+    let reached = run_to(&mut system, arguments.from, |system| {
+        system.machine.output.clear();
+        Continue(())
+    });
+    if let Reached::End(_) = reached {
+        bail!("the run ends after {:.1} s, before `--from`: there is nothing to project", system.machine.now_s());
+    }
+    let figures = system.project_rest(arguments.runs, arguments.horizon, arguments.site.seed);
+    let figures = figures.map_err(|why| anyhow!("the plan cannot be projected: {why}"))?;
+    if arguments.json {
+        console.print(&serde_json::to_string(&figures)?)?;
+    } else {
+        blocks(&figures).iter().try_for_each(|block| console.block(block))?;
+    }
+    Ok(Status::Succeeded)
+}
+
+/// What is told of a projection.
+pub fn blocks(figures: &Figures) -> Vec<Block> {
+    let [share, low, high] = figures.success.map(|share| 100.0 * share);
+    let mut lines =
+        vec![format!("of {} runs succeed {share:.0} % (95 % interval {low:.0} to {high:.0} %)", figures.runs)];
+    lines.push(match figures.time_s {
+        Some([early, median, late]) => {
+            format!("they take {median:.0} s; one in ten less than {early:.0} s, one in ten more than {late:.0} s")
+        }
+        None => format!("none succeeds within {:.0} s", figures.horizon_s),
+    });
+    let mut blocks = vec![Block::Lines(lines.join("\n"))];
+    if !figures.failures.is_empty() {
+        let mut table = Table::new(&["what goes wrong", "share", "where", "the first says"]);
+        for failure in &figures.failures {
+            let place = if failure.place.is_empty() { NOTHING.to_string() } else { failure.place.clone() };
+            let share = format!("{:.0} %", 100.0 * failure.share);
+            table.row([failure.class.clone(), share, place, failure.message.clone()]);
+        }
+        blocks.push(Block::Table(table));
+    }
+    if !figures.timeline.is_empty() {
+        let mut table = Table::new(&["step", "share", "begins early [s]", "median", "late"]);
+        for step in &figures.timeline {
+            let share = format!("{:.0} %", 100.0 * step.share);
+            let [early, median, late] = step.begins_s.map(|time_s| format!("{time_s:.0}"));
+            table.row([step.path.clone(), share, early, median, late]);
+        }
+        blocks.push(Block::Table(table));
+    }
+    let mut table = Table::new(&["fluent in the end", "low", "median", "high"]);
+    for fluent in &figures.fluents {
+        let [low, median, high] = fluent.quantiles.map(|number| format!("{number:.2}"));
+        table.row([fluent.name.clone(), low, median, high]);
+    }
+    if !figures.fluents.is_empty() {
+        blocks.push(Block::Table(table));
+    }
+    blocks
+}

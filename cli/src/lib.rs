@@ -1,0 +1,109 @@
+//! The `rpl` command: files, terminal, wall clock, signals, and threads for runs over many seeds.
+//!
+//! `commands` has a file for each subcommand, and `arguments` what several of them take; `drive` runs a
+//! plan, `repl` is the prompt, `experiment` runs a plan over many seeds; `show` says what a run is shown
+//! as, and `terminal` where that goes. What a plan runs with is put together by the crate `mission`.
+
+mod arguments;
+mod commands;
+mod drive;
+mod experiment;
+mod files;
+mod hosts;
+mod interrupt;
+mod journal;
+mod prepared_run;
+mod recorded_run;
+mod reference;
+mod repl;
+mod run_record;
+mod show;
+mod sites;
+mod status;
+mod terminal;
+mod trace;
+mod version;
+
+use clap::{CommandFactory, Parser};
+use commands::{Command, CommandLine, completions};
+use hosts::HostArguments;
+use status::Status;
+use std::env;
+use std::ffi::OsString;
+use std::io;
+use std::process::ExitCode;
+use terminal::console::Console;
+use terminal::{colour, console};
+
+/// The command as a program of its own.
+pub fn main() -> ExitCode {
+    completions::answer(CommandLine::command);
+    status_of(env::args_os().collect()).into()
+}
+
+/// What the command does with these words, of which the first is its own name, and how that ends. It takes the signals
+/// of the process.
+fn status_of(words: Vec<OsString>) -> Status {
+    interrupt::catch();
+    let command = match CommandLine::try_parse_from(&words) {
+        Ok(CommandLine { command, prompt: site, color }) => {
+            colour::choose(color);
+            command.unwrap_or(Command::Repl(commands::repl::Arguments {
+                file: None,
+                at: None,
+                journal: None,
+                site,
+                host: HostArguments::default(),
+            }))
+        }
+        Err(error) => {
+            colour::choose(colour::asked_in(words));
+            return answered(commands::with_suggestion(error));
+        }
+    };
+    let quiet = match &command {
+        Command::Run(arguments) => arguments.output.quiet,
+        Command::Replay(arguments) => arguments.output.quiet,
+        Command::Resume(arguments) => arguments.quiet,
+        _ => false,
+    };
+    let mut console = Console::new(quiet);
+    let finished = command.run(&mut console).and_then(|status| Ok(console.flush().map(|()| status)?));
+    match finished {
+        Ok(status) => status,
+        // Whoever closed the pipe has read enough.
+        Err(error) if is_closed_pipe(&error) => Status::Succeeded,
+        Err(error) => {
+            console.end_status();
+            console.note(&format!("error: {}", told(&error)));
+            Status::Wrong
+        }
+    }
+}
+
+/// What clap itself answers: help, the version, or what is wrong with the command line.
+fn answered(error: clap::Error) -> Status {
+    let status = if error.use_stderr() { Status::Wrong } else { Status::Succeeded };
+    match console::answer(&error.render().ansi().to_string(), error.use_stderr()) {
+        Ok(()) => status,
+        // Whoever closed the pipe has read enough.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => status,
+        Err(error) => {
+            console::note(&format!("error: {CANNOT_WRITE}: {error}"));
+            Status::Wrong
+        }
+    }
+}
+
+/// Files are named where they are read and written; what has no name is standard output.
+fn told(error: &anyhow::Error) -> String {
+    if error.is::<io::Error>() { format!("{CANNOT_WRITE}: {error}") } else { format!("{error:#}") }
+}
+
+const CANNOT_WRITE: &str = "cannot write to standard output";
+
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
+}

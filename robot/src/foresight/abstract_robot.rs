@@ -1,0 +1,387 @@
+//! The abstract robot: where it is and what it does, in events. A drive is a duration and an outcome; what is
+//! at a place, how doors stand and how grasps go is drawn when a run first comes to it, and stays so.
+
+use super::drive_times::DriveTimes;
+use super::models::Models;
+use super::ways::{Way, WayMap, Ways};
+use crate::description::{BatteryDescription, GripperDescription};
+use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::planning::Target;
+use rpl_random::Stream;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The battery is told each time it has changed by so much.
+const BATTERY_STEP: f64 = 0.005;
+
+/// The robot is charged this near to a charging place.
+const CHARGING_REACH_M: f64 = 0.6;
+
+/// What is known of a robot and told to the abstract one.
+#[derive(Clone, Debug)]
+pub struct Knowledge {
+    /// How long its drives take.
+    pub drive_times: DriveTimes,
+    /// What may come between.
+    pub models: Models,
+    /// Where it may be, with the probability of each; the likeliest first.
+    pub hypotheses: Vec<(Pose, f64)>,
+    /// Its gripper.
+    pub gripper: Option<GripperDescription>,
+    /// Its battery.
+    pub battery: Option<BatteryDescription>,
+    /// Where it is charged.
+    pub chargers_in_map: Vec<Point>,
+    /// How long a look around takes.
+    pub look_s: f64,
+}
+
+/// How something that the robot does ends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// As it should.
+    Done,
+    /// The map leaves no way.
+    Unreachable,
+    /// A door kept it from coming through for all its patience.
+    DoorClosed(usize),
+    /// The gripper closed on nothing.
+    NotHeld(String),
+    /// The gripper did not open.
+    NotOpened,
+    /// The position was not found.
+    NotFound,
+}
+
+/// What the robot can do, one at a time each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Doing {
+    /// It drives over targets.
+    Driving,
+    /// Its gripper moves.
+    Gripping,
+    /// It looks around.
+    Looking,
+    /// It searches for its position.
+    Searching,
+}
+
+/// Something under way.
+#[derive(Clone, Debug)]
+struct Activity {
+    ends_us: u64,
+    outcome: Outcome,
+}
+
+/// A drive under way: where it is at which time.
+#[derive(Clone, Debug)]
+struct Drive {
+    way: Arc<Way>,
+    /// When each stretch begins; at the end of the last one it turns to its heading.
+    begins_us: Vec<u64>,
+    start_in_map: Pose,
+    targets: usize,
+}
+
+/// The state of a projected robot.
+#[derive(Clone, Debug)]
+pub struct AbstractRobot {
+    knowledge: Arc<Knowledge>,
+    ways: Ways,
+    /// Where it is.
+    pub robot_in_map: Pose,
+    /// Whether it knows where it is.
+    pub is_lost: bool,
+    /// What its gripper holds.
+    pub holding: Option<String>,
+    /// The charge of its battery, from 0 to 1.
+    pub battery: f64,
+    drive: Option<Drive>,
+    doing: BTreeMap<Doing, Activity>,
+    /// Doors found closed: until when.
+    closed_until_us: BTreeMap<usize, u64>,
+    /// Where things were put down in this run; of those that are not here at all, none.
+    things_in_map: BTreeMap<String, Option<Point>>,
+    now_us: u64,
+    told_battery: f64,
+    streams: Streams,
+}
+
+/// Streams by what is drawn from them, so that a plan that grasps once more still meets the same people.
+#[derive(Clone, Debug)]
+struct Streams {
+    drives: Stream,
+    doors: u64,
+    grasps: Stream,
+    things: u64,
+    searches: Stream,
+}
+
+impl Streams {
+    fn of(seed: u64) -> Self {
+        Self {
+            drives: Stream::new(seed, "foreseen drives"),
+            doors: seed,
+            grasps: Stream::new(seed, "foreseen grasps"),
+            things: seed,
+            searches: Stream::new(seed, "foreseen searches"),
+        }
+    }
+}
+
+fn microseconds(seconds: f64) -> u64 {
+    libm::round(seconds.max(0.0) * 1e6) as u64
+}
+
+impl AbstractRobot {
+    /// A robot with this knowledge, at the likeliest of the places where it may be.
+    pub fn new(knowledge: Knowledge, ways: Ways, holding: Option<String>, battery: f64, now_us: u64) -> Self {
+        let robot_in_map = knowledge.hypotheses.first().map_or_else(Pose::default, |&(pose, _)| pose);
+        Self {
+            knowledge: Arc::new(knowledge),
+            ways,
+            robot_in_map,
+            is_lost: false,
+            holding,
+            battery,
+            drive: None,
+            doing: BTreeMap::new(),
+            closed_until_us: BTreeMap::new(),
+            things_in_map: BTreeMap::new(),
+            now_us,
+            told_battery: battery,
+            streams: Streams::of(0),
+        }
+    }
+
+    /// Draws where it is for one run, before anything is under way. If that is not the likeliest place, it
+    /// is lost.
+    pub fn begin_run(&mut self, seed: u64) {
+        self.streams = Streams::of(seed);
+        let mut left = Stream::new(seed, "foreseen position").uniform();
+        for (number, &(pose, probability)) in self.knowledge.hypotheses.iter().enumerate() {
+            left -= probability;
+            if left < 0.0 {
+                self.robot_in_map = pose;
+                self.is_lost |= number > 0;
+                break;
+            }
+        }
+    }
+
+    /// When the next thing happens, if any.
+    pub fn next_event_us(&self) -> Option<u64> {
+        let endings = self.doing.values().map(|activity| activity.ends_us);
+        let target = self.drive.as_ref().and_then(|drive| {
+            let next = |&&at: &&usize| drive.begins_us.get(at).is_some_and(|&begins_us| begins_us > self.now_us);
+            drive.way.targets_at.iter().find(next).and_then(|&at| drive.begins_us.get(at).copied())
+        });
+        let rate_per_s = self.battery_per_s();
+        let battery = (rate_per_s != 0.0 && (self.battery > 0.0 || rate_per_s > 0.0)).then(|| {
+            let bound =
+                if rate_per_s > 0.0 { self.told_battery + BATTERY_STEP } else { self.told_battery - BATTERY_STEP };
+            let left = (bound.clamp(0.0, 1.0) - self.battery) / rate_per_s;
+            self.now_us + microseconds(left).max(1)
+        });
+        let is_full = self.battery >= 1.0 && rate_per_s > 0.0;
+        endings.chain(target).chain(battery.filter(|_| !is_full)).min()
+    }
+
+    /// Goes on to a time: what ends until then is told, in the order in which it ends.
+    pub fn advance_to(&mut self, now_us: u64) -> Vec<(Doing, Outcome)> {
+        let rate_per_s = self.battery_per_s();
+        let passed_s = now_us.saturating_sub(self.now_us) as f64 / 1e6;
+        self.battery = (self.battery + rate_per_s * passed_s).clamp(0.0, 1.0);
+        if (self.battery - self.told_battery).abs() >= BATTERY_STEP - 1e-9 {
+            self.told_battery = self.battery;
+        }
+        self.now_us = now_us;
+        self.move_along();
+        let mut ended: Vec<(u64, Doing)> = self
+            .doing
+            .iter()
+            .filter(|(_, activity)| activity.ends_us <= now_us)
+            .map(|(&doing, a)| (a.ends_us, doing))
+            .collect();
+        ended.sort_unstable();
+        ended.into_iter().filter_map(|(_, doing)| self.end(doing)).collect()
+    }
+
+    fn end(&mut self, doing: Doing) -> Option<(Doing, Outcome)> {
+        let Activity { outcome, .. } = self.doing.remove(&doing)?;
+        match (doing, &outcome) {
+            (Doing::Driving, _) => self.drive = None,
+            (Doing::Searching, Outcome::Done) => self.is_lost = false,
+            _ => {}
+        }
+        Some((doing, outcome))
+    }
+
+    /// Targets of the drive that are not reached yet.
+    pub fn remaining_targets(&self) -> usize {
+        self.drive.as_ref().map_or(0, |drive| {
+            let is_reached = |&&at: &&usize| drive.begins_us.get(at).is_some_and(|&begins_us| begins_us <= self.now_us);
+            drive.targets - drive.way.targets_at.iter().filter(is_reached).count().min(drive.targets)
+        })
+    }
+
+    /// Whether it moves.
+    pub fn drives(&self) -> bool {
+        self.drive.is_some()
+    }
+
+    /// Doors found closed not long ago.
+    pub fn closed_doors(&self) -> Vec<usize> {
+        self.closed_until_us.iter().filter(|&(_, &until_us)| until_us > self.now_us).map(|(&door, _)| door).collect()
+    }
+
+    /// A door was found closed before the run began.
+    pub fn know_closed(&mut self, door: usize) {
+        let closed_s = Models::closed_s(&mut Stream::new(self.streams.doors, &format!("door {door}")));
+        self.closed_until_us.insert(door, self.now_us + microseconds(closed_s));
+    }
+
+    /// Begins to drive over targets, in order.
+    pub fn drive(&mut self, map: WayMap<'_>, targets: &[Target], patience_s: f64) {
+        let Some(way) = Way::over(&self.ways, map, self.robot_in_map, targets) else {
+            self.begin(Doing::Driving, 0.0, Outcome::Unreachable);
+            return;
+        };
+        let features = way.features();
+        let times = self.knowledge.drive_times;
+        let expected_s = times.time_s(&features);
+        let takes_s = self.knowledge.models.drive_time_s(expected_s, &mut self.streams.drives);
+        // What is lost on the way, by people and by straying, is lost evenly.
+        let share = takes_s / expected_s.max(1e-3);
+        let mut at_s = times.constant_s * share;
+        let mut begins_us = Vec::with_capacity(way.stretches.len() + 1);
+        let mut outcome = Outcome::Done;
+        for stretch in &way.stretches {
+            at_s += share * stretch.turned_rad * times.turn_s_per_rad;
+            begins_us.push(self.now_us + microseconds(at_s));
+            at_s += share * times.metre_s(stretch.mode) * stretch.length_m;
+            if let Some(door) = stretch.door {
+                let closed_s = self.wait_at(door, at_s);
+                at_s += closed_s.min(patience_s);
+                if closed_s > patience_s {
+                    outcome = Outcome::DoorClosed(door);
+                    break;
+                }
+            }
+        }
+        if outcome == Outcome::Done {
+            begins_us.push(self.now_us + microseconds(at_s));
+            at_s += share * way.last_turn_rad * times.turn_s_per_rad;
+        }
+        let (start_in_map, targets) = (self.robot_in_map, targets.len());
+        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets });
+        self.begin(Doing::Driving, at_s, outcome);
+    }
+
+    /// How long a door keeps the robot that comes to it in so many seconds: mostly not at all. A run finds a
+    /// door as it found it before.
+    fn wait_at(&mut self, door: usize, in_s: f64) -> f64 {
+        let arrives_us = self.now_us + microseconds(in_s);
+        if !self.closed_until_us.contains_key(&door) {
+            let mut stream = Stream::new(self.streams.doors, &format!("door {door}"));
+            let closed_s = Models::closed_s(&mut stream);
+            let is_closed = stream.chance(self.knowledge.models.door_closed.share());
+            let until_us = if is_closed { arrives_us + microseconds(closed_s) } else { 0 };
+            self.closed_until_us.insert(door, until_us);
+        }
+        self.closed_until_us[&door].saturating_sub(arrives_us) as f64 / 1e6
+    }
+
+    /// Begins to grasp a thing.
+    pub fn grasp(&mut self, thing: &str) {
+        let Some(gripper) = self.knowledge.gripper else { return };
+        let misses = self.streams.grasps.chance(self.knowledge.models.grasp_misses.share());
+        let here = self.robot_in_map.point();
+        let missing = self.knowledge.models.thing_missing.share();
+        let seed = self.streams.things;
+        let lies = self.things_in_map.entry(thing.to_string()).or_insert_with(|| {
+            let is_missing = Stream::new(seed, &format!("thing {thing}")).chance(missing);
+            (!is_missing).then_some(here)
+        });
+        let is_here = lies.is_some_and(|there| distance_m(there, here) <= gripper.reach_m);
+        let takes = !misses && is_here && self.holding.is_none() && !self.is_lost;
+        let outcome = if takes { Outcome::Done } else { Outcome::NotHeld(thing.to_string()) };
+        if takes {
+            self.holding = Some(thing.to_string());
+        }
+        self.begin(Doing::Gripping, gripper.grasp_us as f64 / 1e6, outcome);
+    }
+
+    /// Begins to let go.
+    pub fn release(&mut self) {
+        let Some(gripper) = self.knowledge.gripper else { return };
+        let fails = self.streams.grasps.chance(self.knowledge.models.release_fails.share());
+        if fails {
+            return self.begin(Doing::Gripping, gripper.release_us as f64 / 1e6, Outcome::NotOpened);
+        }
+        if let Some(thing) = self.holding.take() {
+            self.things_in_map.insert(thing, Some(self.robot_in_map.point()));
+        }
+        self.begin(Doing::Gripping, gripper.release_us as f64 / 1e6, Outcome::Done);
+    }
+
+    /// Begins to look around.
+    pub fn look_around(&mut self) {
+        self.begin(Doing::Looking, self.knowledge.look_s, Outcome::Done);
+    }
+
+    /// Begins to search for its position.
+    pub fn search(&mut self) {
+        let search = Models::search(&mut self.streams.searches);
+        let outcome = if search.finds { Outcome::Done } else { Outcome::NotFound };
+        self.begin(Doing::Searching, search.takes_s, outcome);
+    }
+
+    /// Something is given up.
+    pub fn stop(&mut self, doing: Doing) {
+        self.doing.remove(&doing);
+        if doing == Doing::Driving {
+            self.drive = None;
+        }
+    }
+
+    fn begin(&mut self, doing: Doing, takes_s: f64, outcome: Outcome) {
+        self.doing.insert(doing, Activity { ends_us: self.now_us + microseconds(takes_s), outcome });
+    }
+
+    /// Where the drive has led to until now.
+    fn move_along(&mut self) {
+        let Some(drive) = &self.drive else { return };
+        let begun = drive.begins_us.partition_point(|&begins_us| begins_us <= self.now_us);
+        let Some(last) = begun.checked_sub(1) else { return };
+        let point_before = |at: usize| match at.checked_sub(1) {
+            Some(before) => drive.way.stretches[before].to_in_map,
+            None => drive.start_in_map.point(),
+        };
+        let Some(stretch) = drive.way.stretches.get(last) else {
+            let end = point_before(last);
+            self.robot_in_map = Pose::new(end.x, end.y, drive.way.last_heading_rad);
+            return;
+        };
+        let from = point_before(last);
+        let ahead = stretch.to_in_map - from;
+        let begins_us = drive.begins_us[last];
+        let takes_us = microseconds(self.knowledge.drive_times.metre_s(stretch.mode) * stretch.length_m).max(1);
+        let share = ((self.now_us - begins_us) as f64 / takes_us as f64).min(1.0);
+        let at = from + ahead * share;
+        self.robot_in_map = Pose::new(at.x, at.y, wrap_angle_rad(libm::atan2(ahead.y, ahead.x)));
+    }
+
+    fn battery_per_s(&self) -> f64 {
+        let Some(battery) = self.knowledge.battery else { return 0.0 };
+        let here = self.robot_in_map.point();
+        let is_charged = || self.knowledge.chargers_in_map.iter().any(|&at| distance_m(at, here) <= CHARGING_REACH_M);
+        if self.drives() {
+            -1.0 / battery.driving_s
+        } else if is_charged() {
+            1.0 / battery.charging_s
+        } else {
+            -1.0 / battery.standing_s
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What may come between: rates that the robot has learned from its own past, beginning with cautious
+//! priors. A hundred things that were all there do not mean that none is ever missing.
+
+use crate::description::{GripperDescription, RobotDescription};
+use rpl_random::Stream;
+use serde::{Deserialize, Serialize};
+
+/// How often something happened, of how many times: with what was counted on before.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rate {
+    /// Times it happened.
+    pub happened: f64,
+    /// Times it could have.
+    pub times: f64,
+}
+
+impl Rate {
+    /// What is counted on beforehand: a share that weighs as much as so many times.
+    pub fn counted_on(share: f64, weight: f64) -> Self {
+        Self { happened: share * weight, times: weight }
+    }
+
+    /// With what the robot has seen itself.
+    #[must_use]
+    pub fn and(self, happened: u32, times: u32) -> Self {
+        Self { happened: self.happened + f64::from(happened), times: self.times + f64::from(times) }
+    }
+
+    /// The share: the mean of what is believed of it.
+    pub fn share(self) -> f64 {
+        self.happened / self.times
+    }
+}
+
+/// What the robot has learned of grasping.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GraspRecord {
+    /// Tries at things that were there.
+    pub tries: u32,
+    /// How many of these missed.
+    pub misses: u32,
+    /// Things that were looked for.
+    pub things: u32,
+    /// How many of these were not there, as far as three tries tell.
+    pub missing: u32,
+}
+
+/// What of its drives the robot goes by: the time each took, as a share of the time it should take, and the
+/// doors.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DriveRecord {
+    /// Of the last drives that came to their end, the oldest first.
+    pub time_shares: Vec<f64>,
+    /// Doors that were driven through.
+    pub doors_open: u32,
+    /// Doors that kept the robot from coming through in time.
+    pub doors_closed: u32,
+}
+
+/// So many drives are remembered.
+const DRIVES_KEPT: usize = 64;
+
+impl DriveRecord {
+    /// Takes down a drive that has arrived.
+    pub fn note(&mut self, time_share: f64, doors_open: u32) {
+        if self.time_shares.len() == DRIVES_KEPT {
+            self.time_shares.remove(0);
+        }
+        self.time_shares.push(time_share);
+        self.doors_open = self.doors_open.saturating_add(doors_open);
+    }
+}
+
+/// How a drive strays from its time if nothing is known: by three parts in a hundred.
+const USUAL_STRAYING: f64 = 0.03;
+
+/// One drive in twenty is held up by people or things, for up to half a minute. Like all that is counted on
+/// here beforehand it is assumed, not measured.
+const HELD_UP: f64 = 0.05;
+const HELD_UP_S: f64 = 30.0;
+
+/// The prior of drives weighs as much as so many of its own.
+const PRIOR_DRIVES: f64 = 8.0;
+
+/// A door found closed stays so for a minute on the average: assumed.
+const CLOSED_S: f64 = 60.0;
+
+/// A search for the position takes from so long to so long, and succeeds nearly always: assumed.
+const SEARCH_S: [f64; 2] = [10.0, 60.0];
+const SEARCH_FAILS: f64 = 0.03;
+
+/// Longest search: active localization gives up then.
+const LONGEST_SEARCH_S: f64 = 600.0;
+
+/// What may come between, with its rates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Models {
+    /// A thing that is there is missed.
+    pub grasp_misses: Rate,
+    /// A gripper that is to open does not.
+    pub release_fails: Rate,
+    /// A thing is not where it is looked for.
+    pub thing_missing: Rate,
+    /// A door is closed.
+    pub door_closed: Rate,
+    time_shares: Vec<f64>,
+}
+
+/// How a search for the position goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// So long it takes.
+    pub takes_s: f64,
+    /// Whether it finds the position.
+    pub finds: bool,
+}
+
+impl Models {
+    /// For a robot with what it has learned.
+    pub fn learned(robot: &RobotDescription, grasps: &GraspRecord, drives: &DriveRecord) -> Self {
+        let declared = |probability: fn(&GripperDescription) -> f64| robot.gripper.as_ref().map_or(0.0, probability);
+        let misses = declared(|gripper| gripper.grasp_failure_probability);
+        Self {
+            grasp_misses: Rate::counted_on(misses.max(0.01), 50.0).and(grasps.misses, grasps.tries),
+            release_fails: Rate::counted_on(declared(|gripper| gripper.release_failure_probability), 100.0),
+            thing_missing: Rate::counted_on(0.02, 25.0).and(grasps.missing, grasps.things),
+            door_closed: Rate::counted_on(0.02, 50.0).and(drives.doors_closed, drives.doors_open + drives.doors_closed),
+            time_shares: drives.time_shares.clone(),
+        }
+    }
+
+    /// How long a drive takes that should take so long: as one of its own did, or, the fewer these are the
+    /// likelier, as a prior says.
+    pub fn drive_time_s(&self, expected_s: f64, stream: &mut Stream) -> f64 {
+        let own = self.time_shares.len() as f64;
+        // Each drive draws the same numbers, whatever comes of them: plans are compared on the same chances.
+        let (which, number, straying) = (stream.uniform(), stream.uniform(), stream.normal());
+        let (is_held_up, held_up) = (stream.chance(HELD_UP), stream.uniform());
+        if which < own / (own + PRIOR_DRIVES) {
+            let at = ((number * own) as usize).min(self.time_shares.len() - 1);
+            return expected_s * self.time_shares[at];
+        }
+        let usual = (1.0 + USUAL_STRAYING * straying).clamp(0.8, 1.2);
+        expected_s * usual + if is_held_up { HELD_UP_S * held_up } else { 0.0 }
+    }
+
+    /// How long a closed door stays closed, from when it is found so.
+    pub fn closed_s(stream: &mut Stream) -> f64 {
+        -CLOSED_S * libm::log(1.0 - stream.uniform())
+    }
+
+    /// How a search for the position goes.
+    pub fn search(stream: &mut Stream) -> Search {
+        let takes_s = stream.uniform_in(SEARCH_S[0], SEARCH_S[1]);
+        match stream.chance(SEARCH_FAILS) {
+            true => Search { takes_s: LONGEST_SEARCH_S, finds: false },
+            false => Search { takes_s, finds: true },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hundred_things_that_were_there_do_not_mean_never() {
+        let grasps = GraspRecord { tries: 100, misses: 0, things: 100, missing: 0 };
+        let models = Models::learned(&RobotDescription::papers(), &grasps, &DriveRecord::default());
+        assert!((0.001..0.02).contains(&models.thing_missing.share()), "{:?}", models.thing_missing);
+        assert!(models.grasp_misses.share() < 0.03, "fewer than declared were missed");
+    }
+
+    #[test]
+    fn drives_of_its_own_come_to_outweigh_the_prior() {
+        let mean = |time_shares: Vec<f64>| {
+            let drives = DriveRecord { time_shares, ..DriveRecord::default() };
+            let models = Models::learned(&RobotDescription::papers(), &GraspRecord::default(), &drives);
+            let mut stream = Stream::new(1, "drives");
+            (0..4000).map(|_| models.drive_time_s(100.0, &mut stream)).sum::<f64>() / 4000.0
+        };
+        // The prior: 100 s, and one time in twenty 15 s more.
+        assert!((mean(Vec::new()) - 100.75).abs() < 0.5);
+        assert!((mean(vec![1.2; 72]) - (0.9 * 120.0 + 0.1 * 100.75)).abs() < 0.5);
+    }
+}

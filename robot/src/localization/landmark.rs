@@ -1,0 +1,266 @@
+//! A landmark that was seen, as one more beam: how likely each state is by it.
+
+use super::belief::Belief;
+use super::kernel;
+use super::model::LocalizationModel;
+use super::plane::Plane;
+use crate::geometry::{Point, Pose, Transform, Vector};
+
+/// How far what a camera tells of a landmark is off, as standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LandmarkNoise {
+    /// Of its bearing.
+    pub bearing_rad: f64,
+    /// Of its distance: an error of part of a pixel, which grows with the square of the distance ...
+    pub range_per_m2: f64,
+    /// ... and never is less.
+    pub least_range_m: f64,
+}
+
+impl LandmarkNoise {
+    /// Set for the camera of `pioneer-2dx`; a test of [`vision`](crate::vision) holds it against the errors in 400
+    /// places.
+    pub const USUAL: LandmarkNoise = LandmarkNoise { bearing_rad: 0.004, range_per_m2: 0.012, least_range_m: 0.02 };
+
+    /// Of a distance.
+    pub fn range_m(&self, off_m: f64) -> f64 {
+        self.least_range_m + self.range_per_m2 * off_m * off_m
+    }
+}
+
+/// Of all sightings so many are of something else: a colour by chance, a sheet that hangs elsewhere by now.
+const MISTAKEN: f64 = 0.1;
+
+/// A sheet is seen from so far aside of its wall, as the sine of the angle to it, at the least.
+const LEAST_ASLANT: f64 = 0.15;
+
+/// What hides a landmark is at least so far off its wall, and off the robot.
+const BETWEEN_M: f64 = 0.2;
+
+/// Weights farther off than so many standard deviations are those of a mistake.
+const DEVIATIONS: f64 = 4.0;
+
+/// A sheet that was seen, and the landmarks that it may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandmarkSighting {
+    /// Where it was seen from the robot.
+    pub at_in_base: Point,
+    /// Where landmarks that look like it hang, and where they face.
+    pub candidates_in_map: Vec<Pose>,
+}
+
+/// Where a robot of some heading stands that sees a landmark so, and how surely.
+struct Spot {
+    in_map: Point,
+    /// To the landmark, of unit length.
+    towards: Vector,
+    along_m: f64,
+    across_m: f64,
+}
+
+impl Spot {
+    /// The likelihood of a point, 1 at the spot.
+    fn likelihood(&self, point_in_map: Point) -> f64 {
+        let off = point_in_map - self.in_map;
+        let along = off.dot(&self.towards) / self.along_m;
+        let across = off.perp(&self.towards) / self.across_m;
+        libm::exp(-0.5 * (along * along + across * across))
+    }
+
+    fn reach_m(&self) -> f64 {
+        DEVIATIONS * self.along_m.max(self.across_m)
+    }
+}
+
+impl LocalizationModel {
+    /// Where a robot of this heading sees one of the landmarks so.
+    fn spots(&self, sighting: &LandmarkSighting, heading_rad: f64) -> Vec<Spot> {
+        let off_m = sighting.at_in_base.coords.norm();
+        let noise = LandmarkNoise::USUAL;
+        let part = |step: f64| step * step / 12.0;
+        let cell = part(self.grid.cell_m);
+        let deviation = |deviation_m: f64| libm::sqrt(deviation_m * deviation_m + cell);
+        let bearing_rad = libm::sqrt(noise.bearing_rad * noise.bearing_rad + part(self.grid.angle_step_rad()));
+        let (along_m, across_m) = (deviation(noise.range_m(off_m)), deviation(bearing_rad * off_m));
+        let to_sheet = Transform::new(Pose::new(0.0, 0.0, heading_rad)).apply(sighting.at_in_base).coords;
+        let towards = to_sheet / off_m.max(f64::MIN_POSITIVE);
+        let spot = |landmark_in_map: &Pose| {
+            let (sin, cos) = libm::sincos(landmark_in_map.heading_rad);
+            let is_before = -towards.dot(&Vector::new(cos, sin)) > LEAST_ASLANT;
+            let at = landmark_in_map.point();
+            let between_m = off_m - 2.0 * BETWEEN_M;
+            let sees = |from: Point| {
+                self.distances.cast_m(from, (-towards.x, -towards.y), between_m)
+                    >= between_m - self.distances.resolution_m
+            };
+            (is_before && (between_m <= 0.0 || sees(at - towards * BETWEEN_M))).then(|| Spot {
+                in_map: at - to_sheet,
+                towards,
+                along_m,
+                across_m,
+            })
+        };
+        sighting.candidates_in_map.iter().filter_map(spot).collect()
+    }
+
+    fn admissible_m2(&self) -> f64 {
+        self.admissible_cells as f64 * self.grid.cell_m * self.grid.cell_m
+    }
+}
+
+impl Belief {
+    /// Eq. (2) for a landmark that was seen from where the robot was at the last update. A state is as likely as a
+    /// camera there tells such a bearing and distance of one of the candidates that it can see; but a sighting may
+    /// be a mistake, which any state explains alike. Cost: a pass over the active planes.
+    pub(super) fn see(&mut self, model: &LocalizationModel, sighting: &LandmarkSighting) {
+        let headings: Vec<f64> = (0..self.planes.len()).map(|heading| self.heading_rad(model, heading)).collect();
+        let mut average = MISTAKEN;
+        for (plane, heading_rad) in self.planes.iter_mut().zip(headings) {
+            let spots = model.spots(sighting, heading_rad);
+            let volume_m2 = |spot: &Spot| std::f64::consts::TAU * spot.along_m * spot.across_m;
+            average += spots.iter().map(volume_m2).sum::<f64>() / model.admissible_m2() / model.grid.headings as f64;
+            if plane.is_active() {
+                plane.see(model, &spots);
+            }
+        }
+        let mass = |plane: &Plane| plane.mass(model) * if plane.is_active() { 1.0 } else { average };
+        let evidence = self.planes.iter().map(mass).sum();
+        self.normalize(model, evidence, average, 0.0);
+    }
+}
+
+impl Plane {
+    /// Weighs every cell by what is seen from it.
+    fn see(&mut self, model: &LocalizationModel, spots: &[Spot]) {
+        let grid = &model.grid;
+        let terms = self.terms();
+        let mut near: Vec<(usize, f64)> = Vec::new();
+        for spot in spots {
+            let (x, y) = grid.fractional(spot.in_map);
+            let (x, y, reach) = (x - self.offset_cells[0], y - self.offset_cells[1], spot.reach_m() / grid.cell_m);
+            let along = |middle: f64, count: usize| {
+                libm::ceil(middle - reach).max(0.0) as usize
+                    ..libm::floor(middle + reach + 1.0).clamp(0.0, count as f64) as usize
+            };
+            for row in along(y, grid.rows) {
+                for column in along(x, grid.columns) {
+                    let cell = row * grid.columns + column;
+                    let (x, y) = self.position_cells(grid, cell);
+                    let at = grid.origin_in_map + Vector::new(x, y) * grid.cell_m;
+                    near.push((cell, spot.likelihood(at)));
+                }
+            }
+        }
+        // A cell from which two may be it counts by the likelier.
+        near.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        near.dedup_by_key(|(cell, _)| *cell);
+        let cells = self.cells_mut();
+        kernel::apply_terms(cells, &model.admissible, terms);
+        let mistaken = MISTAKEN as f32;
+        let mut next = near.into_iter().peekable();
+        for (number, value) in cells.iter_mut().enumerate() {
+            let likelihood = next.next_if(|(cell, _)| *cell == number).map_or(0.0, |(_, likelihood)| likelihood);
+            *value *= mistaken + (1.0 - mistaken) * likelihood as f32;
+        }
+        let extent = kernel::extent(&self.cells);
+        self.weighed(extent);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::localization::{Localization, LocalizationParameters, Spread};
+    use crate::occupancy::{Cell, OccupancyGrid};
+    use std::f64::consts::PI;
+
+    /// A landmark at the west end of a bare hall of 12 × 3 m, and one beside it that a wall of 1 m hides from most of
+    /// the hall.
+    const WEST: Pose = Pose { x_m: 0.1, y_m: 1.5, heading_rad: 0.0 };
+    const HIDDEN: Pose = Pose { x_m: 2.1, y_m: 0.1, heading_rad: PI / 2.0 };
+
+    fn model() -> LocalizationModel {
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 120, 30, Cell::Free);
+        for (column, row) in (0..120).flat_map(|column| (0..30).map(move |row| (column, row))) {
+            let is_edge = column == 0 || column == 119 || row == 0 || row == 29;
+            if is_edge || column == 24 && row < 10 {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+        let parameters = LocalizationParameters {
+            cell_m: 0.2,
+            angle_step_deg: 5,
+            activity_threshold: 0.0,
+            ..LocalizationParameters::default()
+        };
+        LocalizationModel::new(&map, parameters).expect("it is a map")
+    }
+
+    fn seen_from(robot_in_map: Pose, landmark: Pose) -> LandmarkSighting {
+        let at_in_base = robot_in_map.inverse().transform(landmark.point());
+        LandmarkSighting { at_in_base, candidates_in_map: vec![WEST, HIDDEN] }
+    }
+
+    #[test]
+    fn every_state_gains_as_it_sees_a_landmark_there_and_all_sum_to_one() {
+        let model = model();
+        let truth = Pose::new(3.1, 1.3, 2.9);
+        let sighting = LandmarkSighting { candidates_in_map: vec![WEST], ..seen_from(truth, WEST) };
+        let mut belief = Belief::uniform(&model);
+        belief.see(&model, &sighting);
+        assert!((belief.mass(&model) - 1.0).abs() < 1e-4, "{}", belief.mass(&model));
+        let states = belief.all_states(&model);
+        let most = states.iter().map(|at| at.share).fold(0.0, f64::max);
+        let mistaken = most * MISTAKEN;
+        for at in &states {
+            // Where the camera would see it from there.
+            let centre = model.grid.centre(at.state.column, at.state.row);
+            let pose = Pose::new(centre.x, centre.y, model.grid.heading_rad(at.state.heading));
+            let seen = pose.inverse().transform(WEST.point());
+            let off_m = (seen - sighting.at_in_base).norm();
+            match off_m {
+                // The wall hides it from farther south.
+                near if near < 0.1 && centre.y > 1.2 => assert!(at.share > 0.5 * most, "{at:?}"),
+                far if far > 1.5 => assert!(at.share < 2.0 * mistaken, "{at:?}"),
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_wall_hides_is_not_seen() {
+        let model = model();
+        let probability = |pose: Pose| {
+            let mut belief = Belief::uniform(&model);
+            belief.see(&model, &seen_from(pose, HIDDEN));
+            belief.probability(&model, model.state_at(pose).expect("on the map"))
+        };
+        let before = probability(Pose::new(1.7, 1.1, -70f64.to_radians()));
+        let behind = probability(Pose::new(3.5, 0.5, -165f64.to_radians()));
+        assert!(before > 5.0 * behind, "{before} {behind}");
+    }
+
+    #[test]
+    fn along_a_bare_hall_a_landmark_sets_the_position_right_and_counts_once_for_each_update() {
+        let model = model();
+        let (believed, truth) = (Pose::new(6.0, 1.5, PI), Pose::new(5.2, 1.5, PI));
+        let spread = Spread { position_m: 0.4, ..Spread::default() };
+        let mut localization = Localization::start_at(&model, believed, spread);
+        let mut odometry = Pose::default();
+        let scan = |pose: Pose| -> Vec<f32> {
+            let expected = model.expected_scan(0, model.state_at(pose).expect("on the map")).into_iter();
+            expected.map(|bin| model.sensors[0].likelihood.range_m(bin) as f32).collect()
+        };
+        for _ in 0..8 {
+            odometry = odometry.compose(Pose::new(0.2, 0.0, 0.0));
+            let here = truth.compose(odometry);
+            localization.observe(&model, odometry, &[Some(&scan(here))]);
+            assert!(localization.see(&model, &[seen_from(here, WEST)]));
+            let before = localization.clone();
+            assert!(!localization.see(&model, &[seen_from(here, WEST)]));
+            assert_eq!(localization, before);
+        }
+        let estimate = localization.estimate(&model);
+        assert!(estimate.pose_in_map.distance_m(truth.compose(odometry)) < 0.15, "{estimate:?}");
+    }
+}

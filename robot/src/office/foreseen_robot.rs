@@ -1,0 +1,326 @@
+//! The robot of projected runs: the abstract robot behind the same behaviours, fluents and functions. It is
+//! made of a controller, which has percepts and belief, and so of nothing that the robot does not know.
+
+use super::behaviours::active_localization;
+use super::behaviours::gripper::Gripping;
+use super::behaviours::navigation::{self, Navigating};
+use super::controller::Controller;
+use super::module::Module;
+use super::words::{mode_name, no_map};
+use crate::foresight::abstract_robot::{AbstractRobot, Doing, Knowledge, Outcome};
+use crate::foresight::drive_times::DriveTimes;
+use crate::foresight::models::Models;
+use crate::foresight::ways::{ForeseenWays, WayMap, Ways};
+use crate::geometry::Pose;
+use crate::localization::Estimate;
+use crate::navigation::{MappedNavigation, Obstruction};
+use crate::office::model::{MapModel, OfficeModel};
+use crate::planning::Target;
+use rpl_lang::symbol::Symbol;
+use rpl_runtime::robot::reading::Reading;
+use rpl_runtime::robot::{Ending, Foreseen, ForeseenRobot, NEVER_US, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::state::activation::{Phase, Phases};
+use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
+use std::any::{Any, TypeId};
+
+/// Where the robot may be is drawn from so many maxima of its belief, each with at least such a part of it.
+const MOST_HYPOTHESES: usize = 16;
+const LEAST_MASS: f64 = 0.001;
+
+/// A robot that is not lost in a projection is as sure as one that nobody has touched.
+const SURE: f64 = 0.9995;
+
+/// One that is lost.
+const LOST: f64 = 0.5;
+
+/// What goes on when the projection begins.
+#[derive(Clone, Debug)]
+enum Begun {
+    Driving(Vec<Target>),
+    Grasping(String),
+    Releasing,
+    Looking,
+    Searching,
+}
+
+/// The robot of projected runs.
+#[derive(Clone)]
+struct ForeseenOffice<M: Module> {
+    /// What functions of plans work on; its position follows the abstract robot.
+    controller: Controller<M>,
+    robot: AbstractRobot,
+    ways: ForeseenWays,
+    odom_in_map: Pose,
+    begun: Vec<Begun>,
+    unforeseen: Option<String>,
+}
+
+/// The robot that is foreseen from what a controller knows.
+///
+/// # Errors
+/// There is no map, or something goes on for which there is no model.
+pub(super) fn foresee<M: Module>(
+    controller: &Controller<M>,
+    now_us: u64,
+    phases: Phases<'_>,
+) -> Result<ForeseenRobot, Raise> {
+    let mut controller = controller.clone();
+    let model = controller.model.clone();
+    let Some(map) = &model.map else { return Err(no_map("there is nothing to project drives on")) };
+    let begun = begun(&mut controller, phases)?;
+    let ways = ForeseenWays { ways: Ways::default(), closed_doors: closed_doors(&mut controller) };
+    let percept = controller.board.percept.as_ref();
+    let holding = percept.and_then(|percept| percept.gripper.holding.clone());
+    let battery = percept.map_or(1.0, |percept| percept.battery);
+    let Estimate { pose_in_map, .. } = controller.estimate();
+    let odom_in_map = pose_in_map.compose(controller.board.position.odometry_in_odom().inverse());
+    let knowledge = knowledge(&mut controller, &model, map);
+    let robot = AbstractRobot::new(knowledge, ways.ways.clone(), holding, battery, now_us);
+    let mut foreseen = ForeseenOffice { controller, robot, ways, odom_in_map, begun, unforeseen: None };
+    foreseen.tell_position();
+    Ok(ForeseenRobot::of(foreseen))
+}
+
+fn part<M: Module, T: 'static>(controller: &mut Controller<M>) -> Option<&mut T> {
+    controller.modules.part(TypeId::of::<T>()).and_then(<dyn Any>::downcast_mut)
+}
+
+fn closed_doors<M: Module>(controller: &mut Controller<M>) -> Vec<usize> {
+    part::<M, Navigating>(controller).map_or_else(Vec::new, |navigating| navigating.closed_doors())
+}
+
+/// What of the behaviours is under way.
+fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Result<Vec<Begun>, Raise> {
+    let composition = controller.composition.clone();
+    let is_active = |&(number, _): &(usize, _)| phases.of(number as u16) == Phase::Active;
+    let mut begun = Vec::new();
+    for (_, spec) in composition.tables.behaviours.iter().enumerate().filter(is_active) {
+        begun.push(match doing(&spec.name) {
+            Some(Doing::Driving) => {
+                let navigating = part::<M, Navigating>(controller);
+                Begun::Driving(navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec()))
+            }
+            Some(Doing::Gripping) => match part::<M, Gripping>(controller).and_then(|gripping| gripping.wanted()) {
+                Some(thing) => Begun::Grasping(thing.to_string()),
+                None => Begun::Releasing,
+            },
+            Some(Doing::Looking) => Begun::Looking,
+            Some(Doing::Searching) => Begun::Searching,
+            None if spec.name == TRACKING => continue,
+            None => return Err(Raise::new("projection-failure", without_model(&spec.name))),
+        });
+    }
+    Ok(begun)
+}
+
+/// What keeps the position up to date goes on by itself.
+const TRACKING: &str = "position-tracking";
+
+/// The behaviours that are foreseen.
+fn doing(behaviour: &str) -> Option<Doing> {
+    match behaviour {
+        navigation::NAME => Some(Doing::Driving),
+        "gripper" => Some(Doing::Gripping),
+        "look-around" => Some(Doing::Looking),
+        active_localization::NAME => Some(Doing::Searching),
+        _ => None,
+    }
+}
+
+fn without_model(behaviour: &str) -> String {
+    format!("there is no model of what the behaviour `{behaviour}` does, so no plan that needs it is projected")
+}
+
+fn knowledge<M: Module>(controller: &mut Controller<M>, model: &OfficeModel, map: &MapModel) -> Knowledge {
+    let robot = &*model.settings.robot;
+    let grasps = part::<M, Gripping>(controller).map(|gripping| gripping.record()).unwrap_or_default();
+    let drives = part::<M, Navigating>(controller).map(|navigating| navigating.record().clone()).unwrap_or_default();
+    let chargers = model.world.places.iter().filter(|place| place.charges);
+    Knowledge {
+        drive_times: DriveTimes::of(robot),
+        models: Models::learned(robot, &grasps, &drives),
+        hypotheses: hypotheses(controller, map),
+        gripper: robot.gripper,
+        battery: robot.battery,
+        chargers_in_map: chargers.map(|place| place.pose_in_map.point()).collect(),
+        look_s: DriveTimes::look_s(robot),
+    }
+}
+
+/// Where the robot may be, with probabilities that sum to 1: the estimate as long as it is sure.
+fn hypotheses<M: Module>(controller: &Controller<M>, map: &MapModel) -> Vec<(Pose, f64)> {
+    let Estimate { pose_in_map, certainty } = controller.estimate();
+    let sure = vec![(pose_in_map, 1.0)];
+    let Some(localization) = controller.board.position.localization() else { return sure };
+    if certainty > 1.0 - LEAST_MASS {
+        return sure;
+    }
+    let maxima = localization.maxima(&map.localization, MOST_HYPOTHESES, LEAST_MASS);
+    let mass: f64 = maxima.iter().map(|maximum| maximum.mass).sum();
+    if maxima.is_empty() || mass <= 0.0 {
+        return sure;
+    }
+    maxima.iter().map(|maximum| (maximum.pose_in_map, maximum.mass / mass)).collect()
+}
+
+impl<M: Module> ForeseenOffice<M> {
+    fn map<'m>(model: &'m OfficeModel) -> Option<WayMap<'m>> {
+        model.map.as_ref().map(|map| map.ways(&model.world))
+    }
+
+    fn drive(&mut self, targets: &[Target], patience_s: f64) {
+        let model = self.controller.model.clone();
+        if let Some(map) = Self::map(&model) {
+            self.robot.drive(map, targets, patience_s);
+        }
+    }
+
+    /// The position is what functions of plans find it to be: where the abstract robot believes itself.
+    fn tell_position(&mut self) {
+        let position = &mut self.controller.board.position;
+        self.robot.is_lost |= position.take_doubt();
+        let certainty = if self.robot.is_lost { LOST } else { SURE };
+        let pose_in_map = self.robot.robot_in_map;
+        position.foresee(Estimate { pose_in_map, certainty }, self.odom_in_map.inverse().compose(pose_in_map));
+        self.ways.closed_doors = self.robot.closed_doors();
+    }
+
+    fn ending(&self, outcome: Outcome) -> Ending {
+        let world = &self.controller.model.world;
+        match outcome {
+            Outcome::Done => Ending::Success,
+            Outcome::Unreachable => Ending::failure("unreachable", "the map shows no way to the target"),
+            Outcome::DoorClosed(door) => {
+                navigation::blocked(world, Some(Obstruction::Door(door)), self.robot.robot_in_map.point())
+            }
+            Outcome::NotHeld(thing) => Ending::failure("grasp-failure", format!("the gripper does not hold `{thing}`")),
+            Outcome::NotOpened => Ending::failure("grasp-failure", "the gripper did not open"),
+            Outcome::NotFound => Ending::failure("localization-failure", "the position is still not known"),
+        }
+    }
+
+    fn publish(&self, outbox: &mut Outbox) {
+        let board = &self.controller.board;
+        let pose = self.robot.robot_in_map;
+        let region = self.controller.model.world.mode_at(pose.point());
+        let certainty = if self.robot.is_lost { LOST } else { SURE };
+        let mode = |mode| Reading::Symbol(mode_name(mode).to_string());
+        let values = [
+            ("x*", Reading::Float(pose.x_m)),
+            ("y*", Reading::Float(pose.y_m)),
+            ("o*", Reading::Float(pose.heading_rad)),
+            ("pos-certainty*", Reading::Float(certainty)),
+            ("travel-mode*", mode(board.mode)),
+            ("region*", region.map_or(Reading::Truth(false), mode)),
+            ("holding*", self.robot.holding.clone().map_or(Reading::Truth(false), Reading::Symbol)),
+            ("battery*", Reading::Float(libm::round(self.robot.battery * 1000.0) / 1000.0)),
+            ("messages*", Reading::Int(board.inbox.len() as i64)),
+            ("navigation-active?*", Reading::Truth(self.robot.drives())),
+            ("nr-of-nav-goals*", Reading::Int(self.robot.remaining_targets() as i64)),
+        ];
+        let fluents = &self.tables().fluents;
+        for (name, reading) in values {
+            if let Some(number) = fluents.iter().position(|fluent| fluent.name == name) {
+                outbox.fluents.push((number, reading));
+            }
+        }
+    }
+
+    fn begin(&mut self, begun: &Begun) {
+        match begun {
+            Begun::Driving(targets) => self.drive(targets, MappedNavigation::PATIENCE_S),
+            Begun::Grasping(thing) => self.robot.grasp(thing),
+            Begun::Releasing => self.robot.release(),
+            Begun::Looking => self.robot.look_around(),
+            Begun::Searching => self.robot.search(),
+        }
+    }
+}
+
+impl<M: Module> Foreseen for ForeseenOffice<M> {
+    fn copied(&self) -> Box<dyn Foreseen> {
+        Box::new(self.clone())
+    }
+
+    fn begin_run(&mut self, seed: u64) {
+        self.robot.begin_run(seed);
+        for door in self.ways.closed_doors.clone() {
+            self.robot.know_closed(door);
+        }
+        for begun in self.begun.clone() {
+            self.begin(&begun);
+        }
+        self.tell_position();
+    }
+
+    fn unforeseen(&self) -> Option<&str> {
+        self.unforeseen.as_deref()
+    }
+}
+
+impl<M: Module> Outside for ForeseenOffice<M> {
+    fn tables(&self) -> &RobotTables {
+        &self.controller.composition.tables
+    }
+
+    fn start(
+        &mut self,
+        machine: &Machine,
+        behaviour: u16,
+        arguments: &[(Symbol, Value)],
+        _: &mut Outbox,
+    ) -> Result<(), Raise> {
+        let name = self.tables().behaviours[usize::from(behaviour)].name.clone();
+        let Some(doing) = doing(&name) else {
+            let why = without_model(&name);
+            self.unforeseen.get_or_insert_with(|| why.clone());
+            return Err(Raise::new("projection-failure", why));
+        };
+        match doing {
+            Doing::Driving => {
+                let (targets, patience_s) = navigation::arguments(machine, arguments)?;
+                self.drive(&targets, patience_s.unwrap_or(MappedNavigation::PATIENCE_S));
+            }
+            Doing::Gripping => match Gripping::asked(machine, arguments)? {
+                Some(thing) => self.robot.grasp(&thing),
+                None => self.robot.release(),
+            },
+            Doing::Looking => self.robot.look_around(),
+            Doing::Searching => self.robot.search(),
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self, behaviour: u16, _: StopReason, _: &mut Outbox) {
+        if let Some(doing) = doing(&self.tables().behaviours[usize::from(behaviour)].name) {
+            self.robot.stop(doing);
+        }
+    }
+
+    fn next_event_us(&self, _: u64) -> Option<u64> {
+        Some(self.robot.next_event_us().unwrap_or(NEVER_US))
+    }
+
+    /// Position and battery follow time.
+    fn steps_at(&self, _: u64, _: u64) -> bool {
+        true
+    }
+
+    fn step(&mut self, now_us: u64, _: Phases<'_>, outbox: &mut Outbox) {
+        let ended = self.robot.advance_to(now_us);
+        self.tell_position();
+        self.publish(outbox);
+        for (doing, outcome) in ended {
+            let number = self.tables().behaviours.iter().position(|spec| self::doing(&spec.name) == Some(doing));
+            if let Some(number) = number {
+                outbox.endings.push((number as u16, self.ending(outcome)));
+            }
+        }
+    }
+
+    fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
+        if of == TypeId::of::<ForeseenWays>() { Some(&mut self.ways) } else { self.controller.part(of) }
+    }
+}

@@ -1,0 +1,51 @@
+//! Projections as data: what is asked of one, and what is noted of a run that is projected.
+
+use crate::state::value::{TaskRef, Value};
+
+/// What a task asks of the whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Asked {
+    /// To compile a datum; the task goes on in it.
+    Code(Value),
+    /// To compile a datum; the task goes on with it as a function.
+    Function(Value),
+    /// To project plans.
+    Projection(Box<Question>),
+}
+
+/// What the whole run answers a task that has asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answered {
+    /// The task goes on in this code.
+    Code(u32),
+    /// The task goes on with this value.
+    Value(Value),
+}
+
+/// What is asked of a projection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// Plans as data: each is run where it was asked, in runs of its own that draw the same as those of
+    /// the others.
+    pub plans: Vec<Value>,
+    /// The task whose end counts; none for the end of the plan.
+    pub task: Option<TaskRef>,
+    /// Runs of each plan, at most if they are compared.
+    pub runs: u32,
+    /// How far the runs go from now.
+    pub horizon_us: u64,
+    /// By how much the second plan is to be better than the first one, if they are compared.
+    pub margin: Option<f64>,
+}
+
+/// More begun steps than this are not noted of a run.
+pub const MOST_STEPS: usize = 256;
+
+/// What is noted of a projected run while it goes on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProjectedRun {
+    /// How the plan ended, once it has: nil, or its failure.
+    pub ended: Option<Value>,
+    /// Paths of the tagged steps that have begun, and when.
+    pub begun: Vec<(String, u64)>,
+}
