@@ -20,6 +20,7 @@ mod over_time;
 pub mod part;
 mod request;
 mod row_result;
+mod samples;
 mod seeds;
 mod sensing;
 pub mod statistics;

@@ -1,8 +1,9 @@
 //! What the certainty is worth: of all moments at which the robot says 0.8, it should be right in
 //! 80 %.
 
+use super::samples::Sample;
 use super::statistics::Proportion;
-use super::trial::{MissionTrial, Sample};
+use super::trial::MissionTrial;
 use crate::terminal::page::Block;
 use crate::terminal::table::Table;
 use rpl_robot::localization::Calibration;
@@ -276,7 +277,7 @@ impl Reliability {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::over_time::ErrorTrack;
+    use crate::experiment::samples::ErrorTrack;
 
     fn trial(samples: impl Iterator<Item = (f64, bool)>) -> MissionTrial {
         let samples: Vec<Sample> =

@@ -1,7 +1,8 @@
 //! Charts as SVG, readable in black and white.
 
 use super::calibration::Bin;
-use super::over_time::{EVERY_S, OverTime, POINTS};
+use super::over_time::OverTime;
+use super::samples::{EVERY_S, POINTS};
 use super::statistics::{Proportion, Summary};
 use svg::Document;
 use svg::node::element::{Circle, Line as Stroke, Polyline, Rectangle, Text};
@@ -191,7 +192,7 @@ fn around(time_s: f64, (mean, half): (f64, f64)) -> CurvePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::over_time::ErrorTrack;
+    use crate::experiment::samples::ErrorTrack;
     use crate::experiment::trial::MissionTrial;
 
     #[test]

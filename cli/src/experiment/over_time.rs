@@ -1,40 +1,8 @@
 //! How missions go over time, on the whole: how many have succeeded by when, and how far estimates are off.
 
 use super::numbers::{Moments, Numbers};
-use super::trial::{MissionTrial, Sample};
-use serde::{Deserialize, Serialize};
-
-/// Seconds between two points of the error over time.
-pub const EVERY_S: usize = 10;
-
-/// Samples of a trial in a second.
-const SAMPLES_PER_S: usize = 10;
-
-/// Points of a line at most, besides the first.
-pub const POINTS: usize = 30;
-
-/// How far the estimate of a run was off from the truth, as charts need it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ErrorTrack {
-    /// At the beginning, and every ten seconds for as long as charts reach.
-    at_m: Vec<f32>,
-    /// At the end.
-    last_m: Option<f32>,
-    /// How many samples there were.
-    samples: usize,
-}
-
-impl ErrorTrack {
-    /// Of the samples of a run.
-    pub fn of(samples: &[Sample]) -> Self {
-        let points = samples.iter().step_by(EVERY_S * SAMPLES_PER_S).take(POINTS + 1);
-        Self {
-            at_m: points.map(|sample| sample.off_m).collect(),
-            last_m: samples.last().map(|sample| sample.off_m),
-            samples: samples.len(),
-        }
-    }
-}
+use super::samples::{ErrorTrack, POINT_SAMPLES, POINTS};
+use super::trial::MissionTrial;
 
 /// How missions go over time.
 #[derive(Clone, Debug, Default)]
@@ -72,7 +40,7 @@ impl OverTime {
 
     /// How many points of the error there are, besides the first; none if nothing had an estimate.
     pub fn error_points(&self) -> Option<usize> {
-        (self.longest > 0).then(|| (self.longest / (EVERY_S * SAMPLES_PER_S)).clamp(1, POINTS))
+        (self.longest > 0).then(|| (self.longest / POINT_SAMPLES).clamp(1, POINTS))
     }
 
     /// The mean error at a point, and half its 95 % interval.
@@ -84,6 +52,7 @@ impl OverTime {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::samples::Sample;
 
     #[test]
     fn an_ended_run_keeps_its_last_error() {

@@ -294,7 +294,7 @@ fn compared(row: &RowResult) -> [String; 11] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::over_time::ErrorTrack;
+    use crate::experiment::samples::ErrorTrack;
 
     fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> MissionTrial {
         let fault = fault.map(str::to_string);

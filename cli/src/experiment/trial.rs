@@ -1,7 +1,7 @@
 //! One run of an experiment: driven to its end, and measured.
 
 use super::day::{AT_PLACE_M, Day};
-use super::over_time::ErrorTrack;
+use super::samples::{ErrorTrack, Sample};
 use crate::drive::{Pace, drive};
 use crate::run_record::{Incident, Records, RunEnd};
 use crate::show::failure_report::Reporter;
@@ -52,19 +52,6 @@ pub struct MissionTrial {
     pub error: ErrorTrack,
     /// The estimate and the truth, ten times a second, in experiments that look at each moment.
     pub samples: Vec<Sample>,
-}
-
-/// The estimate and the truth at a moment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sample {
-    /// What the robot says.
-    pub certainty: f64,
-    /// Distance from the estimate to the truth.
-    pub off_m: f32,
-    /// Angle between the estimated and the true heading, at least 0.
-    pub off_rad: f32,
-    /// Whether the estimate was right.
-    pub is_right: bool,
 }
 
 impl MissionTrial {

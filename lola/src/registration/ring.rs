@@ -46,3 +46,29 @@ impl Ring {
         scan.ranges_m.iter().enumerate().filter(is_alike).count()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_robot::sensors::{SonarArray, SonarLayout};
+
+    /// What a ring hears in the middle of a hallway 2.2 m wide, looking so far off its axis.
+    fn in_hallway(sonars: &SonarArray, off_rad: f64) -> Vec<f32> {
+        let range_m = |heading_rad: f64| 1.1 / libm::sin(heading_rad + off_rad).abs().max(0.25);
+        sonars.mounts.iter().map(|mount| range_m(mount.heading_rad) as f32).collect()
+    }
+
+    #[test]
+    fn a_turn_by_hand_shows_in_all_sonars_and_a_turn_of_its_own_does_not() {
+        let sonars = SonarArray::new(&SonarLayout::Ring(24), 15_f64.to_radians(), 5.0);
+        let scan = |ranges_m| SonarScan { sonars: &sonars, ranges_m };
+        let before = in_hallway(&sonars, 0.0);
+        let ring = Ring::of(Pose::default(), scan(&before));
+        // The odometry does not notice: in `odom` the hallway is turned the other way.
+        let turned = in_hallway(&sonars, 1.2);
+        assert!(ring.is_turned(-1.2, Pose::new(0.1, 0.0, 0.0), scan(&turned)));
+        assert!(!ring.is_turned(-1.2, Pose::new(0.1, 0.0, 0.0), scan(&before)), "nobody turned it");
+        assert!(!ring.is_turned(-1.2, Pose::new(0.1, 0.0, 1.2), scan(&turned)), "it turned itself");
+        assert!(ring.is_turned(-1.2, Pose::new(2.0, 0.0, 0.0), scan(&before)), "it is elsewhere, who knows");
+    }
+}

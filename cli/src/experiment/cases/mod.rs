@@ -5,6 +5,7 @@ mod behaviours;
 pub mod days;
 mod kinds;
 mod pictures;
+mod route_rows;
 mod routes;
 
 pub use behaviours::{Behaviours, row_names as behaviour_rows};

@@ -1,7 +1,7 @@
 //! Pictures of the building with its places (Fox and Anderson-Sprecher, Fig. 3) and of routes as they were
 //! retrieved, generated and cut (Fig. 4).
 
-use super::routes::RouteRow;
+use super::route_rows::RouteRow;
 use crate::show::place_figures;
 use rpl_robot::world::World;
 use rpl_rupart::places::Places;
