@@ -20,16 +20,17 @@ fn main() -> io::Result<()> {
     list += "]\n";
     fs::write(Path::new(&variable("OUT_DIR")?).join("examples.rs"), list)?;
     println!("cargo::rustc-env=RPL_VERSION={}", version()?);
-    println!("cargo::rustc-env=RPL_SOURCES={:08x}", sources()?);
+    println!("cargo::rustc-env=RPL_SOURCES={:08x}", sources(&plans)?);
     Ok(())
 }
 
 /// Crates that are no part of the command.
 const OUTSIDE: [&str; 2] = ["tests", "benches"];
 
-/// The checksum of the crates' sources, of the lock file, and of what the compiler and the target are called: two builds
-/// that have it in common give the same run, wherever they were built.
-fn sources() -> io::Result<u32> {
+/// The checksum of the crates' sources, of the plans that are built in, of the lock file, and of what the compiler and
+/// the target are called: two builds that have it in common give the same run, wherever they were built. How far they
+/// are optimized is left out, since it changes no result; that another target gives the same bits nobody has tried.
+fn sources(plans: &[PathBuf]) -> io::Result<u32> {
     let root = Path::new(&variable("CARGO_MANIFEST_DIR")?).join("..");
     let mut parts = vec![root.join("Cargo.lock"), root.join("Cargo.toml")];
     let mut crates = paths_in(&root)?;
@@ -37,7 +38,7 @@ fn sources() -> io::Result<u32> {
     for folder in crates {
         parts.extend(paths_in(&folder)?.into_iter().filter(|part| !part.ends_with("tests")));
     }
-    let mut files = Vec::new();
+    let mut files = plans.to_vec();
     for part in parts {
         println!("cargo::rerun-if-changed={}", part.display());
         files_of(part, &mut files)?;

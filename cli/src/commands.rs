@@ -4,6 +4,7 @@
 pub mod cases;
 pub mod check;
 pub mod completions;
+pub mod dap;
 pub mod doc;
 pub mod eval;
 pub mod examples;
@@ -11,6 +12,7 @@ pub mod experiment;
 pub mod fmt;
 pub mod journal;
 pub mod localize;
+pub mod lsp;
 pub mod man;
 pub mod project;
 pub mod repl;
@@ -70,6 +72,8 @@ pub enum Command {
     Test(test::Arguments),
     Fmt(fmt::Arguments),
     Eval(eval::Arguments),
+    Lsp(lsp::Arguments),
+    Dap(dap::Arguments),
     Worlds(worlds::Arguments),
     Robots(robots::Arguments),
     Cases(cases::Arguments),
@@ -101,6 +105,8 @@ impl Command {
             Command::Test(arguments) => test::run(arguments, console),
             Command::Fmt(arguments) => fmt::run(arguments, console),
             Command::Eval(arguments) => eval::run(arguments, console),
+            Command::Lsp(arguments) => lsp::run(arguments),
+            Command::Dap(arguments) => dap::run(arguments),
             Command::Worlds(arguments) => worlds::run(arguments, console),
             Command::Robots(arguments) => robots::run(arguments, console),
             Command::Cases(arguments) => cases::run(arguments, console),

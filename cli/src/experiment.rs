@@ -18,6 +18,7 @@ mod missions;
 mod numbers;
 mod over_time;
 pub mod part;
+mod projections;
 mod request;
 mod row_result;
 mod samples;
@@ -80,6 +81,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
         ExperimentSubject::Worlds => conduct(worlds::WorldDrives::new(asked)?, request, how, console),
         ExperimentSubject::Doors => conduct(doors::drives(asked)?, request, how, console),
         ExperimentSubject::DriveTimes => conduct(drive_times::TimedDrives::new(asked)?, request, how, console),
+        ExperimentSubject::Projections => conduct(projections::Projections::new(asked)?, request, how, console),
         ExperimentSubject::Sensing => conduct(sensing::Sensing::new(asked)?, request, how, console),
         ExperimentSubject::HallwayFeatures => {
             conduct(instructions::HallwayFeatures::new(asked)?, request, how, console)
@@ -106,6 +108,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
         ExperimentSubject::DriveTimes => drive_times::WORLDS.to_vec(),
+        ExperimentSubject::Projections => projections::row_names(),
         ExperimentSubject::Sensing => sensing::row_names(),
         ExperimentSubject::HallwayFeatures => instructions::feature_rows(),
         ExperimentSubject::CountOpenings => instructions::counting_rows(),

@@ -7,5 +7,6 @@ pub mod maps;
 pub mod module_files;
 pub mod outputs;
 pub mod plans;
+pub mod project_file;
 pub mod robot_files;
 pub mod world_files;

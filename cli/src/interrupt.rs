@@ -149,6 +149,11 @@ pub fn beat() {
     BEATS.fetch_add(1, Ordering::SeqCst);
 }
 
+/// Asks what goes on to stop, as a signal does that is caught.
+pub fn ask() {
+    ASKED.fetch_add(1, Ordering::SeqCst);
+}
+
 /// What was asked has been done.
 pub fn forget() {
     ASKED.store(0, Ordering::SeqCst);

@@ -3,10 +3,12 @@
 //! `commands` has a file for each subcommand, and `arguments` what several of them take; `drive` runs a
 //! plan, `repl` is the prompt, `experiment` runs a plan over many seeds; `show` says what a run is shown
 //! as, and `terminal` where that goes. What a plan runs with is put together by the crate `mission`.
+//! `embedded` is what programs use that have the command in them.
 
 mod arguments;
 mod commands;
 mod drive;
+pub mod embedded;
 mod experiment;
 mod files;
 mod hosts;
@@ -14,7 +16,6 @@ mod interrupt;
 mod journal;
 mod prepared_run;
 mod recorded_run;
-mod reference;
 mod repl;
 mod run_record;
 mod show;

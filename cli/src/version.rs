@@ -4,5 +4,5 @@
 pub const VERSION: &str = env!("RPL_VERSION");
 
 /// The build: two of the same name give the same runs. The version alone does not tell them apart, because a program is
-/// also built between two commits.
-pub const BUILD: &str = concat!(env!("RPL_VERSION"), ", sources ", env!("RPL_SOURCES"));
+/// also built between two commits; nor does the commit, because most of them change no run.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), ", sources ", env!("RPL_SOURCES"));

@@ -9,7 +9,7 @@
 //! through [`compile::MacroHost`].
 //!
 //! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`],
-//! [`code`], [`compile`] with its special forms (`compile/forms`), [`check`], [`layout`], [`formatter`].
+//! [`code`], [`compile`] with its special forms (`compile/forms`), [`check`], [`occurrences`], [`layout`], [`formatter`].
 
 pub mod continuation;
 pub mod diagnostic;
@@ -32,3 +32,4 @@ pub mod visible;
 pub mod check;
 pub mod code;
 pub mod compile;
+pub mod occurrences;

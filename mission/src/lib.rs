@@ -33,13 +33,14 @@
 //! run prints and traces is handed out. Whatever is wrong is a value ([`error::SiteError`]) that says
 //! what was found, where, and what would be right.
 //!
-//! Read in this order: `site`, `libraries`, `modules`, `scenario`, `robot` and `sight`, `run`, `cost`, `error`.
+//! Read in this order: `site`, `libraries`, `modules`, `scenario`, `robot` and `sight`, `run`, `reference`, `cost`, `error`.
 
 pub mod cost;
 pub mod error;
 mod foreign_modules;
 pub mod libraries;
 pub mod modules;
+pub mod reference;
 pub mod robot;
 pub mod run;
 mod scenario;

@@ -4,6 +4,7 @@
 use crate::arguments::show;
 use crate::arguments::{NativeResult, count, pure, truth, value};
 use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::quotient::quotient;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 use std::cmp::Ordering;
@@ -28,10 +29,6 @@ impl Number {
             Number::Int(value) => Value::Int(value),
             Number::Float(value) => Value::Float(value),
         }
-    }
-
-    fn is_zero(self) -> bool {
-        self.as_f64() == 0.0
     }
 }
 
@@ -88,13 +85,10 @@ fn multiply(left: Number, right: Number) -> Result<Number, Raise> {
 
 /// An integer where the division is exact, else a float.
 fn divide(left: Number, right: Number) -> Result<Number, Raise> {
-    if right.is_zero() {
-        return Err(division_by_zero());
-    }
-    match (left, right) {
-        (Number::Int(i64::MIN), Number::Int(-1)) => Err(overflow("the quotient")),
-        (Number::Int(left), Number::Int(right)) if left % right == 0 => Ok(Number::Int(left / right)),
-        (left, right) => Ok(Number::Float(left.as_f64() / right.as_f64())),
+    match quotient(left.value(), right.value())? {
+        Some(Value::Int(value)) => Ok(Number::Int(value)),
+        Some(Value::Float(value)) => Ok(Number::Float(value)),
+        _ => unreachable!("two numbers have a quotient that is a number"),
     }
 }
 

@@ -38,13 +38,9 @@ fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value
         return value(new);
     }
     Err(match call.argument(list) {
-        Value::Nil | Value::Cons(_) => missing(position, length),
+        Value::Nil | Value::Cons(_) => call.machine.no_element_to_set(call.argument(list), position),
         _ => call.wrong_type(list),
     })
-}
-
-fn missing(position: usize, length: usize) -> Raise {
-    index_error(format!("there is no element {position} to set: the length is {length}"))
 }
 
 fn set_nth(call: &mut Call<'_, '_>) -> NativeResult {

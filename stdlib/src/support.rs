@@ -1,7 +1,7 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{NativeResult, elements, list, natural, pure, room_for_pairs, text, truth, value};
+use crate::arguments::{NativeResult, changing, elements, list, natural, pure, room_for_pairs, text, truth, value};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
 use rpl_runtime::state::failure::Raise;
@@ -106,13 +106,40 @@ fn names_function(call: &mut Call<'_, '_>) -> NativeResult {
 
 /// A value in the message of a failure, cut where it is long.
 fn brief(call: &mut Call<'_, '_>) -> NativeResult {
-    const LONGEST: usize = 200;
-    let written = call.machine.write(call.around.program, call.argument(0));
-    let brief = match written.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}… ({} characters)", &written[..end], written.chars().count()),
-        None => written,
-    };
+    let brief = call.machine.brief(call.around.program, call.argument(0));
     text(call, &brief)
+}
+
+/// The record in the first argument, if it is of the kind in the second.
+fn checked_record(call: &mut Call<'_, '_>) -> NativeResult {
+    call.machine.check_record(call.around.program, call.argument(0), call.argument(1))?;
+    value(call.argument(0))
+}
+
+/// Of the record in the first argument, if it is of the kind in the second, the pair of its slot at the place
+/// in the third.
+fn slot_pair(call: &Call<'_, '_>) -> Result<Option<u32>, Raise> {
+    let (record, kind, place) = (call.argument(0), call.argument(1), natural(call, 2)?);
+    let found = call.machine.heap.slot(record, kind, place);
+    if found.is_none() {
+        call.machine.check_record(call.around.program, record, kind)?;
+    }
+    Ok(found)
+}
+
+/// Slots that are read have an instruction where the kind and a place below 256 are written out.
+fn slot(call: &mut Call<'_, '_>) -> NativeResult {
+    let found = slot_pair(call)?;
+    value(found.map_or(Value::Nil, |pair| call.machine.heap.pair(pair).0))
+}
+
+/// So have slots that are assigned.
+fn set_slot(call: &mut Call<'_, '_>) -> NativeResult {
+    let Some(pair) = slot_pair(call)? else {
+        return Err(call.machine.no_element_to_set(call.argument(0), natural(call, 2)?));
+    };
+    call.machine.heap.pairs[pair as usize].0 = call.argument(3);
+    value(call.argument(3))
 }
 
 /// What a macro raises when its form is not of the right shape.
@@ -130,5 +157,13 @@ pub(super) const NATIVES: &[Native] = &[
     pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
     pure("%names-function", "name", "Whether a symbol is the name of a function.", names_function),
     pure("%brief", "value", "The value as it could be read, cut where it is long.", brief),
+    pure("%checked-record", "value kind", "The value if it is a record of the kind, else an error.", checked_record),
+    pure("%slot", "value kind position", "The slot at a place of a record of the kind.", slot),
+    changing(
+        "%assign-slot",
+        "value kind position value",
+        "Sets the slot at a place of a record of the kind.",
+        set_slot,
+    ),
     pure("%malformed", "form", "The error of a macro whose form is malformed.", malformed),
 ];

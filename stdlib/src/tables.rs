@@ -1,4 +1,4 @@
-//! Hash tables: keys are compared as by `equal`, entries stand in the order of their keys.
+//! Hash tables: keys are compared as by `equal`, and plans see entries in the order of their keys.
 
 use crate::arguments::{NativeResult, changing, elements, integer, list, pure, room_for, truth, value};
 use crate::elements::no_pair;
@@ -7,7 +7,6 @@ use rpl_runtime::state::heap::table_entry;
 use rpl_runtime::state::heap::{Key, KeyPart, MAX_KEY_PAIRS, PAIR};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
-use std::collections::BTreeMap;
 
 /// The table in an argument.
 fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
@@ -17,18 +16,17 @@ fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
     }
 }
 
-/// A value as a key. It is compared with as many keys as halving a table of so many entries takes.
-fn key(call: &mut Call<'_, '_>, of: Value, entries: usize) -> Result<Key, Raise> {
+/// A value as a key, which is hashed and, as a rule, compared with one key.
+fn key(call: &mut Call<'_, '_>, of: Value) -> Result<Key, Raise> {
     let Some(key) = call.machine.heap.key(of) else {
         return Err(Raise::type_error(format!(
             "this has more than {MAX_KEY_PAIRS} pairs and is too large to be the key of a hash table"
         )));
     };
-    let comparisons = 1 + entries.max(1).ilog2() as usize;
     match &key {
-        Key::Atom(KeyPart::Str(text)) => call.burn_text(text.len() * comparisons),
+        Key::Atom(KeyPart::Str(text)) => call.burn_text(2 * text.len()),
         Key::Atom(_) => {}
-        Key::List(parts) => call.burn(parts.len() * comparisons),
+        Key::List(parts) => call.burn(2 * parts.len()),
     }
     Ok(key)
 }
@@ -36,8 +34,7 @@ fn key(call: &mut Call<'_, '_>, of: Value, entries: usize) -> Result<Key, Raise>
 /// The key in the first argument, and the table in another.
 fn key_and_table(call: &mut Call<'_, '_>, at: usize) -> Result<(Key, u32), Raise> {
     let table = table(call, at)?;
-    let entries = call.machine.heap.tables[table].entries.len();
-    Ok((key(call, call.argument(0), entries)?, table))
+    Ok((key(call, call.argument(0))?, table))
 }
 
 /// Common Lisp's `:test` is taken and means nothing: every table compares by `equal`.
@@ -55,30 +52,31 @@ fn make_hash_table(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 fn from_alist(call: &mut Call<'_, '_>) -> NativeResult {
-    let mut entries = BTreeMap::new();
-    let mut bytes = 0;
-    for item in elements(call, 0)? {
+    let items = elements(call, 0)?;
+    let (mut entries, mut bytes) = (Vec::with_capacity(items.len()), 0);
+    for item in items {
         let Value::Cons(index) = item else {
             return Err(no_pair(call, 0, item));
         };
         let (of, content) = call.machine.heap.pair(index);
-        let key = key(call, of, entries.len())?;
-        bytes += table_entry(&key);
+        let key = key(call, of)?;
+        bytes += 2 * table_entry(&key);
         room_for(call, bytes)?;
-        // The first entry of a key counts, as for `assoc`.
-        entries.entry(key).or_insert((of, content));
+        entries.push((key, (of, content)));
     }
     let made = call.machine.heap.table();
     if let Value::Table(table) = made {
-        call.machine.heap.allocated += bytes;
-        call.machine.heap.tables[table].entries = entries;
+        // The first entry of a key counts, as for `assoc`.
+        for (key, entry) in entries.into_iter().rev() {
+            call.machine.heap.enter(table, key, entry);
+        }
     }
     value(made)
 }
 
 fn gethash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    let found = call.machine.heap.tables[table].entries.get(&key).map(|&(_, content)| content);
+    let found = call.machine.heap.tables[table].get(&key);
     value(found.unwrap_or(call.argument(2)))
 }
 
@@ -95,30 +93,30 @@ fn set_gethash(call: &mut Call<'_, '_>) -> NativeResult {
 
 fn contains(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    truth(call.machine.heap.tables[table].entries.contains_key(&key))
+    truth(call.machine.heap.tables[table].get(&key).is_some())
 }
 
 fn remhash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    truth(call.machine.heap.tables[table].entries.remove(&key).is_some())
+    truth(call.machine.heap.tables[table].remove(&key))
 }
 
 fn clrhash(call: &mut Call<'_, '_>) -> NativeResult {
     let table = table(call, 0)?;
-    let entries = std::mem::take(&mut call.machine.heap.tables[table].entries);
-    call.burn(entries.len());
+    call.burn(call.machine.heap.tables[table].len());
+    call.machine.heap.tables[table].clear();
     value(call.argument(0))
 }
 
 fn count_entries(call: &mut Call<'_, '_>) -> NativeResult {
     let table = table(call, 0)?;
-    integer(call.machine.heap.tables[table].entries.len() as i64)
+    integer(call.machine.heap.tables[table].len() as i64)
 }
 
 fn entries(call: &Call<'_, '_>) -> Result<Vec<(Value, Value)>, Raise> {
-    let count = call.machine.heap.tables[table(call, 0)?].entries.len();
-    room_for(call, count * (size_of::<(Value, Value)>() + 2 * PAIR))?;
-    Ok(call.machine.heap.tables[table(call, 0)?].entries.values().copied().collect())
+    let table = &call.machine.heap.tables[table(call, 0)?];
+    room_for(call, table.len() * (2 * size_of::<(Value, Value)>() + 2 * PAIR))?;
+    Ok(table.in_order())
 }
 
 fn keys(call: &mut Call<'_, '_>) -> NativeResult {

@@ -140,6 +140,16 @@ impl CheckReport {
     }
 }
 
+/// What is found in a plan without a world and modules, as data.
+///
+/// # Errors
+/// The library of plans does not compile.
+pub fn found_in(plan: &PlanText) -> Result<serde_json::Value> {
+    let sites = [Site::without_robot()?, Site::for_checking(Vec::new())?];
+    let (findings, program) = findings(&sites, plan, None);
+    Ok(serde_json::json!(FileRecord::found(&plan.name, &findings, &program.sources).findings))
+}
+
 const ERROR: &str = "error";
 
 impl FileRecord {

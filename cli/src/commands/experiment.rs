@@ -23,7 +23,7 @@ pub struct Arguments {
     #[command(subcommand)]
     merge: Option<Merge>,
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `doors`, `drive-times`, `barn`, `marker-detection`, `hallway-features`,
+    /// `sensing`, `people`, `office`, `worlds`, `doors`, `drive-times`, `projections`, `barn`, `marker-detection`, `hallway-features`,
     /// `count-openings`, `office-delivery`, `topological-global`, `routes`, `case-kinds`, `behaviours`, `rupart`, or a plan of your own; `-` for standard
     /// input
     #[arg(value_name = "NAME", required = true, add = ArgValueCompleter::new(completion::experiments))]

@@ -29,6 +29,8 @@ pub enum ExperimentSubject {
     Doors,
     /// How long drives take, beside what is foreseen.
     DriveTimes,
+    /// Whether what is projected comes true: no missions of the simulator, and rows of its own.
+    Projections,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
     /// Courses nobody has mapped: no missions, and rows of its own.
@@ -248,6 +250,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
     Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
     Experiment { name: "drive-times", subject: ExperimentSubject::DriveTimes, rows: &[] },
+    Experiment { name: "projections", subject: ExperimentSubject::Projections, rows: &[] },
     Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
     Experiment { name: "hallway-features", subject: ExperimentSubject::HallwayFeatures, rows: &[] },
     Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },

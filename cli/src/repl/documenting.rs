@@ -4,14 +4,14 @@ use super::guard::is_output_gone;
 use super::listings::{fluent_value, value_text};
 use super::own_text::is_hidden;
 use super::{Prompt, command, definitions};
-use crate::reference::{self, NameKind, Reference};
-use crate::show::documentation::document;
+use crate::show::documentation::{document, with_commands};
 use crate::show::why::shortened;
 use anyhow::Result;
 use rpl_lang::code::{CodeKind, GlobalKind, Program};
 use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::fold_name;
+use rpl_mission::reference::{self, NameKind, Reference};
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
 
@@ -32,7 +32,7 @@ impl Prompt<'_> {
 
     /// All that has a name, the commands included.
     pub(super) fn reference(&self) -> Result<Reference> {
-        Ok(Reference::new()?.with_commands(&self.command_line))
+        Ok(with_commands(Reference::new()?, &self.command_line))
     }
 
     /// What is said of a name that nothing has.

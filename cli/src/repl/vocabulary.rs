@@ -5,9 +5,9 @@ use super::breakpoint::FAILURE;
 use super::command::{COMMANDS, Verb};
 use super::session::Session;
 use crate::files::examples;
-use crate::reference::{self, Reference};
 use anyhow::Result;
 use rpl_lang::code::GlobalKind;
+use rpl_mission::reference::{self, Reference};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

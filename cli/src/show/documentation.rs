@@ -1,12 +1,23 @@
 //! What is documented of a name, a topic, or everything that mentions a word.
 
-use crate::reference::{Entry, Reference, TOPICS, Topic};
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::{Result, bail};
+use rpl_mission::reference::{Entry, Reference, TOPICS, Topic};
 
 /// Columns of the names in a list.
 const NAME_COLUMNS: usize = 26;
+
+/// The reference with an entry for each subcommand of this command line.
+pub fn with_commands(reference: Reference, command_line: &clap::Command) -> Reference {
+    command_line.get_subcommands().fold(reference, |reference, command| {
+        let name = format!("rpl {}", command.get_name());
+        let usage = command.clone().bin_name(&name).render_usage().to_string();
+        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+        let signature = usage.trim_start_matches("Usage: ").to_string();
+        reference.with_command(&name, signature, format!("{about}. `{name} --help` tells more."))
+    })
+}
 
 /// Documents a name or a topic, searches for a word, or lists all names.
 ///

@@ -110,6 +110,17 @@ pub fn write_paths(folder: &mut OutputFolder, world: &World, robot_radius_m: f64
     folder.draw(PATHS, &draw(&paths(&world.map(RESOLUTION_M), world, robot_radius_m, &track, jump_m)))
 }
 
+/// The paths of a mission, and where its robot may be.
+pub fn mission(world: &World, robot_radius_m: f64, track: &[Sight], belief: Option<&PositionBelief>) -> String {
+    let map = world.map(RESOLUTION_M);
+    draw(&Figure { belief, ..paths(&map, world, robot_radius_m, track, JUMP_M) })
+}
+
+/// A world without a robot.
+pub fn world(world: &World) -> String {
+    draw(&Figure::of_map(&world.name, &world.map(RESOLUTION_M), &world.rooms))
+}
+
 /// The true and the estimated path, which breaks where the estimate jumps further than this.
 fn paths<'a>(map: &'a OccupancyGrid, world: &'a World, radius_m: f64, track: &[Sight], jump_m: f64) -> Figure<'a> {
     let truth = true_path(track);

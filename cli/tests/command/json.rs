@@ -102,6 +102,8 @@ fn experiments_of_other_kinds_are_as_documented() {
     assert_documented("rpl experiment sensing", &[sensing]);
     let choices: &[&str] = &["experiment", "choices", "--row", "turned by 180°", "--runs", "1", "--json"];
     assert_documented("rpl experiment choices", &[choices]);
+    let projections: &[&str] = &["experiment", "projections", "--row", "fetch", "--runs", "1", "--json"];
+    assert_documented("rpl experiment projections", &[projections]);
 }
 
 #[test]

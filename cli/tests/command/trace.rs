@@ -397,3 +397,26 @@ fn a_run_is_redrawn_from_its_trace() {
         assert_eq!(run_in(&folder, &[&run[..], &["x.jsonl"], wrong].concat()).status, 2, "{wrong:?}");
     }
 }
+
+#[test]
+fn why_tells_what_foresight_has_decided_about_a_task() {
+    let folder = folder("trace-decisions");
+    let plan = "(def-plan slow () (wait-time 100) (fail \"too slow\"))
+(def-plan quick () (wait-time 10) 'done)
+(def-revision quickly (projection plan)
+  (when (< (first (projection-success projection)) 0.5))
+  (plan-replace '(slow) '(quick) plan)
+  \"Does it quickly.\")
+(with-foresight (:rules (quickly)) (slow))
+";
+    put(&folder, "plan.rpl", plan);
+    let ran = run_in(&folder, &["run", "plan.rpl", "--trace", "run.jsonl", "-q"]);
+    assert_eq!(ran.status, 0, "{}", ran.errors);
+    let told = run_in(&folder, &["trace", "run.jsonl", "--why", "main/with-policy[1]"]);
+    assert_eq!(told.status, 0, "{}", told.errors);
+    // In the order in which it went: what was compared, what was decided, and what was done.
+    let places = ["better by quickly: ", "takes another plan: ", "begins another plan, given by main/with-policy[0]"]
+        .map(|what| told.out.find(what).unwrap_or_else(|| panic!("{what}\n{}", told.out)));
+    assert!(places.is_sorted(), "{}", told.out);
+    assert!(told.out.contains("gain 1.00 ± 0.00 over 8 runs"), "{}", told.out);
+}

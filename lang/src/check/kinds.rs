@@ -118,7 +118,9 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
                 Binary::Add => "+",
                 Binary::Sub => "-",
                 Binary::Mul => "*",
+                Binary::Div => "/",
                 Binary::NumEq => "=",
+                Binary::NumDiffer => "/=",
                 // `>` is compiled as `<` with its operands exchanged.
                 Binary::Less | Binary::LessEq => "a comparison",
                 Binary::Eq | Binary::Cons => return,

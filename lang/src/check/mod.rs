@@ -24,7 +24,7 @@ mod unknown_places;
 mod unused;
 mod valve_order;
 mod valves;
-mod walk;
+pub(crate) mod walk;
 
 use crate::diagnostic::Diagnostic;
 use known::Check;

@@ -80,7 +80,7 @@ pub(super) fn each_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Ir))
 }
 
 /// The same, each with the function it stands in.
-pub(super) fn each_function_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Function, &'a Ir)) {
+pub(crate) fn each_function_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Function, &'a Ir)) {
     for default in function.bindings.iter().filter_map(|binding| binding.default.as_ref()) {
         descend(function, default, see);
     }

@@ -32,6 +32,33 @@ pub struct Local {
     pub to: u32,
 }
 
+/// What a function does that reads or assigns a slot of a record, and nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SlotAccess {
+    /// The constant that names the kind of record.
+    pub kind: u32,
+    /// The place of the slot, counted behind the kind from 1.
+    pub place: u8,
+    /// Whether its second argument is assigned to the slot.
+    pub assigns: bool,
+}
+
+impl SlotAccess {
+    /// Of a body, if it does nothing else.
+    pub(crate) fn of(ops: &[Op]) -> Option<Self> {
+        match *ops {
+            [Op::Slot(to, 0, place, kind), Op::Return(from)] if to == from => {
+                Some(Self { kind, place, assigns: false })
+            }
+            [Op::SetSlot(0, 1, place, kind), Op::Return(1)] => Some(Self { kind, place, assigns: true }),
+            [Op::SetSlot(0, 1, place, kind), Op::Move(to, 1), Op::Return(from)] if to == from => {
+                Some(Self { kind, place, assigns: true })
+            }
+            _ => None,
+        }
+    }
+}
+
 /// A compiled body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Code {
@@ -45,6 +72,10 @@ pub struct Code {
     pub registers: u8,
     /// A call with so many arguments needs nothing checked or arranged; [`ARRANGES`](super::ARRANGES) if none does.
     pub exact_count: u16,
+    /// The same for a call by name, in which a slot is read or assigned at once, without a frame.
+    pub framed_count: u16,
+    /// The slot of a record that it reads or assigns, if it does nothing else.
+    pub slot: Option<SlotAccess>,
     /// Registers of the frame that makes the closure, in the order of the captured values.
     pub captures: Vec<Reg>,
     /// The instructions.
@@ -90,6 +121,8 @@ impl Code {
             parameters: Parameters::default(),
             registers: 1,
             exact_count: 0,
+            framed_count: 0,
+            slot: None,
             captures: Vec::new(),
             ops: vec![Op::Return(0)],
             spans: vec![span],

@@ -12,7 +12,7 @@ mod op;
 mod parameters;
 mod program;
 
-pub use body::{Code, CodeKind, Local};
+pub use body::{Code, CodeKind, Local, SlotAccess};
 pub use constant::{Atom, Constant, Part};
 pub use construct::{Argument, Child, Construct, Failures, Quorum, Successes};
 pub use op::{Missed, NO_REG, Op, Reg};

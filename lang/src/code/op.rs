@@ -43,6 +43,8 @@ pub enum Op {
     Sub(Reg, Reg, Reg),
     /// `r0 := r1 · r2`
     Mul(Reg, Reg, Reg),
+    /// `r0 := r1 / r2`, an integer where that is exact
+    Div(Reg, Reg, Reg),
     /// `r0 := r1 + integer`
     AddInt(Reg, Reg, i16),
     /// `r0 := r1 < r2`
@@ -51,6 +53,8 @@ pub enum Op {
     LessEq(Reg, Reg, Reg),
     /// `r0 := r1 = r2`, numbers only
     NumEq(Reg, Reg, Reg),
+    /// `r0 := r1 ≠ r2`, numbers only
+    NumDiffer(Reg, Reg, Reg),
     /// `r0 := r1 eq r2`
     Eq(Reg, Reg, Reg),
     /// `r0 := not r1`
@@ -61,6 +65,10 @@ pub enum Op {
     Car(Reg, Reg),
     /// `r0 := cdr r1`
     Cdr(Reg, Reg),
+    /// `r0 :=` the element of the record r1 at a place, the record's kind being `constants[i]`
+    Slot(Reg, Reg, u8, u32),
+    /// the element of the record r0 at a place `:= r1`, the record's kind being `constants[i]`
+    SetSlot(Reg, Reg, u8, u32),
     /// go on elsewhere
     Jump(i32),
     /// if r0 is nil
@@ -75,6 +83,8 @@ pub enum Op {
     JumpUnlessLessEq(Reg, Reg, i32),
     /// unless `r0 = r1`
     JumpUnlessNumEq(Reg, Reg, i32),
+    /// unless `r0 ≠ r1`
+    JumpUnlessNumDiffer(Reg, Reg, i32),
     /// unless `r0 < integer`
     JumpUnlessLessInt(Reg, i16, i32),
     /// unless `r0 ≤ integer`
@@ -85,6 +95,8 @@ pub enum Op {
     JumpUnlessGreaterEqInt(Reg, i16, i32),
     /// unless `r0 = integer`
     JumpUnlessNumEqInt(Reg, i16, i32),
+    /// unless `r0 ≠ integer`
+    JumpUnlessNumDifferInt(Reg, i16, i32),
     /// call the function in a global; arguments from r0, count, global; result in r0
     Call(Reg, u8, u32),
     /// the same in tail position
@@ -173,6 +185,7 @@ impl Op {
                 | Op::SetGlobal(..)
                 | Op::DefFluent(..)
                 | Op::CellSet(..)
+                | Op::SetSlot(..)
                 | Op::Assign(..)
                 | Op::Parallel(..)
                 | Op::ParallelMap(..)

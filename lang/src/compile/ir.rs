@@ -55,9 +55,11 @@ pub(crate) enum Binary {
     Add,
     Sub,
     Mul,
+    Div,
     Less,
     LessEq,
     NumEq,
+    NumDiffer,
     Eq,
     Cons,
 }

@@ -25,7 +25,7 @@ pub use compilation::{Compilation, Loader, MacroHost, NativeSignature, NoFiles, 
 use compiler::Compiler;
 pub use foreign::foreign_words;
 pub use forms::{SpecialForm, special_forms};
-pub use resolved::{Compiled, Resolved, Test, TestOptions};
+pub use resolved::{Compiled, DefinedKind, Resolved, Test, TestOptions};
 
 /// Reads and compiles a text.
 pub fn compile_text(surroundings: Compilation<'_>, source: SourceId, purpose: Purpose) -> Compiled {

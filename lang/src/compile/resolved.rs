@@ -1,6 +1,7 @@
 //! What a text is resolved to, and what its compilation gives.
 
 use super::ir::{Function, Variable};
+use crate::code::CodeKind;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::symbol::Symbol;
@@ -17,6 +18,39 @@ pub struct Resolved {
     pub(crate) tests: Vec<Function>,
     /// By number.
     pub(crate) variables: Vec<Variable>,
+}
+
+impl Resolved {
+    /// What the text defines, in its order, each with the whole form; a form can define several names.
+    pub fn defined(&self) -> impl Iterator<Item = (Symbol, Span, DefinedKind)> {
+        self.definitions.iter().map(|definition| {
+            let kind = match &definition.defined {
+                Defined::Function(_, function) => DefinedKind::Function(function.kind),
+                Defined::Macro(_) => DefinedKind::Macro,
+                Defined::Value => DefinedKind::Value,
+                Defined::Failure => DefinedKind::Failure,
+            };
+            (definition.name, definition.span, kind)
+        })
+    }
+
+    /// The name of a variable of the text by its number, and where it is bound.
+    pub fn variable(&self, number: u32) -> Option<(Symbol, Span)> {
+        self.variables.get(number as usize).map(|variable| (variable.name, variable.span))
+    }
+}
+
+/// What a form of a text defines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DefinedKind {
+    /// A function or plan.
+    Function(CodeKind),
+    /// A macro.
+    Macro,
+    /// A variable, constant, fluent or valve.
+    Value,
+    /// A class of failure.
+    Failure,
 }
 
 /// A definition of the text.

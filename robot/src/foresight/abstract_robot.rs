@@ -2,13 +2,13 @@
 //! at a place, how doors stand and how grasps go is drawn when a run first comes to it, and stays so.
 
 use super::drive_times::DriveTimes;
-use super::models::Models;
+use super::models::{DriveRecord, GraspRecord, Models, TRIES_AT_A_THING};
 use super::ways::{Way, WayMap, Ways};
 use crate::description::{BatteryDescription, GripperDescription};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use crate::planning::Target;
 use rpl_random::Stream;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The battery is told each time it has changed by so much.
@@ -43,6 +43,8 @@ pub enum Outcome {
     Done,
     /// The map leaves no way.
     Unreachable,
+    /// Its battery was empty before it arrived.
+    Empty,
     /// A door kept it from coming through for all its patience.
     DoorClosed(usize),
     /// The gripper closed on nothing.
@@ -81,6 +83,37 @@ struct Drive {
     begins_us: Vec<u64>,
     start_in_map: Pose,
     targets: usize,
+    /// The time it takes, as a share of the time it should take.
+    time_share: f64,
+}
+
+/// What an abstract robot learns in a run, as one on wheels does.
+#[derive(Clone, Debug, Default)]
+pub struct Experience {
+    /// Of grasping.
+    pub grasps: GraspRecord,
+    /// Of driving.
+    pub drives: DriveRecord,
+    /// The thing that was missed last, and how often in a row.
+    missed: Option<(String, u32)>,
+}
+
+impl Experience {
+    /// Adds what was learned in a later run.
+    pub fn add(&mut self, later: &Self) {
+        self.grasps.add(later.grasps);
+        self.drives.add(&later.drives);
+    }
+
+    /// Takes down a try at a thing. Misses of what turns out not to be there are none.
+    fn note_grasp(&mut self, thing: &str, is_held: bool) {
+        let before = self.missed.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
+        if is_held || before + 1 == TRIES_AT_A_THING {
+            self.grasps.note(before, is_held);
+        } else {
+            self.missed = Some((thing.to_string(), before + 1));
+        }
+    }
 }
 
 /// The state of a projected robot.
@@ -98,13 +131,18 @@ pub struct AbstractRobot {
     pub battery: f64,
     drive: Option<Drive>,
     doing: BTreeMap<Doing, Activity>,
-    /// Doors found closed: until when.
+    /// Until when doors are closed that it has come to, or will come to on its drive.
     closed_until_us: BTreeMap<usize, u64>,
+    /// Those that have kept it from coming through.
+    found_closed: BTreeSet<usize>,
     /// Where things were put down in this run; of those that are not here at all, none.
     things_in_map: BTreeMap<String, Option<Point>>,
     now_us: u64,
     told_battery: f64,
     streams: Streams,
+    has_drawn: bool,
+    /// What it has learned.
+    pub experience: Experience,
 }
 
 /// Streams by what is drawn from them, so that a plan that grasps once more still meets the same people.
@@ -147,17 +185,26 @@ impl AbstractRobot {
             drive: None,
             doing: BTreeMap::new(),
             closed_until_us: BTreeMap::new(),
+            found_closed: BTreeSet::new(),
             things_in_map: BTreeMap::new(),
             now_us,
             told_battery: battery,
             streams: Streams::of(0),
+            has_drawn: false,
+            experience: Experience::default(),
         }
+    }
+
+    /// Whether something was left to chance since the run began.
+    pub fn has_drawn(&self) -> bool {
+        self.has_drawn
     }
 
     /// Draws where it is for one run, before anything is under way. If that is not the likeliest place, it
     /// is lost.
     pub fn begin_run(&mut self, seed: u64) {
         self.streams = Streams::of(seed);
+        self.has_drawn = self.knowledge.hypotheses.len() > 1;
         let mut left = Stream::new(seed, "foreseen position").uniform();
         for (number, &(pose, probability)) in self.knowledge.hypotheses.iter().enumerate() {
             left -= probability;
@@ -210,11 +257,23 @@ impl AbstractRobot {
     fn end(&mut self, doing: Doing) -> Option<(Doing, Outcome)> {
         let Activity { outcome, .. } = self.doing.remove(&doing)?;
         match (doing, &outcome) {
-            (Doing::Driving, _) => self.drive = None,
+            (Doing::Driving, _) => self.end_drive(&outcome),
             (Doing::Searching, Outcome::Done) => self.is_lost = false,
             _ => {}
         }
         Some((doing, outcome))
+    }
+
+    fn end_drive(&mut self, outcome: &Outcome) {
+        let Some(drive) = self.drive.take() else { return };
+        match outcome {
+            Outcome::Done => self.experience.drives.note(drive.time_share, drive.way.doors().count() as u32),
+            Outcome::DoorClosed(door) => {
+                self.experience.drives.doors_closed += 1;
+                self.found_closed.insert(*door);
+            }
+            _ => {}
+        }
     }
 
     /// Targets of the drive that are not reached yet.
@@ -232,12 +291,15 @@ impl AbstractRobot {
 
     /// Doors found closed not long ago.
     pub fn closed_doors(&self) -> Vec<usize> {
-        self.closed_until_us.iter().filter(|&(_, &until_us)| until_us > self.now_us).map(|(&door, _)| door).collect()
+        let is_closed = |door: &&usize| self.closed_until_us.get(door).is_some_and(|&until_us| until_us > self.now_us);
+        self.found_closed.iter().filter(is_closed).copied().collect()
     }
 
     /// A door was found closed before the run began.
     pub fn know_closed(&mut self, door: usize) {
         let closed_s = Models::closed_s(&mut Stream::new(self.streams.doors, &format!("door {door}")));
+        self.has_drawn = true;
+        self.found_closed.insert(door);
         self.closed_until_us.insert(door, self.now_us + microseconds(closed_s));
     }
 
@@ -247,6 +309,7 @@ impl AbstractRobot {
             self.begin(Doing::Driving, 0.0, Outcome::Unreachable);
             return;
         };
+        self.has_drawn = true;
         let features = way.features();
         let times = self.knowledge.drive_times;
         let expected_s = times.time_s(&features);
@@ -273,9 +336,20 @@ impl AbstractRobot {
             begins_us.push(self.now_us + microseconds(at_s));
             at_s += share * way.last_turn_rad * times.turn_s_per_rad;
         }
+        // With an empty battery it stands, and gives up when its patience is over.
+        let power_s = self.power_s();
+        if power_s < at_s {
+            begins_us.retain(|&begins_us| begins_us <= self.now_us + microseconds(power_s));
+            (at_s, outcome) = (power_s + patience_s, Outcome::Empty);
+        }
         let (start_in_map, targets) = (self.robot_in_map, targets.len());
-        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets });
+        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, time_share: share });
         self.begin(Doing::Driving, at_s, outcome);
+    }
+
+    /// How long it can drive.
+    fn power_s(&self) -> f64 {
+        self.knowledge.battery.map_or(f64::INFINITY, |battery| self.battery * battery.driving_s)
     }
 
     /// How long a door keeps the robot that comes to it in so many seconds: mostly not at all. A run finds a
@@ -295,6 +369,7 @@ impl AbstractRobot {
     /// Begins to grasp a thing.
     pub fn grasp(&mut self, thing: &str) {
         let Some(gripper) = self.knowledge.gripper else { return };
+        self.has_drawn = true;
         let misses = self.streams.grasps.chance(self.knowledge.models.grasp_misses.share());
         let here = self.robot_in_map.point();
         let missing = self.knowledge.models.thing_missing.share();
@@ -306,15 +381,22 @@ impl AbstractRobot {
         let is_here = lies.is_some_and(|there| distance_m(there, here) <= gripper.reach_m);
         let takes = !misses && is_here && self.holding.is_none() && !self.is_lost;
         let outcome = if takes { Outcome::Done } else { Outcome::NotHeld(thing.to_string()) };
+        self.experience.note_grasp(thing, takes);
         if takes {
             self.holding = Some(thing.to_string());
         }
         self.begin(Doing::Gripping, gripper.grasp_us as f64 / 1e6, outcome);
     }
 
+    /// People have brought a thing to where it is.
+    pub fn expect_here(&mut self, thing: &str) {
+        self.things_in_map.insert(thing.to_string(), Some(self.robot_in_map.point()));
+    }
+
     /// Begins to let go.
     pub fn release(&mut self) {
         let Some(gripper) = self.knowledge.gripper else { return };
+        self.has_drawn = true;
         let fails = self.streams.grasps.chance(self.knowledge.models.release_fails.share());
         if fails {
             return self.begin(Doing::Gripping, gripper.release_us as f64 / 1e6, Outcome::NotOpened);
@@ -332,6 +414,7 @@ impl AbstractRobot {
 
     /// Begins to search for its position.
     pub fn search(&mut self) {
+        self.has_drawn = true;
         let search = Models::search(&mut self.streams.searches);
         let outcome = if search.finds { Outcome::Done } else { Outcome::NotFound };
         self.begin(Doing::Searching, search.takes_s, outcome);

@@ -32,6 +32,21 @@ impl Rate {
     }
 }
 
+/// How likely what may come between really is: the truth of an abstract world, which no robot knows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Chances {
+    /// A thing that is there is missed.
+    pub grasp_misses: f64,
+    /// A gripper that is to open does not.
+    pub release_fails: f64,
+    /// A thing is not where it is looked for.
+    pub thing_missing: f64,
+    /// A door is closed.
+    pub door_closed: f64,
+    /// A drive is held up.
+    pub held_up: f64,
+}
+
 /// What the robot has learned of grasping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraspRecord {
@@ -44,6 +59,30 @@ pub struct GraspRecord {
     /// How many of these were not there, as far as three tries tell.
     pub missing: u32,
 }
+
+impl GraspRecord {
+    /// Takes down how all tries at a thing went: so many missed, and then it was held or was not there.
+    pub fn note(&mut self, misses: u32, is_held: bool) {
+        self.things += 1;
+        if is_held {
+            self.tries += misses + 1;
+            self.misses += misses;
+        } else {
+            self.missing += 1;
+        }
+    }
+
+    /// Adds what was learned later.
+    pub fn add(&mut self, later: Self) {
+        self.tries += later.tries;
+        self.misses += later.misses;
+        self.things += later.things;
+        self.missing += later.missing;
+    }
+}
+
+/// A thing that was missed so often is not there.
+pub const TRIES_AT_A_THING: u32 = 3;
 
 /// What of its drives the robot goes by: the time each took, as a share of the time it should take, and the
 /// doors.
@@ -68,6 +107,13 @@ impl DriveRecord {
         }
         self.time_shares.push(time_share);
         self.doors_open = self.doors_open.saturating_add(doors_open);
+    }
+
+    /// Adds what was learned later.
+    pub fn add(&mut self, later: &Self) {
+        later.time_shares.iter().for_each(|&share| self.note(share, 0));
+        self.doors_open += later.doors_open;
+        self.doors_closed += later.doors_closed;
     }
 }
 
@@ -103,6 +149,8 @@ pub struct Models {
     pub thing_missing: Rate,
     /// A door is closed.
     pub door_closed: Rate,
+    /// A drive is held up, beside those that it remembers.
+    pub held_up: Rate,
     time_shares: Vec<f64>,
 }
 
@@ -125,7 +173,21 @@ impl Models {
             release_fails: Rate::counted_on(declared(|gripper| gripper.release_failure_probability), 100.0),
             thing_missing: Rate::counted_on(0.02, 25.0).and(grasps.missing, grasps.things),
             door_closed: Rate::counted_on(0.02, 50.0).and(drives.doors_closed, drives.doors_open + drives.doors_closed),
+            held_up: Rate::counted_on(HELD_UP, 1.0),
             time_shares: drives.time_shares.clone(),
+        }
+    }
+
+    /// With chances that are known.
+    pub fn exactly(chances: &Chances) -> Self {
+        let exactly = |share: f64| Rate::counted_on(share, 1.0);
+        Self {
+            grasp_misses: exactly(chances.grasp_misses),
+            release_fails: exactly(chances.release_fails),
+            thing_missing: exactly(chances.thing_missing),
+            door_closed: exactly(chances.door_closed),
+            held_up: exactly(chances.held_up),
+            time_shares: Vec::new(),
         }
     }
 
@@ -135,7 +197,7 @@ impl Models {
         let own = self.time_shares.len() as f64;
         // Each drive draws the same numbers, whatever comes of them: plans are compared on the same chances.
         let (which, number, straying) = (stream.uniform(), stream.uniform(), stream.normal());
-        let (is_held_up, held_up) = (stream.chance(HELD_UP), stream.uniform());
+        let (is_held_up, held_up) = (stream.chance(self.held_up.share()), stream.uniform());
         if which < own / (own + PRIOR_DRIVES) {
             let at = ((number * own) as usize).min(self.time_shares.len() - 1);
             return expected_s * self.time_shares[at];

@@ -5,7 +5,6 @@ use super::kernel::{self, LIFT, Share};
 use super::model::LocalizationModel;
 use super::parameters::Spread;
 use super::plane::{Activity, Plane};
-use super::scan::ScanModel;
 use super::sensor::BinnedScan;
 use super::weigh::{PLANES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
@@ -164,17 +163,12 @@ impl Belief {
         let sideward = error.sideward_m * error.sideward_m * distance_m / (grid.cell_m * grid.cell_m);
         let headings: Vec<f64> = (0..grid.headings).map(|heading| self.heading_rad(model, heading)).collect();
         update_planes(&mut self.planes, |heading, plane| {
-            if plane.cells.is_empty() {
-                return;
-            }
             let (sin, cos) = libm::sincos(headings[heading]);
             plane.offset_cells[0] += (cos * motion.x_m - sin * motion.y_m) / grid.cell_m;
             plane.offset_cells[1] += (sin * motion.x_m + cos * motion.y_m) / grid.cell_m;
             plane.variance_cells[0] += cos * cos * forward + sin * sin * sideward;
             plane.variance_cells[1] += sin * sin * forward + cos * cos * sideward;
-            if plane.is_active() {
-                plane.apply_motion(grid);
-            }
+            plane.apply_motion(grid);
         });
         self.rotate(model, motion.heading_rad);
         let step = grid.angle_step_rad();
@@ -235,11 +229,11 @@ impl Belief {
         let readings = |scan: &BinnedScan| -> Vec<(usize, u8)> {
             scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect()
         };
-        let mut heard: Vec<(&ScanModel, Vec<(usize, u8)>)> =
-            model.sensors.iter().zip(scans.iter().map(readings)).collect();
+        let sensors = 0..model.sensors.len();
+        let mut heard: Vec<(usize, Vec<(usize, u8)>)> = sensors.zip(scans.iter().map(readings)).collect();
         heard.retain(|(_, readings)| !readings.is_empty());
         let Some((last, readings)) = heard.pop() else {
-            return self.sense_scan(model, &model.sensors[0], &[], 0.0);
+            return self.sense_scan(model, 0, &[], 0.0);
         };
         for (sensor, readings) in heard {
             self.sense_scan(model, sensor, &readings, 0.0);
@@ -248,9 +242,9 @@ impl Belief {
     }
 
     /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.
-    fn sense_scan(&mut self, model: &LocalizationModel, sensor: &ScanModel, readings: &[(usize, u8)], mixed: f64) {
-        let average = if readings.is_empty() { 1.0 } else { sensor.average_weight(readings) };
-        weigh_planes(&mut self.planes, model, sensor, readings, average);
+    fn sense_scan(&mut self, model: &LocalizationModel, sensor: usize, readings: &[(usize, u8)], mixed: f64) {
+        let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings) };
+        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, average);
         let lifted = average * f64::from(LIFT);
         let evidence: f64 =
             self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { lifted }).sum();

@@ -121,6 +121,7 @@ impl BeliefGrid {
 pub struct Bearings {
     /// Directions of the table: the coarsest step that meets every beam at every heading.
     pub directions: usize,
+    headings: usize,
     /// By how many directions a heading differs from the next.
     heading_step: usize,
     /// Bearing of each beam, in directions.
@@ -135,9 +136,15 @@ impl Bearings {
         let directions = (360 / step_deg) as usize;
         Self {
             directions,
+            headings,
             heading_step: directions / headings,
             bearings: beams_deg.iter().map(|bearing| (bearing / step_deg) as usize).collect(),
         }
+    }
+
+    /// Headings of the grid.
+    pub(super) fn headings(&self) -> usize {
+        self.headings
     }
 
     /// Beams of one scan.

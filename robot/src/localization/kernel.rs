@@ -30,6 +30,22 @@ pub(super) struct Beam<'a> {
     pub costs: &'a [u8; 256],
 }
 
+/// Costs of a beam that says nothing.
+const SILENT: [u8; 256] = [0; 256];
+
+impl<'a> Beam<'a> {
+    /// Beams as they are looked up, with silent ones behind the last.
+    pub(super) fn together(beams: impl IntoIterator<Item = Self>) -> Vec<[Self; TOGETHER]> {
+        let mut beams = beams.into_iter();
+        let mut all = Vec::new();
+        while let Some(first) = beams.next() {
+            let silent = Self { expected: first.expected, costs: &SILENT };
+            all.push(std::array::from_fn(|at| if at == 0 { first } else { beams.next().unwrap_or(silent) }));
+        }
+        all
+    }
+}
+
 /// The part of a plane in one tile, and a scan to weigh it by.
 pub(super) struct TilePart<'a> {
     /// Whole blocks.
@@ -105,6 +121,14 @@ fn block_peak<L: Lanes>(cells: &[f32; BLOCK]) -> f32 {
         peaks = L::load(chunk).larger(peaks);
     }
     peaks.largest()
+}
+
+/// Whether any cell of a part, read by these terms, is weighed by its own costs.
+pub(super) fn is_loud(cells: &[f32], [factor, floor]: [f32; 2], threshold: f32) -> bool {
+    cells.as_chunks().0.iter().any(|block| {
+        let peak = block_peak::<[f32; LANES]>(block);
+        peak > 0.0 && peak * factor + floor >= threshold
+    })
 }
 
 /// Smallest value at which an admissible cell is read. No product of such a value, [`LIFT`], a weight

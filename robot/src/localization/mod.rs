@@ -6,13 +6,14 @@
 //! is the state: the belief, and the odometry at its last update. It never reads a clock and never
 //! moves the robot.
 //!
-//! Read in this order: `scan_parameters`, `parameters`, `grid`, `sensor`, `scan`, `model` (what never changes), then
+//! Read in this order: `scan_parameters`, `parameters`, `grid`, `sensor`, `expected`, `scan`, `model` (what never changes), then
 //! `plane`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark` (what was seen), `calibration`,
 //! `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
 mod calibration;
 mod error;
+mod expected;
 mod filter;
 mod grid;
 mod kernel;

@@ -4,7 +4,7 @@ use super::error::ModelError;
 use super::grid::{BeliefGrid, State};
 use super::kernel::MAX_BEAMS;
 use super::parameters::LocalizationParameters;
-use super::scan::ScanModel;
+use super::scan::{ScanModel, SeenMap};
 use super::sensor::BinnedScan;
 use super::simd::Instructions;
 use crate::geometry::{Pose, Vector};
@@ -24,7 +24,7 @@ pub struct LocalizationModel {
     /// Distances in the map.
     pub distances: Arc<DistanceField>,
     /// 1 for cells of a plane that can be stood in, else 0; padded to whole blocks.
-    pub(super) admissible: Vec<f32>,
+    pub(super) admissible: Arc<Vec<f32>>,
     /// How many of them there are in one plane.
     pub(super) admissible_cells: usize,
     /// What the loops over cells are run with.
@@ -34,8 +34,8 @@ pub struct LocalizationModel {
 }
 
 impl LocalizationModel {
-    /// For sensors that see everything in the map. Builds the tables; about 0.3 s for each sensor, for
-    /// 540 m² at 15 cm and 2° on two cores.
+    /// For sensors that see everything in the map. The tables of expected distances are computed when they are first
+    /// asked for, about a microsecond for each cell.
     ///
     /// # Errors
     /// When the parameters do not describe a grid and what is sensed on it, or the robot fits nowhere in
@@ -55,6 +55,18 @@ impl LocalizationModel {
         parameters: LocalizationParameters,
     ) -> Result<Self, ModelError> {
         assert_eq!(seen.len(), parameters.sensors.len(), "each sensor has a map");
+        let all = SeenMap::new(map);
+        let seen_map = |&seen: &&OccupancyGrid| if std::ptr::eq(seen, map) { all.clone() } else { SeenMap::new(seen) };
+        let seen: Vec<SeenMap> = seen.iter().map(seen_map).collect();
+        Self::over(map, &all.distances, &seen, parameters)
+    }
+
+    fn over(
+        map: &OccupancyGrid,
+        distances: &Arc<DistanceField>,
+        seen: &[SeenMap],
+        parameters: LocalizationParameters,
+    ) -> Result<Self, ModelError> {
         parameters.check()?;
         let step_deg = parameters.angle_step_deg;
         if step_deg == 0 || !360u32.is_multiple_of(step_deg) {
@@ -68,33 +80,29 @@ impl LocalizationModel {
         }
         parameters.sensors.iter().try_for_each(|sensor| check_beams(&sensor.beams_deg))?;
         let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred);
-        let distances = Arc::new(DistanceField::new(map));
-        let admissible = admissible_cells(map, &distances, &grid, parameters.clearance_m);
+        let admissible = Arc::new(admissible_cells(map, distances, &grid, parameters.clearance_m));
         if admissible.iter().all(|&cell| cell == 0.0) {
             return Err(ModelError::NoFreeCell);
         }
         let watch = match parameters.of_watch() {
-            Some(coarse) => Some(Box::new(Self::seeing(map, seen, coarse)?)),
+            Some(coarse) => Some(Box::new(Self::over(map, distances, seen, coarse)?)),
             None => None,
         };
-        let distances_of = |&seen: &&OccupancyGrid| {
-            if std::ptr::eq(seen, map) { distances.clone() } else { Arc::new(DistanceField::new(seen)) }
-        };
-        let sensors = parameters.sensors.iter().zip(seen.iter().map(distances_of));
+        let sensors = parameters.sensors.iter().zip(seen);
         let sensors = sensors.map(|(sensor, seen)| ScanModel::new(sensor.clone(), seen, &grid, &admissible)).collect();
         Ok(Self {
             sensors,
             admissible_cells: admissible.iter().filter(|&&cell| cell > 0.0).count(),
             parameters,
             grid,
-            distances,
+            distances: distances.clone(),
             admissible,
             instructions: Instructions::fastest(),
             watch,
         })
     }
 
-    /// Memory that the tables and a belief over a map of this size will take, without building them:
+    /// Memory that the tables and a belief over a map of this size take at the most, without building them:
     /// two copies of the belief, because noise is spread from one into the other.
     pub fn needed_bytes(size_m: Vector, parameters: &LocalizationParameters) -> u64 {
         let along = |length_m: f64| libm::ceil(length_m / parameters.cell_m).max(1.0);
@@ -136,6 +144,13 @@ impl LocalizationModel {
     /// The noise-free scan of a sensor at a state, in bins.
     pub fn expected_scan(&self, sensor: usize, state: State) -> Vec<u8> {
         self.sensors[sensor].expected_scan(state.heading, self.grid.cell_of(state))
+    }
+
+    /// The average weight of a scan of a sensor; sampled where the coarse belief has its cells, if one watches: it
+    /// looks everywhere anyway.
+    pub(super) fn average_weight(&self, sensor: usize, readings: &[(usize, u8)]) -> f64 {
+        let sampled = self.watch.as_ref().map_or(&self.sensors[sensor], |coarse| &coarse.sensors[sensor]);
+        self.sensors[sensor].average_weight(sampled, readings, self.instructions)
     }
 
     /// The bins of a scan of each sensor in metres; empty for one that is missing.

@@ -41,9 +41,14 @@ pub struct Plane {
     /// What mixing has added to each admissible cell, as above.
     pub(super) floor: f64,
     /// Where cells really are, relative to their middles, in cells along x and y: motion that is
-    /// not yet applied. At most half a cell for an active plane; a_π for an inactive one.
+    /// not yet applied, at most half a cell.
     pub(super) offset_cells: [f64; 2],
     /// Variance of motion that is not yet applied, along x and y.
+    ///
+    /// # Deviation
+    /// The paper keeps the motion a_π of an inactive part and applies it when the part comes back. Here every plane
+    /// is moved alike at every step, also one without cells: what is not yet applied depends on the way of the robot
+    /// alone, and not on when a plane fell asleep, was forgotten and woke.
     pub(super) variance_cells: [f64; 2],
     /// Sum of the stored cells.
     pub(super) stored_mass: f64,
@@ -130,17 +135,22 @@ impl Plane {
         (column as f64 + self.offset_cells[0], row as f64 + self.offset_cells[1])
     }
 
-    /// Brings motion into the cells: whole cells of the offset, and noise once there is enough.
+    /// Brings motion into the cells, if there are any: whole cells of the offset, and noise once there is enough.
     pub(super) fn apply_motion(&mut self, grid: &BeliefGrid) {
+        let has_cells = !self.cells.is_empty();
         let whole = self.offset_cells.map(libm::round);
         if whole != [0.0; 2] {
-            kernel::shift(self.cells_mut(), grid.columns, grid.rows, whole[0] as i64, whole[1] as i64);
+            if has_cells {
+                kernel::shift(self.cells_mut(), grid.columns, grid.rows, whole[0] as i64, whole[1] as i64);
+            }
             self.offset_cells[0] -= whole[0];
             self.offset_cells[1] -= whole[1];
         }
         while self.variance_cells[0].max(self.variance_cells[1]) >= BLUR_AT {
             let [x, y] = self.variance_cells.map(|variance| variance.min(BLUR_MOST));
-            kernel::blur(self.cells_mut(), grid.columns, grid.rows, (x / 2.0) as f32, (y / 2.0) as f32);
+            if has_cells {
+                kernel::blur(self.cells_mut(), grid.columns, grid.rows, (x / 2.0) as f32, (y / 2.0) as f32);
+            }
             self.variance_cells[0] -= x;
             self.variance_cells[1] -= y;
         }
@@ -157,7 +167,7 @@ impl Plane {
         Arc::make_mut(&mut self.cells)
     }
 
-    /// Applies factor, floor and motion to the cells and updates the plane from now on.
+    /// Applies factor and floor to the cells and updates the plane from now on.
     pub(super) fn activate(&mut self, model: &LocalizationModel) {
         if self.is_active() {
             return;
@@ -165,10 +175,7 @@ impl Plane {
         self.activity = Activity::Active;
         if self.cells.is_empty() {
             self.cells = Arc::new(vec![0.0; model.grid.plane_len()]);
-            self.offset_cells = [0.0; 2];
-            self.variance_cells = [0.0; 2];
         }
-        self.apply_motion(&model.grid);
         let terms = self.terms();
         kernel::apply_terms(self.cells_mut(), &model.admissible, terms);
         *self = Self {

@@ -300,6 +300,27 @@ fn a_selective_update_stays_close_to_the_full_one() {
 }
 
 #[test]
+fn what_is_left_of_a_motion_does_not_depend_on_when_a_plane_slept() {
+    let selective = model(fine());
+    let full = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
+    let around = |model| Belief::around(model, Pose::new(2.0, 2.0, 0.0), Spread::default());
+    let (mut belief, mut always) = (around(&selective), around(&full));
+    let (mut before, mut forgotten) = (Pose::default(), 0);
+    for (odometry, scan_m) in drive(&selective, 10_003, 60) {
+        for (model, belief) in [(&selective, &mut belief), (&full, &mut always)] {
+            belief.advance(model, odometry.relative_to(before));
+            belief.sense_ranges(model, &[Some(&scan_m)]);
+        }
+        for (plane, other) in belief.planes().iter().zip(always.planes()) {
+            assert_eq!((plane.offset_cells, plane.variance_cells), (other.offset_cells, other.variance_cells));
+            forgotten += usize::from(plane.cells.is_empty());
+        }
+        before = odometry;
+    }
+    assert!(forgotten > 0);
+}
+
+#[test]
 fn planes_that_slept_come_back_when_the_robot_was_turned() {
     let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
     let mut localization = Localization::start_at(&model, Pose::new(8.0, 1.5, 0.0), Spread::default());

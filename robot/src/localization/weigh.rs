@@ -1,6 +1,6 @@
 //! Eq. (2) for all active planes: the loop that takes nearly all the time.
 
-use super::kernel::{Beam, Extent, TILE, TOGETHER, TilePart};
+use super::kernel::{self, Beam, Extent, TILE, TilePart};
 use super::model::LocalizationModel;
 use super::plane::Plane;
 use super::scan::ScanModel;
@@ -8,9 +8,6 @@ use rayon::prelude::*;
 
 /// With fewer active planes than this, handing them to other threads costs more than it gains.
 pub(super) const PLANES_FOR_THREADS: usize = 32;
-
-/// The costs of a beam that says nothing.
-const SILENT: [u8; 256] = [0; 256];
 
 /// A scan to be weighed.
 struct Evidence<'m> {
@@ -72,15 +69,17 @@ impl Evidence<'_> {
     /// Sum and maximum of the planes' parts in one tile.
     fn weigh_tile(&self, index: usize, tile: Vec<PlanePart>) -> Vec<Extent> {
         let model = self.model;
-        let expected = self.sensor.expected_tile(index);
+        let threshold = model.threshold() as f32;
+        let table = self.sensor.expected();
+        let is_loud = || !self.costs.is_empty() && tile.iter().any(|part| part.is_loud(threshold));
+        // Where no cell is weighed by its own costs, the table of the tile need not be made.
+        let expected = table.known_tile(index).or_else(|| is_loud().then(|| table.tile(index)));
         let admissible = &model.admissible[index * TILE..];
-        let silent = Beam { expected: &expected[0], costs: &SILENT };
-        let mut beams = vec![[silent; TOGETHER]; self.costs.len().div_ceil(TOGETHER)];
         let weigh = |part: PlanePart| {
-            let readings = part.directions.iter().zip(&self.costs);
-            for (beam, (&direction, costs)) in beams.as_flattened_mut().iter_mut().zip(readings) {
-                *beam = Beam { expected: &expected[direction], costs };
-            }
+            let beams = expected.map_or(Vec::new(), |expected| {
+                let readings = part.directions.iter().zip(&self.costs);
+                Beam::together(readings.map(|(&direction, costs)| Beam { expected: &expected[direction], costs }))
+            });
             model.instructions.weigh(TilePart {
                 admissible: &admissible[..part.cells.len()],
                 cells: part.cells,
@@ -88,9 +87,15 @@ impl Evidence<'_> {
                 beams: &beams,
                 log2_per_cost: self.sensor.likelihood.log2_per_cost(),
                 average: self.average as f32,
-                threshold: model.threshold() as f32,
+                threshold,
             })
         };
         tile.into_iter().map(weigh).collect()
+    }
+}
+
+impl PlanePart<'_> {
+    fn is_loud(&self, threshold: f32) -> bool {
+        kernel::is_loud(self.cells, self.terms, threshold)
     }
 }

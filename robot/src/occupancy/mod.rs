@@ -7,7 +7,9 @@ mod distance_field;
 mod distance_transform;
 mod grid;
 mod ray;
+mod sweep;
 
 pub use distance_field::DistanceField;
 pub use distance_transform::squared_distances_cells;
 pub use grid::{Cell, OccupancyGrid};
+pub use sweep::{SweepMap, SweepPoints};

@@ -1,5 +1,6 @@
 //! The robot of projected runs: the abstract robot behind the same behaviours, fluents and functions. It is
-//! made of a controller, which has percepts and belief, and so of nothing that the robot does not know.
+//! made of a controller, which has percepts and belief, in the world that the map shows, and so of nothing that the
+//! robot does not know.
 
 use super::behaviours::active_localization;
 use super::behaviours::gripper::Gripping;
@@ -66,21 +67,45 @@ pub(super) fn foresee<M: Module>(
     now_us: u64,
     phases: Phases<'_>,
 ) -> Result<ForeseenRobot, Raise> {
-    let mut controller = controller.clone();
+    let mut controller = known(controller);
+    let begun = begun(&mut controller, phases)?;
+    let models = learned(&mut controller);
+    Ok(ForeseenRobot::of(foreseen(controller, now_us, begun, models)?))
+}
+
+/// The abstract robot at the start of a run, where what may come between is as likely as the models say: for the
+/// projections of somebody who believes in them, or, once its run has begun, as a world of its own.
+///
+/// # Errors
+/// There is no map.
+pub(super) fn abstract_robot<M: Module>(controller: &Controller<M>, models: Models) -> Result<ForeseenRobot, Raise> {
+    Ok(ForeseenRobot::of(foreseen(known(controller), 0, Vec::new(), models)?))
+}
+
+/// The controller in the world that the map shows.
+fn known<M: Module>(controller: &Controller<M>) -> Controller<M> {
+    Controller { model: controller.model.known(), ..controller.clone() }
+}
+
+fn foreseen<M: Module>(
+    mut controller: Controller<M>,
+    now_us: u64,
+    begun: Vec<Begun>,
+    models: Models,
+) -> Result<ForeseenOffice<M>, Raise> {
     let model = controller.model.clone();
     let Some(map) = &model.map else { return Err(no_map("there is nothing to project drives on")) };
-    let begun = begun(&mut controller, phases)?;
     let ways = ForeseenWays { ways: Ways::default(), closed_doors: closed_doors(&mut controller) };
     let percept = controller.board.percept.as_ref();
     let holding = percept.and_then(|percept| percept.gripper.holding.clone());
     let battery = percept.map_or(1.0, |percept| percept.battery);
     let Estimate { pose_in_map, .. } = controller.estimate();
     let odom_in_map = pose_in_map.compose(controller.board.position.odometry_in_odom().inverse());
-    let knowledge = knowledge(&mut controller, &model, map);
+    let knowledge = knowledge(&controller, &model, map, models);
     let robot = AbstractRobot::new(knowledge, ways.ways.clone(), holding, battery, now_us);
     let mut foreseen = ForeseenOffice { controller, robot, ways, odom_in_map, begun, unforeseen: None };
     foreseen.tell_position();
-    Ok(ForeseenRobot::of(foreseen))
+    Ok(foreseen)
 }
 
 fn part<M: Module, T: 'static>(controller: &mut Controller<M>) -> Option<&mut T> {
@@ -133,14 +158,19 @@ fn without_model(behaviour: &str) -> String {
     format!("there is no model of what the behaviour `{behaviour}` does, so no plan that needs it is projected")
 }
 
-fn knowledge<M: Module>(controller: &mut Controller<M>, model: &OfficeModel, map: &MapModel) -> Knowledge {
-    let robot = &*model.settings.robot;
+/// The models of what may come between, by what the robot has learned.
+fn learned<M: Module>(controller: &mut Controller<M>) -> Models {
     let grasps = part::<M, Gripping>(controller).map(|gripping| gripping.record()).unwrap_or_default();
     let drives = part::<M, Navigating>(controller).map(|navigating| navigating.record().clone()).unwrap_or_default();
+    Models::learned(&controller.model.settings.robot, &grasps, &drives)
+}
+
+fn knowledge<M: Module>(controller: &Controller<M>, model: &OfficeModel, map: &MapModel, models: Models) -> Knowledge {
+    let robot = &*model.settings.robot;
     let chargers = model.world.places.iter().filter(|place| place.charges);
     Knowledge {
         drive_times: DriveTimes::of(robot),
-        models: Models::learned(robot, &grasps, &drives),
+        models,
         hypotheses: hypotheses(controller, map),
         gripper: robot.gripper,
         battery: robot.battery,
@@ -192,6 +222,7 @@ impl<M: Module> ForeseenOffice<M> {
         match outcome {
             Outcome::Done => Ending::Success,
             Outcome::Unreachable => Ending::failure("unreachable", "the map shows no way to the target"),
+            Outcome::Empty => navigation::blocked(world, None, self.robot.robot_in_map.point()),
             Outcome::DoorClosed(door) => {
                 navigation::blocked(world, Some(Obstruction::Door(door)), self.robot.robot_in_map.point())
             }
@@ -258,6 +289,10 @@ impl<M: Module> Foreseen for ForeseenOffice<M> {
     fn unforeseen(&self) -> Option<&str> {
         self.unforeseen.as_deref()
     }
+
+    fn has_drawn(&self) -> bool {
+        self.robot.has_drawn()
+    }
 }
 
 impl<M: Module> Outside for ForeseenOffice<M> {
@@ -321,6 +356,12 @@ impl<M: Module> Outside for ForeseenOffice<M> {
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {
-        if of == TypeId::of::<ForeseenWays>() { Some(&mut self.ways) } else { self.controller.part(of) }
+        if of == TypeId::of::<ForeseenWays>() {
+            Some(&mut self.ways)
+        } else if of == TypeId::of::<AbstractRobot>() {
+            Some(&mut self.robot)
+        } else {
+            self.controller.part(of)
+        }
     }
 }

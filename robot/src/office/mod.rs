@@ -34,7 +34,7 @@ pub use crate::geometry::Velocity;
 pub use crate::simulator::Commands;
 pub use crate::world::TravelMode;
 pub use behaviours::active_localization::NAME as ACTIVE_LOCALIZATION;
-pub use behaviours::navigation::PLANS;
+pub use behaviours::navigation::{PLANS, RULES};
 pub use behaviours::{OfficeModules, natives, office_modules, tables};
 pub use board::Board;
 pub use composition::{Composition, NameTaken};

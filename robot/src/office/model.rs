@@ -12,7 +12,7 @@ use crate::sensors::{RangeSensor, RangeSensors};
 use crate::simulator::{SimulatorModel, SimulatorSettings};
 use crate::world::{SeenBy, World};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Edge of a cell of the map the expected distances are cast in.
 pub(super) const SENSOR_MAP_CELL_M: f64 = 0.05;
@@ -87,19 +87,21 @@ pub struct OfficeModel {
     pub sensors: RangeSensors,
     /// What can be set.
     pub settings: OfficeSettings,
+    /// The same without the truth, once it was asked for.
+    known: OnceLock<Arc<Self>>,
 }
 
-/// The robot's map of the world, as each of its uses needs it.
-#[derive(Debug)]
+/// The robot's map of the world, as each of its uses needs it. A copy shares all of it.
+#[derive(Clone, Debug)]
 pub struct MapModel {
     /// The filter's tables.
-    pub localization: LocalizationModel,
+    pub localization: Arc<LocalizationModel>,
     /// The planner's map.
-    pub navigation: NavigationModel,
+    pub navigation: Arc<NavigationModel>,
     /// Rooms, doors and regions.
-    pub topology: TopologicalModel,
+    pub topology: Arc<TopologicalModel>,
     /// The ways between its places, for foresight.
-    pub routes: Routes,
+    pub routes: Arc<Routes>,
 }
 
 impl MapModel {
@@ -126,7 +128,12 @@ impl MapModel {
         let localization = LocalizationModel::seeing(&sensor_map, &seen, parameters)?;
         let navigation = NavigationModel::new(world, limits);
         let topology = TopologicalModel::new(world, &navigation.planner);
-        Ok(Self { localization, navigation, topology, routes: Routes::new(world) })
+        Ok(Self {
+            localization: Arc::new(localization),
+            navigation: Arc::new(navigation),
+            topology: Arc::new(topology),
+            routes: Arc::new(Routes::new(world)),
+        })
     }
 }
 
@@ -168,7 +175,27 @@ impl OfficeModel {
             limits,
             settings,
             world,
+            known: OnceLock::new(),
         })
+    }
+
+    /// The same as far as the robot knows it: its world is the one that the map shows ([`World::known`]), and so is
+    /// the simulator's. Foresight is made of it, so that nothing projected can come from the truth. It is built
+    /// when it is first asked for; the tables of the map are shared.
+    pub fn known(&self) -> Arc<Self> {
+        let known = || {
+            let world = Arc::new(self.world.known());
+            Arc::new(Self {
+                simulator: Arc::new(SimulatorModel::new(world.clone(), self.simulator.settings.clone())),
+                map: self.map.clone(),
+                limits: self.limits,
+                sensors: self.sensors.clone(),
+                settings: self.settings.clone(),
+                known: OnceLock::new(),
+                world,
+            })
+        };
+        self.known.get_or_init(known).clone()
     }
 
     /// What of a world is probably not meant as it stands, looked over without building all models.

@@ -3,11 +3,12 @@
 use super::behaviours::{OfficeModules, office_modules};
 use super::composition::Composition;
 use super::controller::Controller;
-use super::foreseen_robot::foresee;
+use super::foreseen_robot::{abstract_robot, foresee};
 use super::host::{Host, HostLost, SimulatedHost};
 use super::model::OfficeModel;
 use super::module::Module;
 use super::report::Report;
+use crate::foresight::models::Models;
 use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};
@@ -96,6 +97,15 @@ impl<H, M: Module> OfficeRobot<H, M> {
             (Some(_) | None, _) => 0,
         };
         belief + self.controller.modules.bytes_apart(&earlier.controller.modules)
+    }
+
+    /// The abstract robot at the start of a run, with models of what may come between: made of the map and of where
+    /// this one believes itself to be.
+    ///
+    /// # Errors
+    /// There is no map.
+    pub fn abstract_robot(&self, models: Models) -> Result<ForeseenRobot, Raise> {
+        abstract_robot(&self.controller, models)
     }
 
     /// The percept of the last step.

@@ -276,4 +276,15 @@ impl World {
     pub fn bounds(&self) -> Rect {
         Rect { min: self.origin_in_map, max: self.origin_in_map + self.size_m }
     }
+
+    /// The world as the robot's map shows it: doors as they are drawn there, and nothing that is not in the map, such
+    /// as people and things that can be carried.
+    #[must_use]
+    pub fn known(&self) -> Self {
+        let mut known = self.clone();
+        known.doors.iter_mut().for_each(|door| door.open = door.mapped_open);
+        known.objects.retain(|object| object.mapped);
+        (known.people, known.crowd, known.items, known.markers) = (Vec::new(), 0, Vec::new(), Vec::new());
+        known
+    }
 }

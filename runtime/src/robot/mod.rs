@@ -260,6 +260,9 @@ pub trait Foreseen: Outside {
 
     /// What the run has come to need for which there is no model, if it has: one sentence.
     fn unforeseen(&self) -> Option<&str>;
+
+    /// Whether something in the run was left to chance, so that another one may go otherwise.
+    fn has_drawn(&self) -> bool;
 }
 
 /// A robot of projected runs, whatever it is.
@@ -271,14 +274,19 @@ impl ForeseenRobot {
         Self(Box::new(robot))
     }
 
-    /// As for [`Foreseen::begin_run`].
-    pub(crate) fn begin_run(&mut self, seed: u64) {
+    /// As for [`Foreseen::begin_run`]. Projected runs begin by themselves; one that is a world of its own is begun.
+    pub fn begin_run(&mut self, seed: u64) {
         self.0.begin_run(seed);
     }
 
     /// As for [`Foreseen::unforeseen`].
     pub(crate) fn unforeseen(&self) -> Option<&str> {
         self.0.unforeseen()
+    }
+
+    /// As for [`Foreseen::has_drawn`].
+    pub(crate) fn has_drawn(&self) -> bool {
+        self.0.has_drawn()
     }
 }
 
@@ -297,6 +305,10 @@ impl Foreseen for NoRobot {
 
     fn unforeseen(&self) -> Option<&str> {
         None
+    }
+
+    fn has_drawn(&self) -> bool {
+        false
     }
 }
 

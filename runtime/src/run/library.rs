@@ -47,6 +47,23 @@ impl Rejected {
     }
 }
 
+/// A text that was looked at without running it, faults and all.
+#[derive(Clone, Debug)]
+pub struct Examined {
+    /// All that was found, in order of place.
+    pub diagnostics: Vec<Diagnostic>,
+    /// All code, the text's included.
+    pub program: Arc<Program>,
+    /// The names.
+    pub symbols: Symbols,
+    /// The number of the text among the sources.
+    pub source: SourceId,
+    /// What the text was resolved to.
+    pub resolved: Resolved,
+    /// Its tests.
+    pub tests: Vec<Test>,
+}
+
 /// The library: natives and prelude, compiled once and shared.
 #[derive(Clone)]
 pub struct Library {
@@ -184,6 +201,12 @@ impl Library {
         places: Option<&KnownPlaces>,
         loader: &mut dyn Loader,
     ) -> (Vec<Diagnostic>, Arc<Program>) {
+        let examined = self.examine(name, text, places, loader);
+        (examined.diagnostics, examined.program)
+    }
+
+    /// The same with all that was made of the text.
+    pub fn examine(&self, name: &str, text: &str, places: Option<&KnownPlaces>, loader: &mut dyn Loader) -> Examined {
         let mut program = self.program.clone();
         let mut symbols = self.symbols.clone();
         let source = program.sources.add(name, text);
@@ -200,7 +223,13 @@ impl Library {
         };
         diagnostics.extend(check::check(subject, &diagnostics));
         diagnostics.sort_by_key(|diagnostic| diagnostic.span);
-        (diagnostics, Arc::new(program))
+        let Compiled { resolved, tests, .. } = compiled;
+        Examined { diagnostics, program: Arc::new(program), symbols, source, resolved, tests }
+    }
+
+    /// What an empty text would be compiled into: the code of the library and its names.
+    pub fn names(&self) -> (&Program, &Symbols) {
+        (&self.program, &self.symbols)
     }
 
     /// Compiles a text into a program that was started from this library.

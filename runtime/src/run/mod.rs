@@ -21,4 +21,4 @@ pub mod system;
 pub mod timeline;
 mod units;
 mod validate;
-mod variables;
+pub mod variables;

@@ -4,6 +4,10 @@
 /// A comparison is decided when the margin lies so many standard errors away from the mean difference.
 const STANDARD_ERRORS: f64 = 2.0;
 
+/// What a single event may change in the worth of a run: all of it, or as much as one errand is worth where a fluent
+/// counts them.
+const MOST: f64 = 1.0;
+
 /// How much better one of two plans was than the other, run by run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Paired {
@@ -34,6 +38,12 @@ impl Paired {
         Self { mean, error }
     }
 
+    /// The same where something may yet happen that no run has met: as if it had happened once for either plan, and
+    /// had decided the run. So [`crate::run::projection_record`] counts shares of success, too.
+    pub fn with_unseen(differences: &[f64]) -> Self {
+        Self::of(&[differences, &[MOST, -MOST]].concat())
+    }
+
     /// Whether it is better by a margin.
     pub fn verdict(self, margin: f64) -> Verdict {
         let reach = STANDARD_ERRORS * self.error;
@@ -62,6 +72,8 @@ mod tests {
     fn what_is_always_the_same_is_decided_and_what_strays_is_not() {
         assert_eq!(Paired::of(&[0.3; 8]).verdict(0.1), Verdict::Better);
         assert_eq!(Paired::of(&[0.0; 8]).verdict(0.0), Verdict::NotBetter, "equal plans are not changed");
+        assert_eq!(Paired::with_unseen(&[0.0; 8]).verdict(0.1), Verdict::Open, "one run in ten may go otherwise");
+        assert_eq!(Paired::with_unseen(&[0.0; 64]).verdict(0.1), Verdict::NotBetter);
         assert_eq!(Paired::of(&[-0.4, 0.6, 0.5, -0.3]).verdict(0.0), Verdict::Open);
     }
 }

@@ -67,10 +67,14 @@ impl<O: Outside> System<O> {
                 }
             }
             let ([first, second], Some(margin)) = (projections.as_slice(), question.margin) else { break };
-            let paired = Paired::of(&second.gains_over(first));
-            let verdict = paired.verdict(margin);
-            comparison = Some(Comparison { paired, is_better: verdict == Verdict::Better, runs: aim });
-            if verdict != Verdict::Open || aim >= question.runs {
+            let gains = second.gains_over(first, question.worth);
+            let is_certain = projections.iter().all(Projection::is_certain);
+            let is_last = is_certain || aim >= question.runs;
+            // What is rare may decide, and runs that have not met it are all the same.
+            let verdict = if is_last { Paired::of(&gains) } else { Paired::with_unseen(&gains) }.verdict(margin);
+            let is_better = verdict == Verdict::Better;
+            comparison = Some(Comparison { paired: Paired::of(&gains), is_better, is_certain, runs: aim });
+            if verdict != Verdict::Open || is_last {
                 break;
             }
             aim = aim.saturating_mul(2).min(question.runs);
@@ -94,6 +98,20 @@ impl<O: Outside> System<O> {
         self.forked().map_err(told)?.projected_to_end(runs, horizon_us, seed)
     }
 
+    /// The same with another robot in the projections: for somebody who believes something else.
+    ///
+    /// # Errors
+    /// Something is needed for which there is no model: one sentence.
+    pub fn project_rest_with(
+        &self,
+        robot: ForeseenRobot,
+        runs: u32,
+        horizon_us: u64,
+        seed: u64,
+    ) -> Result<Figures, String> {
+        self.forked_with(robot).projected_to_end(runs, horizon_us, seed)
+    }
+
     /// The same for forms that a session, which waits for some, would run; without a text for those that it
     /// runs now.
     ///
@@ -115,14 +133,17 @@ impl<O: Outside> System<O> {
 
     /// What projected runs are forked from: this run, silent, with the robot that is foreseen.
     fn forked(&self) -> Result<System<ForeseenRobot>, Raise> {
-        let outside = self.outside.foresee(self.machine.now_us, self.machine.phases())?;
+        Ok(self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases())?))
+    }
+
+    fn forked_with(&self, outside: ForeseenRobot) -> System<ForeseenRobot> {
         let mut machine = self.machine.clone();
         machine.trace.enabled = false;
         machine.trace.events = Vec::new();
         machine.output = Vec::new();
         machine.limits.steps = STEPS_IN_AN_INSTANT;
         machine.projected = Some(Box::default());
-        Ok(System {
+        System {
             program: self.program.clone(),
             units: self.units.clone(),
             machine,
@@ -133,7 +154,7 @@ impl<O: Outside> System<O> {
             slice_steps: SLICE_STEPS,
             slice_left: SLICE_STEPS,
             macros: Macros::default(),
-        })
+        }
     }
 }
 
@@ -201,7 +222,8 @@ impl System<ForeseenRobot> {
                 None => run.next_instant(),
             }
         };
-        let end = RunEnd::new(&run.machine, &run.program, ended, seed, begun_us, instants);
+        let is_certain = run.machine.random == Stream::new(seed, "plan") && !run.outside.has_drawn();
+        let end = RunEnd::new(&run.machine, &run.program, ended, seed, begun_us, instants, is_certain);
         self.learn_code(run);
         Ok(end)
     }

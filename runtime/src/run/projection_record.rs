@@ -44,6 +44,7 @@ pub(crate) struct RunEnd {
     took_us: u64,
     instants: u64,
     is_success: bool,
+    is_certain: bool,
     cause: Option<(Cause, String)>,
     /// The last number of each named fluent that has one.
     numbers: BTreeMap<Symbol, f64>,
@@ -51,7 +52,15 @@ pub(crate) struct RunEnd {
 }
 
 impl RunEnd {
-    pub fn new(machine: &Machine, program: &Program, ended: Ended, seed: u64, begun_us: u64, instants: u64) -> Self {
+    pub fn new(
+        machine: &Machine,
+        program: &Program,
+        ended: Ended,
+        seed: u64,
+        begun_us: u64,
+        instants: u64,
+        is_certain: bool,
+    ) -> Self {
         let told = |class: &str, message: &str| {
             Some((Cause { class: class.to_string(), place: String::new() }, message.to_string()))
         };
@@ -69,13 +78,18 @@ impl RunEnd {
             took_us: machine.now_us - begun_us,
             instants,
             is_success: ended == Ended::Succeeded,
+            is_certain,
             cause,
             numbers: named_fluents(machine).filter_map(|(name, value)| Some((name, value.as_f64()?))).collect(),
             begun: begun.into_iter().map(|(path, at_us)| (path, at_us - begun_us)).collect(),
         }
     }
 
-    fn worth(&self, horizon_us: u64) -> f64 {
+    /// By the number that a fluent has in the end, 0 without one, or else by success and time.
+    fn worth(&self, horizon_us: u64, fluent: Option<Symbol>) -> f64 {
+        if let Some(name) = fluent {
+            return self.numbers.get(&name).copied().unwrap_or(0.0);
+        }
         match self.is_success {
             true => 1.0 - (1.0 - WORTH_AT_HORIZON) * self.took_us as f64 / horizon_us as f64,
             false => 0.0,
@@ -123,9 +137,14 @@ impl Projection {
         Self { horizon_us, fluents: named_fluents(base).map(|(name, _)| name).collect(), runs: Vec::new() }
     }
 
+    /// Whether nothing was left to chance: all further runs go like these.
+    pub fn is_certain(&self) -> bool {
+        self.runs.iter().all(|run| run.is_certain)
+    }
+
     /// How much more each run was worth than the same run of another plan.
-    pub fn gains_over(&self, other: &Self) -> Vec<f64> {
-        let worth = |run: &RunEnd| run.worth(self.horizon_us);
+    pub fn gains_over(&self, other: &Self, fluent: Option<Symbol>) -> Vec<f64> {
+        let worth = |run: &RunEnd| run.worth(self.horizon_us, fluent);
         self.runs.iter().zip(&other.runs).map(|(run, other)| worth(run) - worth(other)).collect()
     }
 
@@ -303,6 +322,8 @@ impl Figures {
 pub(crate) struct Comparison {
     pub paired: Paired,
     pub is_better: bool,
+    /// Nothing was left to chance in either plan.
+    pub is_certain: bool,
     pub runs: u32,
 }
 
@@ -311,6 +332,7 @@ impl Comparison {
     pub fn to_value(self, machine: &mut Machine) -> Value {
         let values = [
             ("better", Value::truth(self.is_better)),
+            ("certain", Value::truth(self.is_certain)),
             ("difference", Value::Float(self.paired.mean)),
             ("error", Value::Float(self.paired.error)),
             ("runs", Value::Int(i64::from(self.runs))),

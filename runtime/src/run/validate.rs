@@ -138,8 +138,8 @@ impl Machine {
             self.validate_values(bounds, &closure.captured)?;
         }
         for (_, table) in self.heap.tables.iter() {
-            for (key, value) in table.entries.values() {
-                self.validate_values(bounds, [key, value])?;
+            for (_, (key, value)) in table.entries() {
+                self.validate_values(bounds, &[key, value])?;
             }
         }
         for (_, failure) in self.heap.failures.iter() {
@@ -338,6 +338,7 @@ impl Machine {
     fn validate_swap(&self, bounds: &Bounds<'_>, swap: &Swap) -> Result<(), String> {
         bounds.code(swap.code)?;
         swap.by.map_or(Ok(()), |by| self.validate_reference(by))?;
+        swap.in_the_way.iter().try_for_each(|&task| self.validate_reference(task))?;
         let mut kept = swap.kept.iter();
         ensure(kept.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
     }

@@ -4,9 +4,35 @@ use crate::state::machine::Machine;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use rpl_lang::code::{Code, Local, Program};
+use rpl_lang::source::Span;
 use rpl_lang::symbol::Symbol;
 
+/// A call that has not returned.
+#[derive(Clone, Debug)]
+pub struct StandingCall {
+    /// The name of the function, plan or task body.
+    pub name: Symbol,
+    /// The form in it that comes next, or waits.
+    pub span: Span,
+    /// The variables of the text that are seen there.
+    pub variables: Vec<(Symbol, Value)>,
+}
+
 impl Machine {
+    /// The calls that a task stands in, innermost first. Cost: the depth of the calls.
+    pub fn calls(&self, program: &Program, task: u32) -> Vec<StandingCall> {
+        let Some(record) = self.tasks.get(task) else { return Vec::new() };
+        let frames = std::iter::once(&record.frame).chain(record.frames.iter().rev());
+        let calls = frames.filter_map(|frame| {
+            let code = program.codes.get(frame.code as usize)?;
+            // A call that waits for another stands behind it.
+            let span = *code.spans.get((frame.pc as usize).saturating_sub(1))?;
+            let variables = self.frame_variables(code, self.tasks.registers_of(task), frame);
+            Some(StandingCall { name: code.name, span, variables })
+        });
+        calls.collect()
+    }
+
     /// Variables of the text that a task sees where it stands, innermost call first: the function's
     /// name and its variables. Cost: the depth of the calls.
     pub fn variables(&self, program: &Program, task: u32) -> Vec<(Symbol, Vec<(Symbol, Value)>)> {

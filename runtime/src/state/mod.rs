@@ -14,6 +14,7 @@ pub(crate) mod memory;
 pub mod output;
 pub mod priorities;
 pub mod projected;
+pub mod quotient;
 pub mod registers;
 pub mod scratch;
 pub mod slab;

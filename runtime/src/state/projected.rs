@@ -1,6 +1,7 @@
 //! Projections as data: what is asked of one, and what is noted of a run that is projected.
 
 use crate::state::value::{TaskRef, Value};
+use rpl_lang::symbol::Symbol;
 
 /// What a task asks of the whole run.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Question {
     pub horizon_us: u64,
     /// By how much the second plan is to be better than the first one, if they are compared.
     pub margin: Option<f64>,
+    /// The fluent whose number at its end is what a run is worth, if they are compared by one.
+    pub worth: Option<Symbol>,
 }
 
 /// More begun steps than this are not noted of a run.

@@ -3,6 +3,7 @@
 use crate::state::failure::{Failure, Raise};
 use crate::state::machine::Machine;
 use crate::state::value::Value;
+use rpl_lang::code::Program;
 use rpl_lang::kind::{Kind, time_in_string};
 use rpl_lang::number::format_float;
 use rpl_lang::symbol::Symbol;
@@ -48,6 +49,26 @@ impl Machine {
             Value::Valve(valve) => format!("the valve `{}`", self.valve_name(valve)),
             other => other.type_name().to_string(),
         }
+    }
+
+    /// The error for what should be a record of a kind.
+    ///
+    /// # Errors
+    /// Always, unless it is one.
+    #[cold]
+    pub fn check_record(&self, program: &Program, record: Value, kind: Value) -> Result<(), Raise> {
+        if self.heap.is_record(record, kind) {
+            return Ok(());
+        }
+        let (kind, found) = (self.write(program, kind), self.brief(program, record));
+        Err(Raise::type_error(format!("this must be a `{kind}`, and it is {found}")))
+    }
+
+    /// The error for a place beyond the end of a list.
+    #[cold]
+    pub fn no_element_to_set(&self, list: Value, position: usize) -> Raise {
+        let length = self.heap.spine(list).count();
+        Raise::new("index-error", format!("there is no element {position} to set: the length is {length}"))
     }
 
     /// Makes a failure object, of the current task.

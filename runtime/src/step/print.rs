@@ -10,6 +10,9 @@ use std::fmt::Write as _;
 /// Text longer than this is cut, so that a circular list prints.
 const MAX_CHARACTERS: usize = 1 << 20;
 
+/// A value in the message of a failure is cut behind so many characters.
+const LONGEST_IN_MESSAGE: usize = 200;
+
 enum ToPrint {
     Value(Value),
     /// The rest of a list after its first element.
@@ -92,7 +95,7 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
             write!(text, "#<{} {}>", name(failure.class), quote_string(&failure.message))
         }
         Value::Table(table) => {
-            write!(text, "#<hash-table of {}>", machine.heap.tables[table].entries.len())
+            write!(text, "#<hash-table of {}>", machine.heap.tables[table].len())
         }
         Value::Behaviour(number) => write!(text, "#<behaviour {number}>"),
         Value::Cons(_) | Value::Cell(_) | Value::Unbound => write!(text, "#<unbound>"),
@@ -104,6 +107,15 @@ impl Machine {
     /// A value as `print` shows it.
     pub fn show(&self, program: &Program, value: Value) -> String {
         display(self, program, value)
+    }
+
+    /// A value in the message of a failure, cut where it is long.
+    pub fn brief(&self, program: &Program, value: Value) -> String {
+        let written = self.write(program, value);
+        match written.char_indices().nth(LONGEST_IN_MESSAGE) {
+            Some((end, _)) => format!("{}… ({} characters)", &written[..end], written.chars().count()),
+            None => written,
+        }
     }
 
     /// A value as it could be read.

@@ -12,11 +12,11 @@ use rpl_robot::navigation::NavigationInput;
 use rpl_robot::obstacles::ObstacleMemory;
 use serde::{Deserialize, Serialize};
 
-/// A goal on the way counts as reached from here ...
-const PASSING_M: f64 = 0.6;
+/// A goal on the way counts as reached from here, where there is room ...
+pub const PASSING_M: f64 = 0.6;
 
 /// ... and the last one from here.
-const ARRIVAL_M: f64 = 0.25;
+pub const ARRIVAL_M: f64 = 0.25;
 
 /// A new goal is faced when it is ahead within so much.
 const FACED_RAD: f64 = 0.3;
@@ -36,6 +36,8 @@ const ARRIVAL_MPS: f64 = 0.05;
 pub struct DriveGoal {
     /// In the robot's frame.
     pub in_base: Point,
+    /// From how far off it counts as reached.
+    pub reached_m: f64,
     /// Whether the robot is to stand there, and not to pass.
     pub is_last: bool,
 }
@@ -168,7 +170,7 @@ impl CaseDrive {
         let goal = goal?;
         let goal_m = goal.in_base.coords.norm();
         self.progress.note(goal_m, limits.step_s);
-        if goal_m < if goal.is_last { ARRIVAL_M } else { PASSING_M } {
+        if goal_m < goal.reached_m {
             self.pull(Trigger::GoalReached);
             return Some(DriveEvent::GoalReached);
         }

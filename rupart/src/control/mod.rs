@@ -12,7 +12,7 @@ mod state;
 mod surroundings;
 mod wander;
 
-pub use drive::{CaseDrive, DriveEvent, DriveGoal, DriveStep};
+pub use drive::{ARRIVAL_M, CaseDrive, DriveEvent, DriveGoal, DriveStep, PASSING_M};
 pub use parameters::BehaviourParameters;
 pub use progress::Progress;
 pub use state::{State, TRANSITIONS, Trigger};

@@ -164,6 +164,16 @@ impl CaseMemory {
         true
     }
 
+    /// The same memory but for some cases. Cost: for each of them as for forgetting it.
+    #[must_use]
+    pub fn without(&self, numbers: &[CaseNumber]) -> Self {
+        let mut rest = self.clone();
+        for &number in numbers {
+            rest.forget(number);
+        }
+        rest
+    }
+
     /// Where a case lies: kind, chunk, slot.
     fn find(&self, number: CaseNumber) -> Option<(usize, usize, usize)> {
         self.tables.iter().enumerate().find_map(|(kind, table)| {

@@ -77,10 +77,17 @@ impl Errand {
     }
 
     /// One step.
-    pub fn step(&mut self, drive: &mut CaseDrive, now: &Moment<'_>, estimated_in_map: Pose) -> ErrandStep {
+    pub fn step(
+        &mut self,
+        drive: &mut CaseDrive,
+        now: &Moment<'_>,
+        estimated_in_map: Pose,
+        places: &Places,
+    ) -> ErrandStep {
         let limits = &now.model.limits;
         let goal = self.next_in_map().map(|goal_in_map| DriveGoal {
             in_base: estimated_in_map.inverse().transform(goal_in_map),
+            reached_m: self.route.reached_m(places, self.next),
             is_last: self.next + 1 == self.stops_in_map.len(),
         });
         self.step_s += limits.step_s;

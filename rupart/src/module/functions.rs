@@ -66,22 +66,27 @@ fn retrieve_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         Value::Nil => None,
         _ => Some(place(call)?.1),
     };
-    retrieve(call, |rupart, seen| match goal_in_map {
+    retrieve(call, &[], |rupart, seen| match goal_in_map {
         Some(goal_in_map) => Situation { long_term_goal_in_map: Some(goal_in_map), ..rupart.situation(seen) },
         None => rupart.situation_on_the_way(seen),
     })
 }
 
-/// The number of the most similar case to a situation.
+/// The number of the most similar case to a situation, others left out.
 pub(super) fn retrieve(
     call: &mut Call<'_, '_>,
+    others: &[CaseNumber],
     asked: impl FnOnce(&Rupart, &Seen) -> Situation,
 ) -> Result<Reply, Raise> {
     let model = model(call)?;
     let board = board(call)?;
     let seen = Seen::of(&model, &board.position, board.percept.as_ref());
     let rupart = call.part::<Rupart>()?;
-    rupart.retrieval = rupart.memory.retrieve(&asked(rupart, &seen));
+    let asked = asked(rupart, &seen);
+    rupart.retrieval = match others {
+        [] => rupart.memory.retrieve(&asked),
+        others => rupart.memory.without(others).retrieve(&asked),
+    };
     rupart.has_news = true;
     let found = rupart.retrieval.as_ref().map(|retrieval| retrieval.best.number);
     Ok(Reply::Value(found.map_or(Value::Nil, |number| Value::Int(number.0.into()))))

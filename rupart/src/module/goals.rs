@@ -3,6 +3,7 @@
 use super::Rupart;
 use super::functions::{numbered, place, retrieve};
 use crate::case::{Case, Content, Goal, Kind};
+use crate::memory::CaseNumber;
 use crate::situation::Situation;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::office::{act, look, model};
@@ -24,8 +25,8 @@ pub(super) fn functions() -> Vec<Native> {
         ),
         act(
             "retrieve-next-case",
-            "",
-            "Looks for what to do next, whatever the robot is driving to: the most similar case to a situation of the highest priority at this time and place. Its number, or nil if there is no case.",
+            "&optional list",
+            "Looks for what to do next, whatever the robot is driving to: the most similar case to a situation of the highest priority at this time and place, of all but those whose numbers are in LIST. Its number, or nil if there is no case.",
             retrieve_next_case,
         ),
         look(
@@ -74,7 +75,27 @@ fn retain_goal(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn retrieve_next_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let now_s = call.machine.now_s();
-    retrieve(call, |rupart, seen| Situation { priority: Some(1.0), time_s: Some(now_s), ..rupart.situation(seen) })
+    let others = case_numbers(call)?;
+    retrieve(call, &others, |rupart, seen| Situation {
+        priority: Some(1.0),
+        time_s: Some(now_s),
+        ..rupart.situation(seen)
+    })
+}
+
+/// The numbers of cases in the list that the first argument is, those of forgotten ones included.
+fn case_numbers(call: &mut Call<'_, '_>) -> Result<Vec<CaseNumber>, Raise> {
+    let wrong =
+        |found: String| Raise::type_error(format!("{found} is no list of numbers of cases; `(cases)` lists them"));
+    let data = call.argument(0);
+    let elements = call.machine.heap.elements(data).map_err(|_| wrong(call.machine.described(data)))?;
+    call.burn(elements.len());
+    let number = |&element: &Value| match element {
+        Value::Int(number) => u32::try_from(number).ok().map(CaseNumber),
+        _ => None,
+    };
+    let numbers: Option<Vec<CaseNumber>> = elements.iter().map(number).collect();
+    numbers.ok_or_else(|| wrong(call.machine.described(data)))
 }
 
 fn retrieved_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

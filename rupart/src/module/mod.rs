@@ -318,9 +318,10 @@ impl Module for Rupart {
         }
         let readings = now.percept.sonar_m.iter().flatten().map(|&range_m| Some(f64::from(range_m)));
         self.recent.hear(&readings.collect::<Vec<_>>());
+        let places = self.places(now.model).ok()?;
         let errand = self.errand.as_mut()?;
         let estimated_in_map = position.estimate(now.model.map.as_ref()).pose_in_map;
-        let step = errand.step(&mut self.drive, now, estimated_in_map);
+        let step = errand.step(&mut self.drive, now, estimated_in_map, &places);
         if let Some(DriveEvent::Localized(fix)) = &step.event {
             is_elsewhere |= self.looking.localized(now.model, position, fix);
         }

@@ -4,7 +4,7 @@ use rpl_robot::geometry::{Point, distance_m};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Farther off places are not recognised.
-const SIGHT_M: f64 = 20.0;
+pub(super) const SIGHT_M: f64 = 20.0;
 
 /// Nearest places that each place looks for; more of them in sight lie behind each other.
 const MOST_LOOKED_FOR: usize = 24;
@@ -41,19 +41,41 @@ pub(super) fn adjacency(points: &[Point], is_in_sight: impl Fn(Point, Point) -> 
 
 /// For each point the nearest others, the nearest first.
 fn near(points: &[Point]) -> Vec<Vec<usize>> {
-    let cell = |point: Point| ((point.x / SIGHT_M).floor() as i64, (point.y / SIGHT_M).floor() as i64);
-    let mut cells: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
-    points.iter().enumerate().for_each(|(index, &point)| cells.entry(cell(point)).or_default().push(index));
+    let mut all = Near::default();
+    all.extend(&(0..points.len()).collect::<Vec<_>>(), points);
     let of_point = |(one, &point): (usize, &Point)| {
-        let (column, row) = cell(point);
-        let around = (-1..=1).flat_map(|right| (-1..=1).map(move |up| (column + right, row + up)));
-        let others = around.filter_map(|cell| cells.get(&cell)).flatten();
-        let mut others: Vec<(f64, usize)> = others
-            .map(|&other| (distance_m(point, points[other]), other))
-            .filter(|&(off_m, other)| other != one && off_m <= SIGHT_M)
-            .collect();
-        others.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
-        others.into_iter().take(MOST_LOOKED_FOR).map(|(_, other)| other).collect()
+        let others = all.around(point, points).into_iter().map(|(_, other)| other);
+        others.filter(|&other| other != one).take(MOST_LOOKED_FOR).collect()
     };
     points.iter().enumerate().map(of_point).collect()
+}
+
+/// Points by where they are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Near {
+    cells: BTreeMap<(i64, i64), Vec<usize>>,
+}
+
+impl Near {
+    /// Adds some of the points.
+    pub fn extend(&mut self, some: &[usize], points: &[Point]) {
+        some.iter().for_each(|&index| self.cells.entry(cell(points[index])).or_default().push(index));
+    }
+
+    /// Those that are near enough to be recognised, the nearest first, with their distances.
+    pub fn around(&self, point: Point, points: &[Point]) -> Vec<(f64, usize)> {
+        let (column, row) = cell(point);
+        let around = (-1..=1).flat_map(|right| (-1..=1).map(move |up| (column + right, row + up)));
+        let others = around.filter_map(|cell| self.cells.get(&cell)).flatten();
+        let mut others: Vec<(f64, usize)> = others
+            .map(|&other| (distance_m(point, points[other]), other))
+            .filter(|&(off_m, _)| off_m <= SIGHT_M)
+            .collect();
+        others.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        others
+    }
+}
+
+fn cell(point: Point) -> (i64, i64) {
+    ((point.x / SIGHT_M).floor() as i64, (point.y / SIGHT_M).floor() as i64)
 }

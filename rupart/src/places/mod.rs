@@ -1,7 +1,8 @@
-//! The known places of a building: which of them see each other, which regions they have influence on, and
-//! shortest ways over them.
+//! The known places of a building: which of them see each other, what lies between those that do not, which
+//! regions they have influence on, and shortest ways over them.
 
 mod adjacency;
+mod key_positions;
 mod known_places;
 mod lower_bound;
 mod place;

@@ -33,6 +33,8 @@ pub struct Stretch {
     pub to: PlaceId,
     /// How long it is.
     pub length_m: f64,
+    /// How much room there is on either side of the robot, at least.
+    pub room_m: f64,
     /// The same in both directions.
     pub id: usize,
 }

@@ -1,7 +1,10 @@
+use super::sight::Sight;
 use super::*;
+use crate::control::{ARRIVAL_M, PASSING_M};
+use crate::routes::{Route, TravelTimes};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
-use rpl_robot::world::{Place, Rect, Room, Wall, World};
+use rpl_robot::world::{Axis, Door, Place, Rect, Room, Wall, World};
 
 fn world(places: &[(&str, f64, f64)], rooms: &[(&str, [f64; 4])], walls: &[&[(f64, f64)]]) -> World {
     let mut world =
@@ -45,7 +48,7 @@ pub(crate) fn random_places(stream: &mut Stream) -> Places {
         let near = (one + 1..points.len()).filter(|&other| distance_m(points[one], points[other]) < 8.5);
         pairs.extend(near.filter(|_| stream.chance(0.8)).map(|other| (one, other)));
     }
-    Places::joined(all, &pairs)
+    Places::joined(all, &pairs, |_, _| 1.0)
 }
 
 #[test]
@@ -72,6 +75,50 @@ fn a_robot_sees_through_a_door_it_fits_through() {
     let world = world(&[("in", 8.0, 6.0), ("out", 8.0, 2.0)], &[], &walls);
     let count = |radius_m: f64| Places::new(&world, radius_m).expect("it has places").stretch_count;
     assert_eq!((count(0.25), count(0.5)), (1, 0));
+}
+
+/// The names of the places on the quickest way, each in sight of the next.
+fn way(world: &World, radius_m: f64, from: &str, to: &str) -> Option<Vec<String>> {
+    let places = Places::new(world, radius_m).expect("it has places");
+    let sight = Sight::new(&world.map(0.05), radius_m);
+    for from in places.ids() {
+        let is_seen = |to: PlaceId| sight.is_free(places.at_in_map(from), places.at_in_map(to));
+        assert!(places.stretches[from.index()].iter().all(|stretch| is_seen(stretch.to)), "{}", places.name(from));
+    }
+    let [from, to] = [from, to].map(|name| places.named(name).expect("it is there"));
+    let way = TravelTimes::of_map(&places, 1.0).quickest_way(&places, from, to)?;
+    Some(way.places.iter().map(|&place| places.name(place).to_string()).collect())
+}
+
+#[test]
+fn places_out_of_sight_of_each_other_are_joined_as_far_as_the_floor_leads() {
+    let open: [&[(f64, f64)]; 2] = [&[(0.0, 4.0), (7.6, 4.0)], &[(8.4, 4.0), (30.0, 4.0)]];
+    let places = [("in", 12.0, 8.0), ("out", 20.0, 2.0), ("key-position-1", 21.0, 2.0)];
+    let gap = world(&places, &[], &open);
+    let over = way(&gap, 0.25, "in", "out").expect("the floor leads there");
+    let between = &over[1..over.len() - 1];
+    assert!(!between.is_empty() && between.iter().all(|name| name.starts_with("key-position-")), "{over:?}");
+    assert!(!between.contains(&"key-position-1".to_string()), "that is a place of the world: {over:?}");
+    assert_eq!(way(&gap, 0.5, "in", "out"), None, "it does not fit through");
+    let mut door = world(&places, &[], &[&[(0.0, 4.0), (30.0, 4.0)]]);
+    let at = Point::new(8.0, 4.0);
+    door.doors = vec![Door { room: "room".into(), at, width_m: 0.9, axis: Axis::X, open: true, mapped_open: true }];
+    assert_eq!(way(&door, 0.25, "in", "out").expect("through the door").len(), 4, "inside, outside");
+    door.doors[0].mapped_open = false;
+    assert_eq!(way(&door, 0.25, "in", "out"), None);
+}
+
+#[test]
+fn a_stop_before_a_narrow_way_is_gone_up_to() {
+    let walls: [&[(f64, f64)]; 2] = [&[(0.0, 4.0), (7.6, 4.0)], &[(8.4, 4.0), (30.0, 4.0)]];
+    let world = world(&[("in", 8.0, 6.0), ("out", 8.0, 2.0), ("hall", 16.0, 2.0)], &[], &walls);
+    let places = Places::new(&world, 0.25).expect("it has places");
+    let reached_m = |names: [&str; 2]| -> Vec<f64> {
+        let route = Route::over(&names.map(|name| places.named(name).expect("it is there")));
+        route.waypoints(&places).iter().map(|waypoint| waypoint.reached_m).collect()
+    };
+    assert_eq!(reached_m(["out", "in"]), [ARRIVAL_M, ARRIVAL_M]);
+    assert_eq!(reached_m(["out", "hall"]), [PASSING_M, ARRIVAL_M]);
 }
 
 #[test]

@@ -11,10 +11,10 @@ use crate::places::{PlaceId, Places};
 /// What adaptation is guided by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guidance {
-    /// What a new way is taken to cost, for each second it takes at least: bounds are too low, and what is
-    /// known is preferred to what is not.
+    /// What a new way is taken to cost, for each second that is expected of the shortest there can be: bounds are
+    /// too low, and what is known is preferred to what is not.
     pub new_way: f64,
-    /// A route that takes longer than this, for each second any takes at least, is poor and made anew.
+    /// A route that takes longer than this, for each second that is expected of the shortest, is poor and made anew.
     pub poor: f64,
 }
 

@@ -18,5 +18,5 @@ pub use guided::{CaseUse, Guidance, adapt_guided, best_use};
 pub use learning::{learn_route, learn_times, learn_to_make};
 pub use literal::adapt_literally;
 pub use problem::RouteProblem;
-pub use route::{Route, Stop};
+pub use route::{Route, Stop, Waypoint};
 pub use travel_times::TravelTimes;

@@ -15,9 +15,9 @@ pub struct RouteProblem {
     pub start_place: PlaceId,
     /// The known place the goal counts as.
     pub goal_place: PlaceId,
-    /// What the way from the start to each place takes at least.
+    /// What the way from the start to each place is expected to take, as short as can be.
     pub(super) least_from_start_s: Vec<f64>,
-    /// What the way from each place to the goal takes at least.
+    /// What the way from each place to the goal is expected to take, as short as can be.
     pub(super) least_to_goal_s: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ impl RouteProblem {
     /// O(places).
     pub fn new(places: &Places, times: &TravelTimes, start: Stop, goal: Stop) -> Self {
         let (start_place, goal_place) = (start.closest(places), goal.closest(places));
-        let least_s = |to: PlaceId| places.ids().map(|from| times.least_s(places, from, to)).collect();
+        let least_s = |to: PlaceId| places.ids().map(|from| times.least_expected_s(places, from, to)).collect();
         Self {
             start,
             goal,
@@ -36,7 +36,7 @@ impl RouteProblem {
         }
     }
 
-    /// What any route from the start to the goal takes at least, over known places.
+    /// What a route from the start to the goal over known places is expected to take, as short as can be.
     pub fn least_s(&self) -> f64 {
         self.least_from_start_s[self.goal_place.index()]
     }

@@ -1,5 +1,6 @@
 //! A route, as a case holds it.
 
+use crate::control::{ARRIVAL_M, PASSING_M};
 use crate::places::{PlaceId, Places};
 use rpl_robot::geometry::{Point, distance_m};
 use serde::{Deserialize, Serialize};
@@ -53,7 +54,33 @@ pub struct Route {
     pub times_s: Vec<Option<f64>>,
 }
 
+/// A stop of a route that is being driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waypoint {
+    /// Where it is.
+    pub at_in_map: Point,
+    /// From how far off it counts as reached.
+    pub reached_m: f64,
+}
+
 impl Route {
+    /// Its stops as they are driven to.
+    pub fn waypoints(&self, places: &Places) -> Vec<Waypoint> {
+        let waypoint = |(index, stop): (usize, &Stop)| Waypoint {
+            at_in_map: stop.at_in_map(places),
+            reached_m: self.reached_m(places, index),
+        };
+        self.stops.iter().enumerate().map(waypoint).collect()
+    }
+
+    /// From how far off a stop counts as reached: the robot can drive straight on to the next one from there, too.
+    pub fn reached_m(&self, places: &Places, index: usize) -> f64 {
+        let Some(next) = self.stops.get(index + 1) else { return ARRIVAL_M };
+        let ends = self.stops[index].known().zip(next.known());
+        let stretch = ends.and_then(|(from, to)| places.stretch(from, to));
+        stretch.map_or(PASSING_M, |stretch| stretch.room_m.clamp(ARRIVAL_M, PASSING_M))
+    }
+
     /// A route that was never driven.
     pub fn new(stops: Vec<Stop>) -> Self {
         let times_s = vec![None; stops.len().saturating_sub(1)];

@@ -167,3 +167,25 @@ fn coordinates_stand_at_the_ends() {
     let known = &adapted.route.stops[1..adapted.route.stops.len() - 1];
     assert_eq!((known.first(), known.last()), (Some(&Stop::Known(from)), Some(&Stop::Known(to))));
 }
+
+/// A robot that drives at two thirds of its speed everywhere uses what it knows, and does not hope for what nobody
+/// has driven.
+#[test]
+fn what_is_known_is_preferred_though_the_robot_is_slower_than_its_speed() {
+    for seed in 1..10 {
+        let mut stream = Stream::new(seed, "routes");
+        let places = random_places(&mut stream);
+        let map = TravelTimes::of_map(&places, SPEED_MPS);
+        let (from, to) = random_ends(&mut stream, &places, &map);
+        let way = map.quickest_way(&places, from, to).expect("there is a way");
+        let mut driven = Route::over(&way.places);
+        let length_m = |two: &[PlaceId]| places.stretch(two[0], two[1]).expect("a stretch").length_m;
+        driven.times_s = way.places.windows(2).map(|two| Some(1.5 * length_m(two) / SPEED_MPS)).collect();
+        let times = TravelTimes::of_routes(&places, SPEED_MPS, [&driven].into_iter());
+        assert!((times.pace - 1.5).abs() < 1e-9, "{}", times.pace);
+        let problem = RouteProblem::new(&places, &times, Stop::Known(to), Stop::Known(from));
+        let cases = [(CaseNumber(0), &driven)].into_iter();
+        let back = adapt_guided(&places, &times, &problem, cases, Guidance::USUAL).expect("there is a way");
+        assert_eq!((back.case, back.new_steps, back.is_repaired), (Some(CaseNumber(0)), 0, false));
+    }
+}

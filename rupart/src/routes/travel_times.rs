@@ -3,11 +3,18 @@
 use super::route::Route;
 use crate::places::{PlaceId, Places, Stretch, Way, shortest_way};
 
+/// No pace is expected beyond this: what took longer was held up there.
+const SLOWEST_PACE: f64 = 2.0;
+
 /// How long stretches take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TravelTimes {
     /// What a robot drives where nothing holds it up: no stretch takes less time than this lets expect.
     pub speed_mps: f64,
+    /// How long the measured stretches took, for each second they take at least: the median, between 1 and
+    /// [`SLOWEST_PACE`]. As much is expected of the others, or what is known would always seem slower than what is
+    /// not.
+    pub pace: f64,
     /// By the number of the stretch; none where no case has one.
     measured_s: Vec<Option<f64>>,
 }
@@ -15,24 +22,28 @@ pub struct TravelTimes {
 impl TravelTimes {
     /// As the map lets expect.
     pub fn of_map(places: &Places, speed_mps: f64) -> Self {
-        Self { speed_mps, measured_s: vec![None; places.stretch_count] }
+        Self { speed_mps, pace: 1.0, measured_s: vec![None; places.stretch_count] }
     }
 
     /// As routes measured it; of two measurements the later route's counts. O(stretches of the routes).
     pub fn of_routes<'r>(places: &Places, speed_mps: f64, routes: impl Iterator<Item = &'r Route>) -> Self {
         let mut times = Self::of_map(places, speed_mps);
+        let mut paces = Vec::new();
         for (two, time_s) in routes.flat_map(|route| route.stops.windows(2).zip(&route.times_s)) {
             let stretch = two[0].known().zip(two[1].known()).and_then(|(from, to)| places.stretch(from, to));
-            if let (Some(stretch), Some(_)) = (stretch, time_s) {
-                times.measured_s[stretch.id] = *time_s;
+            if let (Some(stretch), Some(time_s)) = (stretch, time_s) {
+                times.measured_s[stretch.id] = Some(*time_s);
+                paces.push(time_s * speed_mps / stretch.length_m);
             }
         }
+        paces.sort_by(f64::total_cmp);
+        times.pace = paces.get(paces.len() / 2).map_or(1.0, |pace| pace.clamp(1.0, SLOWEST_PACE));
         times
     }
 
     /// Of one stretch.
     pub fn of_stretch_s(&self, stretch: &Stretch) -> f64 {
-        self.measured_s[stretch.id].unwrap_or(stretch.length_m / self.speed_mps)
+        self.measured_s[stretch.id].unwrap_or_else(|| self.expected_s(stretch.length_m))
     }
 
     /// Of a whole route: as it was measured on it, else as known of the stretch, else by its length.
@@ -47,7 +58,17 @@ impl TravelTimes {
             let stretch = places.stretch(from.known()?, to.known()?)?;
             Some(self.of_stretch_s(stretch))
         };
-        route.times_s[step].or_else(of_stretch).unwrap_or_else(|| from.off_m(to, places) / self.speed_mps)
+        route.times_s[step].or_else(of_stretch).unwrap_or_else(|| self.expected_s(from.off_m(to, places)))
+    }
+
+    /// What a way of so many metres is expected to take that nobody has measured.
+    fn expected_s(&self, length_m: f64) -> f64 {
+        self.pace * length_m / self.speed_mps
+    }
+
+    /// What a way between two places is expected to take where it is as short as can be.
+    pub fn least_expected_s(&self, places: &Places, one: PlaceId, other: PlaceId) -> f64 {
+        self.expected_s(places.lower_bounds.between_m(one, other))
     }
 
     /// What a way between two places takes at least.

@@ -6,7 +6,7 @@ use crate::case::{Case, Content, Kind};
 use crate::control::{BehaviourParameters, CaseDrive, DriveEvent};
 use crate::memory::CaseMemory;
 use crate::places::{PlaceId, Places};
-use crate::routes::TravelTimes;
+use crate::routes::{Route, TravelTimes};
 use crate::situation::Situation;
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
@@ -269,9 +269,10 @@ impl DrivingGround<'_> {
         })?;
         let points: Vec<Point> = way.places.iter().map(|&place| self.places.at_in_map(place)).collect();
         let length_m: f64 = points.windows(2).map(|two| distance_m(two[0], two[1])).sum();
+        let waypoints = Route::over(&way.places).waypoints(self.places);
         let at = Pose::new(points[0].x, points[0].y, stream.uniform_in(-PI, PI));
         let drive = CaseDrive::new(BehaviourParameters::TUNED, is_braked);
-        let trial = Trial::begin(self.model, seed, at, points[1..].to_vec(), drive)?;
+        let trial = Trial::begin(self.model, seed, at, waypoints[1..].to_vec(), drive)?;
         let until_us = trial.state.time_us + allowed_us(length_m);
         Some((trial, until_us, length_m))
     }

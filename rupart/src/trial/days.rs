@@ -91,7 +91,8 @@ impl DrivingGround<'_> {
         let points: Vec<_> = route.stops.iter().map(|stop| stop.at_in_map(self.places)).collect();
         let start_in_map = Pose::new(points[0].x, points[0].y, stream.uniform_in(-PI, PI));
         let drive = CaseDrive::new(BehaviourParameters::TUNED, true);
-        let mut trial = Trial::begin(self.model, noise, start_in_map, points[1..].to_vec(), drive)?;
+        let mut trial =
+            Trial::begin(self.model, noise, start_in_map, route.waypoints(self.places)[1..].to_vec(), drive)?;
         let begun_us = trial.state.time_us;
         let until_us = begun_us + allowed_us(points.windows(2).map(|two| distance_m(two[0], two[1])).sum());
         // One moment of the way is remembered, each as likely as any other.

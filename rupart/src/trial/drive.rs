@@ -2,9 +2,10 @@
 //! learning them. A drive is a value; a copy of it is a fork.
 
 use crate::control::{BehaviourParameters, CaseDrive, DriveEvent, DriveGoal};
+use crate::routes::Waypoint;
 use crate::situation::{RecentSonars, Situation};
 use rpl_robot::avoidance::DriveLimits;
-use rpl_robot::geometry::{Point, Pose, Velocity, distance_m};
+use rpl_robot::geometry::{Pose, Velocity, distance_m};
 use rpl_robot::navigation::NavigationInput;
 use rpl_robot::sensors::SonarScan;
 use rpl_robot::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
@@ -20,7 +21,7 @@ pub struct Trial {
     /// The control.
     pub drive: CaseDrive,
     /// The places not yet reached, the next one first.
-    pub route_in_map: Vec<Point>,
+    pub way: Vec<Waypoint>,
     /// What happened in the last step, if anything did.
     pub event: Option<DriveEvent>,
     recent: RecentSonars,
@@ -34,7 +35,7 @@ impl Trial {
         model: &Arc<SimulatorModel>,
         seed: u64,
         robot_in_map: Pose,
-        route_in_map: Vec<Point>,
+        way: Vec<Waypoint>,
         drive: CaseDrive,
     ) -> Option<Self> {
         let mut state = model.start(seed);
@@ -45,7 +46,7 @@ impl Trial {
             model: model.clone(),
             state,
             drive,
-            route_in_map,
+            way,
             event: None,
             recent: RecentSonars::default(),
             percept,
@@ -57,7 +58,7 @@ impl Trial {
 
     /// Whether the last place is reached.
     pub fn is_over(&self) -> bool {
-        self.route_in_map.is_empty()
+        self.way.is_empty()
     }
 
     /// One step.
@@ -81,7 +82,7 @@ impl Trial {
         self.recent.hear(&readings.collect::<Vec<_>>());
         self.event = step.event;
         if step.event == Some(DriveEvent::GoalReached) {
-            self.route_in_map.remove(0);
+            self.way.remove(0);
             if !self.is_over() {
                 self.drive.begin_goal();
             }
@@ -89,9 +90,9 @@ impl Trial {
     }
 
     fn goal(&self) -> Option<DriveGoal> {
-        let goal_in_map = self.route_in_map.first()?;
-        let in_base = self.state.robot_in_map.inverse().transform(*goal_in_map);
-        Some(DriveGoal { in_base, is_last: self.route_in_map.len() == 1 })
+        let Waypoint { at_in_map, reached_m } = *self.way.first()?;
+        let in_base = self.state.robot_in_map.inverse().transform(at_in_map);
+        Some(DriveGoal { in_base, reached_m, is_last: self.way.len() == 1 })
     }
 
     /// What a case is looked for by.
@@ -101,8 +102,8 @@ impl Trial {
             mean_sonars_m: self.recent.mean_m(),
             translation_mps: Some(self.percept.translation_mps),
             rotation_radps: Some(self.percept.rotation_radps),
-            short_term_goal_in_map: self.route_in_map.first().copied(),
-            long_term_goal_in_map: self.route_in_map.last().copied(),
+            short_term_goal_in_map: self.way.first().map(|next| next.at_in_map),
+            long_term_goal_in_map: self.way.last().map(|last| last.at_in_map),
             ..Situation::default()
         };
         situation.seen_from(self.state.robot_in_map)
@@ -112,7 +113,7 @@ impl Trial {
     pub fn left_m(&self) -> f64 {
         let mut at = self.state.robot_in_map.point();
         let mut left_m = 0.0;
-        for &next in &self.route_in_map {
+        for next in self.way.iter().map(|next| next.at_in_map) {
             left_m += distance_m(at, next);
             at = next;
         }

@@ -16,6 +16,7 @@ fn arithmetic() {
         ("(* 2 3 4)", "24"),
         ("(/ 6 3)", "2"),
         ("(/ 7 2)", "3.5"),
+        ("(let ((a 7.0) (b 2) (c 3)) (list (/ a b) (/ 6 c) (/ 7 c) (/ -6 c)))", "(3.5 2 2.3333333333333335 -2)"),
         ("(/ 4)", "0.25"),
         ("(/ 24 2 3)", "4"),
         ("(/ 1.0 4)", "0.25"),
@@ -46,6 +47,11 @@ fn comparison() {
         ("(= 1 1 1)", "t"),
         ("(= 1 1 2)", "nil"),
         ("(/= 1 2 3)", "t"),
+        (
+            "(list (/= 1 2) (/= 1 1) (/= 1 1.0) (/= 0.5 1) (if (/= 3 4) 'differ 'same) (if (/= 3 3) 'differ 'same))",
+            "(t nil nil t differ same)",
+        ),
+        ("(let ((a 2) (b 2)) (list (/= a b) (if (/= a b) 1 2) (if (/= 2 a) 1 2) (not (/= a b))))", "(nil 2 2 t)"),
         ("(/= 1 2 1)", "nil"),
         ("(< 1 2 3)", "t"),
         ("(< 1 3 2)", "nil"),
@@ -115,6 +121,8 @@ fn what_has_no_value_fails() {
     check_failures(&[
         ("(/ 1 0)", "arithmetic-error: division by zero"),
         ("(/ 1.0 0.0)", "arithmetic-error: division by zero"),
+        ("(/= 1 (car '(a)))", "type-error: an operand of `/=` must be a number, and it is the symbol a"),
+        ("(/ (car '(a)) 2)", "type-error: an operand of `/` must be a number, and it is the symbol a"),
         ("(mod 1 0)", "arithmetic-error: division by zero"),
         ("(floor 1 0)", "arithmetic-error: division by zero"),
         ("(expt 0 -1)", "arithmetic-error: division by zero"),

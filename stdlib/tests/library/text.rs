@@ -97,6 +97,10 @@ fn hash_tables() {
             "(let ((h (make-hash-table))) (setf (gethash \"k\" h) 1) (list (gethash \"k\" h) (gethash 'x h) (gethash 'x h 9) (hash-table-count h)))",
             "(1 nil 9 1)",
         ),
+        (
+            "(let ((h (make-hash-table))) (dolist (k '(5 3 9 1 7)) (setf (gethash k h) (* k k))) (remhash 5 h) (setf (gethash 4 h) 0) (list (hash-table-keys h) (hash-table-values h)))",
+            "((1 3 4 7 9) (1 9 0 49 81))",
+        ),
         ("(let ((h (make-hash-table :test equal))) (setf (gethash '(1 2) h) 'a) (gethash (list 1 2) h))", "a"),
         (
             "(let ((h (make-hash-table))) (setf (gethash 1 h) 'int (gethash 1.0 h) 'float) (list (gethash 1 h) (gethash 1.0 h)))",

@@ -34,9 +34,11 @@ impl Emitter<'_, '_> {
             Binary::Add => Op::Add(into, left_reg, right_reg),
             Binary::Sub => Op::Sub(into, left_reg, right_reg),
             Binary::Mul => Op::Mul(into, left_reg, right_reg),
+            Binary::Div => Op::Div(into, left_reg, right_reg),
             Binary::Less => Op::Less(into, left_reg, right_reg),
             Binary::LessEq => Op::LessEq(into, left_reg, right_reg),
             Binary::NumEq => Op::NumEq(into, left_reg, right_reg),
+            Binary::NumDiffer => Op::NumDiffer(into, left_reg, right_reg),
             Binary::Eq => Op::Eq(into, left_reg, right_reg),
             Binary::Cons => Op::Cons(into, left_reg, right_reg),
         });
@@ -52,6 +54,7 @@ impl Emitter<'_, '_> {
             return self.push(match operation {
                 Binary::Less => Op::JumpUnlessLessInt(left, value, 0),
                 Binary::LessEq => Op::JumpUnlessLessEqInt(left, value, 0),
+                Binary::NumDiffer => Op::JumpUnlessNumDifferInt(left, value, 0),
                 _ => Op::JumpUnlessNumEqInt(left, value, 0),
             });
         }
@@ -60,6 +63,7 @@ impl Emitter<'_, '_> {
             return self.push(match operation {
                 Binary::Less => Op::JumpUnlessGreaterInt(right, value, 0),
                 Binary::LessEq => Op::JumpUnlessGreaterEqInt(right, value, 0),
+                Binary::NumDiffer => Op::JumpUnlessNumDifferInt(right, value, 0),
                 _ => Op::JumpUnlessNumEqInt(right, value, 0),
             });
         }
@@ -68,6 +72,7 @@ impl Emitter<'_, '_> {
         self.push(match operation {
             Binary::Less => Op::JumpUnlessLess(left_reg, right_reg, 0),
             Binary::LessEq => Op::JumpUnlessLessEq(left_reg, right_reg, 0),
+            Binary::NumDiffer => Op::JumpUnlessNumDiffer(left_reg, right_reg, 0),
             _ => Op::JumpUnlessNumEq(left_reg, right_reg, 0),
         })
     }

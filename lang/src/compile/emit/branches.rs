@@ -22,7 +22,11 @@ impl Emitter<'_, '_> {
                 let reg = self.operand(inner, &[]);
                 vec![self.push(Op::JumpIfTrue(reg, 0))]
             }
-            IrKind::Binary(operation @ (Binary::Less | Binary::LessEq | Binary::NumEq), left, right) => {
+            IrKind::Binary(
+                operation @ (Binary::Less | Binary::LessEq | Binary::NumEq | Binary::NumDiffer),
+                left,
+                right,
+            ) => {
                 vec![self.compare_and_jump(*operation, left, right)]
             }
             _ => {

@@ -51,12 +51,7 @@ impl Emitter<'_, '_> {
         }
         let count = arguments.len() as u8;
         match callee {
-            Callee::Native(native) if self.compiler.natives[usize::from(*native)].name == "%set-value" => {
-                let [fluent, value] = arguments else { return };
-                let fluent_reg = self.operand(fluent, &[value]);
-                let value_reg = self.operand(value, &[]);
-                self.push(Op::Assign(into, fluent_reg, value_reg));
-            }
+            Callee::Native(native) if self.native_instruction(*native, arguments, into) => {}
             Callee::Native(native) => {
                 let first = self.arguments(arguments);
                 if self.compiler.natives[usize::from(*native)].calls {

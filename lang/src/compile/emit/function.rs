@@ -1,7 +1,7 @@
 //! Functions: their parameters, their body, the code they become.
 
 use super::emitter::{Emitter, MAX_REGISTERS};
-use crate::code::{Atom, Code, CodeKind, Local, NO_REG, Op, Reg};
+use crate::code::{ARRANGES, Atom, Code, CodeKind, Local, NO_REG, Op, Reg, SlotAccess};
 use crate::compile::compiler::Compiler;
 use crate::compile::ir::{Function, ParameterBinding, VarId};
 use std::collections::BTreeMap;
@@ -38,10 +38,14 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
             Some("split it into smaller functions or plans".into());
     }
     let end = ops.len() as u32;
+    let exact_count = function.parameters.exact_count();
+    let slot = SlotAccess::of(&ops).filter(|slot| exact_count == if slot.assigns { 2 } else { 1 });
     let code = Code {
         name: function.name,
         kind: function.kind,
-        exact_count: function.parameters.exact_count(),
+        exact_count,
+        framed_count: if slot.is_some() { ARRANGES } else { exact_count },
+        slot,
         parameters: function.parameters.clone(),
         registers: most.min(255) as u8,
         captures,

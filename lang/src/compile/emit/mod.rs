@@ -6,6 +6,7 @@ mod branches;
 mod calls;
 mod emitter;
 mod function;
+mod natives;
 mod scopes;
 mod sequence;
 mod value_facts;

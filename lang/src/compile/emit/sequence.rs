@@ -23,6 +23,8 @@ pub(in crate::compile) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span
         name,
         kind: CodeKind::Task,
         exact_count: 0,
+        framed_count: 0,
+        slot: None,
         parameters: Parameters::default(),
         registers: 1,
         captures: Vec::new(),

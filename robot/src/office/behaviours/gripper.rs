@@ -1,8 +1,10 @@
 //! The gripper: it takes a thing, or lets go.
 
 use super::body::ARM;
-use crate::foresight::models::GraspRecord;
+use crate::foresight::abstract_robot::AbstractRobot;
+use crate::foresight::models::{GraspRecord, TRIES_AT_A_THING};
 use crate::geometry::Velocity;
+use crate::office::functions::act;
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, Start, Telling};
 use crate::office::position::Position;
@@ -14,6 +16,7 @@ use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::{Call, Reply};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -35,9 +38,6 @@ pub struct Gripping {
     /// The thing that was missed last, and how often in a row.
     missed: Option<(String, u32)>,
 }
-
-/// A thing that was missed so often is not there.
-const TRIES_AT_A_THING: u32 = 3;
 
 impl Gripping {
     /// What it has learned of grasping.
@@ -70,17 +70,20 @@ impl Gripping {
     /// Takes down how a try at a thing went. Misses of what turns out not to be there are none.
     fn note(&mut self, thing: &str, held: bool) {
         let before = self.missed.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
-        if held {
-            self.record.things += 1;
-            self.record.tries += before + 1;
-            self.record.misses += before;
-        } else if before + 1 == TRIES_AT_A_THING {
-            self.record.things += 1;
-            self.record.missing += 1;
+        if held || before + 1 == TRIES_AT_A_THING {
+            self.record.note(before, held);
         } else {
             self.missed = Some((thing.to_string(), before + 1));
         }
     }
+}
+
+fn foresee_thing(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let thing = call.name(0)?;
+    if let Ok(robot) = call.part::<AbstractRobot>() {
+        robot.expect_here(&thing);
+    }
+    Ok(Reply::Value(Value::Nil))
 }
 
 impl Module for Gripping {
@@ -97,6 +100,12 @@ impl Module for Gripping {
                 valve: Some(ARM),
                 parameters: Cow::Borrowed(":grasp :release"),
             }],
+            functions: vec![act(
+                "%foresee-thing",
+                "name",
+                "In a projection: people have brought a thing to where the robot is.",
+                foresee_thing,
+            )],
             ..ModuleSpec::default()
         }]
     }

@@ -33,6 +33,9 @@ pub(in crate::office) const NAME: &str = "navigation";
 /// The robot's own plan library.
 pub const PLANS: &str = include_str!("../plans.rpl");
 
+/// Rules that revise plans of the robot, and the plans that they make use of.
+pub const RULES: &str = include_str!("../rules.rpl");
+
 const FLUENTS: &[FluentSpec] = &[
     fluent("navigation-active?*", "True while a navigation plan is executed."),
     fluent("nr-of-nav-goals*", "Target points not yet reached."),
@@ -185,7 +188,10 @@ impl Module for Navigating {
                     remove_all_goals,
                 ),
             ],
-            plans: vec![PlanText { name: "robot".into(), text: PLANS.into() }],
+            plans: vec![
+                PlanText { name: "robot".into(), text: PLANS.into() },
+                PlanText { name: "rules".into(), text: RULES.into() },
+            ],
             ..ModuleSpec::default()
         }]
     }

@@ -1,12 +1,15 @@
 //! Places: what plans can ask of the places of the world. It has no behaviour.
 
 use super::position_tracking::{X, Y};
+use crate::foresight::drive_times::DriveTimes;
+use crate::foresight::ways::{ForeseenWays, Way};
 use crate::geometry::{Point, distance_m};
-use crate::office::functions::{look, model, pose_list};
+use crate::office::functions::{board, look, model, pose_list};
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec};
 use crate::office::words::mode_name;
 use crate::world::Place;
+use rpl_lang::symbol::fold_name;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Reply};
@@ -40,6 +43,18 @@ impl Module for Places {
                     "place",
                     "Metres in a straight line from the estimated position to a place.",
                     distance_to,
+                ),
+                look(
+                    "charging-places",
+                    "",
+                    "The names of the places where the battery is charged, a list.",
+                    charging_places,
+                ),
+                look(
+                    "drive-time",
+                    "place &optional place",
+                    "Seconds that a drive to a place probably takes, undisturbed, by the map: from another place, or from the estimated position. Nil if the map leaves no way.",
+                    drive_time,
                 ),
                 look("region-of", "place", "The travel mode of the region around a place, or nil.", region_of),
             ],
@@ -101,6 +116,33 @@ fn at_destination(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn distance_to(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     Ok(Reply::Value(Value::Float(distance_to_place_m(call)?)))
+}
+
+fn charging_places(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let model = model(call)?;
+    let charging = model.world.places.iter().filter(|place| place.charges);
+    let names: Vec<Value> =
+        charging.map(|place| Value::Symbol(call.machine.symbols.intern(&fold_name(&place.name)))).collect();
+    Ok(Reply::Value(call.machine.heap.list(&names)))
+}
+
+fn drive_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let (model, to) = named_place(call)?;
+    let from_in_map = match call.arguments.get(1) {
+        None | Some(Value::Nil) => board(call)?.position.estimate(model.map.as_ref()).pose_in_map,
+        Some(_) => {
+            let name = call.name(1)?;
+            let place = model.world.place(&name);
+            place.map_err(|unknown| Raise::new("unreachable", unknown.to_string()))?.pose_in_map
+        }
+    };
+    let ways = call.part::<ForeseenWays>().map(|foreseen| foreseen.ways.clone()).unwrap_or_default();
+    let way = model.map.as_ref().map(|map| map.ways(&model.world)).and_then(|map| {
+        let plan = ways.plan(map, from_in_map, &to, &[]).ok()?;
+        Way::over(&ways, map, from_in_map, &plan.targets)
+    });
+    let time_s = way.map(|way| DriveTimes::of(&model.settings.robot).time_s(&way.features()));
+    Ok(Reply::Value(time_s.map_or(Value::Nil, Value::Float)))
 }
 
 fn region_of(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

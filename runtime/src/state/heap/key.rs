@@ -1,14 +1,15 @@
 //! Keys of hash tables, compared by content.
 
-use crate::state::block::{block, entry};
+use crate::state::block::block;
 use crate::state::value::Value;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// A part of a key.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum KeyPart {
     /// `nil`
     Nil,
@@ -52,7 +53,16 @@ impl Key {
 
 impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
-        self.parts() == other.parts()
+        match (self, other) {
+            (Key::Atom(left), Key::Atom(right)) => left == right,
+            (left, right) => left.parts() == right.parts(),
+        }
+    }
+}
+
+impl Hash for Key {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.parts().iter().for_each(|part| part.hash(state));
     }
 }
 
@@ -79,5 +89,6 @@ pub fn table_entry(key: &Key) -> usize {
         Key::Atom(_) => 0,
         Key::List(parts) => block(std::mem::size_of_val::<[KeyPart]>(parts)),
     };
-    entry::<(Key, (Value, Value))>() + parts
+    // With its hash; a table has room for up to twice its entries, and a place and a byte for each in its index.
+    2 * (size_of::<(u64, Key, (Value, Value))>() + size_of::<usize>() + 1) + parts
 }

@@ -2,6 +2,7 @@
 
 mod equality;
 mod key;
+mod record;
 mod spine;
 mod store;
 

@@ -6,8 +6,9 @@ use crate::state::failure::Failure;
 use crate::state::memory::{self, MIN_THRESHOLD};
 use crate::state::slab::{Marks, Slab, give_back, is_free_list};
 use crate::state::value::Value;
+use foldhash::fast::FixedState;
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A function with the values it captured.
@@ -19,11 +20,54 @@ pub struct Closure {
     pub captured: Box<[Value]>,
 }
 
-/// A hash table: entries in the order of their keys, so that walking it is deterministic.
+/// A hash table: entries found by the hash of their keys. They stand in the order in which they came, or another
+/// that depends on nothing but what was entered and removed; plans see them in the order of their keys.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
-    /// Key and value as the plan gave them.
-    pub entries: BTreeMap<Key, (Value, Value)>,
+    entries: IndexMap<Key, (Value, Value), FixedState>,
+}
+
+impl Table {
+    /// How many entries it has.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// The value of a key.
+    pub fn get(&self, key: &Key) -> Option<Value> {
+        self.entries.get(key).map(|&(_, value)| value)
+    }
+
+    /// Removes the entry of a key; tells whether there was one. Room that is no longer needed is given back.
+    pub fn remove(&mut self, key: &Key) -> bool {
+        let was_there = self.entries.swap_remove(key).is_some();
+        if self.entries.len() < self.entries.capacity() / 4 {
+            self.entries.shrink_to(2 * self.entries.len());
+        }
+        was_there
+    }
+
+    /// Removes all entries.
+    pub fn clear(&mut self) {
+        self.entries = IndexMap::default();
+    }
+
+    /// Keys as they are found, with key and value as the plan gave them, in no order that means anything.
+    pub fn entries(&self) -> impl Iterator<Item = (&Key, (Value, Value))> {
+        self.entries.iter().map(|(key, &entry)| (key, entry))
+    }
+
+    /// Keys and values as the plan gave them, in the order of the keys. O(n log n).
+    pub fn in_order(&self) -> Vec<(Value, Value)> {
+        let mut entries: Vec<(&Key, (Value, Value))> = self.entries().collect();
+        entries.sort_unstable_by_key(|&(key, _)| key);
+        entries.into_iter().map(|(_, entry)| entry).collect()
+    }
 }
 
 /// All heap objects of a system.

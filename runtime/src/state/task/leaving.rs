@@ -2,6 +2,7 @@
 
 use crate::state::value::{TaskRef, Value};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A departure from the ordinary course of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +47,9 @@ pub struct Swap {
     pub kept: Vec<u32>,
     /// Who asked for it; none if that was nobody in the run.
     pub by: Option<TaskRef>,
+    /// While it waits: tasks that were in its way when that was looked at or have come to be since. Those that are in
+    /// its way no more leave it from the end; only when none is left are all tasks looked at again.
+    pub in_the_way: BTreeSet<TaskRef>,
 }
 
 /// What follows a clean-up.

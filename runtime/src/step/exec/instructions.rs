@@ -3,11 +3,12 @@
 use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::{Machine, SCRATCH_TASK};
+use crate::state::quotient::quotient;
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
 use crate::step::exec::arithmetic::{as_floats, overflow};
-use crate::step::exec::plan_instructions::signal_plainly;
+use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::native::{Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
@@ -157,6 +158,7 @@ impl Machine {
                     match &r!($from) {
                         &Value::Int(value) => r!($to) = Value::Int(black_box(value)),
                         &Value::Cons(pair) => r!($to) = Value::Cons(black_box(pair)),
+                        &Value::Float(value) => r!($to) = Value::Float(black_box(value)),
                         _ => r.copy_within(usize::from($from)..usize::from($from) + 1, usize::from($to)),
                     }
                 };
@@ -303,6 +305,16 @@ impl Machine {
                     Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
                     Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
                     Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
+                    Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
+                        (&Value::Float(x), &Value::Float(y)) if y != 0.0 => r!(a) = Value::Float(x / y),
+                        (left, right) => {
+                            let (left, right) = (*left, *right);
+                            match attempt!(quotient(left, right)) {
+                                Some(value) => r!(a) = value,
+                                None => fail!(self.wrong_operands("/", left, right)),
+                            }
+                        }
+                    },
                     Op::AddInt(a, b, value) => match &r!(b) {
                         &Value::Int(x) => match x.checked_add(i64::from(value)) {
                             Some(sum) => r!(a) = Value::Int(sum),
@@ -317,6 +329,7 @@ impl Machine {
                     Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
                     Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
+                    Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(b, c, "/=", !=)),
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
                     Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                     Op::Cons(a, b, c) => {
@@ -336,6 +349,30 @@ impl Machine {
                         Value::Nil => r!(a) = Value::Nil,
                         &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
                     },
+                    Op::Slot(a, b, place, kind) => {
+                        match self.heap.slot(r!(b), self.constants[kind as usize], usize::from(place)) {
+                            Some(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                            None => {
+                                let record = r!(b);
+                                attempt!(self.check_record(program, record, self.constants[kind as usize]));
+                                self.scratch.stack[base + usize::from(a)] = Value::Nil;
+                                continue 'frame;
+                            }
+                        }
+                    }
+                    Op::SetSlot(a, b, place, kind) => {
+                        if self.current == SCRATCH_TASK {
+                            fail!(in_network("a slot cannot be assigned"));
+                        }
+                        match self.heap.slot(r!(a), self.constants[kind as usize], usize::from(place)) {
+                            Some(pair) => self.heap.pairs[pair as usize].0 = r!(b),
+                            None => {
+                                let record = r!(a);
+                                attempt!(self.check_record(program, record, self.constants[kind as usize]));
+                                fail!(self.no_element_to_set(record, usize::from(place)))
+                            }
+                        }
+                    }
                     Op::Jump(distance) => jump!(distance),
                     Op::JumpIfNil(a, distance) => {
                         if matches!(r!(a), Value::Nil) {
@@ -367,6 +404,11 @@ impl Machine {
                             jump!(distance);
                         }
                     }
+                    Op::JumpUnlessNumDiffer(a, b, distance) => {
+                        if !compare!(a, b, "/=", !=) {
+                            jump!(distance);
+                        }
+                    }
                     Op::JumpUnlessLessInt(a, value, distance) => {
                         if !compare_int!(a, value, "<", <) {
                             jump!(distance);
@@ -392,16 +434,38 @@ impl Machine {
                             jump!(distance);
                         }
                     }
+                    Op::JumpUnlessNumDifferInt(a, value, distance) => {
+                        if !compare_int!(a, value, "/=", !=) {
+                            jump!(distance);
+                        }
+                    }
                     Op::Call(first, count, global) => {
                         burn!();
                         match self.globals[global as usize] {
                             Value::Function(number) => {
                                 let callee: &Code = &program.codes[number as usize];
                                 let first = usize::from(first);
+                                if !STEPPING
+                                    && callee.framed_count != u16::from(count)
+                                    && let Some(slot) = callee.slot
+                                    && callee.exact_count == u16::from(count)
+                                    && !(slot.assigns && self.current == SCRATCH_TASK)
+                                    && let kind = self.constants[slot.kind as usize]
+                                    && let Some(pair) = self.heap.slot(r!(first), kind, usize::from(slot.place))
+                                {
+                                    let place = &mut self.heap.pairs[pair as usize].0;
+                                    if slot.assigns {
+                                        *place = r!(first + 1);
+                                        r!(first) = r!(first + 1);
+                                    } else {
+                                        r!(first) = *place;
+                                    }
+                                    continue;
+                                }
                                 if !self.limits.allow(self.scratch.frames.len(), base + first) {
                                     fail!(self.too_deep());
                                 }
-                                if callee.exact_count == u16::from(count) {
+                                if callee.framed_count == u16::from(count) {
                                     clear!(callee, first, usize::from(count));
                                 } else {
                                     attempt!(self.arrange(callee, base + first, usize::from(count)));

@@ -253,6 +253,7 @@ impl Machine {
         let task = self.current;
         self.tasks[task].scopes.pop();
         self.push_scope(ScopeKind::InCleanup(Box::new(Then::Continue)));
+        self.note_in_the_way(task);
         self.refresh_boost(task);
         Ok(Proceed::On)
     }
@@ -325,7 +326,9 @@ impl Machine {
     /// Keeps the tasks around from being given other plans.
     pub(super) fn push_fence(&mut self) -> Result<Proceed, Raise> {
         self.refuse_in_network("`no-revision` cannot be entered")?;
-        self.open_scope(ScopeKind::Fence)
+        let proceed = self.open_scope(ScopeKind::Fence);
+        self.note_in_the_way(self.current);
+        proceed
     }
 
     pub(super) fn push_watch(
@@ -511,8 +514,14 @@ impl Machine {
     /// Refuses what a network or a macro may not do.
     pub(crate) fn refuse_in_network(&self, what: &str) -> Result<(), Raise> {
         if self.current == SCRATCH_TASK {
-            return Err(Raise::new("network-error", format!("{what} while a fluent network or a macro is evaluated")));
+            return Err(in_network(what));
         }
         Ok(())
     }
+}
+
+/// The error for what a network or a macro must not do.
+#[cold]
+pub(crate) fn in_network(what: &str) -> Raise {
+    Raise::new("network-error", format!("{what} while a fluent network or a macro is evaluated"))
 }

@@ -279,9 +279,10 @@ impl Machine {
             }
             Value::Table(table) => {
                 if let Some(table) = self.heap.tables.get(table) {
-                    for (key, (of, content)) in &table.entries {
+                    for (key, (of, content)) in table.entries() {
                         marker.bytes += table_entry(key);
-                        marker.extend([of, content]);
+                        marker.push(of);
+                        marker.push(content);
                     }
                 }
             }

@@ -16,7 +16,7 @@ const MOST_RUNS: i64 = 10_000;
 pub(super) const NATIVES: &[Native] = &[
     Native {
         name: "%project",
-        parameters: "list count seconds value &optional number",
+        parameters: "list count seconds value &optional number symbol",
         doc: "How plans would go from here: what `project` and its like are made of.",
         effect: Effect::Waits,
         code: Plain(project),
@@ -84,7 +84,11 @@ fn project(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         Value::Nil => None,
         _ => Some(call.number(4)?),
     };
-    let question = Question { plans, task, runs: runs as u32, horizon_us, margin };
+    let worth = match call.argument(5) {
+        Value::Symbol(name) => Some(name),
+        _ => None,
+    };
+    let question = Question { plans, task, runs: runs as u32, horizon_us, margin, worth };
     Ok(Reply::Ask(Asked::Projection(Box::new(question))))
 }
 

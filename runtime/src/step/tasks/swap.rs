@@ -35,11 +35,12 @@ impl Machine {
         if is_own {
             self.check_own_swap(around.program, index)?;
         }
-        let swap = Swap { code, kept, by: Some(self.tasks.reference(current)) };
+        let by = Some(self.tasks.reference(current));
+        let swap = Swap { code, kept, by, in_the_way: self.in_the_way_of(index) };
         if self.has_swap(index) {
             return self.wait_to_revise(around, index, is_own);
         }
-        if !self.may_be_revised(index) {
+        if !swap.in_the_way.is_empty() {
             self.wait_for_plan(around, index, is_own)?;
             self.tasks[index].rare().swap_pending = Some(Box::new(swap));
             self.swaps_pending += 1;
@@ -63,7 +64,8 @@ impl Machine {
     pub(crate) fn revise(&mut self, around: &mut Surroundings<'_>, task: TaskRef, code: u32) {
         let Ok(task) = self.revisable_task(around, task) else { return };
         if !self.has_swap(task) {
-            self.tasks[task].rare().swap_pending = Some(Box::new(Swap { code, kept: Vec::new(), by: None }));
+            self.tasks[task].rare().swap_pending =
+                Some(Box::new(Swap { code, kept: Vec::new(), by: None, in_the_way: BTreeSet::new() }));
             self.swaps_pending += 1;
             self.take_up_swaps(around, task);
         }
@@ -99,7 +101,7 @@ impl Machine {
     pub(crate) fn take_up_swaps(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let mut at = task;
         while self.swaps_pending > 0 && at != NONE {
-            if self.has_swap(at) && !self.will_end(around, at) && self.may_be_revised(at) {
+            if self.has_swap(at) && !self.will_end(around, at) && self.is_way_clear(at) {
                 self.take_up_swap(around, at);
             }
             at = self.tasks[at].parent;
@@ -195,18 +197,55 @@ impl Machine {
         Ok(())
     }
 
-    /// Whether no departure, clean-up, hook or fence is under way in a task or below it.
-    fn may_be_revised(&self, root: u32) -> bool {
-        let mut waiting = vec![root];
+    /// Whether a departure, clean-up, hook or fence is under way in a task itself.
+    fn is_in_the_way(&self, task: u32) -> bool {
+        let record = &self.tasks[task];
+        let is_in_the_way = record.is_protected() || record.named_as_hook() || is_fenced(record);
+        is_in_the_way && !record.state().is_dead()
+    }
+
+    /// The tasks at and below one that keep it from being given another plan. Cost: all tasks there.
+    fn in_the_way_of(&mut self, root: u32) -> BTreeSet<TaskRef> {
+        let (mut found, mut waiting) = (BTreeSet::new(), vec![root]);
         while let Some(task) = waiting.pop() {
-            let record = &self.tasks[task];
-            let is_in_the_way = record.is_protected() || record.named_as_hook() || is_fenced(record);
-            if is_in_the_way && !record.state().is_dead() {
-                return false;
+            self.scratch.work += 1;
+            if self.is_in_the_way(task) {
+                found.insert(self.tasks.reference(task));
             }
             waiting.extend(self.children(task));
         }
-        true
+        found
+    }
+
+    /// Whether nothing keeps a task any more from the plan it is to be given. Cost: what has ended since the last
+    /// time; all tasks below only once nothing that is known is in the way.
+    fn is_way_clear(&mut self, root: u32) -> bool {
+        let Some(mut swap) = self.tasks[root].take_swap() else { return false };
+        while let Some(&task) = swap.in_the_way.last()
+            && self.tasks.find_alive(task).is_none_or(|task| !self.is_in_the_way(task))
+        {
+            swap.in_the_way.pop_last();
+            self.scratch.work += 1;
+        }
+        if swap.in_the_way.is_empty() {
+            swap.in_the_way = self.in_the_way_of(root);
+        }
+        let is_clear = swap.in_the_way.is_empty();
+        self.tasks[root].rare().swap_pending = Some(swap);
+        is_clear
+    }
+
+    /// A task has begun something that keeps it and those above it from being given other plans.
+    pub(crate) fn note_in_the_way(&mut self, task: u32) {
+        let reference = self.tasks.reference(task);
+        let mut at = task;
+        while self.swaps_pending > 0 && at != NONE {
+            if let Some(swap) = self.tasks[at].rare.as_mut().and_then(|rare| rare.swap_pending.as_mut()) {
+                swap.in_the_way.insert(reference);
+            }
+            self.scratch.work += 1;
+            at = self.tasks[at].parent;
+        }
     }
 
     /// Lets the current task wait until another has been given the plan that somebody else has for it.

@@ -239,6 +239,7 @@ impl Machine {
         if let ScopeKind::Cleanup { .. } = scope.kind {
             let then = Box::new(Then::Leave(leaving));
             self.tasks[task].scopes.push(Scope { kind: ScopeKind::InCleanup(then), depth: scope.depth });
+            self.note_in_the_way(task);
             self.refresh_boost(task);
             // It goes on leaving: what it gave back on its way does not keep it from its clean-ups.
             self.scratch.switch = false;

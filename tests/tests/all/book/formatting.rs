@@ -34,6 +34,7 @@ fn the_plans_that_come_with_the_program_are_formatted() {
         "stdlib/src/prelude/rules.rpl",
         "stdlib/src/prelude/foresight.rpl",
         "robot/src/office/plans.rpl",
+        "robot/src/office/rules.rpl",
     ];
     let mut plans = libraries.map(|library| root().join(library)).to_vec();
     plans.extend(files_below(&root().join("examples"), &["rpl"]));

@@ -8,7 +8,7 @@ use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 use rpl_mission::modules;
-use rpl_robot::office::{self, PLANS};
+use rpl_robot::office::{self, PLANS, RULES};
 use rpl_runtime::robot::FluentSpec;
 use rpl_runtime::step::native::Native;
 use rpl_tests::repository::{root, text_of};
@@ -53,7 +53,8 @@ fn fluents(name: &'static str, fluents: &[FluentSpec]) -> Table {
 }
 
 fn functions(name: &'static str, natives: &[Native]) -> Table {
-    let rows = natives.iter().map(|native| {
+    let shown = natives.iter().filter(|native| !native.name.starts_with('%'));
+    let rows = shown.map(|native| {
         let call = format!("{} {}", native.name, native.parameters);
         vec![format!("`({})`", call.trim_end()), native.doc.to_string()]
     });
@@ -62,7 +63,7 @@ fn functions(name: &'static str, natives: &[Native]) -> Table {
 
 /// The definitions of the robot's libraries.
 fn plans() -> Table {
-    let rows = [PLANS, rpl_lola::PLANS, rpl_rupart::PLANS].into_iter().flat_map(definitions);
+    let rows = [PLANS, RULES, rpl_lola::PLANS, rpl_rupart::PLANS].into_iter().flat_map(definitions);
     Table::new("plans", &["plan", "what it does"], rows)
 }
 
@@ -78,6 +79,7 @@ fn definitions(library: &str) -> Vec<Vec<String>> {
         let NodeKind::Str(doc) = &tree.get(*doc).kind else { return None };
         let is_called = ["def-plan", "defun"].contains(&word(*head));
         let words = std::iter::once(name).chain(tree.items(*parameters)).map(|&node| word(node)).collect::<Vec<_>>();
+        let is_called = is_called && !word(*name).starts_with('%');
         is_called.then(|| vec![format!("`({})`", words.join(" ")), doc.to_string()])
     });
     rows.collect()

@@ -158,3 +158,16 @@ fn natives_take_steps_for_what_they_look_at() {
         assert!(many > few * 2, "{form} takes {few} steps for 1,000 elements, {many} for 4,000");
     }
 }
+
+#[test]
+fn what_is_in_the_way_of_a_plan_ends_one_after_the_other() {
+    // The first fence ends first, or last; each begins another one once.
+    for ends in ["(+ i 2)", "(- (+ N 2) i)"] {
+        grows_slowly(&format!(
+            "(def-plan fenced (i) (spawn (seq (no-revision (wait-time i)) (no-revision (wait-time 1)) (wait-time 9))))
+             (def-plan p () (dotimes (i N) (fenced {ends})) (wait-time 99999))
+             (pursue (:tag job (p)) (seq (wait-time 1) (swap-plan job ''swapped) (wait-time 1)))
+             'done"
+        ));
+    }
+}

@@ -122,6 +122,18 @@ fn a_record_has_slots_that_are_places() {
     check(&format!("(let ((p (make-parcel))) (push 1 (parcel-item p)) p) {parcel} 'read"), "=> read");
     let wrong = run(&format!("{parcel} (parcel-item '(letter 1))"));
     assert!(wrong.starts_with("failed: type-error: this must be a `parcel`, and it is (letter 1)"), "{wrong}");
+    let wrong = run(&format!("{parcel} (setf (parcel-weight '(letter 1)) 2)"));
+    assert!(wrong.starts_with("failed: type-error: this must be a `parcel`, and it is (letter 1)"), "{wrong}");
+    // A list that somebody has made may be shorter than its kind says.
+    check(&format!("{parcel} (parcel-weight '(parcel book))"), "=> nil");
+    let short = run(&format!("{parcel} (setf (parcel-weight (list 'parcel 'book)) 2)"));
+    assert!(short.starts_with("failed: index-error: there is no element 2 to set: the length is 2"), "{short}");
+    // A slot as a function, and in a network.
+    check(&format!("{parcel} (map parcel-weight (list (make-parcel :weight 3) (make-parcel)))"), "=> (3 2)");
+    let network = run(&format!(
+        "{parcel} (defvar p (make-parcel)) (defun heavier () (incf (parcel-weight p))) (def-fluent f 1) (wait-for (and (heavier) f))"
+    ));
+    assert!(network.contains("a slot cannot be assigned while a fluent network"), "{network}");
     let few = run(&format!("{parcel} (setf (parcel-item) 2)"));
     assert!(few.starts_with("error[arity]: `parcel-item` takes 1 argument, and 0 are given"), "{few}");
     refused("(setf (nowhere 1) 2)", "not-a-place");

@@ -6,6 +6,7 @@ use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_runtime::state::trace::Event;
+use rpl_rupart::case::Kind;
 use rpl_tests::mission::{Mission, Run, lines, model};
 use std::sync::{Arc, OnceLock};
 
@@ -214,7 +215,29 @@ fn what_cannot_be_reached_is_tried_twice_and_remembered_as_what_to_train_for() {
                   (with-failure-handling ((blocked (f) nil)) (reach-goals :patience 0))
                   (list (map #'rest (cases-of 'goal))
                     (map (lambda (case) (case-plan (first case))) (cases-of 'meta-plan))))";
-    assert_value(plan, "(((goal 1 0)) (localize-first localize-first make-route train-behaviour))");
+    assert_value(plan, "(((goal 2 0)) (localize-first localize-first make-route train-behaviour))");
+    let both = "(seq
+                  (retain-goal 'in-south 0.9)
+                  (retain-goal 'in-north 0.2)
+                  (with-failure-handling ((blocked (f) nil)) (reach-goals :patience 0))
+                  (map #'rest (cases-of 'goal)))";
+    assert_value(both, "((goal 2 0) (goal 2 0))");
+}
+
+/// A box stands in the door to the south.
+#[test]
+fn a_goal_that_is_put_off_stays_remembered_as_it_is_while_the_others_are_reached() {
+    let plan = "(with-policy (whenever (changed goals*) (print (list (value goals*) (at-destination? 'in-north))))
+                  (retain-goal 'in-south 0.9 10min)
+                  (retain-goal 'in-north 0.2)
+                  (with-failure-handling ((blocked (f) 'in-vain))
+                    (reach-goals :patience 5)))";
+    let run = mission(plan).with_scenario("(add-object! 'box 5.9 3.2 7.1 3.6)").run(SEED, 600.0);
+    assert_eq!(run.outcome(), "=> in-vain");
+    assert_eq!(run.output.last().map(|line| line.trim()), Some("(1 t)"), "{:?}", run.output);
+    let memory = run.system.outside.controller.modules.rupart.memory();
+    let left: Vec<_> = memory.cases_of(Kind::Goal).map(|(_, case)| (case.index.priority, case.index.time_s)).collect();
+    assert_eq!(left, [(Some(0.9), Some(600.0))]);
 }
 
 #[test]

@@ -80,3 +80,101 @@ fn the_real_run_is_what_it_would_be_without_the_question() {
     let (_, with_s) = value_in(test_room(), "(project '(fetch 'parcel 'table-side) :runs 1) (go-to 'table-side)");
     assert!((with_s - without_s).abs() < 0.5, "thinking takes a moment, and nothing else is different");
 }
+
+/// What rules make of a day with three deliveries, projected by a text for its `:failures` and its `:timeline`.
+fn ruled(rule: &str, failures: &str, timeline: &str, of: &str) -> String {
+    let plan = format!(
+        "(let ((p (make-projection :failures '({failures}) :timeline '({timeline}) :fluents '((battery* 0.1 0.2 0.3)))))
+           ({rule} p '{of}))"
+    );
+    value_in(World::builtin("dept").expect("built in"), &plan).0
+}
+
+const DAY: &str = "(seq (:tag a (go-to 'mail-slots)) (:tag b (go-to 'a-desk)) (:tag c (go-to 'c-centre)))";
+
+/// A step of it that is not done again once it is finished.
+fn step(name: &str, form: &str) -> String {
+    format!("(:tag {name} (unless (finished? {name}) {form}))")
+}
+
+fn go_to(place: &str) -> String {
+    format!("(go-to (quote {place}))")
+}
+
+// r[rule.robot]
+#[test]
+fn each_rule_of_the_robot_gives_its_text() {
+    let [a, b, c] = [("a", "mail-slots"), ("b", "a-desk"), ("c", "c-centre")].map(|(tag, at)| step(tag, &go_to(at)));
+    // Of all runs b begins in all, c in less than half: it is b that fails.
+    let at_b = "(\"main/b\" 1.0 1 1 1) (\"main/c\" 0.4 2 2 2)";
+    let blocked = "(0.6 blocked \"\" \"\" 1)";
+    let made = |rule: &str| ruled(rule, blocked, at_b, DAY);
+    assert_eq!(made("elsewhere-meanwhile"), format!("(seq {a} {c} {b})"));
+    assert_eq!(made("what-becomes-impossible-first"), format!("(seq {b} {a} {c})"));
+    let around = |tag: &str, at: &str| step(tag, &format!("(go-by-another-way (quote {at}))"));
+    assert_eq!(
+        made("another-way"),
+        format!("(seq {} {} {})", around("a", "mail-slots"), around("b", "a-desk"), around("c", "c-centre"))
+    );
+    assert_eq!(made("charge-before"), format!("(seq (:tag charge (charge (quote west-end) 0.95)) {a} {b} {c})"));
+    assert_eq!(made("give-up-in-time"), "nil", "four of ten come through");
+    let given_up = ruled("give-up-in-time", "(0.95 blocked \"\" \"\" 1)", "(\"main/b\" 1.0 1 1 1)", DAY);
+    assert_eq!(
+        given_up,
+        format!("(seq {a} (:tag b (give-up (quote b))) {c} (:tag end (fail given-up \"b was given up\")))")
+    );
+    let asked = ruled("ask-somebody", "(0.5 grasp-failure \"\" \"\" 1)", "", "(fetch 'cup 'a-desk :patience 60)");
+    assert_eq!(asked, "(fetch-asking (quote cup) (quote a-desk) :patience 60)");
+    assert_eq!(made("ask-somebody"), "nil", "nothing is missing");
+    assert_eq!(ruled("position-before", "(0.5 grasp-failure \"\" \"\" 1)", "", DAY), "nil", "nobody has touched it");
+}
+
+// r[rule.robot]
+#[test]
+fn deliveries_follow_one_another_where_one_way_leads_to_the_next() {
+    let deliver =
+        |tag: &str, from: &str, to: &str| format!("(:tag {tag} (deliver (quote {tag}) (quote {from}) (quote {to})))");
+    let (far, near, on) = (
+        deliver("far", "c-centre", "a-desk"),
+        deliver("near", "mail-slots", "wolframs-shelf"),
+        deliver("on", "wolframs-shelf", "d-centre"),
+    );
+    let made = ruled("nearest-delivery-next", "", "", &format!("(seq {far} {near} {on})"));
+    let places: Vec<usize> =
+        ["(:tag near", "(:tag on", "(:tag far"].map(|tag| made.find(tag).unwrap_or_else(|| panic!("{made}"))).to_vec();
+    assert!(places.is_sorted(), "{made}");
+    assert_eq!(ruled("nearest-delivery-next", "", "", &format!("(seq {near} {on})")), "nil", "they do already");
+}
+
+// r[rule.robot]
+#[test]
+fn a_rule_of_the_robot_is_installed_where_it_pays() {
+    // To the table and back is quicker in the other order only where the way leads there anyhow.
+    let plan = "(def-plan closing () (if (> (now) 20) (fail \"closed\") (wait-time 1)))
+                (with-foresight (:rules (elsewhere-meanwhile what-becomes-impossible-first) :horizon 10min)
+                  (seq (:tag drive (go-to 'table-side)) (:tag rest (wait-time 30)) (:tag post (closing))))
+                (list (now))";
+    assert!(numbers(&value_in(test_room(), plan).0)[0] > 30.0, "all of it was done, although the last closes");
+}
+
+// r[project.knowledge]
+#[test]
+fn what_foresight_is_made_of_holds_nothing_that_the_map_does_not_show() {
+    let mut world = World::builtin("dept-furnished").expect("built in");
+    world.doors[0].open = !world.doors[0].mapped_open;
+    assert!(world.objects.iter().any(|object| !object.mapped) && !world.items.is_empty());
+    let model = model(world, Grid::Coarse.settings());
+    let known = model.known();
+    for world in [&known.world, &known.simulator.world] {
+        assert!(world.objects.iter().all(|object| object.mapped) && world.items.is_empty() && world.people.is_empty());
+        assert!(world.crowd == 0 && world.doors.iter().all(|door| door.open == door.mapped_open));
+    }
+}
+
+// r[project.knowledge]
+#[test]
+fn a_battery_that_is_empty_ends_a_drive_also_in_what_is_projected() {
+    let plan = "(let ((p (project '(seq (wait-for (< battery* 0.0005)) (go-to 'table-side)) :runs 4 :horizon 24h)))
+                  (map second (projection-failures p)))";
+    assert_eq!(value_in(test_room(), plan).0, "(blocked)");
+}

@@ -124,14 +124,16 @@ pub const TOPICS: &[Topic] = &[
         "plans",
         "The robot's plans",
         "go-to go-to-point fetch pick-up pick-up-again is-spot-at? put-down bring deliver look-until-sure \
-         relocalize-when-necessary",
+         relocalize-when-necessary charge go-by-another-way deliver-by-another-way fetch-asking make-sure-of-position \
+         give-up nearest-delivery-next charge-before another-way elsewhere-meanwhile \
+         what-becomes-impossible-first ask-somebody position-before give-up-in-time",
     ),
     topic(
         "foresight",
         "Foresight",
         "project project-rest projecting? projection-success projection-time projection-failures projection-fluent \
          projection-fluents projection-timeline projection-runs projection-horizon projection-thinking \
-         projection-stale compare-plans comparison-better comparison-difference comparison-error comparison-runs \
+         projection-stale compare-plans comparison-better comparison-certain comparison-difference comparison-error comparison-runs \
          comparison-first comparison-second comparison-thinking comparison-stale make-projection projection-p \
          copy-projection make-comparison comparison-p copy-comparison",
     ),
@@ -145,7 +147,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "robot",
         "The robot's functions",
-        "place place-pose at-destination? distance-to region-of generate-navigation-plan plan-remove-all-goals \
+        "place place-pose at-destination? distance-to drive-time charging-places region-of generate-navigation-plan plan-remove-all-goals \
          set-travel-mode doubt-position belief-maxima odometry-pose odometry-in-map",
     ),
     topic(

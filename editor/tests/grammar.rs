@@ -1,9 +1,8 @@
 //! The TextMate grammar of the editors, made of the tables of names; the file in `editors` is what
 //! this gives.
 
-use super::topics::TOPICS;
-use super::{NameKind, Reference};
 use rpl_lang::number::unit_names;
+use rpl_mission::reference::{NameKind, Reference, TOPICS};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -148,6 +147,6 @@ fn the_grammar_of_the_editors_is_that_of_the_tables() {
     let there = std::fs::read_to_string(&file).unwrap_or_default();
     assert!(
         there == text,
-        "the names of the language have changed: `WRITE_GRAMMAR=1 cargo test -p rpl grammar` writes the grammar anew"
+        "the names of the language have changed: `WRITE_GRAMMAR=1 cargo test -p rpl-editor grammar` writes the grammar anew"
     );
 }

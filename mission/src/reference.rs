@@ -1,21 +1,20 @@
 //! Everything that has a name, in one table: for `rpl doc`, and for whatever completes or explains
 //! names. It is put together from the tables the compiler, the library and the robot work with.
 
-#[cfg(test)]
-mod grammar;
 mod topics;
 
-use anyhow::{Result, bail};
+use crate::error::SiteError;
+use crate::modules;
+use crate::site::Site;
 use rpl_lang::code::{Code, CodeKind, GlobalKind, Program};
-use rpl_lang::compile::{NoFiles, special_forms};
+use rpl_lang::compile::special_forms;
 use rpl_lang::pretty::print;
 use rpl_lang::reader::read;
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::Tree;
-use rpl_mission::modules;
-use rpl_mission::site::Site;
+use rpl_runtime::run::library::Library;
 use rpl_runtime::state::failure::CLASSES;
 use std::collections::BTreeMap;
 pub use topics::{TOPICS, Topic};
@@ -105,10 +104,15 @@ impl Reference {
     ///
     /// # Errors
     /// The library does not compile.
-    pub fn new() -> Result<Self> {
+    pub fn new() -> Result<Self, SiteError> {
+        Ok(Self::of(&Site::for_checking(Vec::new())?.library))
+    }
+
+    /// The same over a library that has been compiled.
+    pub fn of(library: &Library) -> Self {
         let mut reference = Self { entries: BTreeMap::new() };
-        reference.add_library()?;
-        for native in rpl_mission::libraries::natives() {
+        reference.add_library(library);
+        for native in crate::libraries::natives() {
             let signature = call(native.name, native.parameters);
             reference.add(native.name, NameKind::Function, signature, native.doc.to_string(), "");
         }
@@ -128,19 +132,13 @@ impl Reference {
             let slots = if slots.is_empty() { String::new() } else { format!(", with {}", slots.join(", ")) };
             reference.add(name, NameKind::FailureClass, format!("{name}{below}{slots}"), doc.to_string(), "");
         }
-        Ok(reference)
+        reference
     }
 
-    /// With the subcommands of this command line.
+    /// With an entry for a command of `rpl`, whose name begins with `rpl`.
     #[must_use]
-    pub fn with_commands(mut self, command_line: &clap::Command) -> Self {
-        for command in command_line.get_subcommands() {
-            let name = format!("rpl {}", command.get_name());
-            let usage = command.clone().bin_name(&name).render_usage().to_string();
-            let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-            let signature = usage.trim_start_matches("Usage: ").to_string();
-            self.add(&name, NameKind::Command, signature, format!("{about}. `{name} --help` tells more."), "");
-        }
+    pub fn with_command(mut self, name: &str, signature: String, doc: String) -> Self {
+        self.add(name, NameKind::Command, signature, doc, "");
         self
     }
 
@@ -196,13 +194,8 @@ impl Reference {
         self.entries.insert(entry.name.clone(), entry);
     }
 
-    fn add_library(&mut self) -> Result<()> {
-        // A text without forms compiles to nothing but the library.
-        let loaded = match Site::for_checking(Vec::new())?.library.load("", "", &mut NoFiles) {
-            Ok(loaded) => loaded,
-            Err(rejected) => bail!("the library does not compile\n{}", rejected.render(false)),
-        };
-        let (program, symbols) = (&loaded.program, &loaded.symbols);
+    fn add_library(&mut self, library: &Library) {
+        let (program, symbols) = library.names();
         for (&name, &code) in &program.macros {
             let name = symbols.name(name);
             let code = &program.codes[code as usize];
@@ -229,7 +222,6 @@ impl Reference {
             };
             self.add(name, kind, signature, known.doc.as_deref().unwrap_or_default().to_string(), "");
         }
-        Ok(())
     }
 }
 
@@ -260,71 +252,4 @@ fn parameters(code: &Code, program: &Program) -> String {
     let items = roots.first().map_or(&[][..], |&root| tree.items(root));
     let Some(&list) = items.get(2) else { return String::new() };
     tree.items(list).iter().map(|&item| print(&tree, &symbols, item)).collect::<Vec<_>>().join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::commands::CommandLine;
-    use clap::CommandFactory;
-
-    fn reference() -> Reference {
-        Reference::new().expect("the library compiles").with_commands(&CommandLine::command())
-    }
-
-    #[test]
-    fn no_name_is_without_signature_and_documentation() {
-        let reference = reference();
-        assert!(reference.entries.len() > 300);
-        for entry in reference.entries.values() {
-            assert!(entry.signature.contains(entry.name.as_str()) || entry.kind == NameKind::SpecialForm, "{entry:?}");
-            assert!(!entry.signature.is_empty() && entry.doc.len() > 10, "{entry:?}");
-            let ends = entry.doc.ends_with(['.', '`']);
-            assert!(ends && entry.doc.starts_with(|c: char| !c.is_lowercase()), "{entry:?}");
-        }
-    }
-
-    #[test]
-    fn everything_a_robot_offers_has_its_entry() {
-        let reference = reference();
-        let missing: Vec<&str> = modules::tables().names().filter(|name| reference.find(name).is_none()).collect();
-        assert!(missing.is_empty(), "{missing:?}");
-    }
-
-    #[test]
-    fn every_name_stands_under_one_topic() {
-        let reference = reference();
-        let mut counts: BTreeMap<&str, usize> = reference.entries.keys().map(|name| (name.as_str(), 0)).collect();
-        for topic in TOPICS {
-            assert!(reference.find(topic.word).is_none(), "`{}` means two things", topic.word);
-            for name in topic.names() {
-                assert!(
-                    reference.entries.contains_key(name),
-                    "the topic {} names `{name}`, which is nothing",
-                    topic.word
-                );
-            }
-            for entry in reference.of_topic(topic) {
-                *counts.entry(entry.name.as_str()).or_default() += 1;
-            }
-        }
-        let wrong: Vec<_> = counts.into_iter().filter(|&(_, count)| count != 1).collect();
-        assert!(wrong.is_empty(), "{wrong:?}");
-    }
-
-    #[test]
-    fn every_example_is_formatted_and_compiles() {
-        let site = Site::for_checking(Vec::new()).expect("the library compiles");
-        let reference = reference();
-        let entries: Vec<&Entry> = reference.entries.values().filter(|entry| !entry.example.is_empty()).collect();
-        assert!(entries.len() > 15);
-        for entry in entries {
-            if let Err(rejected) = site.library.load(&entry.name, entry.example, &mut NoFiles) {
-                panic!("{}", rejected.render(false));
-            }
-            let source = rpl_lang::source::SourceId(0);
-            let formatted = rpl_lang::formatter::format(entry.example, source).expect("it has no faults");
-            assert_eq!(formatted.trim_end(), entry.example);
-        }
-    }
 }

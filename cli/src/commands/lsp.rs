@@ -1,0 +1,102 @@
+//! `rpl lsp`: the language server, over standard input and output.
+
+use crate::files::module_files::{self, GoingBack, ManifestFile, ModuleVoices};
+use crate::files::plans::Folder;
+use crate::files::project_file::ProjectFile;
+use crate::files::{robot_files, world_files};
+use crate::status::Status;
+use anyhow::Result;
+use lsp_server::Connection;
+use rpl_editor::lsp::{Ending, serve};
+use rpl_editor::surroundings::{Setting, Surroundings};
+use rpl_lang::check::KnownPlaces;
+use rpl_lang::compile::{Loader, NoFiles};
+use rpl_mission::reference::Reference;
+use rpl_mission::site::{Setup, Site};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The world whose places are offered where nothing says which is meant.
+const USUAL_WORLD: &str = "dept";
+
+/// Serves an editor: findings, documentation, names, formatting
+///
+/// Speaks the Language Server Protocol over standard input and output; editors start it. It ends with status 0 if it was
+/// shut down before it was told to exit, and 1 otherwise.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// For editors that say how they speak: the only way there is
+    #[arg(long, hide = true)]
+    stdio: bool,
+}
+
+/// Serves until the editor says `exit` or is gone.
+///
+/// # Errors
+/// None: what goes wrong is told to the editor.
+pub fn run(_: &Arguments) -> Result<Status> {
+    let (connection, threads) = Connection::stdio();
+    let ending = serve(&Files::default(), &connection);
+    drop(connection);
+    // Who has closed the pipe has heard enough.
+    let joined = threads.join();
+    Ok(if ending == Ending::ShutDown && joined.is_ok() { Status::Succeeded } else { Status::Failed })
+}
+
+/// The files around the texts of an editor.
+#[derive(Default)]
+struct Files {
+    /// What the texts of each project are looked at with, by its file.
+    settings: RefCell<BTreeMap<Option<PathBuf>, Arc<Setting>>>,
+}
+
+impl Surroundings for Files {
+    fn setting(&self, path: &Path) -> Result<Arc<Setting>, String> {
+        let file = ProjectFile::above(path);
+        if let Some(known) = self.settings.borrow().get(&file) {
+            return Ok(known.clone());
+        }
+        let setting = Arc::new(setting_of(file.as_deref()).map_err(|error| format!("{error:#}"))?);
+        self.settings.borrow_mut().insert(file, setting.clone());
+        Ok(setting)
+    }
+
+    fn loader(&self, path: &Path) -> Box<dyn Loader> {
+        match path.parent() {
+            Some(folder) => Box::new(Folder::Disk(folder.to_path_buf())),
+            None => Box::new(NoFiles),
+        }
+    }
+
+    fn places(&self, path: &Path, world: Option<&str>) -> Option<KnownPlaces> {
+        let beside = world.map(|world| path.with_file_name(world)).filter(|file| file.exists());
+        let named = beside.map(|file| file.display().to_string());
+        places_of(named.as_deref().or(world).unwrap_or(USUAL_WORLD), None).ok()
+    }
+
+    fn files_changed(&self) {
+        self.settings.borrow_mut().clear();
+    }
+}
+
+/// What the texts of a project are looked at with; without a project file, what `rpl check` looks at texts with.
+fn setting_of(file: Option<&Path>) -> Result<Setting> {
+    let project = file.map(ProjectFile::read).transpose()?.unwrap_or_default();
+    let manifests: Vec<ManifestFile> =
+        project.modules.iter().map(|name| ManifestFile { name: name.clone(), path: name.into() }).collect();
+    let (_, sources) = module_files::opened(&manifests, ModuleVoices::Processes(GoingBack::Never))?;
+    let robotless = Site::with_processes(Setup::default(), sources.clone())?;
+    let robot = Site::for_checking(sources)?;
+    let world = project.world.as_deref().map(|world| places_of(world, project.robot.as_deref())).transpose()?;
+    let reference = Reference::of(&robot.library);
+    Ok(Setting { libraries: vec![robotless.library, robot.library], reference, world })
+}
+
+fn places_of(world: &str, robot: Option<&str>) -> Result<KnownPlaces> {
+    let robot = robot_files::named(robot)?;
+    // No arena has places, whatever its seed.
+    let world = world_files::named(world, &robot, 0)?;
+    Ok(KnownPlaces { names: world.places.iter().map(|place| place.name.clone()).collect(), world: world.name })
+}

@@ -1,0 +1,62 @@
+//! `rpl.toml`: what the plans of a folder are for.
+
+use super::inputs;
+use anyhow::{Result, anyhow};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The name of the file, in the folder of the plans or above it.
+pub const PROJECT_FILE: &str = "rpl.toml";
+
+/// What it says.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProjectFile {
+    /// The world that the robot is in: a name, or a file beside this one.
+    pub world: Option<String>,
+    /// The robot: a name, or a file beside this one.
+    pub robot: Option<String>,
+    /// Manifests of modules in other processes.
+    #[serde(default)]
+    pub modules: Vec<String>,
+}
+
+impl ProjectFile {
+    /// The project file that a path belongs to.
+    pub fn above(path: &Path) -> Option<PathBuf> {
+        path.ancestors().skip(1).map(|folder| folder.join(PROJECT_FILE)).find(|file| file.is_file())
+    }
+
+    /// Reads a project file; what it names beside it is found from anywhere then.
+    ///
+    /// # Errors
+    /// It cannot be read, or has faults.
+    pub fn read(file: &Path) -> Result<Self> {
+        let name = file.display();
+        let text = inputs::read_text(file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
+        let known: Self = toml::from_str(&text).map_err(|error| anyhow!("`{name}` has faults\n{error}"))?;
+        let beside = |named: String| {
+            let there = file.with_file_name(&named);
+            if there.exists() { there.display().to_string() } else { named }
+        };
+        Ok(Self {
+            world: known.world.map(beside),
+            robot: known.robot.map(beside),
+            modules: known.modules.into_iter().map(beside).collect(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_that_nothing_asks_for_is_a_fault() {
+        let known: ProjectFile = toml::from_str("world = \"dept\"\nmodules = [\"camera.toml\"]").expect("it is right");
+        assert_eq!(known.world.as_deref(), Some("dept"));
+        assert_eq!(known.modules, ["camera.toml"]);
+        let error = toml::from_str::<ProjectFile>("wordl = \"dept\"").expect_err("it is misspelt");
+        assert!(error.to_string().contains("unknown field `wordl`"), "{error}");
+    }
+}

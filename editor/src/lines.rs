@@ -1,0 +1,102 @@
+//! Places as editors count them: lines from 0, and columns in units of UTF-16.
+
+use lsp_types::{Position, Range};
+use rpl_lang::source::line_starts;
+
+/// Where the lines of a text begin.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    starts: Vec<u32>,
+}
+
+impl Lines {
+    /// Of a text. Cost: linear.
+    pub fn of(text: &str) -> Self {
+        Self { starts: line_starts(text).map(|start| start as u32).collect() }
+    }
+
+    /// How many lines there are; an empty text has one.
+    pub fn count(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// The line a byte stands in.
+    pub fn line(&self, byte: usize) -> usize {
+        self.starts.partition_point(|&start| start as usize <= byte).saturating_sub(1)
+    }
+
+    /// The bytes of a line, its end included.
+    fn bytes(&self, line: usize, text: &str) -> std::ops::Range<usize> {
+        let start = self.starts.get(line).map_or(text.len(), |&start| start as usize);
+        let end = self.starts.get(line + 1).map_or(text.len(), |&start| start as usize);
+        start..end
+    }
+
+    /// Where a byte of the text stands; one within a character stands before it.
+    pub fn position(&self, text: &str, byte: usize) -> Position {
+        let byte = text.floor_char_boundary(byte);
+        let line = self.line(byte);
+        let before = &text[self.bytes(line, text).start.min(byte)..byte];
+        let units = if before.is_ascii() { before.len() } else { before.chars().map(char::len_utf16).sum() };
+        Position::new(line as u32, units as u32)
+    }
+
+    /// Where a stretch of bytes stands.
+    pub fn range(&self, text: &str, bytes: std::ops::Range<usize>) -> Range {
+        Range::new(self.position(text, bytes.start), self.position(text, bytes.end))
+    }
+
+    /// The byte at a position. What lies behind a line is its end, what lies behind the text the text's; a position
+    /// within a character is before it.
+    pub fn byte(&self, text: &str, position: Position) -> usize {
+        let bytes = self.bytes(position.line as usize, text);
+        let line = text[bytes.clone()].trim_end_matches(['\n', '\r']);
+        let mut units = 0;
+        for (at, character) in line.char_indices() {
+            units += character.len_utf16() as u32;
+            if units > position.character {
+                return bytes.start + at;
+            }
+        }
+        bytes.start + line.len()
+    }
+
+    /// The bytes of a range, in order whatever the range says.
+    pub fn bytes_of(&self, text: &str, range: Range) -> std::ops::Range<usize> {
+        let (start, end) = (self.byte(text, range.start), self.byte(text, range.end));
+        start.min(end)..start.max(end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_units_of_utf_16() {
+        // ä is two bytes and one unit, 🙂 four bytes and two units.
+        let text = "(ä 🙂 x)\r\n🙂\r\ry";
+        let lines = Lines::of(text);
+        assert_eq!(lines.count(), 4);
+        let x = text.find('x').expect("it is there");
+        assert_eq!((x, lines.position(text, x)), (9, Position::new(0, 6)));
+        assert_eq!(lines.byte(text, Position::new(0, 6)), x);
+        let y = text.find('y').expect("it is there");
+        assert_eq!(lines.position(text, y), Position::new(3, 0));
+        // Every character is found again where it stands.
+        for (at, character) in text.char_indices().filter(|(_, character)| !matches!(character, '\r' | '\n')) {
+            assert_eq!(lines.byte(text, lines.position(text, at)), at, "{character}");
+        }
+    }
+
+    #[test]
+    fn positions_that_are_none_are_the_nearest_before() {
+        let text = "🙂b\nc";
+        let lines = Lines::of(text);
+        assert_eq!(lines.byte(text, Position::new(0, 1)), 0, "within a character");
+        assert_eq!(lines.byte(text, Position::new(0, 99)), 5, "behind the line, before its end");
+        assert_eq!(lines.byte(text, Position::new(9, 0)), text.len());
+        assert_eq!(lines.position(text, 2), Position::new(0, 0));
+        assert_eq!(lines.bytes_of(text, Range::new(Position::new(1, 1), Position::new(0, 0))), 0..7);
+    }
+}

@@ -1,0 +1,27 @@
+//! The language server: the protocol's requests, each answered in a file of its own.
+//!
+//! [`session`] is the server as a value: what it is told, it answers, and it can be asked to look at the texts that
+//! have changed. [`serve`] is the loop around it, which decides when: a short text is looked at as soon as nothing more
+//! waits to be read, a long one when typing pauses.
+
+#![allow(
+    clippy::mutable_key_type,
+    reason = "a URI of lsp-types remembers how it was read; its order and its hash follow from its text"
+)]
+
+mod actions;
+mod capabilities;
+mod completion;
+mod diagnostics;
+mod folding;
+mod formatting;
+mod hover;
+mod navigation;
+mod rename;
+mod serve;
+pub mod session;
+mod signatures;
+mod symbols;
+mod tokens;
+
+pub use serve::{Ending, serve};

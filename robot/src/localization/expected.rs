@@ -1,0 +1,207 @@
+//! The distances to be expected from the map, for every cell and direction: a tile of cells at a time, when it is
+//! first asked for. A belief looks at the tiles it lies in, and a map may have thousands of others.
+
+use super::grid::BeliefGrid;
+use super::kernel::TILE;
+use super::scan_parameters::BeamParameters;
+use super::sensor::{self, NO_ECHO};
+use crate::geometry::Point;
+use crate::occupancy::SweepMap;
+use std::sync::{Arc, OnceLock};
+
+/// Expected bins of one tile, by direction.
+pub(super) type TileBins = [[u8; TILE]];
+
+/// The table. What it holds follows from the map alone, whoever asks for it and when.
+#[derive(Debug)]
+pub(super) struct ExpectedBins {
+    sweeps: Arc<SweepMap>,
+    grid: BeliefGrid,
+    /// 1 for cells of a plane that can be stood in, else 0; of the others nothing is known.
+    admissible: Arc<Vec<f32>>,
+    directions: usize,
+    /// Rays from the middle of a cone to its edge.
+    half_cone: usize,
+    max_range_m: f64,
+    mount_radius_m: f64,
+    /// What is read together lies together.
+    tiles: Vec<OnceLock<Box<TileBins>>>,
+}
+
+impl ExpectedBins {
+    /// Nothing is computed yet.
+    pub(super) fn new(
+        sweeps: Arc<SweepMap>,
+        grid: &BeliefGrid,
+        directions: usize,
+        admissible: &Arc<Vec<f32>>,
+        beam: &BeamParameters,
+    ) -> Self {
+        let mut tiles = Vec::new();
+        tiles.resize_with(grid.plane_len().div_ceil(TILE), OnceLock::new);
+        Self {
+            sweeps,
+            grid: grid.clone(),
+            admissible: admissible.clone(),
+            directions,
+            half_cone: directions * beam.cone_deg as usize / 720,
+            max_range_m: beam.max_range_m,
+            mount_radius_m: beam.mount_radius_m,
+            tiles,
+        }
+    }
+
+    /// The cells that can be stood in, in order.
+    pub(super) fn admissible_cells(&self) -> impl Iterator<Item = usize> {
+        let numbered = self.admissible.iter().enumerate();
+        numbered.filter(|(_, admissible)| **admissible > 0.0).map(|(cell, _)| cell)
+    }
+
+    /// Expected bins of one tile; computed if nobody asked before, which takes a millisecond.
+    pub(super) fn tile(&self, tile: usize) -> &TileBins {
+        self.tiles[tile].get_or_init(|| self.swept(tile))
+    }
+
+    /// The same, if somebody asked before.
+    pub(super) fn known_tile(&self, tile: usize) -> Option<&TileBins> {
+        self.tiles[tile].get().map(|bins| &**bins)
+    }
+
+    /// The nearest surface in the cone around each direction.
+    fn swept(&self, tile: usize) -> Box<TileBins> {
+        let columns = self.grid.columns;
+        let first = tile * TILE;
+        let cells = first..(first + TILE).min(self.admissible.len());
+        let free = cells.filter(|&cell| self.admissible[cell] > 0.0);
+        let points: Vec<(usize, Point)> =
+            free.map(|cell| (cell - first, self.grid.centre(cell % columns, cell / columns))).collect();
+        let points = self.sweeps.points(&points);
+        let mut rays = vec![[NO_ECHO; TILE]; self.directions];
+        for direction in (0..self.directions).step_by(self.stride()) {
+            let bins = &mut rays[direction];
+            let ray = direction_of(direction, self.directions);
+            self.sweeps.sweep(&points, ray, self.max_range_m + self.mount_radius_m, |cell, range_m| {
+                bins[cell] = sensor::bin(range_m - self.mount_radius_m, self.max_range_m);
+            });
+        }
+        self.widened_to_cones(rays)
+    }
+
+    /// A cone of many rays loses nothing if every other one is left out.
+    fn stride(&self) -> usize {
+        if self.half_cone >= 4 && self.directions.is_multiple_of(2) { 2 } else { 1 }
+    }
+
+    /// The smallest bin within half a cone on either side.
+    fn widened_to_cones(&self, rays: Vec<[u8; TILE]>) -> Box<TileBins> {
+        if self.half_cone == 0 {
+            return rays.into_boxed_slice();
+        }
+        let mut cones = rays.clone();
+        for (direction, cone) in cones.iter_mut().enumerate() {
+            for step in self.directions - self.half_cone..=self.directions + self.half_cone {
+                let ray = (direction + step) % self.directions;
+                if ray.is_multiple_of(self.stride()) {
+                    let bins = cone.iter_mut().zip(&rays[ray]);
+                    bins.for_each(|(nearest, &bin)| *nearest = (*nearest).min(bin));
+                }
+            }
+        }
+        cones.into_boxed_slice()
+    }
+}
+
+/// Cosine and sine of a direction; opposite ones are so to the last bit.
+fn direction_of(direction: usize, directions: usize) -> (f64, f64) {
+    if directions.is_multiple_of(2) && direction >= directions / 2 {
+        let (cos, sin) = direction_of(direction - directions / 2, directions);
+        return (-cos, -sin);
+    }
+    let (sin, cos) = libm::sincos(direction as f64 * std::f64::consts::TAU / directions as f64);
+    (cos, sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::localization::{LocalizationModel, LocalizationParameters};
+    use crate::occupancy::{Cell, OccupancyGrid};
+    use crate::world::World;
+
+    /// A walled corridor with two cupboards, each the other's image under half a turn.
+    fn symmetric_corridor(columns: usize, rows: usize) -> OccupancyGrid {
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.1, columns, rows, Cell::Free);
+        for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
+            let is_wall = column == 0 || column == columns - 1 || row == 0 || row == rows - 1;
+            let is_cupboard = |column: usize, row: usize| (30..38).contains(&column) && row < 10;
+            if is_wall || is_cupboard(column, row) || is_cupboard(columns - 1 - column, rows - 1 - row) {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+        map
+    }
+
+    #[test]
+    fn mirror_poses_expect_the_same() {
+        // Cells whose middles are middles, edges and corners of cells of the map, and neither.
+        for (columns, rows, cell_m) in [(120, 30, 0.3), (121, 30, 0.2), (120, 31, 0.2), (121, 31, 0.17)] {
+            let parameters = LocalizationParameters { cell_m, angle_step_deg: 6, ..LocalizationParameters::default() };
+            let model = LocalizationModel::new(&symmetric_corridor(columns, rows), parameters).expect("it is a map");
+            let (grid, sensor) = (&model.grid, &model.sensors[0]);
+            for cell in (0..grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
+                for heading in 0..grid.headings / 2 {
+                    let mirrored = sensor.expected_scan(heading + grid.headings / 2, grid.cells() - 1 - cell);
+                    assert_eq!(sensor.expected_scan(heading, cell), mirrored, "{columns} {rows} {cell} {heading}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_tile_is_the_same_whenever_it_is_asked_for() {
+        let parameters =
+            LocalizationParameters { cell_m: 0.1, angle_step_deg: 15, ..LocalizationParameters::default() };
+        let model = || LocalizationModel::new(&symmetric_corridor(120, 30), parameters.clone()).expect("it is a map");
+        let (one, other) = (model(), model());
+        let [one, other] = [&one, &other].map(|model| model.sensors[0].expected());
+        assert!(one.tiles.len() > 2 && one.known_tile(0).is_none());
+        (0..one.tiles.len()).for_each(|tile| assert!(one.tile(tile).len() == one.directions));
+        for tile in (0..one.tiles.len()).rev() {
+            assert!(other.tile(tile) == one.tile(tile) && other.known_tile(tile).is_some());
+        }
+    }
+
+    #[test]
+    fn bins_are_those_of_rays_that_are_cast_one_by_one() {
+        let map = World::builtin("dept").expect("it is built in").map_centred(0.05);
+        let model = LocalizationModel::new(&map, LocalizationParameters::default()).expect("it is a map");
+        let table = model.sensors[0].expected();
+        let beam = &model.parameters.sensors[0].beam;
+        let (mut apart, mut farther) = ([0usize; 256], 0);
+        for cell in table.admissible_cells().step_by(53) {
+            let centre = model.grid.centre(cell % model.grid.columns, cell / model.grid.columns);
+            let cast: Vec<u8> = (0..table.directions)
+                .map(|direction| {
+                    let ray = direction_of(direction, table.directions);
+                    let way_m = model.distances.cast_m(centre, ray, beam.max_range_m + beam.mount_radius_m);
+                    sensor::bin(way_m - beam.mount_radius_m, beam.max_range_m)
+                })
+                .collect();
+            for direction in 0..table.directions {
+                let in_cone = (table.directions - table.half_cone..=table.directions + table.half_cone)
+                    .map(|step| (direction + step) % table.directions)
+                    .filter(|ray| ray % table.stride() == 0);
+                let nearest = in_cone.map(|ray| cast[ray]).min().expect("a cone has rays");
+                let swept = table.tile(cell / TILE)[direction][cell % TILE];
+                apart[usize::from(swept.abs_diff(nearest))] += 1;
+                if swept.abs_diff(nearest) <= 3 {
+                    farther += i32::from(swept) - i32::from(nearest);
+                }
+            }
+        }
+        let all: usize = apart.iter().sum();
+        let within = |bins: usize| apart[..=bins].iter().sum::<usize>() as f64 / all as f64;
+        assert!(within(1) > 0.85 && within(3) > 0.96, "{} {} {}", within(0), within(1), within(3));
+        assert!((farther as f64 / all as f64).abs() < 0.1, "{farther}");
+    }
+}

@@ -1,0 +1,32 @@
+//! Records: lists that begin with the symbol of their kind.
+
+use super::store::Heap;
+use crate::state::value::Value;
+
+impl Heap {
+    /// The pair that holds the slot at a place of a record, counted behind the kind from 1; none if the value is
+    /// no record of the kind, or shorter.
+    #[inline]
+    pub fn slot(&self, record: Value, kind: Value, place: usize) -> Option<u32> {
+        let Value::Cons(mut pair) = record else { return None };
+        if !self.is_record(record, kind) {
+            return None;
+        }
+        for _ in 0..place {
+            let Value::Cons(next) = self.pairs[pair as usize].1 else { return None };
+            pair = next;
+        }
+        Some(pair)
+    }
+
+    /// Whether a value is a record of a kind.
+    #[inline]
+    pub fn is_record(&self, value: Value, kind: Value) -> bool {
+        match (value, kind) {
+            (Value::Cons(pair), Value::Symbol(kind)) => {
+                matches!(self.pairs[pair as usize].0, Value::Symbol(name) if name == kind)
+            }
+            _ => false,
+        }
+    }
+}
