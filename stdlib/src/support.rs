@@ -116,27 +116,20 @@ fn checked_record(call: &mut Call<'_, '_>) -> NativeResult {
     value(call.argument(0))
 }
 
-/// Of the record in the first argument, if it is of the kind in the second, the pair of its slot at the place
-/// in the third.
-fn slot_pair(call: &Call<'_, '_>) -> Result<Option<u32>, Raise> {
-    let (record, kind, place) = (call.argument(0), call.argument(1), natural(call, 2)?);
-    let found = call.machine.heap.slot(record, kind, place);
-    if found.is_none() {
-        call.machine.check_record(call.around.program, record, kind)?;
-    }
-    Ok(found)
-}
-
 /// Slots that are read have an instruction where the kind and a place below 256 are written out.
 fn slot(call: &mut Call<'_, '_>) -> NativeResult {
-    let found = slot_pair(call)?;
-    value(found.map_or(Value::Nil, |pair| call.machine.heap.pair(pair).0))
+    let (record, kind, place) = (call.argument(0), call.argument(1), natural(call, 2)?);
+    match call.machine.heap.slot(record, kind, place) {
+        Some(pair) => value(call.machine.heap.pair(pair).0),
+        None => call.machine.check_record(call.around.program, record, kind).and(value(Value::Nil)),
+    }
 }
 
 /// So have slots that are assigned.
-fn set_slot(call: &mut Call<'_, '_>) -> NativeResult {
-    let Some(pair) = slot_pair(call)? else {
-        return Err(call.machine.no_element_to_set(call.argument(0), natural(call, 2)?));
+fn assign_slot(call: &mut Call<'_, '_>) -> NativeResult {
+    let (record, kind, place) = (call.argument(0), call.argument(1), natural(call, 2)?);
+    let Some(pair) = call.machine.heap.slot(record, kind, place) else {
+        return Err(call.machine.no_slot_to_set(call.around.program, record, kind, place));
     };
     call.machine.heap.pairs[pair as usize].0 = call.argument(3);
     value(call.argument(3))
@@ -163,7 +156,7 @@ pub(super) const NATIVES: &[Native] = &[
         "%assign-slot",
         "value kind position value",
         "Sets the slot at a place of a record of the kind.",
-        set_slot,
+        assign_slot,
     ),
     pure("%malformed", "form", "The error of a macro whose form is malformed.", malformed),
 ];

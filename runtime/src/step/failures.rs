@@ -64,6 +64,13 @@ impl Machine {
         Err(Raise::type_error(format!("this must be a `{kind}`, and it is {found}")))
     }
 
+    /// The error for a slot that cannot be assigned: of no record of the kind, or beyond its end.
+    #[cold]
+    pub fn no_slot_to_set(&self, program: &Program, record: Value, kind: Value, position: usize) -> Raise {
+        let is_record = self.check_record(program, record, kind);
+        is_record.map_or_else(|raise| raise, |()| self.no_element_to_set(record, position))
+    }
+
     /// The error for a place beyond the end of a list.
     #[cold]
     pub fn no_element_to_set(&self, list: Value, position: usize) -> Raise {

@@ -2,6 +2,7 @@
 
 use super::store::Heap;
 use crate::state::value::Value;
+use rpl_lang::code::SlotAccess;
 
 impl Heap {
     /// The pair that holds the slot at a place of a record, counted behind the kind from 1; none if the value is
@@ -17,6 +18,17 @@ impl Heap {
             pair = next;
         }
         Some(pair)
+    }
+
+    /// What a function that reads or assigns a slot gives for a record; none where [`Self::slot`] finds none.
+    #[inline]
+    pub fn access_slot(&mut self, slot: SlotAccess, kind: Value, record: Value, assigned: Value) -> Option<Value> {
+        let pair = self.slot(record, kind, slot.place.into())?;
+        let place = &mut self.pairs[pair as usize].0;
+        if slot.assigns {
+            *place = assigned;
+        }
+        Some(*place)
     }
 
     /// Whether a value is a record of a kind.

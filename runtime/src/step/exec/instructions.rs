@@ -1,7 +1,6 @@
 //! The loop over instructions: arithmetic, data, jumps and calls. What is about plans is one line here.
 
 use crate::state::failure::Raise;
-use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::quotient::quotient;
 use crate::state::scratch::Cursor;
@@ -233,6 +232,13 @@ impl Machine {
                     continue 'frame;
                 }};
             }
+            macro_rules! jump_unless {
+                ($condition:expr, $distance:expr) => {
+                    if !$condition {
+                        jump!($distance);
+                    }
+                };
+            }
             macro_rules! jump {
                 ($distance:expr) => {{
                     let distance = $distance;
@@ -269,23 +275,7 @@ impl Machine {
                         self.globals[global as usize] = value;
                         continue 'frame;
                     }
-                    Op::DefFluent(a, global) => {
-                        let value = r!(a);
-                        attempt!(self.refuse_in_network("a fluent cannot be defined"));
-                        let name = program.globals[global as usize].name;
-                        let fluent = match value {
-                            Value::Fluent(_) => value,
-                            value => self.create_fluent(Fluent::new(Some(name), value, Origin::Plan)),
-                        };
-                        if let Value::Fluent(index) = fluent
-                            && self.fluents[index].name.is_none()
-                        {
-                            self.fluents[index].name = Some(name);
-                        }
-                        self.globals[global as usize] = fluent;
-                        self.scratch.stack[base + usize::from(a)] = fluent;
-                        continue 'frame;
-                    }
+                    Op::DefFluent(a, global) => hand_over!(self.define_fluent(program, place, a, global)),
                     Op::Move(a, b) => copy!(a, b),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
@@ -350,94 +340,47 @@ impl Machine {
                         &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
                     },
                     Op::Slot(a, b, place, kind) => {
-                        match self.heap.slot(r!(b), self.constants[kind as usize], usize::from(place)) {
+                        let (record, kind) = (r!(b), self.constants[kind as usize]);
+                        match self.heap.slot(record, kind, place.into()) {
                             Some(pair) => r!(a) = self.heap.pairs[pair as usize].0,
                             None => {
-                                let record = r!(b);
-                                attempt!(self.check_record(program, record, self.constants[kind as usize]));
+                                attempt!(self.check_record(program, record, kind));
                                 self.scratch.stack[base + usize::from(a)] = Value::Nil;
                                 continue 'frame;
                             }
                         }
                     }
+                    Op::SetSlot(..) if self.current == SCRATCH_TASK => fail!(in_network("a slot cannot be assigned")),
                     Op::SetSlot(a, b, place, kind) => {
-                        if self.current == SCRATCH_TASK {
-                            fail!(in_network("a slot cannot be assigned"));
-                        }
-                        match self.heap.slot(r!(a), self.constants[kind as usize], usize::from(place)) {
+                        let (record, kind) = (r!(a), self.constants[kind as usize]);
+                        match self.heap.slot(record, kind, place.into()) {
                             Some(pair) => self.heap.pairs[pair as usize].0 = r!(b),
-                            None => {
-                                let record = r!(a);
-                                attempt!(self.check_record(program, record, self.constants[kind as usize]));
-                                fail!(self.no_element_to_set(record, usize::from(place)))
-                            }
+                            None => fail!(self.no_slot_to_set(program, record, kind, place.into())),
                         }
                     }
                     Op::Jump(distance) => jump!(distance),
-                    Op::JumpIfNil(a, distance) => {
-                        if matches!(r!(a), Value::Nil) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpIfTrue(a, distance) => {
-                        if !matches!(r!(a), Value::Nil) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpIfGiven(a, distance) => {
-                        if !matches!(r!(a), Value::Unbound) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpUnlessLess(a, b, distance) => {
-                        if !compare!(a, b, "<", <) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpUnlessLessEq(a, b, distance) => {
-                        if !compare!(a, b, "<=", <=) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpUnlessNumEq(a, b, distance) => {
-                        if !compare!(a, b, "=", ==) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpUnlessNumDiffer(a, b, distance) => {
-                        if !compare!(a, b, "/=", !=) {
-                            jump!(distance);
-                        }
-                    }
-                    Op::JumpUnlessLessInt(a, value, distance) => {
-                        if !compare_int!(a, value, "<", <) {
-                            jump!(distance);
-                        }
-                    }
+                    Op::JumpIfNil(a, distance) => jump_unless!(!matches!(r!(a), Value::Nil), distance),
+                    Op::JumpIfTrue(a, distance) => jump_unless!(matches!(r!(a), Value::Nil), distance),
+                    Op::JumpIfGiven(a, distance) => jump_unless!(matches!(r!(a), Value::Unbound), distance),
+                    Op::JumpUnlessLess(a, b, distance) => jump_unless!(compare!(a, b, "<", <), distance),
+                    Op::JumpUnlessLessEq(a, b, distance) => jump_unless!(compare!(a, b, "<=", <=), distance),
+                    Op::JumpUnlessNumEq(a, b, distance) => jump_unless!(compare!(a, b, "=", ==), distance),
+                    Op::JumpUnlessNumDiffer(a, b, distance) => jump_unless!(compare!(a, b, "/=", !=), distance),
+                    Op::JumpUnlessLessInt(a, value, distance) => jump_unless!(compare_int!(a, value, "<", <), distance),
                     Op::JumpUnlessLessEqInt(a, value, distance) => {
-                        if !compare_int!(a, value, "<=", <=) {
-                            jump!(distance);
-                        }
+                        jump_unless!(compare_int!(a, value, "<=", <=), distance)
                     }
                     Op::JumpUnlessGreaterInt(a, value, distance) => {
-                        if !compare_int!(a, value, ">", >) {
-                            jump!(distance);
-                        }
+                        jump_unless!(compare_int!(a, value, ">", >), distance)
                     }
                     Op::JumpUnlessGreaterEqInt(a, value, distance) => {
-                        if !compare_int!(a, value, ">=", >=) {
-                            jump!(distance);
-                        }
+                        jump_unless!(compare_int!(a, value, ">=", >=), distance)
                     }
                     Op::JumpUnlessNumEqInt(a, value, distance) => {
-                        if !compare_int!(a, value, "=", ==) {
-                            jump!(distance);
-                        }
+                        jump_unless!(compare_int!(a, value, "=", ==), distance)
                     }
                     Op::JumpUnlessNumDifferInt(a, value, distance) => {
-                        if !compare_int!(a, value, "/=", !=) {
-                            jump!(distance);
-                        }
+                        jump_unless!(compare_int!(a, value, "/=", !=), distance)
                     }
                     Op::Call(first, count, global) => {
                         burn!();
@@ -451,15 +394,9 @@ impl Machine {
                                     && callee.exact_count == u16::from(count)
                                     && !(slot.assigns && self.current == SCRATCH_TASK)
                                     && let kind = self.constants[slot.kind as usize]
-                                    && let Some(pair) = self.heap.slot(r!(first), kind, usize::from(slot.place))
+                                    && let Some(value) = self.heap.access_slot(slot, kind, r!(first), r!(first + 1))
                                 {
-                                    let place = &mut self.heap.pairs[pair as usize].0;
-                                    if slot.assigns {
-                                        *place = r!(first + 1);
-                                        r!(first) = r!(first + 1);
-                                    } else {
-                                        r!(first) = *place;
-                                    }
+                                    r!(first) = value;
                                     continue;
                                 }
                                 if !self.limits.allow(self.scratch.frames.len(), base + first) {

@@ -1,7 +1,7 @@
 //! Instructions about tasks, scopes, valves, watches and waits, one function each.
 
 use crate::state::failure::Raise;
-use crate::state::fluent::Fluent;
+use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::memory;
 use crate::state::registers::Registers;
@@ -272,6 +272,28 @@ impl Machine {
             Then::Continue if self.take_up_pending(around, task) => Proceed::Blocked,
             Then::Continue => Proceed::Switch,
         })
+    }
+
+    /// Makes a fluent with an initial value, or takes one that is given, and names it if it has no name.
+    pub(super) fn define_fluent(
+        &mut self,
+        program: &Program,
+        place: &Cursor,
+        initial: Reg,
+        global: u32,
+    ) -> Result<Proceed, Raise> {
+        self.refuse_in_network("a fluent cannot be defined")?;
+        let name = program.globals[global as usize].name;
+        let fluent = match self.register(place, initial) {
+            given @ Value::Fluent(_) => given,
+            value => self.create_fluent(Fluent::new(Some(name), value, Origin::Plan)),
+        };
+        if let Value::Fluent(index) = fluent {
+            self.fluents[index].name.get_or_insert(name);
+        }
+        self.globals[global as usize] = fluent;
+        self.set_register(place, initial, fluent);
+        Ok(Proceed::On)
     }
 
     pub(super) fn push_valve(
