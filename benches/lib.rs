@@ -49,6 +49,20 @@ pub struct Question {
     pub anchor_scale: f64,
 }
 
+impl Question {
+    /// A question without scripts beside it.
+    #[must_use]
+    pub const fn new(
+        name: &'static str,
+        what: &'static str,
+        unit: &'static str,
+        target: f64,
+        peers: &'static str,
+    ) -> Self {
+        Self { name, what, unit, target, peers, anchors: None, anchor_scale: 1.0 }
+    }
+}
+
 /// Runs the questions that the command line asks for and prints a row for each.
 #[derive(Debug)]
 pub struct Report {

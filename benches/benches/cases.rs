@@ -70,15 +70,8 @@ fn main() {
     let robot = RobotDescription::builtin("pioneer-2dx").expect("it is built in");
     let places = Places::new(&world, robot.radius_m).expect("it has places");
     let ground = KindGround::new(world, places, robot);
-    let question = |name, what, target| Question {
-        name,
-        what,
-        unit: "ms",
-        target,
-        peers: "CBRkit 1700 ms over ten thousand cases",
-        anchors: None,
-        anchor_scale: 1.0,
-    };
+    let question =
+        |name, what, target| Question::new(name, what, "ms", target, "CBRkit 1700 ms over ten thousand cases");
     let retrieve = |count: usize| {
         let (memory, asked) = memory(&ground, count);
         measure(&memory, &asked)

@@ -122,15 +122,7 @@ fn key(session: &mut Session<'_>, version: &mut i64) {
 
 fn main() {
     let report = Report::from_arguments();
-    let question = |name, what, target| Question {
-        name,
-        what,
-        unit: "ms",
-        target,
-        peers: "none",
-        anchors: None,
-        anchor_scale: 1.0,
-    };
+    let question = |name, what, target| Question::new(name, what, "ms", target, "–");
     let (short, long) = (plan(2_000), plan(10_000));
     report.row(question("first", "from the start of the server to the findings of 2,000 lines", 100.0), || {
         ms(5, || look(&mut opened(&Files::new(), &short)))

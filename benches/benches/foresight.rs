@@ -29,15 +29,7 @@ fn main() {
     let report = Report::from_arguments();
     let site = Site::new(Setup { world: World::builtin("dept"), ..Setup::default() }).expect("the robot has room");
     let system = site.start(site.compile("hour.rpl", HOUR, &mut NoFiles).expect("the plan is right"), 1);
-    let question = |name, what, target| Question {
-        name,
-        what,
-        unit: "ms",
-        target,
-        peers: "none",
-        anchors: None,
-        anchor_scale: 1.0,
-    };
+    let question = |name, what, target| Question::new(name, what, "ms", target, "–");
     let project = |runs: u32, horizon_s: u64| {
         let one_run = |_| {
             let began = Instant::now();

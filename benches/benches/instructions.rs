@@ -101,10 +101,7 @@ fn main() {
     let axes = drive.register();
     let percepts = drive.detect(&axes);
     assert!(percepts.len() > 10, "a hallway has openings");
-    let question =
-        |name, what, target| Question {
-            name, what, unit: "µs", target, peers: "–", anchors: None, anchor_scale: 1.0
-        };
+    let question = |name, what, target| Question::new(name, what, "µs", target, "–");
     let scans = drive.scans.len();
     report.row(question("registration", "the hallway's direction, for each scan of 24 sonars", 250.0), || {
         each_us(scans, || assert_eq!(black_box(drive.register()).len(), scans))

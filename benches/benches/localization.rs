@@ -95,10 +95,6 @@ fn assert_sums_to_one(model: &LocalizationModel, belief: &Belief) {
     assert!((sum - 1.0).abs() < 1e-5, "{sum}");
 }
 
-fn question(name: &'static str, what: &'static str, unit: &'static str, target: f64, peers: &'static str) -> Question {
-    Question { name, what, unit, target, peers, anchors: None, anchor_scale: 1.0 }
-}
-
 /// Runs on so many threads.
 fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
@@ -116,7 +112,7 @@ fn main() {
         admissible * 100.0
     );
     let mut two_ms = f64::NAN;
-    report.row(question("two", "full sensor update with the papers' two look-ups", "ms", 205.0, "–"), || {
+    report.row(Question::new("two", "full sensor update with the papers' two look-ups", "ms", 205.0, "–"), || {
         two_ms = TwoLookUps::new(&full).least_ms(&full);
         two_ms
     });
@@ -171,31 +167,32 @@ fn full_updates(report: &Report, model: &LocalizationModel, names: Names, two_ms
     let mut sense_ms = f64::NAN;
     let (name, target) = names.sense;
     let peers = "the papers' two look-ups compiled here 205; no peer has a grid filter";
-    report.row(question(name, "full sensor update, 24 beams, normalized", "ms", target, peers), || {
+    report.row(Question::new(name, "full sensor update, 24 beams, normalized", "ms", target, peers), || {
         sense_ms = sense(model, &mut belief, &steps, 1, true);
         sense_ms
     });
     let (name, target) = names.beam;
     let peers = "Beluga 6.4, MRPT 28, AMCL 43 a particle and beam";
-    report.row(question(name, "the same, a state and beam", "ns", target, peers), || {
+    report.row(Question::new(name, "the same, a state and beam", "ns", target, peers), || {
         sense_ms * 1e6 / (STATES as f64 * BEAMS)
     });
     let (name, target) = names.share;
-    report.row(question(name, "the same, of the papers' two look-ups", "%", target, "row `two`"), || {
+    report.row(Question::new(name, "the same, of the papers' two look-ups", "%", target, "row `two`"), || {
         sense_ms / two_ms * 100.0
     });
     let (name, target) = names.threads;
-    report.row(question(name, "the same on two threads, of one", "%", target, "50"), || {
+    report.row(Question::new(name, "the same on two threads, of one", "%", target, "50"), || {
         let both = [1, 2].map(|threads| sense(model, &mut belief, &steps, threads, false));
         both[1] / both[0] * 100.0
     });
     let (name, target) = names.motion;
-    report.row(question(name, "full motion update that moves and blurs x, y and heading", "ms", target, "–"), || {
-        on(1, || motion(model, &mut belief))
-    });
+    report.row(
+        Question::new(name, "full motion update that moves and blurs x, y and heading", "ms", target, "–"),
+        || on(1, || motion(model, &mut belief)),
+    );
     let (name, target) = names.cycle;
     let what = "motion, 24 beams, normalized, entropy and mode";
-    report.row(question(name, what, "ms", target, "–"), || on(1, || cycle(model, &mut belief, &steps)));
+    report.row(Question::new(name, what, "ms", target, "–"), || on(1, || cycle(model, &mut belief, &steps)));
 }
 
 fn sense(model: &LocalizationModel, belief: &mut Belief, steps: &[(Pose, Ranges)], threads: usize, alone: bool) -> f64 {
@@ -252,7 +249,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
     let tracked = || Belief::around(&selective, start, Spread::default());
     let what = "localized: motion, 24 beams, normalized and mode, selectively";
     let peers = "less than 100 on a 200 MHz PentiumPro in the paper";
-    report.row(question("localized", what, "ms", 1.0, peers), || {
+    report.row(Question::new("localized", what, "ms", 1.0, peers), || {
         let mut belief = tracked();
         let mut remaining = steps.iter();
         let mut worst_error_m = 0f64;
@@ -277,7 +274,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
     });
     let mut apart = (0f64, 0f64);
     let what = "the same: total variation to the full update of a step, the largest of 20 steps";
-    report.row(question("variation", what, "", 1e-3, "not said in the paper"), || {
+    report.row(Question::new("variation", what, "", 1e-3, "not said in the paper"), || {
         let (mut belief, mut always) = (tracked(), tracked());
         for (motion, scan) in steps.iter().take(20) {
             let mut other = belief.clone();
@@ -293,7 +290,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
         apart.0
     });
     let what = "the same, after all 20 steps beside a filter that never sleeps";
-    report.row(question("drift", what, "", 1e-3, "not said in the paper"), || apart.1);
+    report.row(Question::new("drift", what, "", 1e-3, "not said in the paper"), || apart.1);
 }
 
 /// The papers' layout: `[cell][heading]`, distances `[cell][direction]`, likelihoods as floats.

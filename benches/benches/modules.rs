@@ -72,10 +72,7 @@ fn main() -> io::Result<()> {
     }
     let report = Report::from_arguments();
     let program = env::current_exe()?.display().to_string();
-    let question =
-        |name, what| Question {
-            name, what, unit: "µs", target: 100.0, peers: "–", anchors: None, anchor_scale: 1.0
-        };
+    let question = |name, what| Question::new(name, what, "µs", 100.0, "–");
     let step = question("step", "a step of a module in another process, in lock step");
     report.row(step, || measure(&[program.as_str(), AS_MODULE]));
     let step = question("python", "the same of a module in Python");

@@ -139,8 +139,7 @@ fn main() {
         (true, "tracked", "ten minutes among places, the position known from the start"),
         (false, "global", "the same, beginning with global localization"),
     ] {
-        let question =
-            |unit, target, what| Question { name, what, unit, target, peers: "–", anchors: None, anchor_scale: 1.0 };
+        let question = |unit, target, what| Question::new(name, what, unit, target, "–");
         let (mut steps_ms, mut held_mb) = (f64::NAN, f64::NAN);
         println!("{what}:");
         report.row(question("ms", 200.0, "worst of 200 instants taken back"), || {

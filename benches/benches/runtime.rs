@@ -155,10 +155,6 @@ fn with_blocked(library: &Arc<Library>, count: usize) -> System<NoRobot> {
     system
 }
 
-fn question(name: &'static str, what: &'static str, unit: &'static str, target: f64, peers: &'static str) -> Question {
-    Question { name, what, unit, target, peers, anchors: None, anchor_scale: 1.0 }
-}
-
 fn anchored(mut question: Question, stem: &'static str, scale: f64) -> Question {
     question.anchors = Some(stem);
     question.anchor_scale = scale;
@@ -175,15 +171,15 @@ fn main() {
 }
 
 fn language(report: &Report, library: &Arc<Library>) {
-    let fib = question("fib", "fib 30", "ms", 40.0, "LuaJIT -joff 41, Lua 5.4 52, Guile 53, Janet 99");
+    let fib = Question::new("fib", "fib 30", "ms", 40.0, "LuaJIT -joff 41, Lua 5.4 52, Guile 53, Janet 99");
     report.row(anchored(fib, "fib", 1.0), || run_ms(library, FIB, 832_040));
-    let count = question("loop", "loop of 10^7", "ms", 95.0, "Guile 56, LuaJIT -joff 61, Janet 101, Lua 121");
+    let count = Question::new("loop", "loop of 10^7", "ms", 95.0, "Guile 56, LuaJIT -joff 61, Janet 101, Lua 121");
     report.row(anchored(count, "loop", 1.0), || run_ms(library, LOOP, 49_999_995_000_000));
-    let map = question("map", "map and filter over 10^6", "ms", 85.0, "Node without JIT 60, Lua 88");
+    let map = Question::new("map", "map and filter over 10^6", "ms", 85.0, "Node without JIT 60, Lua 88");
     report.row(anchored(map, "map_filter", 1.0), || run_ms(library, MAP_FILTER, 500_000));
-    let build = question("build", "list and string building, 2 10^5", "ms", 75.0, "Node without JIT 77, Lua 156");
+    let build = Question::new("build", "list and string building, 2 10^5", "ms", 75.0, "Node without JIT 77, Lua 156");
     report.row(anchored(build, "build", 1.0), || run_ms(library, BUILD, 1_488_889));
-    let read = question("read", "read 1 MB of plan text", "ms", 300.0, "hand-written reader 25");
+    let read = Question::new("read", "read 1 MB of plan text", "ms", 300.0, "hand-written reader 25");
     report.row(read, || {
         let text = rpl_stdlib::PRELUDE.repeat(1_000_000 / rpl_stdlib::PRELUDE.len() + 1);
         let text = &text[..text[..1_000_000].rfind("\n\n").unwrap_or(1_000_000)];
@@ -200,7 +196,7 @@ fn language(report: &Report, library: &Arc<Library>) {
 }
 
 fn texts(report: &Report, library: &Arc<Library>) {
-    let check = question("check", "check 2,000 lines", "ms", 50.0, "nobody checks plans");
+    let check = Question::new("check", "check 2,000 lines", "ms", 50.0, "nobody checks plans");
     report.row(check, || {
         let text: String = (0..100).map(|number| CHECKED.replace("NUMBER", &number.to_string())).collect();
         assert_eq!(text.lines().count(), 2_000);
@@ -217,12 +213,17 @@ fn texts(report: &Report, library: &Arc<Library>) {
 }
 
 fn tasks(report: &Report, library: &Arc<Library>) {
-    let spawn =
-        question("spawn", "spawn, run and join 100,000 tasks", "ms", 15.0, "tokio 42, Wren 52, Erlang 125, Lua 156");
+    let spawn = Question::new(
+        "spawn",
+        "spawn, run and join 100,000 tasks",
+        "ms",
+        15.0,
+        "tokio 42, Wren 52, Erlang 125, Lua 156",
+    );
     report.row(anchored(spawn, "spawn", 1.0), || run_ms(library, &with_count(SPAWN, 100_000), 100_000));
-    let million = question("million", "spawn, run and join a million tasks", "ms", 150.0, "ten times the above");
+    let million = Question::new("million", "spawn, run and join a million tasks", "ms", 150.0, "ten times the above");
     report.row(million, || run_ms(library, &with_count(SPAWN, 1_000_000), 1_000_000));
-    let switch = question(
+    let switch = Question::new(
         "switch",
         "switch between two tasks through two fluents, a dispatch",
         "ns",
@@ -242,7 +243,7 @@ fn tasks(report: &Report, library: &Arc<Library>) {
         );
         ms * 1e6 / 400_000.0
     });
-    let pulse = question("pulse", "one pulse wakes 100,000 waiters", "ms", 5.0, "Lua 16; CRAM 45 for 1,000");
+    let pulse = Question::new("pulse", "one pulse wakes 100,000 waiters", "ms", 5.0, "Lua 16; CRAM 45 for 1,000");
     report.row(anchored(pulse, "pulse", 1.0), || {
         let system = settled(library, WAITERS);
         median_ms(
@@ -256,9 +257,9 @@ fn tasks(report: &Report, library: &Arc<Library>) {
             },
         )
     });
-    let timers = question("timers", "100,000 timers", "ms", 60.0, "LuaJIT 404");
+    let timers = Question::new("timers", "100,000 timers", "ms", 60.0, "LuaJIT 404");
     report.row(anchored(timers, "timers", 1.0), || run_ms(library, TIMERS, 100_000));
-    let react = question(
+    let react = Question::new(
         "react",
         "react to one changed fluent in a plan of 1,000 monitors",
         "us",
@@ -281,7 +282,7 @@ fn tasks(report: &Report, library: &Arc<Library>) {
 }
 
 fn state(report: &Report, library: &Arc<Library>) {
-    let bytes = question("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
+    let bytes = Question::new("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
     report.row(anchored(bytes, "bytes", 1.0), || {
         const COUNT: usize = 200_000;
         in_fresh_process("bytes", || {
@@ -293,8 +294,13 @@ fn state(report: &Report, library: &Arc<Library>) {
             (after - before) / COUNT as f64
         })
     });
-    let idle =
-        question("idle", "what 100,000 blocked tasks add to an instant", "ns", 100.0, "CRAM: 1,000 take 1.6 cores");
+    let idle = Question::new(
+        "idle",
+        "what 100,000 blocked tasks add to an instant",
+        "ns",
+        100.0,
+        "CRAM: 1,000 take 1.6 cores",
+    );
     report.row(idle, || {
         let per_instant = |count| {
             let system = with_blocked(library, count);
@@ -312,12 +318,12 @@ fn state(report: &Report, library: &Arc<Library>) {
         };
         per_instant(100_000) - per_instant(1)
     });
-    let fork = question("fork", "fork the whole state, 100,000 blocked tasks", "ms", 10.0, "nobody can");
+    let fork = Question::new("fork", "fork the whole state, 100,000 blocked tasks", "ms", 10.0, "nobody can");
     report.row(fork, || {
         let system = with_blocked(library, 100_000);
         median_ms(RUNS, || (), |()| black_box(system.fork()))
     });
-    let save = question("save", "save and load the whole state, 100,000 blocked tasks", "ms", 200.0, "nobody can");
+    let save = Question::new("save", "save and load the whole state, 100,000 blocked tasks", "ms", 200.0, "nobody can");
     report.row(save, || {
         let system = with_blocked(library, 100_000);
         let text = with_count(BLOCKED, 100_000);

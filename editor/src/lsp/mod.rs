@@ -1,7 +1,7 @@
 //! The language server: the protocol's requests, each answered in a file of its own.
 //!
-//! [`session`] is the server as a value: what it is told, it answers, and it can be asked to look at the texts that
-//! have changed. [`serve`] is the loop around it, which decides when: a short text is looked at as soon as nothing more
+//! [`session`] is the server as a value: what it is told, it answers (`dispatch`), and it can be asked to look at the
+//! texts that have changed. [`serve`] is the loop around it, which decides when: a short text is looked at as soon as nothing more
 //! waits to be read, a long one when typing pauses.
 
 #![allow(
@@ -13,6 +13,7 @@ mod actions;
 mod capabilities;
 mod completion;
 mod diagnostics;
+mod dispatch;
 mod folding;
 mod formatting;
 mod hover;
@@ -24,4 +25,5 @@ mod signatures;
 mod symbols;
 mod tokens;
 
-pub use serve::{Ending, serve};
+pub use serve::serve;
+pub use session::Ending;

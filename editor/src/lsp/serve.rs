@@ -1,21 +1,12 @@
 //! The loop around a session: reads what the editor says, and finds the time to look at texts.
 
-use super::session::Session;
+use super::session::{Ending, Session};
 use crate::surroundings::Surroundings;
 use lsp_server::Connection;
 use std::time::Duration;
 
 /// A longer text is looked at when nothing has come for so long.
 const PAUSE: Duration = Duration::from_millis(300);
-
-/// How a server has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// It was shut down before it was told to exit.
-    ShutDown,
-    /// It was told to exit, or nobody was there any more, without having been shut down.
-    Abandoned,
-}
 
 /// Serves an editor until it says `exit` or is gone.
 pub fn serve(surroundings: &dyn Surroundings, connection: &Connection) -> Ending {
