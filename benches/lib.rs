@@ -19,6 +19,7 @@ struct Interpreter {
 /// None of them compiles to machine code here.
 const INTERPRETERS: &[Interpreter] = &[
     Interpreter { name: "Lua 5.4", command: &["lua5.4"], extension: "lua" },
+    Interpreter { name: "LuaJIT, no JIT", command: &["luajit", "-joff"], extension: "lua" },
     Interpreter {
         name: "Guile",
         command: &["env", "GUILE_JIT_THRESHOLD=-1", "GUILE_WARN_DEPRECATED=no", "guile"],
@@ -110,24 +111,52 @@ fn digits(figure: f64) -> String {
     }
 }
 
+/// Milliseconds of some runs of a script, the median; none if it cannot be run.
 fn anchor(interpreter: &Interpreter, stem: &str) -> Option<f64> {
+    let times: Option<Vec<f64>> = (0..ANCHOR_RUNS).map(|_| anchor_once(interpreter, stem)).collect();
+    times.map(median)
+}
+
+/// Milliseconds of one run of a script; none if it is not there, or cannot be run here.
+fn anchor_once(interpreter: &Interpreter, stem: &str) -> Option<f64> {
     let script: PathBuf =
         [env!("CARGO_MANIFEST_DIR"), "anchors", &format!("{stem}.{}", interpreter.extension)].iter().collect();
     if !script.exists() {
         return None;
     }
-    let mut times = Vec::new();
-    for _ in 0..ANCHOR_RUNS {
-        let (program, arguments) = interpreter.command.split_first()?;
-        let output = Command::new(program).args(arguments).arg(&script).output().ok()?;
-        if !output.status.success() {
-            let error = String::from_utf8_lossy(&output.stderr);
-            println!("{:<12} {} cannot run {}: {}", "", interpreter.name, script.display(), error.trim());
-            return None;
-        }
-        times.push(String::from_utf8_lossy(&output.stdout).trim().parse().ok()?);
+    let (program, arguments) = interpreter.command.split_first()?;
+    let output = Command::new(program).args(arguments).arg(&script).output().ok()?;
+    if !output.status.success() {
+        let error = String::from_utf8_lossy(&output.stderr);
+        println!("{:<12} {} cannot run {}: {}", "", interpreter.name, script.display(), error.trim());
+        return None;
     }
-    Some(median(times))
+    String::from_utf8_lossy(&output.stdout).trim().parse().ok()
+}
+
+/// What a program takes here, and its equals in other interpreters.
+#[derive(Debug)]
+pub struct Comparison {
+    /// Median milliseconds here.
+    pub ours_ms: f64,
+    /// Median milliseconds of each interpreter that was found, the fastest first.
+    pub peers: Vec<(&'static str, f64)>,
+}
+
+/// Runs a program and the scripts `anchors/STEM.*` in turn, so that what else the machine does is the same for all.
+pub fn compared(stem: &str, rounds: usize, mut ours_ms: impl FnMut() -> f64) -> Comparison {
+    let mut ours = Vec::new();
+    let mut theirs: Vec<(&'static str, Vec<f64>)> = INTERPRETERS.iter().map(|one| (one.name, Vec::new())).collect();
+    for _ in 0..rounds {
+        ours.push(ours_ms());
+        for (interpreter, (_, times)) in INTERPRETERS.iter().zip(&mut theirs) {
+            times.extend(anchor_once(interpreter, stem));
+        }
+    }
+    let ran = theirs.into_iter().filter(|(_, times)| times.len() == rounds);
+    let mut peers: Vec<(&'static str, f64)> = ran.map(|(name, times)| (name, median(times))).collect();
+    peers.sort_by(|left, right| left.1.total_cmp(&right.1));
+    Comparison { ours_ms: median(ours), peers }
 }
 
 /// The middle one; of an even number, the higher of the two in the middle.

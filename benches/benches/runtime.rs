@@ -1,4 +1,4 @@
-//! Language and runtime: how fast plans run, how many tasks there can be, and what each costs.
+//! Runtime: how fast plans are read and run, how many tasks there can be, and what each costs.
 
 use rpl_benches::{Question, Report, in_fresh_process, median_ms, resident_bytes};
 use rpl_lang::source::SourceId;
@@ -13,28 +13,6 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 const RUNS: usize = 9;
-
-const FIB: &str = "(defun fib (n) (if (< n 2) n (+ (fib (- n 1)) (fib (- n 2)))))
-    (wait-time 1)
-    (fib 30)";
-
-const LOOP: &str = "(defun sum-to (n)
-      (let ((i 0) (sum 0))
-        (loop while (< i n) (setq sum (+ sum i)) (setq i (+ i 1)))
-        sum))
-    (wait-time 1)
-    (sum-to 10000000)";
-
-const MAP_FILTER: &str = "(defvar numbers (let ((l nil)) (dotimes (i 1000000) (push i l)) l))
-    (wait-time 1)
-    (length (filter (lambda (n) (< n 1500000)) (map (lambda (n) (* n 3)) numbers)))";
-
-const BUILD: &str = "(defun build (n)
-      (let ((words nil))
-        (dotimes (i n) (push (string-append \"n\" (number->string i)) words))
-        (length (string-join (reverse words) \",\"))))
-    (wait-time 1)
-    (build 200000)";
 
 const SPAWN: &str = "(defvar numbers (let ((l nil)) (dotimes (i COUNT) (push i l)) l))
     (defvar done 0)
@@ -164,21 +142,12 @@ fn anchored(mut question: Question, stem: &'static str, scale: f64) -> Question 
 fn main() {
     let report = Report::from_arguments();
     let library = library();
-    language(&report, &library);
     texts(&report, &library);
     tasks(&report, &library);
     state(&report, &library);
 }
 
-fn language(report: &Report, library: &Arc<Library>) {
-    let fib = Question::new("fib", "fib 30", "ms", 40.0, "LuaJIT -joff 41, Lua 5.4 52, Guile 53, Janet 99");
-    report.row(anchored(fib, "fib", 1.0), || run_ms(library, FIB, 832_040));
-    let count = Question::new("loop", "loop of 10^7", "ms", 95.0, "Guile 56, LuaJIT -joff 61, Janet 101, Lua 121");
-    report.row(anchored(count, "loop", 1.0), || run_ms(library, LOOP, 49_999_995_000_000));
-    let map = Question::new("map", "map and filter over 10^6", "ms", 85.0, "Node without JIT 60, Lua 88");
-    report.row(anchored(map, "map_filter", 1.0), || run_ms(library, MAP_FILTER, 500_000));
-    let build = Question::new("build", "list and string building, 2 10^5", "ms", 75.0, "Node without JIT 77, Lua 156");
-    report.row(anchored(build, "build", 1.0), || run_ms(library, BUILD, 1_488_889));
+fn texts(report: &Report, library: &Arc<Library>) {
     let read = Question::new("read", "read 1 MB of plan text", "ms", 300.0, "hand-written reader 25");
     report.row(read, || {
         let text = rpl_stdlib::PRELUDE.repeat(1_000_000 / rpl_stdlib::PRELUDE.len() + 1);
@@ -193,9 +162,6 @@ fn language(report: &Report, library: &Arc<Library>) {
             },
         )
     });
-}
-
-fn texts(report: &Report, library: &Arc<Library>) {
     let check = Question::new("check", "check 2,000 lines", "ms", 50.0, "nobody checks plans");
     report.row(check, || {
         let text: String = (0..100).map(|number| CHECKED.replace("NUMBER", &number.to_string())).collect();

@@ -9,11 +9,13 @@ pub mod doc;
 pub mod eval;
 pub mod examples;
 pub mod experiment;
+pub mod explain;
 pub mod fmt;
 pub mod journal;
 pub mod localize;
 pub mod lsp;
 pub mod man;
+pub mod new;
 pub mod project;
 pub mod repl;
 pub mod replay;
@@ -23,6 +25,7 @@ pub mod run;
 pub mod simulate;
 pub mod test;
 pub mod trace;
+pub mod view;
 pub mod worlds;
 
 use crate::arguments::site::SiteArguments;
@@ -68,6 +71,9 @@ pub enum Command {
     Replay(Box<replay::Arguments>),
     Simulate(simulate::Arguments),
     Trace(trace::Arguments),
+    New(new::Arguments),
+    Explain(explain::Arguments),
+    View(view::Arguments),
     Check(check::Arguments),
     Test(test::Arguments),
     Fmt(fmt::Arguments),
@@ -101,6 +107,9 @@ impl Command {
             Command::Replay(arguments) => replay::run(arguments, CommandLine::command(), console),
             Command::Simulate(arguments) => simulate::run(arguments, console),
             Command::Trace(arguments) => trace::run(arguments, console),
+            Command::Explain(arguments) => explain::run(arguments, console),
+            Command::New(arguments) => new::run(arguments, console),
+            Command::View(arguments) => view::run(arguments, CommandLine::command(), console),
             Command::Check(arguments) => check::run(arguments, console),
             Command::Test(arguments) => test::run(arguments, console),
             Command::Fmt(arguments) => fmt::run(arguments, console),

@@ -3,6 +3,7 @@
 use crate::interrupt;
 use crate::journal::RunJournal;
 use crate::run_record::{BeliefScene, Incident, Records, RunEnd};
+use crate::seen::{SteeredTurn, Steering};
 use crate::show::events::{self, ToldLine};
 use crate::show::whereabouts::whereabouts;
 use crate::terminal::console::Console;
@@ -19,6 +20,9 @@ use std::time::{Duration, Instant};
 
 /// The longest nap of a paced run, so that Ctrl-C is noticed.
 const NAP: Duration = Duration::from_millis(50);
+
+/// How long a run that is held sleeps before it looks whether it is to go on.
+const HOLD_NAP: Duration = Duration::from_millis(10);
 
 /// How often the robot is looked at for the drawing of its path.
 const TRACK_EVERY_US: u64 = 100_000;
@@ -53,6 +57,9 @@ enum RunState {
 /// Reports at which the belief is worth a drawing.
 const TURNING_POINTS: [ReportKind; 3] =
     [ReportKind::PositionLost, ReportKind::LocalizationAction, ReportKind::PositionFound];
+
+/// A maximum of the belief that is drawn has this share at least.
+const LEAST_SHARE: f64 = 0.01;
 
 /// Runs a system to its end.
 ///
@@ -90,6 +97,10 @@ struct RunDriver<'a> {
 
 impl RunDriver<'_> {
     fn run(&mut self) -> io::Result<RunEnd> {
+        let factor = self.pace.factor;
+        if let Some(steering) = self.records.steering() {
+            steering.begin_at(factor);
+        }
         self.record_pose()?;
         let ending = self.go()?;
         if ending == RunEnd::TimeUp {
@@ -104,6 +115,7 @@ impl RunDriver<'_> {
     fn go(&mut self) -> io::Result<RunEnd> {
         loop {
             self.settle().inspect_err(|_| self.stop_quietly())?;
+            self.hold_at_conditions();
             if let Some(outcome) = self.system.outcome() {
                 return Ok(match self.state {
                     RunState::Runs => RunEnd::Outcome(outcome),
@@ -111,7 +123,7 @@ impl RunDriver<'_> {
                 });
             }
             match self.state {
-                RunState::Runs if interrupt::is_asked() || self.was_stopped() => {
+                RunState::Runs if interrupt::is_asked() || self.was_stopped() || self.is_ended_by_hand() => {
                     self.stop();
                     continue;
                 }
@@ -136,6 +148,7 @@ impl RunDriver<'_> {
                 }
             }
             self.next_instant();
+            self.record_robot().inspect_err(|_| self.stop_quietly())?;
             self.look_at_robot();
             self.record_pose().inspect_err(|_| self.stop_quietly())?;
         }
@@ -197,6 +210,12 @@ impl RunDriver<'_> {
         Ok(())
     }
 
+    /// Writes what ROS tools are told of the robot.
+    fn record_robot(&mut self) -> io::Result<()> {
+        let (robot, now_us) = (&mut self.system.outside, self.system.machine.now_us);
+        self.records.mcap.as_mut().map_or(Ok(()), |mcap| mcap.look(robot, now_us).map_err(io::Error::other))
+    }
+
     /// Whether the run that is repeated was told to stop in this instant.
     fn was_stopped(&self) -> bool {
         self.pace.stopped_us.is_some_and(|stopped_us| self.system.machine.now_us >= stopped_us)
@@ -242,11 +261,15 @@ impl RunDriver<'_> {
     fn settle(&mut self) -> io::Result<()> {
         loop {
             // What happens in one instant is told together, unless it grows too long.
-            match self.system.step_slice() {
-                Turn::Idle => break,
-                Turn::Over if !self.system.machine.is_output_full() => {}
-                Turn::Over => self.write_out()?,
-                Turn::Cut => {
+            match self.turn() {
+                SteeredTurn::Halted => {
+                    self.write_out()?;
+                    self.hold();
+                }
+                SteeredTurn::Turned(Turn::Idle) => break,
+                SteeredTurn::Turned(Turn::Over) if !self.system.machine.is_output_full() => {}
+                SteeredTurn::Turned(Turn::Over) => self.write_out()?,
+                SteeredTurn::Turned(Turn::Cut) => {
                     self.write_out()?;
                     // An instant without end is left all the same.
                     if self.state == RunState::Runs && interrupt::is_asked() {
@@ -259,6 +282,55 @@ impl RunDriver<'_> {
             }
         }
         self.write_out()
+    }
+
+    /// One turn of a ready task; a run that is stepped through comes back before a form.
+    fn turn(&mut self) -> SteeredTurn {
+        match self.records.steering() {
+            Some(steering) => steering.turn(self.system),
+            None => SteeredTurn::Turned(self.system.step_slice()),
+        }
+    }
+
+    /// Does what the page asks for, and stands still for as long as it wants.
+    fn attend(&mut self) {
+        if let Some(steering) = self.records.steering() {
+            steering.attend(self.system);
+        }
+        self.hold();
+    }
+
+    /// Stands still until the page lets the run go on, or the process is told to stop; then the clock begins anew.
+    fn hold(&mut self) {
+        let mut was_held = false;
+        while !interrupt::is_asked()
+            && let Some(steering) = self.records.steering().filter(|steering| steering.is_held())
+        {
+            was_held = true;
+            if !steering.attend(self.system) {
+                std::thread::sleep(HOLD_NAP);
+            }
+        }
+        let pace = self.records.steering().and_then(Steering::take_pace);
+        if let Some(factor) = pace {
+            self.pace.factor = factor;
+        }
+        if was_held || pace.is_some() {
+            (self.began, self.from_us) = (Instant::now(), self.system.machine.now_us);
+        }
+    }
+
+    /// Stands still where a condition has become true that the page has named.
+    fn hold_at_conditions(&mut self) {
+        if let Some(steering) = self.records.steering() {
+            steering.settled(self.system);
+        }
+        self.attend();
+    }
+
+    fn is_ended_by_hand(&self) -> bool {
+        let steering = self.records.live.as_ref().and_then(|live| live.steering.as_ref());
+        steering.is_some_and(Steering::is_stop_asked)
     }
 
     /// Hands on what happened and what plans wrote; then the journal notes that it was.
@@ -279,9 +351,20 @@ impl RunDriver<'_> {
         }
         let (events, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
         let is_lost = !events.is_empty() && self.system.outside.is_lost();
-        let logged = output.iter().filter(|output| output.channel == Channel::Log);
-        self.records.logs.extend(logged.map(|output| output.text.clone()));
+        let now_us = self.system.machine.now_us;
+        for logged in output.iter().filter(|output| output.channel == Channel::Log) {
+            if let Some(mcap) = &mut self.records.mcap {
+                mcap.log(now_us, &logged.text).map_err(io::Error::other)?;
+            }
+            self.records.logs.push(logged.text.clone());
+        }
+        if let Some(live) = &mut self.records.live {
+            live.feed.events(&events);
+        }
         for told in events::in_order(&events, output, is_lost) {
+            if let Some(live) = &mut self.records.live {
+                live.feed.told(now_us, &told);
+            }
             let written = self.records.journal.as_mut().map_or(Written::Now, |journal| match &told {
                 ToldLine::Print(text) => journal.printed(text),
                 ToldLine::Event(line) | ToldLine::Log(line) => journal.told(line),
@@ -311,7 +394,10 @@ impl RunDriver<'_> {
             {
                 let time_s = event.time_us as f64 / 1e6;
                 let track_length = self.records.track.len();
-                scenes.push(BeliefScene { what, time_s, belief, sight, track_length });
+                let maxima = self.system.outside.maxima(LEAST_SHARE);
+                let is_choice = what == ReportKind::LocalizationAction;
+                let choice = if is_choice { self.system.outside.considered() } else { None };
+                scenes.push(BeliefScene { what, time_s, belief, maxima, choice, sight, track_length });
             }
             if let Some(choices) = &mut self.records.choices
                 && what == ReportKind::LocalizationAction
@@ -321,6 +407,9 @@ impl RunDriver<'_> {
             let track_length = self.records.track.len();
             self.records.incidents.push(Incident { what, sight, distance_m: account.distance_m, track_length });
         }
+        if let Some(mcap) = &mut self.records.mcap {
+            mcap.event(event).map_err(io::Error::other)?;
+        }
         match &mut self.records.trace {
             Some(trace) => trace.write(event),
             None => Ok(()),
@@ -328,7 +417,7 @@ impl RunDriver<'_> {
     }
 
     /// Waits until the wall clock has come as far as the plan. False if something happened before.
-    fn wait_for_clock(&self, next_us: u64) -> bool {
+    fn wait_for_clock(&mut self, next_us: u64) -> bool {
         let Some(factor) = self.pace.factor else { return true };
         if self.records.journal.as_ref().is_some_and(RunJournal::is_past) {
             return true;
@@ -339,6 +428,9 @@ impl RunDriver<'_> {
                 RunState::Runs if interrupt::is_asked() => return false,
                 RunState::Runs => {}
                 RunState::CleansUp(_) => interrupt::beat(),
+            }
+            if self.records.steering().is_some_and(|steering| steering.attend(self.system)) {
+                return false;
             }
             std::thread::sleep(left.min(NAP));
         }
@@ -357,6 +449,9 @@ impl RunDriver<'_> {
         if is_track_due {
             self.records.track.extend(sight);
             self.track_due_us = now_us + TRACK_EVERY_US;
+        }
+        if let (true, Some(live), Some(sight)) = (is_track_due, &mut self.records.live, &sight) {
+            live.feed.look(now_us, sight, &mut self.system.outside);
         }
         if let Some(room) = status_room {
             let text = whereabouts(&self.system.machine, &self.system.outside, sight, room);

@@ -6,10 +6,11 @@ use crate::files::{plans, robot_files, world_files};
 use crate::show::failure_report::Reporter;
 use crate::show::figures;
 use crate::sites;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::{PositionBelief, Sight};
 use rpl_mission::site::{Setup, Site};
+use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
@@ -20,6 +21,8 @@ use serde_json::json;
 use std::ffi::OsString;
 use std::sync::Arc;
 
+/// Modules within this process.
+pub use crate::files::module_files::{Speaker, within as module_within};
 /// A plan's text: a file, a built-in example, or a text that is at hand.
 pub use crate::files::plans::{Folder, PlanText};
 /// Which build this is: parts of experiments that others have made fit only if they are of the same.
@@ -68,18 +71,22 @@ pub fn world(name: &str, robot: &RobotDescription, seed: u64) -> Result<World> {
     world_files::named(name, robot, seed)
 }
 
-/// Where a plan runs, and the plan compiled for it.
+/// Where a plan runs, with modules beside those of the robot, and the plan compiled for it.
 ///
 /// # Errors
-/// The plan or the scenario has faults, or the world cannot be used.
+/// The plan or the scenario has faults, the world cannot be used, there are modules and no robot, or they do not fit it.
 pub fn site(
     plan: &PlanText,
     world: Option<World>,
     robot: Arc<RobotDescription>,
     scenario: Option<PlanText>,
+    modules: Vec<ModuleSource>,
 ) -> Result<(Site, Loaded)> {
+    if let (None, Some(module)) = (&world, modules.first()) {
+        bail!("the module `{}` needs a robot; name a world, such as `dept`", module.manifest.name);
+    }
     let setup = Setup { world, settings: OfficeSettings::of(robot), ..Setup::default() };
-    let site = sites::build(setup, scenario, Vec::new())?;
+    let site = sites::build(setup, scenario, modules)?;
     let loaded = sites::load(&site, plan, false)?;
     Ok((site, loaded))
 }

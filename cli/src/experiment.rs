@@ -11,7 +11,9 @@ mod day;
 mod doors;
 mod drive_times;
 mod errands;
+mod failed_runs;
 mod findings;
+mod foresight;
 mod instructions;
 mod kind;
 mod missions;
@@ -36,7 +38,7 @@ use crate::terminal::console::Console;
 use anyhow::{Result, bail};
 use catalogue::{EXPERIMENTS, Experiment, ExperimentSubject, Row};
 use conduct::{chosen, conduct};
-use missions::{MissionTable, Missions, Moments, OwnPlan};
+use missions::{EveryMoment, MissionTable, Missions, OwnPlan};
 use rpl_robot::description::RobotDescription;
 
 /// Does an experiment, or one with a plan of the user's own.
@@ -67,21 +69,23 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
     }
     let asked = request.clone();
     let rows = || chosen(request, experiment.rows, |row| row.name);
-    let missions =
-        |table: MissionTable| Ok::<_, anyhow::Error>(Missions { request: asked.clone(), rows: rows()?, table });
     match experiment.subject {
-        ExperimentSubject::Success => conduct(missions(MissionTable::FirstRow)?, request, how, console),
-        ExperimentSubject::Comparison => conduct(missions(MissionTable::Lines)?, request, how, console),
-        ExperimentSubject::Calibration => {
-            let moments = Moments { request: asked.clone(), rows: rows()? };
-            conduct(moments, request, how, console)
+        ExperimentSubject::Success => {
+            conduct(Missions { request: asked, rows: rows()?, look: MissionTable::FirstRow }, request, how, console)
         }
-        ExperimentSubject::Choices => conduct(choices::Choices::new(asked.clone(), rows()?)?, request, how, console),
+        ExperimentSubject::Comparison => {
+            conduct(Missions { request: asked, rows: rows()?, look: MissionTable::Lines }, request, how, console)
+        }
+        ExperimentSubject::Calibration => {
+            conduct(Missions { request: asked, rows: rows()?, look: EveryMoment }, request, how, console)
+        }
+        ExperimentSubject::Choices => conduct(choices::Choices::new(asked, rows()?)?, request, how, console),
         ExperimentSubject::Barn => conduct(barn::Barn::new(asked)?, request, how, console),
         ExperimentSubject::Worlds => conduct(worlds::WorldDrives::new(asked)?, request, how, console),
         ExperimentSubject::Doors => conduct(doors::drives(asked)?, request, how, console),
         ExperimentSubject::DriveTimes => conduct(drive_times::TimedDrives::new(asked)?, request, how, console),
         ExperimentSubject::Projections => conduct(projections::Projections::new(asked)?, request, how, console),
+        ExperimentSubject::Foresight => conduct(foresight::Foresight::new(asked)?, request, how, console),
         ExperimentSubject::Sensing => conduct(sensing::Sensing::new(asked)?, request, how, console),
         ExperimentSubject::HallwayFeatures => {
             conduct(instructions::HallwayFeatures::new(asked)?, request, how, console)
@@ -109,6 +113,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
         ExperimentSubject::DriveTimes => drive_times::WORLDS.to_vec(),
         ExperimentSubject::Projections => projections::row_names(),
+        ExperimentSubject::Foresight => foresight::row_names(),
         ExperimentSubject::Sensing => sensing::row_names(),
         ExperimentSubject::HallwayFeatures => instructions::feature_rows(),
         ExperimentSubject::CountOpenings => instructions::counting_rows(),

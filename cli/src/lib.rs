@@ -1,12 +1,13 @@
 //! The `rpl` command: files, terminal, wall clock, signals, and threads for runs over many seeds.
 //!
-//! `commands` has a file for each subcommand, and `arguments` what several of them take; `drive` runs a
+//! `commands` has a file for each subcommand, and `arguments` what several of them take; `drawing` makes pictures, `mcap` recordings; `drive` runs a
 //! plan, `repl` is the prompt, `experiment` runs a plan over many seeds; `show` says what a run is shown
 //! as, and `terminal` where that goes. What a plan runs with is put together by the crate `mission`.
 //! `embedded` is what programs use that have the command in them.
 
 mod arguments;
 mod commands;
+mod drawing;
 mod drive;
 pub mod embedded;
 mod experiment;
@@ -14,10 +15,12 @@ mod files;
 mod hosts;
 mod interrupt;
 mod journal;
+mod mcap;
 mod prepared_run;
 mod recorded_run;
 mod repl;
 mod run_record;
+mod seen;
 mod show;
 mod sites;
 mod status;

@@ -64,12 +64,18 @@ impl PreparedRun {
         if let Some(trace) = &mut self.records.trace {
             trace.finish().context("the trace cannot be written")?;
         }
+        if let Some(mcap) = &mut self.records.mcap {
+            mcap.finish().context("the MCAP file cannot be written")?;
+        }
         if let Some(recorder) = &self.records.recorder {
             recorder.finish().context("the recording cannot be written")?;
         }
         if let (Some(folder), Some(world)) = (&mut self.figures, &self.world) {
             let radius_m = self.site.office().map_or(0.0, |office| office.limits.robot_radius_m);
             figures::write_mission(folder, world, radius_m, &self.records, self.system.outside.belief().as_ref())?;
+        }
+        if let Some(live) = &mut self.records.live {
+            live.end()?;
         }
         let summary = summarize(&self.system, ending, &self.records, self.seed, self.began);
         let is_written = self.end_journal(ending, &summary)?;
@@ -82,6 +88,9 @@ impl PreparedRun {
             console.print(&summary.as_json()?)?;
         }
         console.flush()?;
+        if let Some(live) = &self.records.live {
+            live.stay(console);
+        }
         kept?;
         if !is_written {
             bail!("the run was stopped because its journal could not be written");

@@ -1,7 +1,7 @@
 //! `rpl` and `rpl step`: the prompt at which plans are written, run, stopped, looked at, stepped
 //! through and taken back.
 
-mod breakpoint;
+pub(crate) mod breakpoint;
 mod clock;
 mod command;
 mod conversation;
@@ -12,7 +12,7 @@ mod external_editor;
 mod faults;
 mod forms;
 mod guard;
-mod halt;
+pub(crate) mod halt;
 mod inspection;
 mod intervention;
 mod line_editor;
@@ -28,6 +28,7 @@ mod runner;
 mod session;
 mod standpoint;
 mod steering;
+pub(crate) mod stopping;
 mod timing;
 mod vocabulary;
 mod writing;

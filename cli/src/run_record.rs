@@ -1,10 +1,13 @@
 //! What is kept of a run that is driven: how it ended, where the robot was, what was reported.
 
 use crate::journal::RunJournal;
+use crate::mcap::McapRecording;
+use crate::seen::{Live, Steering};
 use crate::trace::TraceFile;
 use rpl_link::recording::Recorder;
 use rpl_mission::sight::{PositionBelief, Sight};
-use rpl_robot::localization::Localization;
+use rpl_robot::active::{ActionField, Choice};
+use rpl_robot::localization::{Localization, Maximum};
 use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::Outcome;
 use std::sync::Arc;
@@ -27,8 +30,12 @@ pub enum RunEnd {
 pub struct Records {
     /// Where the trace goes.
     pub trace: Option<TraceFile>,
+    /// Where what ROS tools read goes.
+    pub mcap: Option<McapRecording>,
     /// Where the run is written down so that it can be gone on with.
     pub journal: Option<RunJournal>,
+    /// What shows it in a browser.
+    pub live: Option<Live>,
     /// Where it is written that the run was told to stop.
     pub recorder: Option<Arc<Recorder>>,
     /// How often the trace tells where the robot is, if it does.
@@ -47,6 +54,8 @@ pub struct Records {
     pub choices: Option<Vec<Localization>>,
     /// The belief at the turning points of localization, if somebody is to draw it.
     pub scenes: Option<Vec<BeliefScene>>,
+    /// Whether all that was considered at a choice is drawn, too.
+    pub draws_choices: bool,
 }
 
 /// The belief at a moment.
@@ -57,6 +66,10 @@ pub struct BeliefScene {
     pub time_s: f64,
     /// The belief.
     pub belief: PositionBelief,
+    /// Its local maxima, the heaviest first.
+    pub maxima: Vec<Maximum>,
+    /// What was chosen among what, if that is what happened.
+    pub choice: Option<(Choice, ActionField)>,
     /// The robot.
     pub sight: Sight,
     /// How much of the track lies before it.
@@ -74,4 +87,11 @@ pub struct Incident {
     pub distance_m: f64,
     /// How much of the track lies before it.
     pub track_length: usize,
+}
+
+impl Records {
+    /// The page's hand on the run, if there is one.
+    pub fn steering(&mut self) -> Option<&mut Steering> {
+        self.live.as_mut()?.steering.as_mut()
+    }
 }

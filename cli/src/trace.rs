@@ -3,5 +3,5 @@
 mod file;
 mod reader;
 
-pub use file::{Header, TraceFile, TracedPose, VERSION};
+pub use file::{Header, TraceFile, TracedPose, VERSION, line};
 pub use reader::{TraceLine, TraceReader};

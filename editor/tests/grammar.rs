@@ -101,7 +101,7 @@ fn grammar(reference: &Reference) -> Value {
             "quoted-list":
                 list(r"\(", "meta.quoted.rpl", &["comments", "strings", "prefixes", "atoms", "quoted-list", "symbols"]),
             "symbols": { "match": format!("{NAME}+"), "name": "constant.other.symbol.rpl" },
-            "prefixes": { "match": "#'|,@|['`,]", "name": "keyword.operator.quote.rpl" },
+            "prefixes": { "match": "#'|#(?=\\()|,@|['`,]", "name": "keyword.operator.quote.rpl" },
             "atoms": { "patterns": [
                 {
                     "match": format!(r"{BEGINS}[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?({units})?{ENDS}"),

@@ -22,7 +22,12 @@ pub fn next_line_column(text: &str) -> Option<usize> {
                 if mark.is_none() {
                     begin_item(&mut open, text, start, end, false);
                 }
-                mark = Some(if prefix == Prefix::Quote { ItemShape::Quoted } else { ItemShape::Form });
+                mark = Some(match prefix {
+                    Prefix::Quote | Prefix::Vector => ItemShape::Quoted,
+                    Prefix::Quasiquote | Prefix::Unquote | Prefix::UnquoteSplicing | Prefix::Function => {
+                        ItemShape::Form
+                    }
+                });
             }
             Token::Open => {
                 let shape = mark.take().unwrap_or_else(|| begin_item(&mut open, text, start, end, false));

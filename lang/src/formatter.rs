@@ -145,7 +145,7 @@ impl<'a> Formatter<'a> {
         self.lines.write(self.concrete.text(node));
         let column = self.lines.column();
         let shape = match mark {
-            DatumMark::Prefix(Prefix::Quote) => ItemShape::Quoted,
+            DatumMark::Prefix(Prefix::Quote | Prefix::Vector) => ItemShape::Quoted,
             DatumMark::DatumComment => shape,
             DatumMark::Prefix(_) => ItemShape::Form,
         };

@@ -19,8 +19,14 @@ pub enum Kind {
     List,
     /// A list, but for one place among several, which depends on how many there are.
     ListOrEnd,
-    /// A list or a string.
+    /// A vector.
+    Vector,
+    /// A list or a vector.
+    Elements,
+    /// A list, a vector or a string.
     Sequence,
+    /// A list or a string.
+    ListOrText,
     /// A symbol, nil and t included.
     Symbol,
     /// A symbol, keyword or string that spells a name.
@@ -127,7 +133,10 @@ const WORDS: &[(Kind, &[&str])] = &[
         &["alist", "columns", "elements", "instruction", "list", "other", "parts", "percept", "plist", "pose"],
     ),
     (Kind::ListOrEnd, &["argument", "lists", "more"]),
-    (Kind::Sequence, &["instructions", "list-or-string"]),
+    (Kind::Vector, &["vector"]),
+    (Kind::Elements, &["list-or-vector"]),
+    (Kind::Sequence, &["sequence"]),
+    (Kind::ListOrText, &["instructions"]),
     (Kind::Symbol, &["symbol"]),
     (Kind::Name, &["kind", "mode", "name", "names", "path", "room", "side", "stem", "words"]),
     (Kind::Place, &["place"]),
@@ -156,7 +165,10 @@ impl Kind {
             Kind::Seconds => "a number of seconds",
             Kind::Text => "a string",
             Kind::List | Kind::ListOrEnd => "a list",
-            Kind::Sequence => "a list or a string",
+            Kind::Vector => "a vector",
+            Kind::Elements => "a list or a vector",
+            Kind::Sequence => "a list, a vector or a string",
+            Kind::ListOrText => "a list or a string",
             Kind::Symbol => "a symbol",
             Kind::Name => "a name",
             Kind::Place => "the name of a place",

@@ -23,6 +23,8 @@ pub enum Prefix {
     UnquoteSplicing,
     /// `#'`, which changes nothing: there is one namespace.
     Function,
+    /// `#` right before a `(`: the list is a vector.
+    Vector,
 }
 
 /// The kinds of token; what a token says is the text of its span.
@@ -248,6 +250,9 @@ fn number(lexer: &mut Lexer<'_>) -> Token {
 
 fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     let text = lexer.slice();
+    if text == "#" && lexer.remainder().starts_with('(') {
+        return FilterResult::Emit(Token::Prefix(Prefix::Vector));
+    }
     let (message, help) = if text.starts_with("#<") {
         (
             "a run-time object cannot be read".to_string(),
@@ -258,7 +263,7 @@ fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     } else {
         (
             format!("`{}` has no meaning", visible(text)),
-            "after `#` stands `'`, `;` or `|`: `#'function`, `#;datum`, `#| comment |#`",
+            "after `#` stands `'`, `(`, `;` or `|`: `#'function`, `#(vector)`, `#;datum`, `#| comment |#`",
         )
     };
     let error = Diagnostic::error("unknown-hash", span_of(lexer), message, "unknown").help(help);

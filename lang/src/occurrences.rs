@@ -88,6 +88,9 @@ fn written_names(source: SourceId, program: &Program, symbols: &Symbols) -> BTre
             NodeKind::Symbol(name) if quotes == 0 => {
                 names.entry(name).or_default().push(WrittenName { span, heads });
             }
+            NodeKind::Vector { .. } if quotes > 0 => {
+                left.extend(tree.elements(node).iter().map(|&item| (item, quotes, None)));
+            }
             NodeKind::List { .. } => {
                 let items = tree.items(node);
                 let inner = match tree.head(node).map(|head| symbols.name(head)) {

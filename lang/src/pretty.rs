@@ -100,7 +100,10 @@ impl<'a> Printer<'a> {
                 self.write(" ");
             }
             self.steps.push(PrintStep::Node { node: datum, closers });
-        } else if matches!(self.tree.get(node).kind, NodeKind::List { .. }) {
+        } else if let NodeKind::List { .. } | NodeKind::Vector { .. } = self.tree.get(node).kind {
+            if let NodeKind::Vector { .. } = self.tree.get(node).kind {
+                self.write("#");
+            }
             self.write("(");
             let wrap = self.wrap(node, closers);
             self.steps.push(PrintStep::Items { list: node, next: 0, wrap, closers });
@@ -111,7 +114,7 @@ impl<'a> Printer<'a> {
     }
 
     fn item(&mut self, list: NodeId, next: usize, wrap: Option<Wrap>, closers: usize) {
-        let items = self.tree.items(list);
+        let items = parts(self.tree, list);
         let Some(&item) = items.get(next) else { return self.write(")") };
         let is_last = next + 1 == items.len();
         if next > 0 {
@@ -150,14 +153,15 @@ impl<'a> Printer<'a> {
         run % 2 == 1 && !is_label(next)
     }
 
-    /// None if the list, whose `(` is written, fits on the present line.
+    /// None if the list or vector, whose `(` is written, fits on the present line.
     fn wrap(&self, list: NodeId, closers: usize) -> Option<Wrap> {
         let column = self.column;
         let room = self.width.saturating_sub(column).saturating_sub(closers);
-        if self.width == usize::MAX || self.fits(list, room.saturating_add(1)) {
+        let written = if let NodeKind::Vector { .. } = self.tree.get(list).kind { 2 } else { 1 };
+        if self.width == usize::MAX || self.fits(list, room.saturating_add(written)) {
             return None;
         }
-        let items = self.tree.items(list);
+        let items = parts(self.tree, list);
         let &first = items.first()?;
         let head = match self.tree.get(first).kind {
             NodeKind::Symbol(symbol) => Some(self.symbols.name(symbol).to_string()),
@@ -165,10 +169,12 @@ impl<'a> Printer<'a> {
             _ => None,
         };
         let style = head.as_deref().and_then(layout).map(|layout| layout.style);
-        let is_flat = items
-            .iter()
-            .all(|&item| !matches!(self.tree.get(item).kind, NodeKind::List { len: 1.., .. } | NodeKind::Keyword(_)));
-        let is_data = self.text.ends_with("'(");
+        let is_flat = items.iter().all(|&item| match self.tree.get(item).kind {
+            NodeKind::List { len, .. } | NodeKind::Vector { len, .. } => len == 0,
+            NodeKind::Keyword(_) => false,
+            _ => true,
+        });
+        let is_data = self.text.ends_with("'(") || self.text.ends_with("#(");
         let (on_first_line, indent) = match (&head, style) {
             (_, Some(Style::Body(distinguished))) => (1 + distinguished, column + 1),
             (_, Some(Style::Forms)) => (1, column + 1),
@@ -203,6 +209,15 @@ impl<'a> Printer<'a> {
                     waiting.extend(items);
                     around
                 }
+                (None, NodeKind::Vector { .. }) => {
+                    let items = self.tree.elements(node);
+                    let around = 3 + items.len().saturating_sub(1);
+                    if used + around > room {
+                        return false;
+                    }
+                    waiting.extend(items);
+                    around
+                }
                 // At most four bytes a character.
                 (None, NodeKind::Str(value)) if value.len() / 4 > room => return false,
                 (None, _) => atom_text(self.tree, self.symbols, node).chars().count(),
@@ -212,6 +227,14 @@ impl<'a> Printer<'a> {
             }
         }
         true
+    }
+}
+
+/// What stands between the parentheses of a list or vector.
+fn parts(tree: &Tree, node: NodeId) -> &[NodeId] {
+    match tree.get(node).kind {
+        NodeKind::Vector { .. } => tree.elements(node),
+        _ => tree.items(node),
     }
 }
 
@@ -228,7 +251,7 @@ fn marked<'s>(tree: &Tree, symbols: &'s Symbols, node: NodeId) -> Option<(&'s st
     Some((mark, datum))
 }
 
-/// What an atom is written as; nothing for a list.
+/// What an atom is written as; nothing for a list or vector.
 fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
     match &tree.get(node).kind {
         NodeKind::Symbol(symbol) => symbols.name(*symbol).to_string(),
@@ -238,6 +261,6 @@ fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
         NodeKind::Str(value) => quote_string(value),
         NodeKind::Object(number) => format!("#<object {number}>"),
         NodeKind::Hole => "nil".to_string(),
-        NodeKind::List { .. } => String::new(),
+        NodeKind::List { .. } | NodeKind::Vector { .. } => String::new(),
     }
 }

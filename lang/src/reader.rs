@@ -190,9 +190,10 @@ impl TreeBuilder<'_> {
         self.tree.atom(kind, self.span(span))
     }
 
-    fn prefixed(&mut self, prefix: Prefix, mark: SimpleSpan, datum: NodeId) -> NodeId {
+    fn prefixed(&mut self, prefix: Prefix, mark: SimpleSpan, datum: NodeId, faults: &mut impl FnMut(Fault)) -> NodeId {
         let name = match prefix {
             Prefix::Function => return datum,
+            Prefix::Vector => return self.vector(mark, datum, faults),
             Prefix::Quote => "quote",
             Prefix::Quasiquote => "quasiquote",
             Prefix::Unquote => "unquote",
@@ -201,6 +202,20 @@ impl TreeBuilder<'_> {
         let head = self.named(name, mark);
         let span = self.span(mark).to(self.tree.span(datum));
         self.tree.list(&[head, datum], span)
+    }
+
+    /// The list behind a mark as a vector; its nodes stay where they are.
+    fn vector(&mut self, mark: SimpleSpan, list: NodeId, faults: &mut impl FnMut(Fault)) -> NodeId {
+        let span = self.span(mark).to(self.tree.span(list));
+        let node = &mut self.tree.nodes[list.0 as usize];
+        if let NodeKind::List { start, len, dotted } = node.kind {
+            node.kind = NodeKind::Vector { start, len };
+            if dotted {
+                faults(Fault::DotInVector(SimpleSpan::from(mark.start..span.end as usize)));
+            }
+        }
+        node.span = span;
+        list
     }
 
     fn close(&mut self, opener: SimpleSpan, closer: Closer) {
@@ -294,7 +309,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
                 emitter.emit(Fault::BarePrefix { prefix, at, end: span.end });
                 e.state().hole(at)
             });
-            e.state().prefixed(prefix, at, datum)
+            e.state().prefixed(prefix, at, datum, &mut |fault| emitter.emit(fault))
         })
         .boxed();
 

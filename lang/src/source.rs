@@ -2,7 +2,7 @@
 
 use crate::visible::visible;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Number of a text in [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -33,6 +33,35 @@ pub struct Source {
     pub name: Arc<str>,
     /// The text.
     pub text: Arc<str>,
+    #[serde(skip)]
+    lines: LineStarts,
+}
+
+/// Where the lines of a text start, once somebody has asked for a place in it.
+#[derive(Clone, Debug, Default)]
+struct LineStarts(OnceLock<Arc<[u32]>>);
+
+impl PartialEq for LineStarts {
+    /// Texts are the same whether or not somebody has asked.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for LineStarts {}
+
+impl Source {
+    fn new(name: &str, text: &str) -> Self {
+        Self { name: name.into(), text: text.into(), lines: LineStarts::default() }
+    }
+
+    /// The number of the line that a byte stands in, from 0, and the line's first byte. Cost: the first time O(text),
+    /// then O(log lines).
+    fn line(&self, at: usize) -> (usize, usize) {
+        let starts = self.lines.0.get_or_init(|| line_starts(&self.text).map(|start| start as u32).collect());
+        let line = starts.partition_point(|&start| start as usize <= at) - 1;
+        (line, starts[line] as usize)
+    }
 }
 
 /// All texts of a program. One is given back only when no span leads into it.
@@ -48,7 +77,7 @@ pub struct Sources {
 impl Sources {
     /// Adds a text.
     pub fn add(&mut self, name: &str, text: &str) -> SourceId {
-        let source = Source { name: name.into(), text: text.into() };
+        let source = Source::new(name, text);
         let id = self.next();
         self.made += 1;
         match self.free.pop() {
@@ -80,7 +109,7 @@ impl Sources {
 
     /// Gives the place of a text back that no span leads into.
     pub fn free(&mut self, id: SourceId) {
-        self.list[id.0 as usize] = Source { name: "".into(), text: "".into() };
+        self.list[id.0 as usize] = Source::new("", "");
         self.free.push(id.0);
     }
 
@@ -101,13 +130,13 @@ impl Sources {
 
     /// Line and column of the span's start, both from 1, the column in characters.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
-        let text = &self.get(span.source).text;
-        let start = text.floor_char_boundary(span.start as usize);
-        let line = line_starts(text).take_while(|&line| line <= start).count();
-        let before = &text[line_start(text, start)..start];
+        let source = self.get(span.source);
+        let start = source.text.floor_char_boundary(span.start as usize);
+        let (line, first) = source.line(start);
+        let before = &source.text[first..start];
         // A mark at the start of the text is no part of it.
         let mark = usize::from(before.starts_with(BYTE_ORDER_MARK));
-        (line, before.chars().count() - mark + 1)
+        (line + 1, before.chars().count() - mark + 1)
     }
 
     /// `file:line:column` of the span's start.

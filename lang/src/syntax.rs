@@ -42,6 +42,13 @@ pub enum NodeKind {
         /// Whether a dot stands before the last child.
         dotted: bool,
     },
+    /// A vector, `#(…)`: `len` children from `start` in [`Tree::children`].
+    Vector {
+        /// Index of the first child in [`Tree::children`].
+        start: u32,
+        /// How many children.
+        len: u32,
+    },
     /// A run-time object inside a datum that is compiled at run time; an index the caller knows.
     Object(u32),
     /// Where a datum should stand and cannot be read: its fault is reported, and nothing more is
@@ -54,12 +61,12 @@ pub enum NodeKind {
 pub struct Tree {
     /// All nodes.
     pub nodes: Vec<Node>,
-    /// Children of all lists, each list's in one run.
+    /// Children of all lists and vectors, each one's in one run.
     pub children: Vec<NodeId>,
 }
 
 impl Tree {
-    /// Adds a node that is not a list.
+    /// Adds a node without children.
     pub fn atom(&mut self, kind: NodeKind, span: Span) -> NodeId {
         self.nodes.push(Node { kind, span });
         NodeId(self.nodes.len() as u32 - 1)
@@ -77,6 +84,13 @@ impl Tree {
         self.atom(NodeKind::List { start, len: items.len() as u32, dotted }, span)
     }
 
+    /// Adds a vector.
+    pub fn vector(&mut self, items: &[NodeId], span: Span) -> NodeId {
+        let start = self.children.len() as u32;
+        self.children.extend_from_slice(items);
+        self.atom(NodeKind::Vector { start, len: items.len() as u32 }, span)
+    }
+
     /// The node.
     pub fn get(&self, id: NodeId) -> &Node {
         &self.nodes[id.0 as usize]
@@ -87,10 +101,18 @@ impl Tree {
         self.get(id).span
     }
 
-    /// The children of a list, the dotted tail included; an atom has none.
+    /// The children of a list, the dotted tail included; what is no list has none.
     pub fn items(&self, id: NodeId) -> &[NodeId] {
         match self.get(id).kind {
             NodeKind::List { start, len, .. } => &self.children[start as usize..(start + len) as usize],
+            _ => &[],
+        }
+    }
+
+    /// The elements of a vector; what is no vector has none.
+    pub fn elements(&self, id: NodeId) -> &[NodeId] {
+        match self.get(id).kind {
+            NodeKind::Vector { start, len } => &self.children[start as usize..(start + len) as usize],
             _ => &[],
         }
     }

@@ -74,35 +74,15 @@ impl ModuleProcess {
 
     /// # Errors
     /// What it did instead of greeting, as a clause.
-    fn greet(&mut self, Greeting { period_us, seed }: Greeting) -> Result<(), String> {
-        self.tell(&ToModule::Hello {
-            protocol: VERSION,
-            rpl: env!("CARGO_PKG_VERSION").to_string(),
-            module: self.manifest.name.clone(),
-            period_us,
-            pace: self.manifest.pace,
-            seed,
-        });
+    fn greet(&mut self, greeting: Greeting) -> Result<(), String> {
+        self.tell(&hello(&self.manifest, greeting));
         let patience = Duration::from_micros(self.manifest.start_within_us);
         let heard = self.process.listen(Instant::now() + patience);
         let message = match heard {
             Ok(Heard::Nothing) => Err(format!("did not answer `hello` within {patience:?}")),
             heard => self.message(heard),
         };
-        match message? {
-            FromModule::Hello { protocol, .. } if protocol != VERSION => {
-                Err(format!("speaks version {protocol} of the protocol, and rpl speaks version {VERSION}"))
-            }
-            FromModule::Hello { module, .. } if module != self.manifest.name => {
-                Err(format!("calls itself `{}`, which is not its name in the manifest", shortened(&module)))
-            }
-            FromModule::Hello { .. } => Ok(()),
-            FromModule::Fluents { .. }
-            | FromModule::Success { .. }
-            | FromModule::Failure { .. }
-            | FromModule::Event { .. }
-            | FromModule::Done { .. } => Err("did not say `hello` first".to_string()),
-        }
+        greeted(&self.manifest, &message?)
     }
 
     fn tell(&mut self, message: &ToModule) {
@@ -190,6 +170,39 @@ impl ModuleProcess {
             self.tell(&ToModule::Bye);
             self.process.end(PARTING);
         }
+    }
+}
+
+/// How a module is greeted.
+pub fn hello(manifest: &Manifest, Greeting { period_us, seed }: Greeting) -> ToModule {
+    ToModule::Hello {
+        protocol: VERSION,
+        rpl: env!("CARGO_PKG_VERSION").to_string(),
+        module: manifest.name.clone(),
+        period_us,
+        pace: manifest.pace,
+        seed,
+    }
+}
+
+/// Whether a module greets as the one of a manifest.
+///
+/// # Errors
+/// What it did instead, as a clause.
+pub fn greeted(manifest: &Manifest, message: &FromModule) -> Result<(), String> {
+    match message {
+        FromModule::Hello { protocol, .. } if *protocol != VERSION => {
+            Err(format!("speaks version {protocol} of the protocol, and rpl speaks version {VERSION}"))
+        }
+        FromModule::Hello { module, .. } if *module != manifest.name => {
+            Err(format!("calls itself `{}`, which is not its name in the manifest", shortened(module)))
+        }
+        FromModule::Hello { .. } => Ok(()),
+        FromModule::Fluents { .. }
+        | FromModule::Success { .. }
+        | FromModule::Failure { .. }
+        | FromModule::Event { .. }
+        | FromModule::Done { .. } => Err("did not say `hello` first".to_string()),
     }
 }
 

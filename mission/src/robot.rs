@@ -4,9 +4,11 @@ use crate::modules::SiteModules;
 use crate::sight::{Account, PositionBelief, Sight};
 use rpl_lang::symbol::Symbol;
 use rpl_protocol::remote_host::RemoteHost;
-use rpl_robot::geometry::{Pose, Vector};
-use rpl_robot::localization::Localization;
-use rpl_robot::office::{Module, OfficeRobot, Oracle, SimulatedHost};
+use rpl_robot::active::{ActionField, Choice};
+use rpl_robot::geometry::{Pose, Vector, Velocity};
+use rpl_robot::localization::{Localization, Maximum};
+use rpl_robot::office::{Localizing, Module, Navigating, OfficeModel, OfficeRobot, Oracle, SimulatedHost};
+use rpl_robot::simulator::Percept;
 use rpl_runtime::robot::{ForeseenRobot, NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::run::system::{Outcome, System};
@@ -17,6 +19,7 @@ use rpl_runtime::state::value::Value;
 use rpl_rupart::Rupart;
 use rpl_rupart::memory::CaseMemory;
 use std::any::{Any, TypeId};
+use std::sync::Arc;
 
 /// The robot of a run, if it has one.
 #[derive(Clone)]
@@ -36,6 +39,14 @@ impl<M: Module> Robot<M> {
             Robot::Absent(_) => None,
             Robot::Office(robot) => Some(sight(robot, Some(robot.true_pose_in_map()))),
             Robot::Remote(robot) => Some(sight(robot, None)),
+        }
+    }
+
+    /// Where it really is; none if its host is another process, which does not tell.
+    pub fn true_pose_in_map(&self) -> Option<Pose> {
+        match self {
+            Robot::Absent(_) | Robot::Remote(_) => None,
+            Robot::Office(robot) => Some(robot.true_pose_in_map()),
         }
     }
 
@@ -110,6 +121,62 @@ impl<M: Module> Robot<M> {
             Robot::Office(robot) => robot.localization(),
             Robot::Remote(robot) => robot.localization(),
         }
+    }
+
+    /// The local maxima of its belief with at least this share, the heaviest first; none without a map. Costs some
+    /// milliseconds.
+    pub fn maxima(&self, least_share: f64) -> Vec<Maximum> {
+        let (Some(localization), Some(model)) = (self.localization(), self.model()) else { return Vec::new() };
+        let most = model.settings.active.max_maxima;
+        model.map.as_ref().map_or(Vec::new(), |map| localization.maxima(&map.localization, most, least_share))
+    }
+
+    /// What active localization would choose now, and all that it considers; none while it is not under way. Costs some
+    /// 50 ms.
+    pub fn considered(&mut self) -> Option<(Choice, ActionField)> {
+        let model = self.model()?.clone();
+        let localization = self.localization()?.clone();
+        let localizing = self.part(TypeId::of::<Localizing>())?.downcast_ref::<Localizing>()?;
+        localizing.search()?.considered(&model.map.as_ref()?.localization, &localization)
+    }
+
+    /// States that together have this share of the belief, the likeliest first; none without a map. Costs some
+    /// milliseconds.
+    pub fn likely_states(&self, share: f64) -> Vec<Maximum> {
+        let (Some(localization), Some(model)) = (self.localization(), self.model()) else { return Vec::new() };
+        model.map.as_ref().map_or(Vec::new(), |map| localization.likely_states(&map.localization, share))
+    }
+
+    /// What its sensors found at the last step.
+    pub fn percept(&self) -> Option<&Percept> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => robot.percept(),
+            Robot::Remote(robot) => robot.percept(),
+        }
+    }
+
+    /// What is asked of its wheels.
+    pub fn drive_request(&self) -> Option<Velocity> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => Some(robot.controller.board.drive_request),
+            Robot::Remote(robot) => Some(robot.controller.board.drive_request),
+        }
+    }
+
+    /// What does not change of it.
+    pub fn model(&self) -> Option<&Arc<OfficeModel>> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => Some(robot.model()),
+            Robot::Remote(robot) => Some(robot.model()),
+        }
+    }
+
+    /// Its navigation: where it is to go, and what it has found on the way.
+    pub fn navigation(&mut self) -> Option<&Navigating> {
+        self.part(TypeId::of::<Navigating>())?.downcast_ref()
     }
 
     /// What it remembers of driving by cases; none without a robot that does.

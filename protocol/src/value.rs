@@ -196,6 +196,7 @@ fn reading(machine: &Machine, value: Value, deeper: usize, left: &mut usize) -> 
         | Value::Valve(_)
         | Value::Failure(_)
         | Value::Table(_)
+        | Value::Vector(_)
         | Value::Behaviour(_)
         | Value::Unbound => Err("only truths, numbers, symbols, texts and lists of these can be said".to_string()),
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import traceback
-from typing import Any, BinaryIO, Callable, Dict, Optional, Type, TypeVar
+from typing import Any, BinaryIO, Callable, Dict, List, Optional, Type, TypeVar
 
 from ._values import Failure, Tick, Value, heard, python_name, said, tick_of
 
@@ -65,7 +65,7 @@ class Module:
         self._each_tick: Optional[Callable[[Tick], None]] = None
         self._active: Dict[int, Behaviour] = {}
         self._fluents: Dict[str, Any] = {}
-        self._output: Optional[BinaryIO] = None
+        self._said: Optional[List[Dict[str, Any]]] = None
 
     def behaviour(self, name: str) -> Callable[[B], B]:
         """Makes a class the behaviour of this name."""
@@ -92,33 +92,43 @@ class Module:
     def run(self, input: Optional[BinaryIO] = None, output: Optional[BinaryIO] = None) -> None:
         """Works until the run is over. What is printed meanwhile goes to standard error."""
         lines = input if input is not None else sys.stdin.buffer
-        self._output = output if output is not None else sys.stdout.buffer
+        answers = output if output is not None else sys.stdout.buffer
         printed, sys.stdout = sys.stdout, sys.stderr
         try:
             for line in lines:
-                if self._hear(json.loads(line)):
-                    break
-            for activation in list(self._active):
-                self._stop(activation, "deactivated")
+                message = json.loads(line)
+                said_now = self.hear(message)
+                answers.write(b"".join(encode(answer).encode() + b"\n" for answer in said_now))
+                # What belongs to one turn goes out at once: each part of it would wake rpl.
+                if message["type"] in ("hello", "tick"):
+                    answers.flush()
+                if message["type"] == "bye":
+                    return
+            self.hear({"type": "bye"})
         except BrokenPipeError:
             # Nobody listens any more.
             pass
         finally:
             sys.stdout = printed
 
-    def _hear(self, message: Dict[str, Any]) -> bool:
-        """Takes in one message; whether it was the last."""
+    def hear(self, message: Dict[str, Any]) -> List[Dict[str, Any]]:
+        """Takes in one message of the protocol, and gives the answers: for a program that has the module in it."""
         kind = message["type"]
         if kind == "hello":
             self.seed = message["seed"]
-            self._say({"type": "hello", "protocol": VERSION, "module": self.name})
+            self._active, self._fluents = {}, {}
+            self._said = [{"type": "hello", "protocol": VERSION, "module": self.name}]
         elif kind == "start":
             self._start(message)
         elif kind == "stop":
             self._stop(message["id"], message["reason"])
         elif kind == "tick":
             self._tick(message)
-        return bool(kind == "bye")
+        elif kind == "bye":
+            for activation in list(self._active):
+                self._stop(activation, "deactivated")
+        said_now, self._said = self._said or [], []
+        return said_now
 
     def _start(self, message: Dict[str, Any]) -> None:
         activation, name = message["id"], message["behaviour"]
@@ -175,12 +185,9 @@ class Module:
             self._say({**behaviour._ending, "id": activation})
 
     def _say(self, message: Dict[str, Any]) -> None:
-        if self._output is None:
+        if self._said is None:
             raise RuntimeError("the module does not run yet; call `run()` first")
-        self._output.write(encode(message).encode() + b"\n")
-        # What belongs to one turn goes out at once: each part of it would wake rpl.
-        if message["type"] in ("hello", "done"):
-            self._output.flush()
+        self._said.append(message)
 
 
 class Missing(Behaviour):

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-/// A route that takes longer than this, for each second of the quickest way on the map, is poor.
+/// A route that takes longer than this, for each second of the quickest way that is known, is poor.
 const POOR: f64 = 1.5;
 
 /// Uses after which a case that never succeeded is suspect.
@@ -35,12 +35,12 @@ pub enum CaseFault {
         /// The other.
         to: String,
     },
-    /// The route takes so many times as long as the quickest on the map.
+    /// The route takes so many times as long as the quickest that is known.
     Poor {
         /// How many times.
         times: f64,
     },
-    /// An earlier case of its kind has the same index, so that this one is never retrieved.
+    /// An earlier case of its kind is for the same and no other, so that this one is never retrieved.
     Hidden {
         /// That case.
         by: CaseNumber,
@@ -63,32 +63,35 @@ impl fmt::Display for Concern {
                 )
             }
             CaseFault::Poor { times } => {
-                write!(out, "its route takes {times:.1} times as long as the quickest on the map; forget it")
+                write!(out, "its route takes {times:.1} times as long as the quickest that is known; forget it")
             }
             CaseFault::Hidden { by } => {
-                write!(out, "it is never retrieved: case {by} has the same index; forget one of them")
+                write!(out, "it is never retrieved: case {by} is for the same; forget one of them")
             }
             CaseFault::NeverSucceeded { used } => write!(out, "it was used {used} times and never led to the goal"),
         }
     }
 }
 
-/// What is wrong with the cases of a memory, by kind and then by number. Cost: a search for each route, and the
-/// size of all indices.
-pub fn concerns(memory: &CaseMemory, places: Option<&Places>) -> Vec<Concern> {
+/// What is wrong with the cases of a memory, by kind and then by number; `speed_mps` is the robot's where nothing holds
+/// it up. Cost: a search for each route, and the size of all indices.
+pub fn concerns(memory: &CaseMemory, places: Option<&Places>, speed_mps: f64) -> Vec<Concern> {
+    let times = places.map(|places| TravelTimes::of_routes(places, speed_mps, memory.routes().map(|(_, route)| route)));
     let mut indices: BTreeMap<(Kind, String), CaseNumber> = BTreeMap::new();
     let mut concerns = Vec::new();
     for (number, case) in memory.cases() {
         let mut add = |fault: CaseFault| concerns.push(Concern { number, fault });
-        let earlier = *indices.entry((case.content.kind(), format!("{:?}", case.index))).or_insert(number);
+        // Any route may be the best to make another of, whatever its index.
+        let stops = route_of(case).map(|route| &route.stops);
+        let earlier = *indices.entry((case.content.kind(), format!("{:?} {stops:?}", case.index))).or_insert(number);
         if earlier != number {
             add(CaseFault::Hidden { by: earlier });
         }
         if case.counts.used >= ENOUGH_USES && case.counts.succeeded == 0 {
             add(CaseFault::NeverSucceeded { used: case.counts.used });
         }
-        if let Some((route, places)) = route_of(case).zip(places) {
-            out_of_sight(places, route).into_iter().chain(poor(places, route)).for_each(&mut add);
+        if let Some((route, (places, times))) = route_of(case).zip(places.zip(times.as_ref())) {
+            out_of_sight(places, route).into_iter().chain(poor(places, times, route)).for_each(&mut add);
         }
     }
     concerns
@@ -108,12 +111,10 @@ fn out_of_sight(places: &Places, route: &Route) -> Option<CaseFault> {
     Some(CaseFault::NotInSight { from: places.name(from).to_string(), to: places.name(to).to_string() })
 }
 
-fn poor(places: &Places, route: &Route) -> Option<CaseFault> {
-    let map = TravelTimes::of_map(places, 1.0);
-    let untimed = Route::new(route.stops.clone());
-    let problem = RouteProblem::new(places, &map, *route.stops.first()?, *route.stops.last()?);
-    let quickest_s = map.quickest_way(places, problem.start_place, problem.goal_place)?.cost;
-    let times = map.of_route_s(places, &untimed) / quickest_s;
+fn poor(places: &Places, known: &TravelTimes, route: &Route) -> Option<CaseFault> {
+    let problem = RouteProblem::new(places, known, *route.stops.first()?, *route.stops.last()?);
+    let quickest_s = known.quickest_way(places, problem.start_place, problem.goal_place)?.cost;
+    let times = known.of_route_s(places, route) / quickest_s;
     (quickest_s > 0.0 && times > POOR).then_some(CaseFault::Poor { times })
 }
 
@@ -147,14 +148,14 @@ mod tests {
         for _ in 0..ENOUGH_USES {
             memory.change(good, |case| case.counts.note(false));
         }
-        let found = concerns(&memory, Some(&places));
+        let found = concerns(&memory, Some(&places), 0.5);
         let of = |number: CaseNumber| -> Vec<String> {
             found.iter().filter(|concern| concern.number == number).map(Concern::to_string).collect()
         };
         assert_eq!(of(good), ["case 0: it was used 5 times and never led to the goal"]);
         assert!(of(far)[0].contains("a robot cannot drive straight from `p0` to `p4`"), "{found:?}");
         assert!(of(round)[0].contains("takes 3.0 times as long as the quickest"), "{found:?}");
-        assert!(of(hidden)[0].contains("case 0 has the same index"), "{found:?}");
+        assert!(of(hidden)[0].contains("case 0 is for the same"), "{found:?}");
         assert_eq!(found.len(), 4);
     }
 }

@@ -1,7 +1,7 @@
 //! Reading the arguments of a native, with errors that say what was found, and room for results.
 
 use rpl_runtime::state::failure::Raise;
-use rpl_runtime::state::heap::PAIR;
+use rpl_runtime::state::heap::{PAIR, vector_elements};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, NativeFunction, Reply};
 use std::sync::Arc;
@@ -58,6 +58,13 @@ pub(crate) fn list(call: &mut Call<'_, '_>, items: &[Value]) -> NativeResult {
     value(call.machine.heap.list(items))
 }
 
+/// Answers with a new vector.
+pub(crate) fn vector(call: &mut Call<'_, '_>, items: Vec<Value>) -> NativeResult {
+    room_for(call, vector_elements(items.len()))?;
+    call.burn(items.len());
+    value(call.machine.heap.vector(items))
+}
+
 /// An `index-error`.
 pub(crate) fn index_error(message: String) -> Raise {
     Raise::new("index-error", message)
@@ -104,19 +111,33 @@ pub(crate) fn elements(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Value>,
     Ok(items)
 }
 
-/// A list, or the text of a string.
+/// A list, a vector, or the text of a string.
 pub(crate) enum Sequence {
     List(Vec<Value>),
+    Vector(Vec<Value>),
     Text(Arc<str>),
 }
 
-/// The argument at a position as a list or string.
+/// The argument at a position as a list, vector or string.
 pub(crate) fn sequence(call: &mut Call<'_, '_>, at: usize) -> Result<Sequence, Raise> {
     match call.argument(at) {
         Value::Str(_) => call.text(at).map(Sequence::Text),
         Value::Nil | Value::Cons(_) => elements(call, at).map(Sequence::List),
+        Value::Vector(_) => vector_items(call, at).map(Sequence::Vector),
         _ => Err(call.wrong_type(at)),
     }
+}
+
+/// A copy of the elements of the vector in an argument.
+///
+/// # Errors
+/// A `type-error` if it is none.
+pub(crate) fn vector_items(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Value>, Raise> {
+    let Value::Vector(index) = call.argument(at) else { return Err(call.wrong_type(at)) };
+    let length = call.machine.heap.vectors[index].elements().len();
+    room_for(call, vector_elements(length))?;
+    call.burn_walk(length);
+    Ok(call.machine.heap.vectors[index].elements().to_vec())
 }
 
 /// Asks for so many more bytes before they are taken: one call can want more than a collection

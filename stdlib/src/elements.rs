@@ -1,8 +1,8 @@
-//! Elements of lists and strings: how many, where, all but some, in another order.
+//! Elements of lists, vectors and strings: how many, where, all but some, in another order.
 
 use crate::arguments::{
     NativeResult, Sequence, count, elements, index_error, integer, list, natural, proper_end, pure, sequence, text,
-    value,
+    value, vector,
 };
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::Heap;
@@ -14,6 +14,9 @@ fn length(call: &mut Call<'_, '_>) -> NativeResult {
         let string = call.text(0)?;
         call.burn_text(string.len());
         return integer(string.chars().count() as i64);
+    }
+    if let Value::Vector(index) = call.argument(0) {
+        return integer(call.machine.heap.vectors[index].elements().len() as i64);
     }
     let mut spine = call.machine.heap.spine(call.argument(0));
     let length = spine.by_ref().count();
@@ -28,6 +31,10 @@ fn reverse(call: &mut Call<'_, '_>) -> NativeResult {
         Sequence::List(mut items) => {
             items.reverse();
             list(call, &items)
+        }
+        Sequence::Vector(mut items) => {
+            items.reverse();
+            vector(call, items)
         }
         Sequence::Text(string) => {
             let reversed: String = string.chars().rev().collect();
@@ -64,6 +71,10 @@ fn subsequence(call: &mut Call<'_, '_>) -> NativeResult {
             let (start, end) = part(call, items.len())?;
             list(call, &items[start..end])
         }
+        Sequence::Vector(items) => {
+            let (start, end) = part(call, items.len())?;
+            vector(call, items[start..end].to_vec())
+        }
         Sequence::Text(string) => {
             let (start, end) = part(call, string.chars().count())?;
             text(call, characters(&string, start, end))
@@ -72,10 +83,17 @@ fn subsequence(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 fn elt(call: &mut Call<'_, '_>) -> NativeResult {
+    if let Value::Vector(_) = call.argument(0) {
+        let (of, position) = (call.argument(0), call.argument(1));
+        let element = call.machine.heap.element(&of, &position).copied();
+        return element.map_or_else(|| Err(call.machine.no_element("elt", of, position)), value);
+    }
     let position = natural(call, 1)?;
     let outside = |length: usize| index_error(format!("there is no element {position}: the length is {length}"));
     match sequence(call, 0)? {
-        Sequence::List(items) => value(*items.get(position).ok_or_else(|| outside(items.len()))?),
+        Sequence::List(items) | Sequence::Vector(items) => {
+            value(*items.get(position).ok_or_else(|| outside(items.len()))?)
+        }
         Sequence::Text(string) => {
             call.burn_text(string.len());
             let length = string.chars().count();
@@ -208,22 +226,17 @@ fn substitute(call: &mut Call<'_, '_>) -> NativeResult {
     list(call, &items)
 }
 
-/// Elements of lists and strings.
+/// Elements of lists, vectors and strings.
 pub(super) const NATIVES: &[Native] = &[
-    pure("length", "list-or-string", "How many elements or characters there are.", length),
-    pure("reverse", "list-or-string", "A new list or string in the opposite order.", reverse),
+    pure("length", "sequence", "How many elements or characters there are.", length),
+    pure("reverse", "sequence", "A new list, vector or string in the opposite order.", reverse),
     pure(
         "subseq",
-        "list-or-string start &optional end",
+        "sequence start &optional end",
         "A copy of the part from a position up to another that is not in it.",
         subsequence,
     ),
-    pure(
-        "elt",
-        "list-or-string position",
-        "The element, or string of one character, at a position counted from 0.",
-        elt,
-    ),
+    pure("elt", "sequence position", "The element, or string of one character, at a position counted from 0.", elt),
     pure("member", "value list", "The list from the first element that is equal to the value, or nil.", member),
     pure("position", "value list", "The position of the first element that is equal to the value, or nil.", position),
     pure("assoc", "key alist", "The first entry of an association list whose key is equal, or nil.", |call| {

@@ -9,6 +9,7 @@ mod arguments;
 mod elements;
 mod format;
 mod lists;
+mod merging;
 mod numbers;
 mod places;
 mod predicates;
@@ -20,6 +21,7 @@ mod support;
 mod symbols;
 mod tables;
 mod transcendental;
+mod vectors;
 
 use rpl_runtime::step::native::Native;
 
@@ -47,10 +49,12 @@ pub fn natives() -> Vec<Native> {
         elements::NATIVES,
         sets::NATIVES,
         sorting::NATIVES,
+        merging::NATIVES,
         places::NATIVES,
         strings::NATIVES,
         symbols::NATIVES,
         tables::NATIVES,
+        vectors::NATIVES,
         format::NATIVES,
         support::NATIVES,
     ]

@@ -3,6 +3,7 @@
 
 use crate::arguments::{NativeResult, changing, index_error, natural, value};
 use crate::lists::follow;
+use crate::vectors::assign_element;
 use rpl_lang::kind::Kind;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -52,6 +53,10 @@ fn set_elt(call: &mut Call<'_, '_>) -> NativeResult {
     if let Value::Str(_) = call.argument(0) {
         return Err(Raise::type_error("a string cannot be changed; build a new one with `string-append`"));
     }
+    if let Value::Vector(_) = call.argument(0) {
+        let (of, position, new) = (call.argument(0), call.argument(1), call.argument(2));
+        return assign_element(call, "(setf elt)", of, position, new);
+    }
     let position = natural(call, 1)?;
     set_element(call, 0, position, call.argument(2))
 }
@@ -72,5 +77,5 @@ pub(super) const NATIVES: &[Native] = &[
     changing("%set-fifth", "list value", "Sets the fifth element.", |call| set_half(call, b"dddd", b'a')),
     changing("%set-rest", "list value", "Sets what follows the first element.", |call| set_half(call, b"", b'd')),
     changing("%set-nth", "position list value", "Sets the element at a position counted from 0.", set_nth),
-    changing("%set-elt", "list position value", "Sets the element at a position counted from 0.", set_elt),
+    changing("%set-elt", "list-or-vector position value", "Sets the element at a position counted from 0.", set_elt),
 ];

@@ -4,7 +4,7 @@ use crate::arguments::{NativeResult, elements, list, pure, room_for, truth, valu
 use crate::elements::find_equal;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::table_entry;
-use rpl_runtime::state::heap::{Heap, Key, MAX_KEY_PAIRS};
+use rpl_runtime::state::heap::{Heap, Key, MAX_KEY_PARTS};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 use std::collections::BTreeSet;
@@ -52,7 +52,7 @@ impl SeenKeys {
 
     fn key(&mut self, heap: &Heap, item: Value) -> Option<Key> {
         let key = heap.key(item);
-        self.steps += key.as_ref().map_or(MAX_KEY_PAIRS, |key| key.parts().len());
+        self.steps += key.as_ref().map_or(MAX_KEY_PARTS, |key| key.parts().len());
         key
     }
 

@@ -1,7 +1,9 @@
 //! What the prelude is built on: steps of list functions that would be slow, or checks that would
 //! be clumsy, in RPL. Their names begin with `%`; plans do not call them.
 
-use crate::arguments::{NativeResult, changing, elements, list, natural, pure, room_for_pairs, text, truth, value};
+use crate::arguments::{
+    NativeResult, changing, elements, list, natural, pure, room_for_pairs, text, truth, value, vector_items,
+};
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
 use rpl_runtime::state::failure::Raise;
@@ -21,39 +23,26 @@ fn reverse_in_place(call: &mut Call<'_, '_>) -> NativeResult {
     value(turned)
 }
 
-/// Links the second list to the first pair of the first one.
-fn link(call: &mut Call<'_, '_>) -> NativeResult {
-    if let Value::Cons(index) = call.argument(0) {
-        call.machine.heap.pairs[index as usize].1 = call.argument(1);
-    }
-    value(call.argument(1))
-}
-
-/// Cuts a list behind so many pairs and gives the rest.
-fn cut(call: &mut Call<'_, '_>) -> NativeResult {
-    let mut at = call.argument(0);
-    let length = natural(call, 1)?;
-    call.burn_walk(length);
-    for _ in 1..length {
-        let Value::Cons(index) = at else { return value(Value::Nil) };
-        at = call.machine.heap.pair(index).1;
-    }
-    let Value::Cons(index) = at else { return value(Value::Nil) };
-    let pair = &mut call.machine.heap.pairs[index as usize];
-    value(std::mem::replace(&mut pair.1, Value::Nil))
-}
-
 /// The first elements of all lists, then the second ones, up to the end of the shortest.
 fn transpose(call: &mut Call<'_, '_>) -> NativeResult {
     let mut columns = Vec::new();
     let mut count = 0;
     for column in elements(call, 0)? {
-        count += call.machine.heap.length(column).unwrap_or(0);
+        let heap = &call.machine.heap;
+        let vector = match column {
+            Value::Vector(vector) => Some(heap.vectors[vector].elements()),
+            _ => None,
+        };
+        count += vector.map_or_else(|| heap.length(column).unwrap_or(0), <[Value]>::len);
         room_for_pairs(call, 2 * count)?;
-        match call.machine.heap.elements(column) {
+        match vector.map_or_else(|| heap.elements(column), |items| Ok(items.to_vec())) {
             Ok(items) => columns.push(items),
             Err(_) => {
-                return Err(call.machine.wrong_type("each argument behind the function", Kind::List.noun(), column));
+                return Err(call.machine.wrong_type(
+                    "each argument behind the function",
+                    Kind::Elements.noun(),
+                    column,
+                ));
             }
         }
     }
@@ -68,14 +57,30 @@ fn transpose(call: &mut Call<'_, '_>) -> NativeResult {
     list(call, &rows)
 }
 
-/// The list in the first argument; the others name the function and the position for the error.
-fn checked_list(call: &mut Call<'_, '_>) -> NativeResult {
+/// The list in the first argument, or the elements of the vector; the others name the function and the position for
+/// the error.
+fn checked_elements(call: &mut Call<'_, '_>) -> NativeResult {
     match call.argument(0) {
         Value::Nil | Value::Cons(_) => value(call.argument(0)),
+        Value::Vector(_) => {
+            let items = vector_items(call, 0)?;
+            list(call, &items)
+        }
         other => {
             let what = format!("argument {} of `{}`", call.integer(2)?, call.name(1)?);
-            Err(call.machine.wrong_type(&what, Kind::List.noun(), other))
+            Err(call.machine.wrong_type(&what, Kind::Elements.noun(), other))
         }
+    }
+}
+
+/// The elements of the vector in the first argument, and any other value as it is.
+fn listed(call: &mut Call<'_, '_>) -> NativeResult {
+    match call.argument(0) {
+        Value::Vector(_) => {
+            let items = vector_items(call, 0)?;
+            list(call, &items)
+        }
+        other => value(other),
     }
 }
 
@@ -143,10 +148,14 @@ fn malformed(call: &mut Call<'_, '_>) -> NativeResult {
 /// Support of the prelude.
 pub(super) const NATIVES: &[Native] = &[
     pure("%nreverse", "list", "The pairs of a new list in the opposite order.", reverse_in_place),
-    pure("%link", "pair list", "Makes the list follow a new pair.", link),
-    pure("%cut", "list count", "Cuts a new list behind so many pairs and gives the rest.", cut),
     pure("%transpose", "columns", "Rows of columns.", transpose),
-    pure("%checked-list", "value name position", "The value if it is a list, else an error.", checked_list),
+    pure(
+        "%elements",
+        "value name position",
+        "The value if it is a list, the elements of a vector, else an error.",
+        checked_elements,
+    ),
+    pure("%listed", "value", "The elements of a vector as a list, any other value as it is.", listed),
     pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
     pure("%names-function", "name", "Whether a symbol is the name of a function.", names_function),
     pure("%brief", "value", "The value as it could be read, cut where it is long.", brief),

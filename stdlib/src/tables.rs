@@ -4,7 +4,7 @@ use crate::arguments::{NativeResult, changing, elements, integer, list, pure, ro
 use crate::elements::no_pair;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::heap::table_entry;
-use rpl_runtime::state::heap::{Key, KeyPart, MAX_KEY_PAIRS, PAIR};
+use rpl_runtime::state::heap::{Key, KeyPart, MAX_KEY_PARTS, PAIR};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
@@ -20,13 +20,13 @@ fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
 fn key(call: &mut Call<'_, '_>, of: Value) -> Result<Key, Raise> {
     let Some(key) = call.machine.heap.key(of) else {
         return Err(Raise::type_error(format!(
-            "this has more than {MAX_KEY_PAIRS} pairs and is too large to be the key of a hash table"
+            "this has more than {MAX_KEY_PARTS} parts and is too large to be the key of a hash table"
         )));
     };
     match &key {
         Key::Atom(KeyPart::Str(text)) => call.burn_text(2 * text.len()),
         Key::Atom(_) => {}
-        Key::List(parts) => call.burn(2 * parts.len()),
+        Key::Compound(parts) => call.burn(2 * parts.len()),
     }
     Ok(key)
 }

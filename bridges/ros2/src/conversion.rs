@@ -1,6 +1,6 @@
 //! From the messages of ROS 2 to what a robot perceives, and from its commands to a message.
 
-use crate::messages::{LaserScan, Odometry, Range, Twist, Vector3};
+use rpl_ros_messages::messages::{LaserScan, Odometry, Range, Twist, Vector3};
 use rpl_robot::description::Motors;
 use rpl_robot::geometry::{Point, Pose, Transform, Velocity, wrap_angle_rad};
 use rpl_robot::sensors::LaserScanner;
@@ -174,7 +174,7 @@ pub fn twist(commands: &Commands, motors: &Motors) -> Twist {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::messages::Quaternion;
+    use rpl_ros_messages::messages::Quaternion;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     const FRONT: LaserScanner = LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 };

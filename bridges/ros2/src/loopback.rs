@@ -1,6 +1,6 @@
 //! The bridge between a mission and a robot that speaks ROS 2: our simulator, as a node of its own.
 
-use crate::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
+use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
 use crate::ros_host::{NUMBER, RosHost, TopicNames};
 use crate::topic::Topics;
 use rpl_link::tcp_server::{Service, ServiceRecord, serve};

@@ -1,12 +1,11 @@
 //! A robot that speaks ROS 2, as a host for missions: `rpl run PLAN --world W --robot R --host ADDRESS`.
 //!
 //! The bridge is one more server of the host protocol (`docs/hosts.md`). It takes part in ROS 2 by itself
-//! and needs no installation of it. Read `messages`, then `conversion`, `topic` and `ros_host`.
+//! and needs no installation of it. Read `conversion`, `topic` and `ros_host`.
 
 mod conversion;
 #[cfg(test)]
 mod loopback;
-mod messages;
 mod ros_host;
 mod topic;
 

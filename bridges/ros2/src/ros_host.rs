@@ -1,7 +1,7 @@
 //! A robot that speaks ROS 2, as a host.
 
 use crate::conversion::{Motion, Scan, motion, sonar_m, twist};
-use crate::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
+use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
 use crate::topic::{Heard, Said, Topics};
 use anyhow::Result;
 use rpl_robot::description::RobotDescription;

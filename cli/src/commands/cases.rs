@@ -12,6 +12,7 @@ use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_robot::avoidance::DriveLimits;
 use rpl_robot::world::World;
 use rpl_rupart::case::{Case, Content, Kind};
 use rpl_rupart::file::{read_situation, world_of};
@@ -63,17 +64,17 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let world = world_files::for_all_seeds(&world, &robot)?;
     let ground = CaseGround::new(&world, &robot);
     let memory = ground.memory(&text, &arguments.file)?;
-    let places = ground.places;
+    let (places, speed_mps) = (ground.places, DriveLimits::of(&robot).hallway_mps);
     if let Some(situation) = &arguments.explain {
         return explain(&memory, situation, console);
     }
     if arguments.check {
-        return check(&memory, places.as_ref(), console);
+        return check(&memory, places.as_ref(), speed_mps, console);
     }
     if let Some(drawing) = drawing {
         drawing.write(drawn(&memory, &world, places.as_ref())?.as_bytes())?;
     }
-    console.block(&Block::Table(table(&memory, places.as_ref())))?;
+    console.block(&Block::Table(table(&memory, places.as_ref(), speed_mps)))?;
     Ok(Status::Succeeded)
 }
 
@@ -87,8 +88,8 @@ fn explain(memory: &CaseMemory, situation: &str, console: &mut Console) -> Resul
     Ok(Status::Succeeded)
 }
 
-fn check(memory: &CaseMemory, places: Option<&Places>, console: &mut Console) -> Result<Status> {
-    let found = concerns(memory, places);
+fn check(memory: &CaseMemory, places: Option<&Places>, speed_mps: f64, console: &mut Console) -> Result<Status> {
+    let found = concerns(memory, places, speed_mps);
     found.iter().map(Concern::to_string).try_for_each(|line| console.explain(&line))?;
     if found.is_empty() {
         console.explain(&format!("{} cases, and nothing is wrong with them", memory.len()))?;
@@ -105,10 +106,10 @@ fn drawn(memory: &CaseMemory, world: &World, places: Option<&Places>) -> Result<
 }
 
 /// A line for each case.
-fn table(memory: &CaseMemory, places: Option<&Places>) -> Table {
+fn table(memory: &CaseMemory, places: Option<&Places>, speed_mps: f64) -> Table {
     let competence: Vec<Competence> = places.map_or_else(Vec::new, |places| {
         let routes: Vec<(CaseNumber, &Route)> = memory.routes().collect();
-        let times = TravelTimes::of_routes(places, 1.0, routes.iter().map(|(_, route)| *route));
+        let times = TravelTimes::of_routes(places, speed_mps, routes.iter().map(|(_, route)| *route));
         competences(places, &times, &routes)
     });
     let mut table = Table::new(&["case", "kind", "what", "used", "succeeded", "covers", "reached by"]);

@@ -5,6 +5,7 @@ use crate::arguments::plan_files;
 use crate::files::module_files::{self, GoingBack, ModuleVoices};
 use crate::files::plans;
 use crate::files::plans::PlanText;
+use crate::files::project_file::ProjectFile;
 use crate::files::robot_files;
 use crate::files::world_files;
 use crate::status::Status;
@@ -27,8 +28,9 @@ use std::sync::Arc;
 /// or in the line above, takes it away; what is unused on purpose begins with an underscore.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files, or folders with plans; `-` for standard input
-    #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plans))]
+    /// Plan files, or folders with plans; `-` for standard input; without
+    /// any, those of the folder of `rpl.toml`, in its world
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
     /// The files are scenarios: plans with hands in the world
     #[arg(long)]
@@ -91,11 +93,26 @@ struct RelatedRecord {
     place: PlaceRecord,
 }
 
+/// The arguments, with what the project of the working folder says if they name no file.
+fn in_project(arguments: &Arguments) -> Result<Arguments> {
+    let mut arguments = arguments.clone();
+    if arguments.files.is_empty() {
+        let (file, project) = ProjectFile::of_working_folder("plan")?;
+        arguments.files = vec![ProjectFile::folder_of(&file)];
+        if arguments.world.is_none() && !arguments.scenario {
+            arguments.world = project.world;
+            arguments.module = project.modules;
+        }
+    }
+    Ok(arguments)
+}
+
 /// Checks every file; the places they name are looked up in the world, if one is given.
 ///
 /// # Errors
-/// There is no such world or module, or standard output is closed.
+/// There is no such world or module, nothing is named and there is no project, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let arguments = &in_project(arguments)?;
     let places = arguments.world.as_deref().map(places_of).transpose()?;
     let (_, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
     let sites = match arguments.scenario {

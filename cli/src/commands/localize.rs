@@ -2,6 +2,7 @@
 
 mod arguments;
 mod figure;
+mod mcap_log;
 mod table;
 
 use crate::files::inputs;
@@ -85,6 +86,11 @@ const ERRORS: &str = "errors.svg";
 
 fn read_log(arguments: &Arguments) -> Result<Recording> {
     let name = arguments.log.display();
+    if mcap_log::is_mcap(&arguments.log) {
+        let bytes = inputs::read_bytes(&arguments.log, mcap_log::MOST_BYTES);
+        let bytes = bytes.map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
+        return mcap_log::read(&bytes, arguments.mount).with_context(|| format!("the log `{name}` has a fault"));
+    }
     let text = inputs::read_text(&arguments.log).map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
     let field_of_view_rad = arguments.field_of_view.to_radians();
     Recording::parse_carmen(&text, field_of_view_rad, arguments.mount)

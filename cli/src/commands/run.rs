@@ -10,11 +10,14 @@ use crate::files::module_files::{GoingBack, ModuleVoices};
 use crate::files::outputs::OutputFile;
 use crate::files::plans;
 use crate::files::plans::PlanText;
+use crate::files::project_file::ProjectFile;
 use crate::hosts::{HostArguments, HostSource, Use};
 use crate::journal::{KeptRun, KeptText, RunJournal, Writing};
+use crate::mcap::McapRecording;
 use crate::prepared_run::PreparedRun;
 use crate::recorded_run::{RecordedRun, RecordedText};
 use crate::run_record::Records;
+use crate::seen::{Live, LiveArguments, plan_texts};
 use crate::show::figures;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -33,9 +36,9 @@ use std::time::Instant;
 /// Runs a plan
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file, or a built-in example; `-` for standard input
+    /// A plan file, or a built-in example; `-` for standard input; without it, what `rpl.toml` names, in its world
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
-    pub file: String,
+    pub file: Option<String>,
     #[command(flatten)]
     pub site: SiteArguments,
     #[command(flatten)]
@@ -62,7 +65,7 @@ pub struct Arguments {
 }
 
 /// What is written of a run.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 pub struct Output {
     /// Writes what happens as JSON Lines
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -71,12 +74,21 @@ pub struct Output {
     /// how certain that is
     #[arg(long, value_name = "N", requires = "trace", value_parser = parse_rate)]
     pub trace_poses: Option<f64>,
+    /// Writes a recording for ROS tools: map, frames, sensors, estimate, belief, commands, targets, log and events
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub mcap: Option<PathBuf>,
     /// Writes one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
-    /// Draws map, paths and belief as SVG into this folder
+    /// Draws map, paths and belief as SVG and PNG into this folder
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
+    /// The figures also show what was considered at each choice of active localization: occupancy, cost, entropy and pay-off
+    /// of all target points
+    #[arg(long, requires = "figures")]
+    pub choices: bool,
+    #[command(flatten)]
+    pub live: LiveArguments,
     /// Writes only what the plan prints, and failures
     #[arg(short, long)]
     pub quiet: bool,
@@ -114,14 +126,49 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
              `--journal` draws the same ones"
         );
     }
+    if arguments.journal.journal.is_some() && arguments.output.mcap.is_some() {
+        bail!(
+            "an MCAP recording is of a whole run, and one with a journal may go on in another process; the same run without \
+             `--journal` records the same"
+        );
+    }
+    if arguments.output.live.control && (arguments.journal.journal.is_some() || arguments.host.record.is_some()) {
+        bail!(
+            "a run that is gone on with or replayed is not steered by hand; leave `--control` away, or `--journal` and `--record`"
+        );
+    }
+    if arguments.journal.journal.is_some() && arguments.output.live.report.is_some() {
+        bail!(
+            "a report is of a whole run, and one with a journal may go on in another process; `rpl view` shows a journal"
+        );
+    }
     if arguments.cases.is_some() && (arguments.journal.journal.is_some() || arguments.host.record.is_some()) {
         bail!(
             "a case file changes with each run, and a run that is gone on with or replayed must find it as it was; leave \
              `--cases` away, or `--journal` and `--record`"
         );
     }
+    let arguments = in_project(arguments)?;
     let source = arguments.host.reach(&arguments.site)?;
-    run_on(arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
+    run_on(&arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
+}
+
+/// The arguments, with what the project of the working folder says if they name no plan. What they say themselves holds.
+fn in_project(arguments: &Arguments) -> Result<Arguments> {
+    let mut arguments = arguments.clone();
+    if arguments.file.is_some() {
+        return Ok(arguments);
+    }
+    let (file, project) = ProjectFile::of_working_folder("plan")?;
+    let Some(plan) = project.plan else {
+        bail!("`{}` names no plan to run; add a line such as `plan = \"main.rpl\"`, or name the plan", file.display());
+    };
+    arguments.file = Some(plan);
+    if arguments.site.world.is_none() {
+        (arguments.site.world, arguments.site.robot) = (project.world, project.robot);
+        arguments.site.module = project.modules;
+    }
+    Ok(arguments)
 }
 
 /// Runs the plan on a host, with these voices of its modules, up to where it was told to stop if it is
@@ -137,8 +184,9 @@ pub fn run_on(
     console: &mut Console,
 ) -> Result<Status> {
     let began = Instant::now();
-    let plan = plans::plan(&arguments.file)?;
-    let (recorded_plan, kept_plan) = (RecordedText::of(&arguments.file, &plan), KeptText::of(&plan));
+    let file = arguments.file.as_deref().context("there is no plan to run")?;
+    let plan = plans::plan(file)?;
+    let (recorded_plan, kept_plan) = (RecordedText::of(file, &plan), KeptText::of(&plan));
     let output = &arguments.output;
     let (site, world, modules, cases) = arguments.site.build_with(voices, arguments.cases.as_deref())?;
     if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
@@ -159,6 +207,8 @@ pub fn run_on(
         ..RecordedRun::at(&arguments.site, world.as_ref())?
     };
     let recorder = arguments.host.record(&recorded)?;
+    let texts = plan_texts(&loaded.program);
+    let live = Live::begin(&output.live, &recorded.trace_header(), texts, (&site, world.as_ref()), console)?;
     let (mut journal, trace) = match &arguments.journal.journal {
         Some(path) => {
             let (journal, trace) = begin_journal(path, arguments, recorded, kept_plan, (&site, world.as_ref()))?;
@@ -166,7 +216,9 @@ pub fn run_on(
         }
         None => (None, create_trace(output, &recorded)?),
     };
-    let wants_events = trace.is_some() || world.is_some();
+    let mcap = output.mcap.as_ref().map(|path| OutputFile::open(path, "the MCAP recording")?.begin()).transpose()?;
+    let mcap = mcap.map(|file| McapRecording::begin(file, site.office())).transpose()?;
+    let wants_events = trace.is_some() || mcap.is_some() || world.is_some() || live.is_some();
     let hearing = recorder.clone().or_else(|| journal.as_ref().and_then(RunJournal::recorder));
     modules.start(&site, seed, hearing.as_ref())?;
     let (robot, transcript) = source.robot(&site, seed, Use::Run, hearing)?;
@@ -174,7 +226,17 @@ pub fn run_on(
     if let Some(journal) = &mut journal {
         journal.instant_begun(&system);
     }
-    let records = Records { trace, journal, recorder, pose_every_us, scenes, ..Records::default() };
+    let records = Records {
+        trace,
+        mcap,
+        journal,
+        live,
+        recorder,
+        pose_every_us,
+        scenes,
+        draws_choices: output.choices,
+        ..Records::default()
+    };
     let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
     let json = output.json;
     PreparedRun { site, world, system, seed, pace, records, cases, figures, transcript, modules, json, began }

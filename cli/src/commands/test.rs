@@ -9,6 +9,7 @@ use crate::drive::{Pace, drive};
 use crate::files::module_files::{self, GoingBack, ModuleVoices};
 use crate::files::outputs::OutputFile;
 use crate::files::plans::{self, PlanText};
+use crate::files::project_file::ProjectFile;
 use crate::files::robot_files;
 use crate::files::world_files;
 use crate::interrupt;
@@ -39,8 +40,9 @@ use std::time::Instant;
 /// Runs the tests in plans
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files with `deftest` forms, or folders with plans; `-` for standard input
-    #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plans))]
+    /// Plan files with `deftest` forms, or folders with plans; `-` for standard input; without
+    /// any, those of the folder of `rpl.toml`, in its world
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
     /// Runs only the tests whose name contains this
     #[arg(long, value_name = "TEXT")]
@@ -112,11 +114,26 @@ impl TestRecord {
     }
 }
 
+/// The arguments, with what the project of the working folder says if they name no file.
+fn in_project(arguments: &Arguments) -> Result<Arguments> {
+    let mut arguments = arguments.clone();
+    if arguments.files.is_empty() {
+        let (file, project) = ProjectFile::of_working_folder("test")?;
+        arguments.files = vec![ProjectFile::folder_of(&file)];
+        if arguments.world.is_none() {
+            (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
+            arguments.module = project.modules;
+        }
+    }
+    Ok(arguments)
+}
+
 /// Runs the tests of all files.
 ///
 /// # Errors
-/// There is no test, or standard output is closed.
+/// There is no test, or no file and no project, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let arguments = &in_project(arguments)?;
     let junit = arguments.junit.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
     let _stops = interrupt::stops_runs();
     let began = Instant::now();

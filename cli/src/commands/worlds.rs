@@ -1,10 +1,12 @@
 //! `rpl worlds [NAME]`: the built-in worlds, and what is in one.
 
+mod ros_map;
+
 use crate::arguments::completion;
-use crate::files::outputs::OutputFile;
+use crate::files::outputs::{OutputFile, OutputFolder};
 use crate::files::robot_files;
 use crate::files::world_files;
-use crate::show::figures::{self, Figure};
+use crate::show::figures;
 use crate::sites;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -49,6 +51,9 @@ pub struct Arguments {
     /// Draws the robot's map of the world into this file
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     svg: Option<PathBuf>,
+    /// Writes the robot's map of the world for ROS into this folder: `map.yaml` and `map.pgm`, 5 cm a cell
+    #[arg(long, value_name = "FOLDER", requires = "name", value_hint = ValueHint::DirPath)]
+    map: Option<PathBuf>,
     /// The world as an image, 5 cm a pixel: black is occupied, grey unknown, orange there but not in
     /// the map, green in the map but not there, blue people on their paths, red the robot; markers and landmarks
     /// have their colours
@@ -85,13 +90,20 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         toml.write(world_files::text(name, arguments.seed)?.as_bytes())?;
     }
+    let map = arguments.map.as_deref().map(|folder| OutputFolder::open(folder, "worlds")).transpose()?;
     if svg.is_some() || png.is_some() {
         draw(&world, robot.radius_m, svg, png)?;
+    }
+    if let Some(folder) = map {
+        refuse_huge(&world)?;
+        let map = world.map(RESOLUTION_M);
+        folder.write("map.yaml", ros_map::yaml(&map))?;
+        folder.write("map.pgm", ros_map::pgm(&map))?;
     }
     Ok(Status::Succeeded)
 }
 
-fn draw(world: &World, robot_radius_m: f64, svg: Option<OutputFile>, png: Option<OutputFile>) -> Result<()> {
+fn refuse_huge(world: &World) -> Result<()> {
     let pixels = world.size_m.x * world.size_m.y / (RESOLUTION_M * RESOLUTION_M);
     if pixels > MOST_PIXELS {
         bail!(
@@ -102,11 +114,14 @@ fn draw(world: &World, robot_radius_m: f64, svg: Option<OutputFile>, png: Option
             MOST_PIXELS / 1e6
         );
     }
+    Ok(())
+}
+
+fn draw(world: &World, robot_radius_m: f64, svg: Option<OutputFile>, png: Option<OutputFile>) -> Result<()> {
+    refuse_huge(world)?;
     let map = world.map(RESOLUTION_M);
     if let Some(svg) = svg {
-        let dots_in_map = world.landmarks.iter().map(|landmark| landmark.pose_in_map.point()).collect();
-        let figure = Figure { dots_in_map, ..Figure::of_map(&world.name, &map, &world.rooms) };
-        svg.write(figures::draw(&figure).as_bytes())?;
+        svg.write(figures::world(world).as_bytes())?;
     }
     if let Some(png) = png {
         png.write(&png_bytes(world, &map, robot_radius_m)?)?;

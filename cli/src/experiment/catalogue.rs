@@ -31,6 +31,8 @@ pub enum ExperimentSubject {
     DriveTimes,
     /// Whether what is projected comes true: no missions of the simulator, and rows of its own.
     Projections,
+    /// What foresight is worth: the same.
+    Foresight,
     /// How the shortcut of active navigation does beside the exact sum.
     Choices,
     /// Courses nobody has mapped: no missions, and rows of its own.
@@ -251,6 +253,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
     Experiment { name: "drive-times", subject: ExperimentSubject::DriveTimes, rows: &[] },
     Experiment { name: "projections", subject: ExperimentSubject::Projections, rows: &[] },
+    Experiment { name: "foresight", subject: ExperimentSubject::Foresight, rows: &[] },
     Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
     Experiment { name: "hallway-features", subject: ExperimentSubject::HallwayFeatures, rows: &[] },
     Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },

@@ -1,93 +1,138 @@
-//! Charts as SVG, readable in black and white.
+//! Charts as SVG: lines with their 95 % intervals, told apart by colour and by dashes.
 
 use super::calibration::Bin;
 use super::over_time::OverTime;
 use super::samples::{EVERY_S, POINTS};
 use super::statistics::{Proportion, Summary};
+use crate::drawing::palette::{self, SERIES};
+use crate::drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text, width_px, wrap};
 use svg::Document;
-use svg::node::element::{Circle, Line as Stroke, Polyline, Rectangle, Text};
+use svg::node::element::{Circle, Group, Line as Stroke, Path, Polyline, Rectangle};
 
 /// Where the axes are on the sheet, in pixels.
 const LEFT: f64 = 70.0;
-const TOP: f64 = 50.0;
-const WIDTH: f64 = 560.0;
-const HEIGHT: f64 = 400.0;
+const WIDTH: f64 = 600.0;
+const HEIGHT: f64 = 340.0;
+const SHEET_WIDTH: f64 = LEFT + WIDTH + 30.0;
 
-/// A sheet with two axes from 0.
+/// A line of the legend.
+const LEGEND_LINE: f64 = 20.0;
+
+/// A sheet with two axes from 0, below a title of so many lines.
 struct Axes {
     x_max: f64,
     y_max: f64,
+    /// Where the plot begins, below the title.
+    top: f64,
+    title: Vec<String>,
+}
+
+/// A round number that is no less, and into how many parts an axis up to there is divided.
+fn axis_up_to(value: f64) -> (f64, u32) {
+    let power = 10_f64.powf(value.max(1e-9).log10().floor());
+    let rounds = [(1.0, 5), (1.5, 3), (2.0, 4), (2.5, 5), (3.0, 3), (4.0, 4), (5.0, 5), (6.0, 3), (8.0, 4), (10.0, 5)];
+    let found = rounds.into_iter().find(|round| round.0 * power >= value * (1.0 - 1e-9));
+    found.map_or((value, 5), |(round, parts)| (round * power, parts))
 }
 
 impl Axes {
+    fn new(title: &str, x_max: f64, y_max: f64) -> Self {
+        let title = wrap(title, TITLE_PX, WIDTH + LEFT - 20.0);
+        Self { x_max, y_max, top: 26.0 + 22.0 * title.len() as f64, title }
+    }
+
     fn x(&self, value: f64) -> f64 {
-        ((LEFT + WIDTH * (value / self.x_max).clamp(0.0, 1.0)) * 10.0).round() / 10.0
+        rounded(LEFT + WIDTH * (value / self.x_max).clamp(0.0, 1.0))
     }
 
     fn y(&self, value: f64) -> f64 {
-        ((TOP + HEIGHT * (1.0 - (value / self.y_max).clamp(0.0, 1.0))) * 10.0).round() / 10.0
+        rounded(self.top + HEIGHT * (1.0 - (value / self.y_max).clamp(0.0, 1.0)))
     }
 
-    fn line(&self, from: (f64, f64), to: (f64, f64)) -> Stroke {
+    fn line(&self, from: (f64, f64), to: (f64, f64), colour: &str) -> Stroke {
         Stroke::new()
             .set("x1", self.x(from.0))
             .set("y1", self.y(from.1))
             .set("x2", self.x(to.0))
             .set("y2", self.y(to.1))
-            .set("stroke", "black")
+            .set("stroke", colour)
     }
 
-    /// The frame, five ticks on each axis, and what they mean.
-    fn sheet(&self, title: &str, along: &str, up: &str) -> Document {
+    /// The title, the axes with their ticks, what they mean, and room for so many lines of a legend.
+    fn sheet(&self, along: &str, up: &str, legend_lines: usize) -> Document {
+        let bottom = self.top + HEIGHT;
+        let height = bottom + 58.0 + LEGEND_LINE * legend_lines as f64;
+        let middle = self.top + HEIGHT / 2.0;
         let mut document = Document::new()
-            .set("viewBox", (0, 0, 660, 510))
-            .set("width", 660)
-            .set("height", 510)
-            .set("font-family", "sans-serif")
-            .set("font-size", 14)
-            .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"))
-            .add(text(title, LEFT + WIDTH / 2.0, 28.0).set("font-size", 17))
-            .add(text(along, LEFT + WIDTH / 2.0, TOP + HEIGHT + 48.0))
-            .add(text(up, 20.0, TOP + HEIGHT / 2.0).set("transform", format!("rotate(-90 20 {})", TOP + HEIGHT / 2.0)))
-            .add(self.line((0.0, 0.0), (self.x_max, 0.0)))
-            .add(self.line((0.0, 0.0), (0.0, self.y_max)));
-        for tick in 0..=5 {
-            let share = f64::from(tick) / 5.0;
-            let (x, y) = (self.x(share * self.x_max), self.y(share * self.y_max));
-            document = document
-                .add(text(&label(share * self.x_max), x, TOP + HEIGHT + 22.0))
-                .add(text(&label(share * self.y_max), LEFT - 10.0, y + 5.0).set("text-anchor", "end"));
+            .set("viewBox", (0, 0, SHEET_WIDTH, height))
+            .set("width", SHEET_WIDTH)
+            .set("height", height)
+            .set("font-family", FAMILY)
+            .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", palette::PAPER))
+            .add(centred(along, LEFT + WIDTH / 2.0, bottom + 40.0, TEXT_PX))
+            .add(centred(up, 18.0, middle, TEXT_PX).set("transform", format!("rotate(-90 18 {middle})")));
+        for (number, line) in self.title.iter().enumerate() {
+            let y = 26.0 + 21.0 * number as f64;
+            document = document.add(text(line, 18.0, y, TITLE_PX).set("font-weight", "bold"));
         }
-        document
+        let ticks = |most: f64| {
+            let parts = axis_up_to(most).1;
+            (0..=parts).map(move |part| most * f64::from(part) / f64::from(parts))
+        };
+        for value in ticks(self.x_max) {
+            document = document.add(self.line((value, 0.0), (value, self.y_max), palette::GRID)).add(centred(
+                &label(value),
+                self.x(value),
+                bottom + 18.0,
+                SMALL_PX,
+            ));
+        }
+        for value in ticks(self.y_max) {
+            document = document.add(self.line((0.0, value), (self.x_max, value), palette::GRID)).add(ending(
+                &label(value),
+                LEFT - 8.0,
+                self.y(value) + 4.0,
+                SMALL_PX,
+            ));
+        }
+        document.add(self.line((0.0, 0.0), (self.x_max, 0.0), palette::INK)).add(self.line(
+            (0.0, 0.0),
+            (0.0, self.y_max),
+            palette::INK,
+        ))
     }
 }
 
 fn label(value: f64) -> String {
-    let text = format!("{value:.2}");
+    let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
-fn text(content: &str, x: f64, y: f64) -> Text {
-    Text::new(content).set("x", x).set("y", y).set("text-anchor", "middle")
 }
 
 /// The reliability diagram: on the diagonal the robot is right as often as it says.
 pub fn reliability(bins: &[Bin]) -> String {
-    let axes = Axes { x_max: 1.0, y_max: 1.0 };
-    let mut document = axes
-        .sheet("how often the position is right", "certainty the robot says", "share of moments at which it is right")
-        .add(axes.line((0.0, 0.0), (1.0, 1.0)).set("stroke-dasharray", "4 4"));
+    let axes = Axes::new("How often the position is right", 1.0, 1.0);
+    let along = "certainty that the robot says, in bins with equal numbers of samples";
+    let up = "share of moments at which it is right";
+    let diagonal = axes.line((0.0, 0.0), (1.0, 1.0), palette::QUIET).set("stroke-dasharray", "5 4");
+    let mut document = axes.sheet(along, up, 1).add(diagonal);
     for bin in bins {
         let (low, high) = bin.interval;
+        let (x, y) = (axes.x(bin.said), axes.y(bin.was));
         document = document
-            .add(axes.line((bin.said, low), (bin.said, high)))
-            .add(Circle::new().set("cx", axes.x(bin.said)).set("cy", axes.y(bin.was)).set("r", 5));
+            .add(axes.line((bin.said, low), (bin.said, high), SERIES[0]).set("stroke-width", 2))
+            .add(Circle::new().set("cx", x).set("cy", y).set("r", 5).set("fill", SERIES[0]));
     }
-    document.to_string()
+    let y = axes.top + HEIGHT + 62.0;
+    let bar = Stroke::new().set("x1", LEFT + 7.0).set("x2", LEFT + 7.0).set("y1", y - 8.0).set("y2", y + 8.0);
+    let diagonal = Stroke::new().set("x1", LEFT + 230.0).set("x2", LEFT + 260.0).set("y1", y).set("y2", y);
+    document
+        .add(bar.set("stroke", SERIES[0]).set("stroke-width", 2))
+        .add(Circle::new().set("cx", LEFT + 7.0).set("cy", y).set("r", 5).set("fill", SERIES[0]))
+        .add(text("measured, with 95 % interval", LEFT + 20.0, y + 4.0, SMALL_PX))
+        .add(diagonal.set("stroke", palette::QUIET).set("stroke-dasharray", "5 4"))
+        .add(text("as often as it says", LEFT + 266.0, y + 4.0, SMALL_PX))
+        .to_string()
 }
-
-/// Lines of the error over time: solid, dashed, dotted, dash-dotted.
-const DASHES: [&str; 4] = ["none", "9 5", "2 4", "9 4 2 4"];
 
 /// Something over time.
 pub struct Curve<'a> {
@@ -110,7 +155,7 @@ pub struct CurvePoint {
     pub high: f64,
 }
 
-/// The mean distance from the estimate to the truth over time, with 95 % bars; runs that have ended
+/// The mean distance from the estimate to the truth over time, with 95 % intervals; runs that have ended
 /// keep their last error. None where nothing had an estimate.
 pub fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
     let points = rows.iter().filter_map(|(_, over_time)| over_time.error_points()).max()?;
@@ -119,10 +164,10 @@ pub fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
         (0..=points).map(at).collect()
     };
     let lines: Vec<Curve<'_>> = rows.iter().map(|(name, row)| Curve { name, points: over(row) }).collect();
-    Some(over_time("error of the estimate, mean and 95 % interval", "error [m]", 1.0, &lines))
+    Some(over_time("Distance from the estimate to the truth: mean and 95 % interval", "error [m]", 1.0, &lines))
 }
 
-/// The share of the runs that have succeeded by a time, with 95 % bars.
+/// The share of the runs that have succeeded by a time, with 95 % intervals.
 pub fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
     let latest_s = rows.iter().map(|(_, row)| row.latest_s).fold(1.0, f64::max);
     let line = |row: &OverTime| -> Vec<CurvePoint> {
@@ -135,48 +180,78 @@ pub fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
         (0..=POINTS).map(point).collect()
     };
     let lines: Vec<Curve<'_>> = rows.iter().map(|(name, row)| Curve { name, points: line(row) }).collect();
-    over_time("runs that have succeeded, with 95 % interval", "share of the runs", 1.0, &lines)
+    over_time("Runs that have succeeded, with 95 % interval", "share of the runs", 1.0, &lines)
 }
 
-/// Lines over time with their bars, and their names; up to a whole number, at least `least`.
+/// Lines over time with their intervals as bands, and their names; up to a round number, at least `least`.
 pub fn over_time(title: &str, up: &str, least: f64, lines: &[Curve<'_>]) -> String {
     let points = || lines.iter().flat_map(|line| &line.points);
     let highest = points().map(|point| point.high).fold(least, f64::max);
     let latest = points().map(|point| point.time_s).fold(1.0, f64::max);
-    let y_max = if least < highest { highest.ceil() } else { least };
-    let axes = Axes { x_max: (latest / 50.0).ceil() * 50.0, y_max };
-    let mut document = axes.sheet(title, "time [s]", up);
-    for (number, Curve { name, points }) in lines.iter().enumerate() {
-        let dash = DASHES[number % DASHES.len()];
-        let path: Vec<String> =
-            points.iter().map(|point| format!("{},{}", axes.x(point.time_s), axes.y(point.value))).collect();
-        document = document.add(
-            Polyline::new()
-                .set("points", path.join(" "))
-                .set("fill", "none")
-                .set("stroke", "black")
-                .set("stroke-width", 1.6)
-                .set("stroke-dasharray", dash),
-        );
-        for &CurvePoint { time_s, value, low, high } in points {
-            let bar = axes.line((time_s, low), (time_s, high)).set("stroke-width", 0.8);
-            document = document.add(bar).add(mark(number, axes.x(time_s), axes.y(value)));
-        }
-        let y = TOP + 8.0 + 20.0 * number as f64;
-        let (from, to) = (LEFT + WIDTH - 190.0, LEFT + WIDTH - 150.0);
-        let sample = Stroke::new().set("x1", from).set("x2", to).set("y1", y).set("y2", y);
-        document = document
-            .add(sample.set("stroke", "black").set("stroke-width", 1.6).set("stroke-dasharray", dash))
-            .add(mark(number, (from + to) / 2.0, y))
-            .add(text(name, to + 8.0, y + 5.0).set("text-anchor", "start"));
+    let axes = Axes::new(title, axis_up_to(latest).0, axis_up_to(highest).0);
+    let rows = legend_rows(lines);
+    let last_row = rows.last().map_or(0, |row| row.0 + 1);
+    let mut document = axes.sheet("time [s]", up, last_row);
+    for (number, line) in lines.iter().enumerate() {
+        document = document.add(band(&axes, &line.points, series(number)));
+    }
+    for (number, line) in lines.iter().enumerate() {
+        let at = |point: &CurvePoint| format!("{},{}", axes.x(point.time_s), axes.y(point.value));
+        let path: Vec<String> = line.points.iter().map(at).collect();
+        let drawn = Polyline::new().set("points", path.join(" ")).set("fill", "none").set("stroke-linejoin", "round");
+        let drawn = drawn.set("stroke", series(number)).set("stroke-width", 2);
+        document = document.add(drawn.set("stroke-dasharray", DASHES[number % DASHES.len()]));
+    }
+    for ((number, line), (row, x)) in lines.iter().enumerate().zip(rows) {
+        let y = axes.top + HEIGHT + 60.0 + LEGEND_LINE * row as f64;
+        document = document.add(sample(number, x, y)).add(text(line.name, x + 42.0, y + 4.0, SMALL_PX));
     }
     document.to_string()
 }
 
-/// The mark of a line: full for the first, hollow for the others.
-fn mark(number: usize, x: f64, y: f64) -> Circle {
-    let fill = if number == 0 { "black" } else { "white" };
-    Circle::new().set("cx", x).set("cy", y).set("r", 3).set("fill", fill).set("stroke", "black")
+/// Lines differ in colour and, for who prints in grey, in their dashes.
+const DASHES: [&str; 6] = ["none", "9 4", "2.5 3", "9 3 2 3", "14 4", "5 2"];
+
+fn series(number: usize) -> &'static str {
+    SERIES[number % SERIES.len()]
+}
+
+/// In which row of the legend each name stands, and where it begins.
+fn legend_rows(lines: &[Curve<'_>]) -> Vec<(usize, f64)> {
+    let (mut row, mut x) = (0, LEFT);
+    let mut rows = Vec::new();
+    for line in lines {
+        let width = 42.0 + width_px(line.name, SMALL_PX) + 18.0;
+        if x + width > LEFT + WIDTH && x > LEFT {
+            (row, x) = (row + 1, LEFT);
+        }
+        rows.push((row, x));
+        x += width;
+    }
+    rows
+}
+
+/// A piece of a line with its band.
+fn sample(number: usize, x: f64, y: f64) -> Group {
+    let band = Rectangle::new().set("x", rounded(x)).set("y", rounded(y - 6.0)).set("width", 36).set("height", 12);
+    let line = Stroke::new().set("x1", rounded(x)).set("x2", rounded(x + 36.0)).set("y1", y).set("y2", y);
+    let line = line.set("stroke", series(number)).set("stroke-width", 2);
+    Group::new()
+        .add(band.set("fill", series(number)).set("fill-opacity", BAND))
+        .add(line.set("stroke-dasharray", DASHES[number % DASHES.len()]))
+}
+
+/// How much of its colour a band has.
+const BAND: f64 = 0.11;
+
+/// The intervals of a line.
+fn band(axes: &Axes, points: &[CurvePoint], colour: &str) -> Path {
+    let corner = |time_s: f64, value: f64| format!("{} {}", axes.x(time_s), axes.y(value));
+    let above = points.iter().map(|point| corner(point.time_s, point.high));
+    let below = points.iter().rev().map(|point| corner(point.time_s, point.low));
+    let corners: Vec<String> = above.chain(below).collect();
+    let path = Path::new().set("fill", colour).set("fill-opacity", BAND).set("class", "interval");
+    if corners.is_empty() { path } else { path.set("d", format!("M{}Z", corners.join("L"))) }
 }
 
 /// The mean of some numbers at a time.
@@ -199,7 +274,8 @@ mod tests {
     fn a_bin_is_drawn_where_it_says_and_was() {
         let bin = Bin { samples: 10, range: (0.4, 0.6), said: 0.5, was: 0.25, interval: (0.1, 0.4) };
         let drawn = reliability(&[bin]);
-        assert!(drawn.contains("cx=\"350\"") && drawn.contains("cy=\"350\""), "{drawn}");
+        let middle = format!("cx=\"{}\" cy=\"{}\"", LEFT + 0.5 * WIDTH, 48.0 + 0.75 * HEIGHT);
+        assert!(drawn.contains(&middle), "{middle} in {drawn}");
     }
 
     #[test]
@@ -223,7 +299,7 @@ mod tests {
             .expect("its points")
             .split_whitespace()
             .map(|point| point.split_once(',').expect("two numbers").1.parse::<f64>().expect("a number"))
-            .map(|y| 1.0 - (y - TOP) / HEIGHT)
+            .map(|y| 1.0 - (y - 48.0) / HEIGHT)
             .collect();
         let at = |time_s: usize| shares[time_s * POINTS / 100];
         assert_eq!((at(0), at(20), at(50), at(100)), (0.0, 0.25, 0.5, 0.75), "{shares:?}");

@@ -62,7 +62,11 @@ impl Choices {
 
     fn draw(&self, name: &str, office: &OfficeModel, localization: &Localization) -> Result<()> {
         let mut folder = self.folder.lock().unwrap_or_else(PoisonError::into_inner);
-        folder.as_mut().map_or(Ok(()), |folder| choice_figures::write(folder, name, office, localization))
+        let (Some(folder), Some(map)) = (folder.as_mut(), &office.map) else { return Ok(()) };
+        let (model, parameters) = (&map.localization, &office.settings.active);
+        let maxima = localization.maxima(model, parameters.max_maxima, parameters.min_mass);
+        let considered = choose(model, &maxima, &[], parameters);
+        considered.map_or(Ok(()), |(choice, field)| choice_figures::write(folder, name, &choice, &field))
     }
 }
 

@@ -78,29 +78,32 @@ fn remembering(request: &ExperimentRequest, world: Option<&World>, robot: &Robot
     Ok(RupartSettings { memory: Some(memory), ..RupartSettings::default() })
 }
 
-/// What missions find besides the rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MissionTable {
-    /// The first row as a table of its own, and charts over time.
-    FirstRow,
-    /// A line for each row alone.
-    Lines,
-}
-
 /// The rows of an experiment that are missions.
-pub struct Missions {
+pub struct Missions<L> {
     /// What is asked for.
     pub request: ExperimentRequest,
     /// What is run.
     pub rows: Vec<&'static Row>,
-    /// What is shown.
-    pub table: MissionTable,
+    /// What is looked at.
+    pub look: L,
 }
 
-impl ExperimentKind for Missions {
+/// What is looked at in missions.
+pub trait Look: Send + Sync + Sized + 'static {
+    /// What is kept of the runs of a row.
+    type Tally: Tally<MissionTrial>;
+
+    /// What is written down of a run.
+    fn record(trial: MissionTrial) -> MissionTrial;
+
+    /// The table, one tally for each row.
+    fn findings(missions: &Missions<Self>, tallies: Vec<Self::Tally>, wants_drawings: bool) -> Findings;
+}
+
+impl<L: Look> ExperimentKind for Missions<L> {
     type Ground = Mission;
     type Record = MissionTrial;
-    type Tally = RowTally;
+    type Tally = L::Tally;
 
     fn series(&self) -> Vec<String> {
         self.rows.iter().map(|row| row.name.to_string()).collect()
@@ -111,7 +114,7 @@ impl ExperimentKind for Missions {
     }
 
     fn run(&self, _: usize, mission: &Mission, run: Run) -> Result<MissionTrial> {
-        Ok(mission.run(&self.request, run.seed)?.without_samples())
+        Ok(L::record(mission.run(&self.request, run.seed)?))
     }
 
     fn head(&self, first: &MissionTrial) -> String {
@@ -122,31 +125,52 @@ impl ExperimentKind for Missions {
         line(series, trial)
     }
 
-    fn findings(&self, tallies: Vec<RowTally>, wants_drawings: bool) -> Result<Findings> {
-        let results = results(&self.series(), &tallies);
-        let figures = json!({ "rows": results });
-        let (status, blocks, drawings) = match self.table {
-            MissionTable::Lines => (whether_measured(&tallies), comparison(&results), Vec::new()),
-            MissionTable::FirstRow => {
-                let mut blocks = results[0].blocks();
-                blocks.push(Block::Lines(String::new()));
-                blocks.extend(comparison(&results));
-                let rows: Vec<(&str, &OverTime)> =
-                    self.rows.iter().map(|row| row.name).zip(tallies.iter().map(|tally| &tally.over_time)).collect();
-                (status(&tallies[0]), blocks, if wants_drawings { over_time(&rows) } else { Vec::new() })
-            }
-        };
-        Ok(Findings { status, blocks, figures, drawings })
+    fn findings(&self, tallies: Vec<L::Tally>, wants_drawings: bool) -> Result<Findings> {
+        Ok(L::findings(self, tallies, wants_drawings))
     }
 }
 
-/// Missions whose every moment is looked at: what the certainty is worth.
-pub struct Moments {
-    /// What is asked for.
-    pub request: ExperimentRequest,
-    /// What is run.
-    pub rows: Vec<&'static Row>,
+/// How missions end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MissionTable {
+    /// The first row as a table of its own, and charts over time.
+    FirstRow,
+    /// A line for each row alone.
+    Lines,
 }
+
+impl Look for MissionTable {
+    type Tally = RowTally;
+
+    fn record(trial: MissionTrial) -> MissionTrial {
+        trial.without_samples()
+    }
+
+    fn findings(missions: &Missions<Self>, tallies: Vec<RowTally>, wants_drawings: bool) -> Findings {
+        let results = results(&missions.series(), &tallies);
+        let figures = json!({ "rows": results });
+        let (status, blocks, drawings) = match missions.look {
+            Self::Lines => (whether_measured(&tallies), comparison(&results), Vec::new()),
+            Self::FirstRow => {
+                let mut blocks = results[0].blocks();
+                blocks.push(Block::Lines(String::new()));
+                blocks.extend(comparison(&results));
+                let rows: Vec<(&str, &OverTime)> = missions
+                    .rows
+                    .iter()
+                    .map(|row| row.name)
+                    .zip(tallies.iter().map(|tally| &tally.over_time))
+                    .collect();
+                (status(&tallies[0]), blocks, if wants_drawings { over_time(&rows) } else { Vec::new() })
+            }
+        };
+        Findings { status, blocks, figures, drawings }
+    }
+}
+
+/// Every moment: what the certainty is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EveryMoment;
 
 /// A row of which every moment counts.
 #[derive(Default)]
@@ -162,49 +186,32 @@ impl Tally<MissionTrial> for MomentTally {
     }
 }
 
-impl ExperimentKind for Moments {
-    type Ground = Mission;
-    type Record = MissionTrial;
+impl Look for EveryMoment {
     type Tally = MomentTally;
 
-    fn series(&self) -> Vec<String> {
-        self.rows.iter().map(|row| row.name.to_string()).collect()
+    fn record(trial: MissionTrial) -> MissionTrial {
+        trial
     }
 
-    fn ground(&self, series: usize) -> Result<Mission> {
-        Mission::of(&self.request, self.rows[series])
-    }
-
-    fn run(&self, _: usize, mission: &Mission, run: Run) -> Result<MissionTrial> {
-        mission.run(&self.request, run.seed)
-    }
-
-    fn head(&self, first: &MissionTrial) -> String {
-        head(first)
-    }
-
-    fn lines(&self, series: &str, _: Run, trial: &MissionTrial) -> String {
-        line(series, trial)
-    }
-
-    fn findings(&self, tallies: Vec<MomentTally>, wants_drawings: bool) -> Result<Findings> {
+    fn findings(missions: &Missions<Self>, tallies: Vec<MomentTally>, wants_drawings: bool) -> Findings {
         let (rows, trials): (Vec<RowTally>, Vec<Vec<MissionTrial>>) =
             tallies.into_iter().map(|tally| (tally.row, tally.trials)).unzip();
-        let results = results(&self.series(), &rows);
+        let results = results(&missions.series(), &rows);
         let measured: Vec<&MissionTrial> = trials.iter().flatten().filter(|trial| trial.is_measured()).collect();
-        let used = LocalizationParameters::of(&self.request.robot).calibration.unwrap_or_else(|| Calibration::new(&[]));
+        let robot = &missions.request.robot;
+        let used = LocalizationParameters::of(robot).calibration.unwrap_or_else(|| Calibration::new(&[]));
         let reliability = Reliability::of(&measured, &used);
         let mut drawings = Vec::new();
         if wants_drawings {
             drawings.push(("reliability.svg".to_string(), chart::reliability(&reliability.bins)));
-            let names = self.rows.iter().map(|row| row.name);
+            let names = missions.rows.iter().map(|row| row.name);
             drawings.push(("samples.csv".to_string(), sample_lines(names.zip(&trials))));
         }
         let mut blocks = reliability.blocks();
         blocks.push(Block::Lines(String::new()));
         blocks.extend(comparison(&results));
         let figures = json!({ "reliability": reliability, "rows": results });
-        Ok(Findings { status: whether_measured(&rows), blocks, figures, drawings })
+        Findings { status: whether_measured(&rows), blocks, figures, drawings }
     }
 }
 

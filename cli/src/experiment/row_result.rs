@@ -1,5 +1,6 @@
 //! What came of the runs of a row: every figure the tables show, and the tables.
 
+use super::failed_runs::{FailedClass, FailedRun, FailedRuns};
 use super::kind::Tally;
 use super::numbers::Numbers;
 use super::over_time::OverTime;
@@ -7,11 +8,8 @@ use super::statistics::{Dispersion, PerKm, Proportion, Summary};
 use super::trial::MissionTrial;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::borrow::Cow;
-
-/// Seeds of runs that failed, named in the tables.
-const NAMED: usize = 20;
 
 /// What came of the runs of a row.
 #[derive(Clone, Debug, Serialize)]
@@ -24,9 +22,11 @@ pub struct RowResult {
     pub seeds: Option<(u64, u64)>,
     /// Runs that succeeded.
     pub succeeded: Proportion,
-    /// Runs that did not, with the reason.
+    /// The first runs that did not, with the reason.
     pub failures: Vec<FailedRun>,
-    /// Runs that count for nothing, with the failure of their scenario.
+    /// How many failed in which way, the most frequent first.
+    pub failure_classes: Vec<FailedClass>,
+    /// The first runs that count for nothing, with the failure of their scenario.
     pub not_measured: Vec<FailedRun>,
     /// What was measured.
     pub measures: Vec<Measure>,
@@ -38,15 +38,12 @@ pub struct RowResult {
     pub noticed_within_2_m: Option<Proportion>,
     /// How often the position counted as lost while the estimate was right.
     pub false_alarms_per_km: Option<PerKm>,
-}
-
-/// A run that failed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FailedRun {
-    /// Its seed.
-    pub seed: u64,
-    /// What went wrong, the class of the failure first.
-    pub fault: String,
+    /// The seeds of the first runs that failed, each with the class of its failure, as the tables name them.
+    #[serde(skip)]
+    pub failed_seeds: Option<String>,
+    /// How many runs count for nothing, and why.
+    #[serde(skip)]
+    unmeasured_seeds: Option<String>,
 }
 
 /// What was measured in the runs of a row.
@@ -70,15 +67,14 @@ impl Measure {
     }
 }
 
-/// What is kept of the runs of a row. Its memory grows with the runs that failed, which are told one by one, and with
-/// no others.
+/// What is kept of the runs of a row. Its memory does not grow with their number.
 #[derive(Clone, Debug, Default)]
 pub struct RowTally {
     runs: usize,
     seeds: Option<(u64, u64)>,
     succeeded: usize,
-    failures: Vec<FailedRun>,
-    not_measured: Vec<FailedRun>,
+    failures: FailedRuns,
+    not_measured: FailedRuns,
     /// As the first run has them.
     measures: Vec<(Cow<'static, str>, Numbers)>,
     /// Of the disturbed runs: those with a wrong recovery.
@@ -132,8 +128,8 @@ impl Tally<MissionTrial> for RowTally {
             self.over_time.add(&trial);
         }
         let failed = |fault| FailedRun { seed: trial.seed, fault };
-        self.failures.extend(trial.fault.map(failed));
-        self.not_measured.extend(trial.unmeasured.map(failed));
+        trial.fault.map(failed).into_iter().for_each(|run| self.failures.add(run));
+        trial.unmeasured.map(failed).into_iter().for_each(|run| self.not_measured.add(run));
     }
 }
 
@@ -145,7 +141,7 @@ impl RowTally {
 
     /// Whether all runs count.
     pub fn is_measured(&self) -> bool {
-        self.not_measured.is_empty()
+        self.not_measured.count() == 0
     }
 }
 
@@ -155,18 +151,22 @@ impl RowResult {
         let total = |name: &str| {
             tally.measures.iter().find(|(known, _)| known == name).map_or(0.0, |(_, numbers)| numbers.total())
         };
+        let counting = tally.runs - tally.not_measured.count();
         Self {
             name: name.to_string(),
             runs: tally.runs,
             seeds: tally.seeds,
-            succeeded: Proportion::new(tally.succeeded, tally.runs - tally.not_measured.len()),
-            failures: tally.failures.clone(),
-            not_measured: tally.not_measured.clone(),
+            succeeded: Proportion::new(tally.succeeded, counting),
+            failures: tally.failures.told().to_vec(),
+            failure_classes: tally.failures.classes(),
+            not_measured: tally.not_measured.told().to_vec(),
             measures: tally.measures.iter().filter_map(|(name, numbers)| Measure::of(name.clone(), numbers)).collect(),
             wrong_recoveries: tally.wrong_recoveries.proportion(),
             noticed_within_1_m: tally.noticed_within_1_m.proportion(),
             noticed_within_2_m: tally.noticed_within_2_m.proportion(),
             false_alarms_per_km: PerKm::new(total("false alarms") as u32, total("distance [m]") / 1000.0),
+            failed_seeds: tally.failures.seeds_and_classes(),
+            unmeasured_seeds: unmeasured_seeds(tally),
         }
     }
 
@@ -187,28 +187,6 @@ impl RowResult {
     /// What nine of ten runs do not exceed, as a cell of a table.
     pub fn nine_in_ten(&self, name: &str) -> String {
         self.measure(name).map_or(NOTHING.to_string(), |measure| format!("{:.2}", measure.nine_in_ten))
-    }
-
-    /// The seeds of the first runs that failed, each with the kind of fault; none if none did.
-    pub fn failed_seeds(&self) -> Option<String> {
-        let kind = |fault: &str| fault.split(':').next().unwrap_or_default().to_string();
-        let named: Vec<String> =
-            self.failures.iter().take(NAMED).map(|run| format!("{} ({})", run.seed, kind(&run.fault))).collect();
-        let more = self.failures.len().saturating_sub(NAMED);
-        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-        (!named.is_empty()).then(|| named.join(", ") + &more)
-    }
-
-    /// How many runs count for nothing, and why; none if all count.
-    fn unmeasured_seeds(&self) -> Option<String> {
-        let named: Vec<String> =
-            self.not_measured.iter().take(NAMED).map(|run| format!("{} ({})", run.seed, run.fault)).collect();
-        let count = self.not_measured.len();
-        let more = if count > NAMED { ", …" } else { "" };
-        (count > 0).then(|| {
-            let (all, named) = (self.runs, named.join(", "));
-            format!("not measured: {count} of {all}, because the scenario failed with seed {named}{more}")
-        })
     }
 
     /// The row as a table of its own, with all that was measured.
@@ -234,10 +212,17 @@ impl RowResult {
             Block::Lines(format!("succeeded {}", self.succeeded.sentence())),
             Block::Table(table),
         ];
-        blocks.extend(self.failed_seeds().map(|seeds| Block::Lines(format!("failed with seed {seeds}"))));
-        blocks.extend(self.unmeasured_seeds().map(Block::Lines));
+        blocks.extend(self.failed_seeds.iter().map(|seeds| Block::Lines(format!("failed with seed {seeds}"))));
+        blocks.extend(self.unmeasured_seeds.clone().map(Block::Lines));
         blocks
     }
+}
+
+/// How many runs count for nothing, and why; none if all count.
+fn unmeasured_seeds(tally: &RowTally) -> Option<String> {
+    let seeds = tally.not_measured.sentence(|run| &run.fault)?;
+    let (count, all) = (tally.not_measured.count(), tally.runs);
+    Some(format!("not measured: {count} of {all}, because the scenario failed with seed {seeds}"))
 }
 
 /// One line for each row of an experiment, so that they can be compared.
@@ -257,7 +242,7 @@ pub fn comparison(rows: &[RowResult]) -> Vec<Block> {
     ]);
     rows.iter().for_each(|row| table.row(compared(row)));
     let mut blocks = vec![Block::Table(table)];
-    let unmeasured = rows.iter().filter_map(|row| Some(format!("{}: {}", row.name, row.unmeasured_seeds()?)));
+    let unmeasured = rows.iter().filter_map(|row| Some(format!("{}: {}", row.name, row.unmeasured_seeds.as_ref()?)));
     blocks.extend(unmeasured.map(Block::Lines));
     blocks.push(Block::Lines(
         "contacts: caused by the robot, total; wrong: runs in which the position counted as found where it \
@@ -324,12 +309,5 @@ mod tests {
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
         assert!(text.contains("time [s]     2  20.00   19.60"), "{text}");
         assert!(text.ends_with("failed with seed 2 (blocked)"), "{text}");
-    }
-
-    #[test]
-    fn seeds_that_are_not_named_are_counted() {
-        let trials = (1..=25).map(|seed| trial(seed, Some("timeout"), None));
-        let seeds = row("rotated", trials).failed_seeds().expect("all failed");
-        assert!(seeds.starts_with("1 (timeout), ") && seeds.ends_with("20 (timeout), and 5 more"), "{seeds}");
     }
 }

@@ -226,7 +226,7 @@ fn blocks(rows: &[RowResult]) -> Vec<Block> {
     }
     let mut blocks = vec![Block::Table(table)];
     blocks.extend(rows.iter().filter_map(|row| {
-        let seeds = row.failed_seeds()?;
+        let seeds = row.failed_seeds.as_ref()?;
         Some(Block::Lines(format!("{}: not with seed {seeds}", row.name)))
     }));
     blocks.push(Block::Lines(

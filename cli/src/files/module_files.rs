@@ -4,8 +4,9 @@ use super::inputs;
 use anyhow::{Result, anyhow, bail};
 use rpl_link::process_opener::{Opener, line_name};
 use rpl_link::recording::{RecordedTurns, Recorder};
-use rpl_link::transcript::{Divergence, Kept, Transcript};
+use rpl_link::transcript::{Divergence, Kept, Live, Transcript};
 use rpl_mission::site::Site;
+use rpl_protocol::line::Line;
 use rpl_protocol::module::manifest::Manifest;
 use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords};
 use rpl_protocol::module::process_modules::{ModuleSource, OpenLine};
@@ -69,21 +70,41 @@ pub fn named(names: &[String], voices: ModuleVoices<'_>) -> Result<(Modules, Vec
 pub fn opened(manifests: &[ManifestFile], voices: ModuleVoices<'_>) -> Result<(Modules, Vec<ModuleSource>)> {
     let mut modules = Modules::default();
     let mut sources: Vec<ModuleSource> = Vec::new();
-    for ManifestFile { name, path } in manifests {
-        let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{name}`: {reason}"))?;
-        let manifest =
-            Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{name}` has faults\n{error}"))?;
+    for file in manifests {
+        let (ManifestFile { name, path }, (manifest, plans)) = (file, read(file)?);
         if let Some(before) = sources.iter().find(|before| before.manifest.name == manifest.name) {
             let (called, first) = (&manifest.name, &before.manifest.file);
             bail!("two modules are called `{called}`: `{first}` and `{name}`; leave one away, or rename it");
         }
-        let folder = folder_of(path);
-        let plans = manifest.plans.as_ref().map(|plans| plan_text(folder, plans, name)).transpose()?;
-        let manifest = Arc::new(manifest);
-        let open = modules.open(manifest.clone(), folder, voices)?;
+        let open = modules.open(manifest.clone(), folder_of(path), voices)?;
         sources.push(ModuleSource { manifest, plans, open });
     }
     Ok((modules, sources))
+}
+
+/// What speaks for a module within this process, for a run that is greeted so.
+pub type Speaker = dyn Fn(Arc<Manifest>, Greeting) -> Box<dyn Live<ModuleWords, ModuleAnswer>> + Send + Sync;
+
+/// A module within this process, with the manifest in a file.
+///
+/// # Errors
+/// As for [`opened`].
+pub fn within(name: &str, speaker: Arc<Speaker>) -> Result<ModuleSource> {
+    let (manifest, plans) = read(&ManifestFile { name: name.to_string(), path: name.into() })?;
+    let offered = manifest.clone();
+    let open = Arc::new(move |greeting| -> Arc<dyn Line<ModuleWords, ModuleAnswer>> {
+        let live = speaker(offered.clone(), greeting);
+        Arc::new(Transcript::live(&line_name(&offered.name), live, Kept::Last, None))
+    });
+    Ok(ModuleSource { manifest, plans, open })
+}
+
+/// A manifest, and the plans that belong to it.
+fn read(ManifestFile { name, path }: &ManifestFile) -> Result<(Arc<Manifest>, Option<PlanText>)> {
+    let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{name}`: {reason}"))?;
+    let manifest = Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{name}` has faults\n{error}"))?;
+    let plans = manifest.plans.as_ref().map(|plans| plan_text(folder_of(path), plans, name)).transpose()?;
+    Ok((Arc::new(manifest), plans))
 }
 
 /// Where a manifest lies.

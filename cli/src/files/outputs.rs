@@ -2,10 +2,11 @@
 //! in vain; none of them may be what the command has read; and what another run left in a folder of
 //! figures does not stay among the new ones.
 
+use crate::drawing::raster;
 use crate::files::inputs;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -110,7 +111,7 @@ fn refuse_input(path: &Path, what: &str) -> Result<()> {
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// The last line of each figure says whose it is.
+    /// The last line of each figure says whose it is, and the text of each image.
     mark: String,
     /// Figures an earlier run of the same command has left.
     old: Vec<PathBuf>,
@@ -142,7 +143,8 @@ impl OutputFolder {
     /// As for [`OutputFolder::open`]; or a file of the name is there that the command has not drawn.
     pub fn open_for(path: &Path, command: &str, names: &[&str]) -> Result<Self> {
         let folder = Self::open(path, command)?;
-        names.iter().try_for_each(|name| folder.refuse_foreign(&folder.path.join(name)))?;
+        let paths = names.iter().map(|name| folder.path.join(name));
+        paths.flat_map(|path| [path.with_extension("png"), path]).try_for_each(|path| folder.refuse_foreign(&path))?;
         Ok(folder)
     }
 
@@ -156,7 +158,8 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Writes a figure. The first one takes the place of all that an earlier run has left.
+    /// Writes a figure, `name.svg` and beside it `name.png`. The first one takes the place of all that an earlier run has
+    /// left.
     ///
     /// # Errors
     /// It cannot be written, or something else has its name.
@@ -165,9 +168,13 @@ impl OutputFolder {
             fs::remove_file(&old).with_context(|| format!("cannot remove the old drawing `{}`", old.display()))?;
         }
         let path = self.path.join(name);
-        self.refuse_foreign(&path)?;
+        let image = path.with_extension("png");
+        [&path, &image].into_iter().try_for_each(|path| self.refuse_foreign(path))?;
         let text = format!("{}\n{}\n", drawing.trim_end(), self.mark);
-        fs::write(&path, text).with_context(|| format!("cannot write the drawing `{}`", path.display()))
+        let pixels = raster::png(drawing, &self.mark).with_context(|| format!("`{name}` cannot become an image"))?;
+        let cannot = |path: &Path| format!("cannot write the drawing `{}`", path.display());
+        fs::write(&path, text).with_context(|| cannot(&path))?;
+        fs::write(&image, pixels).with_context(|| cannot(&image))
     }
 
     /// What is no figure, empty, to be written on and on.
@@ -210,10 +217,18 @@ pub fn write_new(path: &Path, text: &str, may_overwrite: bool) -> Result<(), Str
 }
 
 fn is_drawing(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "svg") && path.is_file()
+    path.extension().is_some_and(|extension| extension == "svg" || extension == "png") && path.is_file()
 }
 
-/// Whether the last line of a file is this mark.
+/// The text of an image stands before its pixels.
+const IMAGE_HEAD_BYTES: u64 = 1024;
+
+/// Whether the last line of a drawing is this mark, or the first bytes of an image have it.
 fn bears(path: &Path, mark: &str) -> bool {
+    if path.extension().is_some_and(|extension| extension == "png") {
+        let mut head = Vec::new();
+        let is_read = File::open(path).and_then(|file| file.take(IMAGE_HEAD_BYTES).read_to_end(&mut head)).is_ok();
+        return is_read && head.windows(mark.len()).any(|part| part == mark.as_bytes());
+    }
     fs::read_to_string(path).is_ok_and(|text| text.trim_end().ends_with(mark))
 }

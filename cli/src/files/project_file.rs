@@ -12,6 +12,8 @@ pub const PROJECT_FILE: &str = "rpl.toml";
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProjectFile {
+    /// What `rpl run` runs: a file beside this one.
+    pub plan: Option<String>,
     /// The world that the robot is in: a name, or a file beside this one.
     pub world: Option<String>,
     /// The robot: a name, or a file beside this one.
@@ -27,6 +29,32 @@ impl ProjectFile {
         path.ancestors().skip(1).map(|folder| folder.join(PROJECT_FILE)).find(|file| file.is_file())
     }
 
+    /// The project that the working folder belongs to, for a command that was given no file; what was to be named is
+    /// said if there is none.
+    ///
+    /// # Errors
+    /// There is none, or its file cannot be read, or has faults.
+    pub fn of_working_folder(what: &str) -> Result<(PathBuf, Self)> {
+        let here = std::env::current_dir().map_err(|error| anyhow!("the working folder is gone: {error}"))?;
+        // As if it were a file in the working folder.
+        let file = Self::above(&here.join(PROJECT_FILE)).ok_or_else(|| {
+            anyhow!(
+                "no {what} is named, and there is no `{PROJECT_FILE}` in this folder or above it; name one, or begin a \
+                 project with `rpl new NAME`"
+            )
+        })?;
+        let project = Self::read(&file)?;
+        Ok((file.strip_prefix(&here).map_or(file.clone(), Path::to_path_buf), project))
+    }
+
+    /// The folder that a project file stands for.
+    pub fn folder_of(file: &Path) -> String {
+        match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder.display().to_string(),
+            _ => ".".to_string(),
+        }
+    }
+
     /// Reads a project file; what it names beside it is found from anywhere then.
     ///
     /// # Errors
@@ -40,6 +68,7 @@ impl ProjectFile {
             if there.exists() { there.display().to_string() } else { named }
         };
         Ok(Self {
+            plan: known.plan.map(|plan| file.with_file_name(plan).display().to_string()),
             world: known.world.map(beside),
             robot: known.robot.map(beside),
             modules: known.modules.into_iter().map(beside).collect(),

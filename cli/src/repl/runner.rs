@@ -1,18 +1,14 @@
 //! Lets the run of a session go on, until it ends, arrives, or is stopped.
 
-use super::breakpoint::Breakpoint;
 use super::halt::{Halt, Until};
-use super::own_text::{is_hidden, is_own};
 use super::session::Session;
+use super::stopping::{Places, Stopping, condition_met};
 use crate::interrupt;
-use crate::show::situation::is_within;
 use crate::show::whereabouts::whereabouts;
 use crate::terminal::console::Console;
-use rpl_lang::source::Span;
-use rpl_runtime::run::stepping::{Stepped, Stop};
+use rpl_runtime::run::stepping::Stepped;
 use rpl_runtime::run::system::Turn;
 use rpl_runtime::run::timeline::TimelinePosition;
-use std::collections::BTreeMap;
 use std::io;
 use std::time::Instant;
 
@@ -58,14 +54,13 @@ struct Runner<'a> {
     console: &'a mut Console,
     /// Since when the present instant is computed.
     computed: Instant,
-    /// How deep in calls, and in which body, each task stood when it was looked at last.
-    looked_at: BTreeMap<(u32, u32), (u32, Span)>,
+    stopping: Stopping,
 }
 
 impl<'a> Runner<'a> {
     /// Of a session, that has stood still until now.
     fn new(session: &'a mut Session, until: &'a Until, console: &'a mut Console) -> Self {
-        Self { session, until, console, computed: Instant::now(), looked_at: BTreeMap::new() }
+        Self { session, until, console, computed: Instant::now(), stopping: Stopping::default() }
     }
 
     /// Goes on until there is a reason to stand still.
@@ -73,11 +68,8 @@ impl<'a> Runner<'a> {
     /// # Errors
     /// Standard output is closed.
     fn run(&mut self) -> io::Result<Halt> {
-        let start = self.session.branch.stop.take();
-        if let Some(start) = &start {
-            self.enters(start);
-        }
-        let stops_at_forms = self.stops_at_forms();
+        self.stopping = Stopping::from(self.session.branch.stop.take());
+        let stops_at_forms = self.places().need_forms();
         loop {
             if interrupt::is_asked() {
                 return Ok(Halt::Interrupted);
@@ -101,8 +93,9 @@ impl<'a> Runner<'a> {
             match stepped {
                 Stepped::Before(mut stop) => {
                     self.session.branch.timeline.position.step += 1;
-                    stop.is_entry = self.enters(&stop);
-                    if let Some(halt) = self.halt_before(&stop, start.as_ref()) {
+                    stop.is_entry = self.stopping.enters(&stop);
+                    let system = &self.session.branch.system;
+                    if let Some(halt) = self.stopping.halt_before(system, &stop, self.places()) {
                         self.session.branch.stop = Some(stop);
                         self.session.hand_on(self.console)?;
                         return Ok(halt);
@@ -129,63 +122,9 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// Whether the run must be looked at form by form, which is slower.
-    fn stops_at_forms(&self) -> bool {
-        match self.until {
-            Until::Step | Until::Into | Until::Next | Until::Out => true,
-            Until::Place(place) if place.is_place() => true,
-            Until::End | Until::Time(_) | Until::Place(_) | Until::Clock { .. } => {
-                self.session.breakpoints.iter().any(Breakpoint::is_place)
-            }
-        }
-    }
-
-    /// Whether a task has just come into the body it stands in: by a call, which is deeper, or by one
-    /// in tail position, which is as deep. Which of its forms comes first depends on conditions.
-    fn enters(&mut self, stop: &Stop) -> bool {
-        let task = (stop.task.index, stop.task.generation);
-        let before = self.looked_at.insert(task, (stop.depth, stop.body));
-        let is_called = |(depth, body): (u32, Span)| depth < stop.depth || depth == stop.depth && body != stop.body;
-        stop.is_entry || before.is_some_and(is_called)
-    }
-
-    fn halt_before(&self, stop: &Stop, start: Option<&Stop>) -> Option<Halt> {
-        let system = &self.session.branch.system;
-        if is_hidden(system, stop.span) {
-            return None;
-        }
-        let is_here = |place: &Breakpoint| place.is_at(system, stop, self.session.file.as_deref());
-        let same_task = start.is_none_or(|start| start.task == stop.task);
-        let was_depth = start.map_or(u32::MAX, |start| start.depth);
-        let is_wanted = is_own(system, stop.span) || start.is_some_and(|start| self.is_asked_for(start, stop));
-        let has_arrived = match self.until {
-            Until::Place(place) => is_here(place),
-            _ if !is_wanted => false,
-            Until::Step | Until::Into => true,
-            Until::Next => same_task && stop.depth <= was_depth,
-            Until::Out => same_task && stop.depth < was_depth,
-            Until::End | Until::Time(_) | Until::Clock { .. } => false,
-        };
-        if has_arrived {
-            return Some(Halt::Arrived);
-        }
-        let breakpoint = self.session.breakpoints.iter().find(|place| is_here(place))?;
-        Some(Halt::Breakpoint(breakpoint.to_string()))
-    }
-
-    /// Whether the user wants to see a place in the library: somebody who went into it, goes on in
-    /// it.
-    fn is_asked_for(&self, start: &Stop, stop: &Stop) -> bool {
-        let system = &self.session.branch.system;
-        let is_called = stop.depth >= start.depth && stop.body != start.body && !is_own(system, stop.body);
-        let goes_in = *self.until == Until::Into && start.task == stop.task && is_called;
-        let path = |task| system.machine.tasks.find_alive(task).map(|task| system.machine.path(task));
-        let was_in = !is_own(system, start.span)
-            && match (path(start.task), path(stop.task)) {
-                (Some(start), Some(stop)) => is_within(&stop, &start) || is_within(&start, &stop),
-                _ => false,
-            };
-        goes_in || was_in
+    fn places(&self) -> Places<'_> {
+        let Session { breakpoints, file, .. } = &*self.session;
+        Places { until: self.until, breakpoints, file: file.as_deref() }
     }
 
     /// All tasks are blocked: the form has ended, or the clock moves.
@@ -237,14 +176,6 @@ impl<'a> Runner<'a> {
         {
             return Some(Halt::Arrived);
         }
-        let mut met = None;
-        for breakpoint in breakpoints.iter_mut() {
-            let Some(condition) = breakpoint.condition() else { continue };
-            let holds = branch.system.holds(condition).unwrap_or(false);
-            if breakpoint.becomes(holds) && met.is_none() {
-                met = Some(Halt::Breakpoint(breakpoint.to_string()));
-            }
-        }
-        met
+        condition_met(&mut branch.system, breakpoints)
     }
 }

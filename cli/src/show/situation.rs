@@ -199,6 +199,22 @@ impl Situation {
         }
     }
 
+    /// Forgets what has ended and what was decided once it is more than this: who only follows what stands where need not
+    /// keep all that has been.
+    pub fn forget_past(&mut self, most: usize) {
+        if self.ended.len() > 2 * most {
+            let gone = self.ended.len() - most;
+            self.ended.drain(..gone);
+            self.dead.retain(|_, at| {
+                let is_kept = *at >= gone;
+                *at = at.saturating_sub(gone);
+                is_kept
+            });
+        }
+        keep_last(&mut self.raised, most);
+        keep_last(&mut self.revisions, most);
+    }
+
     fn note_revision(&mut self, event: &Event) {
         if let Some(text) = revision_story::sentence(event)
             && let Some(task) = self.owner(&event.path)
@@ -299,7 +315,7 @@ impl Situation {
     }
 
     /// The living task a path lies in: the path itself, or what is left without its last calls.
-    fn owner(&self, path: &str) -> Option<String> {
+    pub fn owner(&self, path: &str) -> Option<String> {
         let mut at = path;
         loop {
             if self.tasks.contains_key(at) {
@@ -321,6 +337,13 @@ impl Situation {
             .collect();
         children.sort_unstable();
         children.into_iter().map(|(_, path)| path).collect()
+    }
+}
+
+/// Keeps the last of a list that has grown to twice as many.
+fn keep_last<T>(list: &mut Vec<T>, most: usize) {
+    if list.len() > 2 * most {
+        list.drain(..list.len() - most);
     }
 }
 

@@ -152,7 +152,7 @@ pub(super) fn pose_line(seen: &TracedPose) -> String {
 }
 
 /// `{"time_s":…,"seq":…,"task":…,"kind":…,…}` with the details in their order.
-pub(super) fn line(event: &Event) -> String {
+pub fn line(event: &Event) -> String {
     let head = [
         ("time_s", json!(event.time_us as f64 / 1e6)),
         ("seq", json!(event.sequence)),

@@ -63,6 +63,20 @@ fn what_is_wrong_with_a_memory_is_told_with_its_place() {
 }
 
 #[test]
+fn a_world_without_places_has_no_routes() {
+    let folder = folder("cases-without-places");
+    let world = "name = \"bare\"\nsize = [4.0, 4.0]\nstart = [2.0, 2.0, 0]\n\
+                 [[wall]]\nline = [[0.1, 0.1], [3.9, 0.1], [3.9, 3.9], [0.1, 3.9], [0.1, 0.1]]\n";
+    put(&folder, "bare.toml", world);
+    put(&folder, "errand.rpl", "(with-valve wheels (run-behaviour case-navigation :route '((3 3))))");
+    put(&folder, "robot.cases", of_the_book());
+    let run = run_in(&folder, &["run", "errand.rpl", "--world", "bare.toml", "--robot", "pioneer-2dx"]);
+    assert!(run.status == 1 && run.errors.contains("add [[place]] with a name and a pose to it"), "{}", run.errors);
+    let shown = cases(&folder, &["--world", "bare.toml"]);
+    assert!(shown.status == 2 && shown.errors.contains("the world has no places"), "{}", shown.errors);
+}
+
+#[test]
 fn a_run_reads_its_cases_at_the_start_and_writes_them_at_the_end() {
     let folder = folder("kept-cases");
     put(&folder, "errand.rpl", "(go-by-cases 'table-side)");

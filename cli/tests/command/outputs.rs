@@ -88,7 +88,11 @@ fn old_figures_do_not_stay_among_the_new_ones() {
     put(&figures, "notes.txt", "keep");
     let Ended { errors, status, .. } = run_in(&folder, &run);
     assert_eq!(status, 0, "{errors}");
-    assert_eq!(names(&figures), ["belief.svg", "mine.svg", "notes.txt", "paths.svg"], "before: {first:?}");
+    assert_eq!(
+        names(&figures),
+        ["belief.png", "belief.svg", "mine.svg", "notes.txt", "paths.png", "paths.svg"],
+        "before: {first:?}"
+    );
     // Somebody's drawing of the same name is not overwritten, and that is said before the run.
     put(&figures, "belief.svg", "<svg/>");
     let Ended { errors, status, .. } = run_in(&folder, &run);

@@ -2,7 +2,7 @@
 
 use super::known::Check;
 use super::walk::{each_form, each_form_within};
-use crate::code::{Atom, Constant, GlobalKind};
+use crate::code::{Atom, Constant, GlobalKind, Part};
 use crate::compile::NativeSignature;
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
@@ -19,6 +19,7 @@ enum Found {
     Float,
     Text,
     List,
+    Vector,
     Symbol,
     Keyword,
     Function,
@@ -36,6 +37,7 @@ impl Found {
             Found::Float => "a float",
             Found::Text => "a string",
             Found::List => "a list",
+            Found::Vector => "a vector",
             Found::Symbol => "a symbol",
             Found::Keyword => "a keyword",
             Found::Function => "a function",
@@ -55,7 +57,10 @@ impl Found {
             Kind::Integer => matches!(self, Found::Integer | Found::Fluent),
             Kind::Text => self == Found::Text,
             Kind::List => matches!(self, Found::List | Found::Nil),
-            Kind::Sequence => matches!(self, Found::List | Found::Nil | Found::Text),
+            Kind::Vector => self == Found::Vector,
+            Kind::Elements => matches!(self, Found::List | Found::Nil | Found::Vector),
+            Kind::ListOrText => matches!(self, Found::List | Found::Nil | Found::Text),
+            Kind::Sequence => matches!(self, Found::List | Found::Nil | Found::Vector | Found::Text),
             Kind::Symbol => matches!(self, Found::Symbol | Found::Keyword | Found::Nil | Found::True),
             Kind::Name | Kind::Place => {
                 matches!(self, Found::Symbol | Found::Keyword | Found::Text | Found::Nil | Found::True)
@@ -175,7 +180,10 @@ fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
             Constant::Atom(Atom::Int(_)) => Some(Found::Integer),
             Constant::Atom(Atom::Keyword(_)) => Some(Found::Keyword),
             Constant::Atom(Atom::Native(_)) => Some(Found::Function),
-            Constant::List(_) => Some(Found::List),
+            Constant::Compound(parts) => match parts.last() {
+                Some(Part::Vector { .. }) => Some(Found::Vector),
+                Some(Part::List { .. } | Part::Atom(_)) | None => Some(Found::List),
+            },
             Constant::Atom(Atom::Nil) => Some(Found::Nil),
             Constant::Atom(Atom::True) => Some(Found::True),
             Constant::Atom(Atom::Object(_)) => None,

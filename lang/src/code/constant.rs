@@ -27,7 +27,7 @@ pub enum Atom {
     Object(u32),
 }
 
-/// A part of a quoted list. The parts stand in the order in which a stack builds the list, so that
+/// A part of a list or vector. The parts stand in the order in which a stack builds the whole, so that
 /// copying, comparing, writing or dropping it costs no Rust stack, however deep it nests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Part {
@@ -40,6 +40,11 @@ pub enum Part {
         /// Whether one more, the last, is the tail after the dot.
         dotted: bool,
     },
+    /// The vector of so many elements before it.
+    Vector {
+        /// How many.
+        length: u32,
+    },
 }
 
 /// A constant of the text.
@@ -47,8 +52,8 @@ pub enum Part {
 pub enum Constant {
     /// What has no parts.
     Atom(Atom),
-    /// A list; the last part makes it of those before.
-    List(Vec<Part>),
+    /// A list or vector; the last part makes it of those before.
+    Compound(Vec<Part>),
 }
 
 impl From<Atom> for Constant {

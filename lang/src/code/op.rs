@@ -69,6 +69,10 @@ pub enum Op {
     Slot(Reg, Reg, u8, u32),
     /// the element of the record r0 at a place `:= r1`, the record's kind being `constants[i]`
     SetSlot(Reg, Reg, u8, u32),
+    /// `r0 :=` the element of the vector r1 at the position r2
+    VectorRef(Reg, Reg, Reg),
+    /// the element of the vector r0 at the position r1 `:= r2`
+    SetVectorRef(Reg, Reg, Reg),
     /// go on elsewhere
     Jump(i32),
     /// if r0 is nil
@@ -186,6 +190,7 @@ impl Op {
                 | Op::DefFluent(..)
                 | Op::CellSet(..)
                 | Op::SetSlot(..)
+                | Op::SetVectorRef(..)
                 | Op::Assign(..)
                 | Op::Parallel(..)
                 | Op::ParallelMap(..)

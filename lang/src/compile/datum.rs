@@ -7,7 +7,8 @@ use crate::syntax::{NodeId, NodeKind};
 /// What is left to do of a datum on its way to a constant.
 enum DatumStep {
     Datum(NodeId),
-    End { length: u32, dotted: bool },
+    /// The part that makes the whole of those before it.
+    End(Part),
 }
 
 impl Compiler<'_> {
@@ -18,8 +19,8 @@ impl Compiler<'_> {
         while let Some(step) = steps.pop() {
             let node = match step {
                 DatumStep::Datum(node) => node,
-                DatumStep::End { length, dotted } => {
-                    parts.push(Part::List { length, dotted });
+                DatumStep::End(part) => {
+                    parts.push(part);
                     continue;
                 }
             };
@@ -28,13 +29,17 @@ impl Compiler<'_> {
                     let items = self.tree.items(node);
                     let length = items.len() - usize::from(dotted);
                     if length > 0 {
-                        steps.push(DatumStep::End { length: length as u32, dotted });
+                        steps.push(DatumStep::End(Part::List { length: length as u32, dotted }));
                         steps.extend(items.iter().rev().map(|&item| DatumStep::Datum(item)));
                     } else {
                         // A list of nothing but its tail is that tail.
                         steps.extend(items.last().map(|&item| DatumStep::Datum(item)));
                         parts.extend(items.is_empty().then_some(Part::Atom(Atom::Nil)));
                     }
+                }
+                NodeKind::Vector { len, .. } => {
+                    steps.push(DatumStep::End(Part::Vector { length: len }));
+                    steps.extend(self.tree.elements(node).iter().rev().map(|&item| DatumStep::Datum(item)));
                 }
                 ref atom => parts.push(Part::Atom(self.atom(atom))),
             }
@@ -43,7 +48,7 @@ impl Compiler<'_> {
             (Some(Part::Atom(atom)), true) => Constant::Atom(atom),
             (last, _) => {
                 parts.extend(last);
-                Constant::List(parts)
+                Constant::Compound(parts)
             }
         }
     }
@@ -60,7 +65,7 @@ impl Compiler<'_> {
             NodeKind::Float(value) => Atom::Float(*value),
             NodeKind::Str(text) => Atom::Str(text.clone()),
             NodeKind::Object(index) => Atom::Object(*index),
-            NodeKind::Hole | NodeKind::List { .. } => Atom::Nil,
+            NodeKind::Hole | NodeKind::List { .. } | NodeKind::Vector { .. } => Atom::Nil,
         }
     }
 }

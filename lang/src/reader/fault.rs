@@ -37,6 +37,7 @@ pub(super) enum Fault {
     DotTwice(SimpleSpan),
     DotBeforeSeveral(SimpleSpan),
     DotOutside(SimpleSpan),
+    DotInVector(SimpleSpan),
 }
 
 impl Fault {
@@ -82,6 +83,10 @@ impl Fault {
             Fault::DotBeforeSeveral(at) => {
                 error("misplaced-dot", *at, "more than one datum follows this dot", "takes one datum").help(PAIR_HELP)
             }
+            Fault::DotInVector(at) => {
+                error("misplaced-dot", *at, "a vector has no tail after a dot", "a dot stands in it")
+                    .help("a vector is written `#(a b)`; remove the dot, or write a list without the `#`")
+            }
             Fault::DotOutside(at) => {
                 error("misplaced-dot", *at, "a dot outside a list", "no list is open here").help(PAIR_HELP)
             }
@@ -98,6 +103,7 @@ fn bare_prefix(prefix: Prefix, span: Span) -> Diagnostic {
         Prefix::Unquote => (",", "inserts"),
         Prefix::UnquoteSplicing => (",@", "inserts the elements of"),
         Prefix::Function => ("#'", "names"),
+        Prefix::Vector => ("#", "makes a vector of"),
     };
     let message = format!("nothing follows `{mark}`");
     Diagnostic::error("bare-prefix", span, message, format!("{verb} the next datum, and there is none"))

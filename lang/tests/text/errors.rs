@@ -47,6 +47,7 @@ cases! {
     dot_before_several: "(a . b c)";
     dot_twice: "(a . b . c)";
     dot_outside: "a . b";
+    dot_in_a_vector: "(print #(a . b))";
     unknown_unit: "(wait-time 3d)";
     near_unit: "(turn 90degs)";
     ratio: "(drive 1/2)";

@@ -20,6 +20,7 @@ enum Datum {
     Float(u64),
     Str(String),
     List(Vec<Datum>, bool),
+    Vector(Vec<Datum>),
 }
 
 fn add(datum: &Datum, symbols: &mut Symbols, tree: &mut Tree) -> NodeId {
@@ -32,6 +33,10 @@ fn add(datum: &Datum, symbols: &mut Symbols, tree: &mut Tree) -> NodeId {
         Datum::List(items, dotted) => {
             let items: Vec<_> = items.iter().map(|item| add(item, symbols, tree)).collect();
             return tree.list_with_tail(&items, *dotted, NOWHERE);
+        }
+        Datum::Vector(items) => {
+            let items: Vec<_> = items.iter().map(|item| add(item, symbols, tree)).collect();
+            return tree.vector(&items, NOWHERE);
         }
     };
     tree.atom(kind, NOWHERE)
@@ -46,6 +51,9 @@ fn datum_of(node: NodeId, symbols: &Symbols, tree: &Tree) -> Datum {
         NodeKind::Str(value) => Datum::Str(value.to_string()),
         NodeKind::List { dotted, .. } => {
             Datum::List(tree.items(node).iter().map(|&item| datum_of(item, symbols, tree)).collect(), *dotted)
+        }
+        NodeKind::Vector { .. } => {
+            Datum::Vector(tree.elements(node).iter().map(|&item| datum_of(item, symbols, tree)).collect())
         }
         NodeKind::Object(_) | NodeKind::Hole => panic!("no text without faults reads as this"),
     }
@@ -207,6 +215,7 @@ fn datum() -> impl Strategy<Value = Datum> {
         prop_oneof![
             6 => prop::collection::vec(inner.clone(), 0..8).prop_map(|items| Datum::List(items, false)),
             1 => prop::collection::vec(inner.clone(), 2..5).prop_map(|items| Datum::List(items, true)),
+            1 => prop::collection::vec(inner.clone(), 0..8).prop_map(Datum::Vector),
             1 => (mark, inner).prop_map(|(mark, item)| Datum::List(vec![Datum::Symbol(mark.to_string()), item], false)),
         ]
     })

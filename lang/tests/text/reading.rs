@@ -106,6 +106,15 @@ fn marks_stand_for_lists() {
     reads_as("(quote) (quote a b) (quote . a)", &["(quote)", "(quote a b)", "(quote . a)"]);
 }
 
+/// r[read.vector]
+#[test]
+fn a_mark_makes_a_vector_of_a_list() {
+    reads_as("#(a 1 (b . c) #()) '#(x) `#(,y) #(a #;b c)", &["#(a 1 (b . c) #())", "'#(x)", "`#(,y)", "#(a c)"]);
+    assert_eq!(codes("#(a . b)"), ["misplaced-dot"]);
+    assert_eq!(codes("# (a)"), ["unknown-hash"]);
+    assert_eq!(codes("#(a"), ["unclosed-list"]);
+}
+
 /// r[read.string]
 #[test]
 fn strings_and_their_escapes() {

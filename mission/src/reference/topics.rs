@@ -89,10 +89,11 @@ pub const TOPICS: &[Topic] = &[
     ),
     topic(
         "functions",
-        "Functions over lists",
+        "Functions over lists and vectors",
         "map mapcar mapc append-map for-each filter remove-if remove-if-not partition reduce find find-if position-if \
          count count-if every some notany sort min-by max-by group-by identity complement constantly compose",
     ),
+    topic("vectors", "Vectors", "vector make-vector vref list->vector vector->list"),
     topic(
         "tables",
         "Tables",
@@ -110,7 +111,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "types",
         "What a value is",
-        "eq eql equal null atom consp listp numberp integerp floatp stringp symbolp keywordp functionp tablep",
+        "eq eql equal null atom consp listp numberp integerp floatp stringp symbolp keywordp functionp tablep vectorp",
     ),
     topic(
         "strings",
@@ -133,7 +134,7 @@ pub const TOPICS: &[Topic] = &[
         "Foresight",
         "project project-rest projecting? projection-success projection-time projection-failures projection-fluent \
          projection-fluents projection-timeline projection-runs projection-horizon projection-thinking \
-         projection-stale compare-plans comparison-better comparison-certain comparison-difference comparison-error comparison-runs \
+         projection-stale compare-plans compare-all comparison-better comparison-certain comparison-difference comparison-error comparison-runs \
          comparison-first comparison-second comparison-thinking comparison-stale make-projection projection-p \
          copy-projection make-comparison comparison-p copy-comparison",
     ),

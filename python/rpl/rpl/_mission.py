@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from . import rpl_native
+from ._modules import Hearing, opened
 from .rpl_native import Robot, World
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
 
 class TimeUp(Exception):
@@ -86,6 +89,10 @@ class Mission(rpl_native.Mission):
     be a text. The same arguments give the same mission, byte for byte. Without a world there is no robot. One thread at
     a time can use a mission; others go on meanwhile.
 
+    `modules` are modules of the package `rpl-module` by the files of their manifests. They are called in this process,
+    once for each step of the robot, and serve one mission at a time, the newest. A mission with modules cannot be
+    forked or saved.
+
     Raises SetUpError with what was found, where, and what would be right.
     """
 
@@ -96,20 +103,25 @@ class Mission(rpl_native.Mission):
         robot: str | Robot | None = None,
         seed: int = 1,
         scenario: str | Plan | None = None,
+        modules: Mapping[str, Hearing] | None = None,
     ) -> Mission:
         plan = plan if isinstance(plan, Plan) else Plan(plan)
         scenario = scenario if isinstance(scenario, Plan | None) else Plan(scenario, "scenario.rpl")
         robot = Robot(robot) if isinstance(robot, str) else robot
         world = World(world, robot, seed) if isinstance(world, str) else world
         happening = None if scenario is None else (scenario.name, scenario.text)
-        return super().__new__(cls, (plan.name, plan.text), world, robot, seed, happening)
+        beside = [(file, opened(module)) for file, module in (modules or {}).items()]
+        return super().__new__(cls, (plan.name, plan.text), world, robot, seed, happening, beside)
 
     def __init__(self, *_: Any, **__: Any) -> None:
         pass
 
     def fork(self) -> Mission:
-        """A second mission that goes on from here by itself. It shares with this one what neither changes."""
-        return rpl_native.Mission.__new__(type(self), ("", None), None, None, 0, None, self)
+        """A second mission that goes on from here by itself. It shares with this one what neither changes.
+
+        Raises ValueError if there are modules in Python.
+        """
+        return rpl_native.Mission.__new__(type(self), ("", None), None, None, 0, None, [], self)
 
     def run(self, until_s: float = math.inf) -> str | None:
         """Goes on to the end, without the interpreter's lock, and gives the value of the plan.
@@ -129,6 +141,13 @@ class Mission(rpl_native.Mission):
         import pandas as pd
 
         return pd.DataFrame(self.trace_columns())
+
+    @property
+    def trace_arrow(self) -> pa.Table:
+        """The same as an Arrow table. Needs pyarrow."""
+        import pyarrow as pa
+
+        return pa.table(self.trace_columns())
 
     def figure(self) -> Figure:
         """The true path (solid), the estimated one (dashed) and the belief; notebooks show it.

@@ -1,5 +1,6 @@
 """What is written in Rust."""
 
+from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
@@ -63,6 +64,7 @@ class Mission:
         robot: Robot | None,
         seed: int,
         scenario: tuple[str, str | None] | None,
+        modules: list[tuple[str, Callable[[], Callable[[str], str]]]],
         fork_of: Mission | None = None,
     ) -> Self: ...
     def step(self) -> bool:

@@ -3,10 +3,11 @@
 //! Rust keeps the run, steps it without the interpreter's lock, and hands out what is in it; exceptions, data frames and
 //! experiments are made of that in Python.
 //!
-//! Read in this order: `place`, `history`, `mission`.
+//! Read in this order: `place`, `module`, `history`, `mission`.
 
 mod history;
 mod mission;
+mod module;
 mod place;
 
 use pyo3::create_exception;

@@ -1,10 +1,12 @@
 //! A mission as a Python object.
 
 use crate::history::History;
+use crate::module::{self, Interrupt};
 use crate::place::{self, World};
 use crate::{PoseTuple, tuple, wrong};
 use anyhow::Context;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use rpl_command::embedded::{self, Folder, PlanText};
@@ -41,12 +43,14 @@ pub struct Mission {
     seed: u64,
     system: System<Robot>,
     history: History,
+    /// With modules in Python, which are no part of the value.
+    interrupt: Option<Interrupt>,
 }
 
 impl Mission {
-    fn started(site: Arc<Site>, loaded: Loaded, seed: u64) -> Self {
+    fn started(site: Arc<Site>, loaded: Loaded, seed: u64, interrupt: Option<Interrupt>) -> Self {
         let system = site.start_traced(loaded.clone(), seed);
-        let mut mission = Self { site, loaded, seed, system, history: History::default() };
+        let mut mission = Self { site, loaded, seed, system, history: History::default(), interrupt };
         mission.settle();
         mission
     }
@@ -74,8 +78,16 @@ impl Mission {
             if is_late || !self.advance() {
                 return true;
             }
+            if self.interrupt.as_ref().is_some_and(Interrupt::is_there) {
+                return false;
+            }
         }
         false
+    }
+
+    /// Raises what a module was interrupted with.
+    fn interrupted(&self) -> PyResult<()> {
+        self.interrupt.as_ref().and_then(Interrupt::take).map_or(Ok(()), Err)
     }
 
     fn forked(&mut self) -> Self {
@@ -85,7 +97,17 @@ impl Mission {
             seed: self.seed,
             system: self.system.fork(),
             history: self.history.fork(),
+            interrupt: None,
         }
+    }
+
+    fn is_value(&self) -> PyResult<()> {
+        if self.interrupt.is_some() {
+            return Err(PyValueError::new_err(
+                "a mission with modules in Python cannot be forked or saved: nobody knows what they remember",
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -94,7 +116,8 @@ impl Mission {
     /// A mission at its start; or, if another one is given, a second run that goes on from where that one is, whatever
     /// else is said.
     #[new]
-    #[pyo3(signature = (plan, world, robot, seed, scenario, fork_of=None))]
+    #[pyo3(signature = (plan, world, robot, seed, scenario, modules, fork_of=None))]
+    #[expect(clippy::too_many_arguments, reason = "Python hands them over one by one")]
     fn new(
         py: Python<'_>,
         plan: (String, Option<String>),
@@ -102,9 +125,11 @@ impl Mission {
         robot: Option<&place::Robot>,
         seed: u64,
         scenario: Option<(String, Option<String>)>,
+        modules: Vec<(String, Py<PyAny>)>,
         fork_of: Option<PyRefMut<'_, Self>>,
     ) -> PyResult<Self> {
         if let Some(mut other) = fork_of {
+            other.is_value()?;
             return Ok(other.forked());
         }
         let robot = robot.map_or_else(RobotDescription::papers, |robot| robot.description.clone());
@@ -112,32 +137,42 @@ impl Mission {
             let plan = text_of(plan.0, plan.1, embedded::plan)?;
             let scenario = scenario.map(|(name, text)| text_of(name, text, embedded::scenario)).transpose()?;
             let world = world.map(|place| (*place.world).clone());
-            let (site, loaded) = embedded::site(&plan, world, robot, scenario)?;
-            Ok(Self::started(Arc::new(site), loaded, seed))
+            let interrupt = (!modules.is_empty()).then(Interrupt::default);
+            let heard = interrupt.clone().unwrap_or_default();
+            let modules = modules.into_iter().map(|(file, opened)| module::source(&file, opened, heard.clone()));
+            let modules = modules.collect::<Result<_, _>>()?;
+            let (site, loaded) = embedded::site(&plan, world, robot, scenario, modules)?;
+            Ok(Self::started(Arc::new(site), loaded, seed, interrupt))
         })
         .map_err(wrong)
     }
 
     /// Goes on to the end of the next instant. Answers whether there is a further one.
-    fn step(&mut self, py: Python<'_>) -> bool {
-        py.detach(|| self.advance())
+    fn step(&mut self, py: Python<'_>) -> PyResult<bool> {
+        let goes_on = py.detach(|| self.advance());
+        self.interrupted()?;
+        Ok(goes_on)
     }
 
     /// Goes on until a time of the plan, or to the end of the run. Answers whether it has ended.
     fn run_until(&mut self, py: Python<'_>, until_s: f64) -> PyResult<bool> {
         while !py.detach(|| self.advance_for(BETWEEN_SIGNALS, until_s)) {
+            self.interrupted()?;
             py.check_signals()?;
         }
+        self.interrupted()?;
         Ok(self.system.outcome().is_some())
     }
 
     /// The run as bytes, from which [`Mission::load`] goes on.
-    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &py.detach(|| self.system.save()))
+    fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.is_value()?;
+        Ok(PyBytes::new(py, &py.detach(|| self.system.save())))
     }
 
     /// Goes on from what was saved of a mission with the same plan in the same place.
     fn load(&mut self, py: Python<'_>, saved: &[u8]) -> PyResult<()> {
+        self.is_value()?;
         py.detach(|| {
             let robot = self.site.robot(self.seed);
             let (library, loaded) = (self.site.library.clone(), self.loaded.clone());

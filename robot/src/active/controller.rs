@@ -1,6 +1,6 @@
 //! The state machine: wander, choose, follow, choose again, until the pose is known.
 
-use super::choice::{Choice, choose};
+use super::choice::{ActionField, Choice, choose};
 use super::parameters::{ActiveParameters, Exploration};
 use crate::geometry::{Point, Pose, distance_m};
 use crate::localization::{Localization, LocalizationModel, Maximum};
@@ -217,13 +217,21 @@ impl ActiveLocalization {
         }
     }
 
+    /// What it would choose now, and all that it considers. Costs as much as [`choose`].
+    pub fn considered(&self, model: &LocalizationModel, localization: &Localization) -> Option<(Choice, ActionField)> {
+        choose(model, &self.maxima(model, localization), &self.obstacles_in_base(), &self.parameters)
+    }
+
+    fn obstacles_in_base(&self) -> Vec<Point> {
+        let odom_in_base = self.odometry_in_odom.inverse();
+        self.obstacles_in_odom.iter().map(|&point| odom_in_base.transform(point)).collect()
+    }
+
     fn choose(&mut self, model: &LocalizationModel, localization: &Localization) {
         let maxima = self.maxima(model, localization);
         let robot = self.odometry_in_odom;
-        let obstacles: Vec<Point> =
-            self.obstacles_in_odom.iter().map(|&point| robot.inverse().transform(point)).collect();
         self.looked_at = localization.updates();
-        match choose(model, &maxima, &obstacles, &self.parameters) {
+        match choose(model, &maxima, &self.obstacles_in_base(), &self.parameters) {
             Some((choice, _)) => {
                 let path_in_odom = choice.path_in_base.iter().map(|&point| robot.transform(point)).collect();
                 self.phase = SearchPhase::Follow { path_in_odom, maxima, chosen_at_in_odom: robot };

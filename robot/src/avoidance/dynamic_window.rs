@@ -27,7 +27,7 @@ pub struct WindowInput<'a> {
 }
 
 /// Velocities that can be reached within this time are considered,
-const WINDOW_S: f64 = 0.25;
+pub const WINDOW_S: f64 = 0.25;
 /// so many translations
 const TRANSLATIONS: usize = 11;
 /// times so many rotations, besides straight on and the turn to the target.

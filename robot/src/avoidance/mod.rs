@@ -13,5 +13,5 @@ mod limits;
 pub use braking::braked_velocity;
 pub use clearance::open_distance_m;
 pub use collision_avoidance::{AvoidanceChoice, AvoidanceStatus, CollisionAvoidance};
-pub use dynamic_window::{CANDIDATES, WindowInput, best_velocity};
+pub use dynamic_window::{CANDIDATES, WINDOW_S, WindowInput, best_velocity};
 pub use limits::DriveLimits;

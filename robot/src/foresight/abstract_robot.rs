@@ -68,11 +68,54 @@ pub enum Doing {
     Searching,
 }
 
-/// Something under way.
+/// What the robot was asked to do and has not come to the end of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum UnderWay {
+    /// To drive over targets, in order.
+    Driving {
+        /// Those that are left.
+        targets: Vec<Target>,
+        /// So long it stands before what is closed.
+        patience_s: f64,
+    },
+    /// To grasp a thing.
+    Grasping(String),
+    /// To let go.
+    Releasing,
+    /// To look around.
+    Looking,
+    /// To search for its position.
+    Searching,
+}
+
+impl UnderWay {
+    fn doing(&self) -> Doing {
+        match self {
+            Self::Driving { .. } => Doing::Driving,
+            Self::Grasping(_) | Self::Releasing => Doing::Gripping,
+            Self::Looking => Doing::Looking,
+            Self::Searching => Doing::Searching,
+        }
+    }
+}
+
+/// Something under way, and how it will end.
 #[derive(Clone, Debug)]
 struct Activity {
     ends_us: u64,
     outcome: Outcome,
+    asked: UnderWay,
+}
+
+/// A thing that the robot has come to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Thing {
+    /// Where it lies; nowhere if it is not here at all.
+    pub lies_in_map: Option<Point>,
+    /// How often the robot has put it down.
+    pub put_down: u32,
+    /// Where the robot knows it to lie, once it does: nowhere if it was missed too often.
+    known_in_map: Option<Option<Point>>,
 }
 
 /// A drive under way: where it is at which time.
@@ -105,14 +148,17 @@ impl Experience {
         self.drives.add(&later.drives);
     }
 
-    /// Takes down a try at a thing. Misses of what turns out not to be there are none.
-    fn note_grasp(&mut self, thing: &str, is_held: bool) {
+    /// Takes down a try at a thing, and whether it is now known to be there, or not to be. Misses of what turns out
+    /// not to be there are none.
+    fn note_grasp(&mut self, thing: &str, is_held: bool) -> bool {
         let before = self.missed.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
-        if is_held || before + 1 == TRIES_AT_A_THING {
+        let is_known = is_held || before + 1 == TRIES_AT_A_THING;
+        if is_known {
             self.grasps.note(before, is_held);
         } else {
             self.missed = Some((thing.to_string(), before + 1));
         }
+        is_known
     }
 }
 
@@ -135,8 +181,8 @@ pub struct AbstractRobot {
     closed_until_us: BTreeMap<usize, u64>,
     /// Those that have kept it from coming through.
     found_closed: BTreeSet<usize>,
-    /// Where things were put down in this run; of those that are not here at all, none.
-    things_in_map: BTreeMap<String, Option<Point>>,
+    /// The things that it has come to in this run.
+    pub things: BTreeMap<String, Thing>,
     now_us: u64,
     told_battery: f64,
     streams: Streams,
@@ -186,13 +232,49 @@ impl AbstractRobot {
             doing: BTreeMap::new(),
             closed_until_us: BTreeMap::new(),
             found_closed: BTreeSet::new(),
-            things_in_map: BTreeMap::new(),
+            things: BTreeMap::new(),
             now_us,
             told_battery: battery,
             streams: Streams::of(0),
             has_drawn: false,
             experience: Experience::default(),
         }
+    }
+
+    /// The robot as it is foreseen by somebody who knows what it knows, and not what will come of what is under way
+    /// ([`Self::under_way`]).
+    #[must_use]
+    pub fn believed(&self, models: Models, ways: Ways) -> Self {
+        let hypotheses = vec![(self.robot_in_map, 1.0)];
+        let known = |(name, thing): (&String, &Thing)| {
+            Some((name.clone(), Thing { lies_in_map: thing.known_in_map?, ..thing.clone() }))
+        };
+        Self {
+            knowledge: Arc::new(Knowledge { models, hypotheses, ..(*self.knowledge).clone() }),
+            ways,
+            holding: self.holding.clone(),
+            drive: None,
+            doing: BTreeMap::new(),
+            closed_until_us: BTreeMap::new(),
+            found_closed: self.closed_doors().into_iter().collect(),
+            things: self.things.iter().filter_map(known).collect(),
+            streams: Streams::of(0),
+            has_drawn: false,
+            experience: Experience::default(),
+            ..*self
+        }
+    }
+
+    /// What it was asked to do, as far as it is left.
+    pub fn under_way(&self) -> Vec<UnderWay> {
+        let left = |activity: &Activity| match &activity.asked {
+            UnderWay::Driving { targets, patience_s } => {
+                let reached = targets.len() - self.remaining_targets().min(targets.len());
+                UnderWay::Driving { targets: targets[reached..].to_vec(), patience_s: *patience_s }
+            }
+            asked => asked.clone(),
+        };
+        self.doing.values().map(left).collect()
     }
 
     /// Whether something was left to chance since the run began.
@@ -255,13 +337,33 @@ impl AbstractRobot {
     }
 
     fn end(&mut self, doing: Doing) -> Option<(Doing, Outcome)> {
-        let Activity { outcome, .. } = self.doing.remove(&doing)?;
-        match (doing, &outcome) {
-            (Doing::Driving, _) => self.end_drive(&outcome),
-            (Doing::Searching, Outcome::Done) => self.is_lost = false,
-            _ => {}
+        let Activity { outcome, asked, .. } = self.doing.remove(&doing)?;
+        match &asked {
+            UnderWay::Driving { .. } => self.end_drive(&outcome),
+            UnderWay::Grasping(thing) => self.end_grasp(thing, outcome == Outcome::Done),
+            UnderWay::Releasing if outcome == Outcome::Done => self.let_go(),
+            UnderWay::Searching if outcome == Outcome::Done => self.is_lost = false,
+            UnderWay::Releasing | UnderWay::Looking | UnderWay::Searching => {}
         }
         Some((doing, outcome))
+    }
+
+    fn end_grasp(&mut self, thing: &str, is_held: bool) {
+        if self.experience.note_grasp(thing, is_held)
+            && let Some(known) = self.things.get_mut(thing)
+        {
+            known.known_in_map = Some(known.lies_in_map.filter(|_| is_held));
+        }
+        if is_held {
+            self.holding = Some(thing.to_string());
+        }
+    }
+
+    fn let_go(&mut self) {
+        let Some(thing) = self.holding.take() else { return };
+        let here = Some(self.robot_in_map.point());
+        let put_down = self.things.get(&thing).map_or(0, |known| known.put_down) + 1;
+        self.things.insert(thing, Thing { lies_in_map: here, put_down, known_in_map: Some(here) });
     }
 
     fn end_drive(&mut self, outcome: &Outcome) {
@@ -303,13 +405,25 @@ impl AbstractRobot {
         self.closed_until_us.insert(door, self.now_us + microseconds(closed_s));
     }
 
-    /// Begins to drive over targets, in order.
-    pub fn drive(&mut self, map: WayMap<'_>, targets: &[Target], patience_s: f64) {
-        let Some(way) = Way::over(&self.ways, map, self.robot_in_map, targets) else {
-            self.begin(Doing::Driving, 0.0, Outcome::Unreachable);
-            return;
+    /// Begins what it is asked to do.
+    pub fn begin(&mut self, map: WayMap<'_>, asked: &UnderWay) {
+        let (takes_s, outcome) = match asked {
+            UnderWay::Driving { targets, patience_s } => self.drive(map, targets, *patience_s),
+            UnderWay::Grasping(thing) => self.grasp(thing),
+            UnderWay::Releasing => self.release(),
+            UnderWay::Looking => (self.knowledge.look_s, Outcome::Done),
+            UnderWay::Searching => self.search(),
         };
-        self.has_drawn = true;
+        let activity = Activity { ends_us: self.now_us + microseconds(takes_s), outcome, asked: asked.clone() };
+        self.doing.insert(asked.doing(), activity);
+    }
+
+    /// Begins to drive over targets, in order: how long it drives, and how that ends.
+    fn drive(&mut self, map: WayMap<'_>, targets: &[Target], patience_s: f64) -> (f64, Outcome) {
+        let Some(way) = Way::over(&self.ways, map, self.robot_in_map, targets) else {
+            return (0.0, Outcome::Unreachable);
+        };
+        self.leave_to_chance();
         let features = way.features();
         let times = self.knowledge.drive_times;
         let expected_s = times.time_s(&features);
@@ -344,7 +458,12 @@ impl AbstractRobot {
         }
         let (start_in_map, targets) = (self.robot_in_map, targets.len());
         self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, time_share: share });
-        self.begin(Doing::Driving, at_s, outcome);
+        (at_s, outcome)
+    }
+
+    /// What comes now is drawn, where there is anything to draw.
+    fn leave_to_chance(&mut self) {
+        self.has_drawn |= !self.knowledge.models.are_certain();
     }
 
     /// How long it can drive.
@@ -366,70 +485,52 @@ impl AbstractRobot {
         self.closed_until_us[&door].saturating_sub(arrives_us) as f64 / 1e6
     }
 
-    /// Begins to grasp a thing.
-    pub fn grasp(&mut self, thing: &str) {
-        let Some(gripper) = self.knowledge.gripper else { return };
-        self.has_drawn = true;
+    fn grasp(&mut self, thing: &str) -> (f64, Outcome) {
+        let Some(gripper) = self.knowledge.gripper else { return (0.0, Outcome::NotHeld(thing.to_string())) };
+        self.leave_to_chance();
         let misses = self.streams.grasps.chance(self.knowledge.models.grasp_misses.share());
         let here = self.robot_in_map.point();
         let missing = self.knowledge.models.thing_missing.share();
         let seed = self.streams.things;
-        let lies = self.things_in_map.entry(thing.to_string()).or_insert_with(|| {
+        let thing_there = self.things.entry(thing.to_string()).or_insert_with(|| {
             let is_missing = Stream::new(seed, &format!("thing {thing}")).chance(missing);
-            (!is_missing).then_some(here)
+            Thing { lies_in_map: (!is_missing).then_some(here), put_down: 0, known_in_map: None }
         });
-        let is_here = lies.is_some_and(|there| distance_m(there, here) <= gripper.reach_m);
+        let is_here = thing_there.lies_in_map.is_some_and(|there| distance_m(there, here) <= gripper.reach_m);
         let takes = !misses && is_here && self.holding.is_none() && !self.is_lost;
         let outcome = if takes { Outcome::Done } else { Outcome::NotHeld(thing.to_string()) };
-        self.experience.note_grasp(thing, takes);
-        if takes {
-            self.holding = Some(thing.to_string());
-        }
-        self.begin(Doing::Gripping, gripper.grasp_us as f64 / 1e6, outcome);
+        (gripper.grasp_us as f64 / 1e6, outcome)
     }
 
     /// People have brought a thing to where it is.
     pub fn expect_here(&mut self, thing: &str) {
-        self.things_in_map.insert(thing.to_string(), Some(self.robot_in_map.point()));
+        let here = Some(self.robot_in_map.point());
+        let put_down = self.things.get(thing).map_or(0, |known| known.put_down);
+        self.things.insert(thing.to_string(), Thing { lies_in_map: here, put_down, known_in_map: None });
     }
 
-    /// Begins to let go.
-    pub fn release(&mut self) {
-        let Some(gripper) = self.knowledge.gripper else { return };
-        self.has_drawn = true;
+    fn release(&mut self) -> (f64, Outcome) {
+        let Some(gripper) = self.knowledge.gripper else { return (0.0, Outcome::NotOpened) };
+        self.leave_to_chance();
         let fails = self.streams.grasps.chance(self.knowledge.models.release_fails.share());
-        if fails {
-            return self.begin(Doing::Gripping, gripper.release_us as f64 / 1e6, Outcome::NotOpened);
-        }
-        if let Some(thing) = self.holding.take() {
-            self.things_in_map.insert(thing, Some(self.robot_in_map.point()));
-        }
-        self.begin(Doing::Gripping, gripper.release_us as f64 / 1e6, Outcome::Done);
+        (gripper.release_us as f64 / 1e6, if fails { Outcome::NotOpened } else { Outcome::Done })
     }
 
-    /// Begins to look around.
-    pub fn look_around(&mut self) {
-        self.begin(Doing::Looking, self.knowledge.look_s, Outcome::Done);
-    }
-
-    /// Begins to search for its position.
-    pub fn search(&mut self) {
+    fn search(&mut self) -> (f64, Outcome) {
         self.has_drawn = true;
         let search = Models::search(&mut self.streams.searches);
-        let outcome = if search.finds { Outcome::Done } else { Outcome::NotFound };
-        self.begin(Doing::Searching, search.takes_s, outcome);
+        (search.takes_s, if search.finds { Outcome::Done } else { Outcome::NotFound })
     }
 
-    /// Something is given up.
+    /// Something is given up. A hand that has begun to close closes.
     pub fn stop(&mut self, doing: Doing) {
+        if doing == Doing::Gripping {
+            self.end(doing);
+        }
         self.doing.remove(&doing);
         if doing == Doing::Driving {
             self.drive = None;
         }
-    }
-
-    fn begin(&mut self, doing: Doing, takes_s: f64, outcome: Outcome) {
-        self.doing.insert(doing, Activity { ends_us: self.now_us + microseconds(takes_s), outcome });
     }
 
     /// Where the drive has led to until now.

@@ -151,6 +151,8 @@ pub struct Models {
     pub door_closed: Rate,
     /// A drive is held up, beside those that it remembers.
     pub held_up: Rate,
+    /// By what part drives stray from their time.
+    straying: f64,
     time_shares: Vec<f64>,
 }
 
@@ -174,6 +176,7 @@ impl Models {
             thing_missing: Rate::counted_on(0.02, 25.0).and(grasps.missing, grasps.things),
             door_closed: Rate::counted_on(0.02, 50.0).and(drives.doors_closed, drives.doors_open + drives.doors_closed),
             held_up: Rate::counted_on(HELD_UP, 1.0),
+            straying: USUAL_STRAYING,
             time_shares: drives.time_shares.clone(),
         }
     }
@@ -187,8 +190,23 @@ impl Models {
             thing_missing: exactly(chances.thing_missing),
             door_closed: exactly(chances.door_closed),
             held_up: exactly(chances.held_up),
+            straying: USUAL_STRAYING,
             time_shares: Vec::new(),
         }
+    }
+
+    /// Where nothing comes between and all takes the time that it should take.
+    pub fn undisturbed() -> Self {
+        let nothing =
+            Chances { grasp_misses: 0.0, release_fails: 0.0, thing_missing: 0.0, door_closed: 0.0, held_up: 0.0 };
+        Self { straying: 0.0, ..Self::exactly(&nothing) }
+    }
+
+    /// Whether there is nothing to draw.
+    pub fn are_certain(&self) -> bool {
+        let Self { grasp_misses, release_fails, thing_missing, door_closed, held_up, straying, time_shares } = self;
+        let rates = [grasp_misses, release_fails, thing_missing, door_closed, held_up];
+        rates.iter().all(|rate| rate.share() == 0.0) && *straying == 0.0 && time_shares.is_empty()
     }
 
     /// How long a drive takes that should take so long: as one of its own did, or, the fewer these are the
@@ -202,7 +220,7 @@ impl Models {
             let at = ((number * own) as usize).min(self.time_shares.len() - 1);
             return expected_s * self.time_shares[at];
         }
-        let usual = (1.0 + USUAL_STRAYING * straying).clamp(0.8, 1.2);
+        let usual = (1.0 + self.straying * straying).clamp(0.8, 1.2);
         expected_s * usual + if is_held_up { HELD_UP_S * held_up } else { 0.0 }
     }
 

@@ -8,7 +8,7 @@ use super::behaviours::navigation::{self, Navigating};
 use super::controller::Controller;
 use super::module::Module;
 use super::words::{mode_name, no_map};
-use crate::foresight::abstract_robot::{AbstractRobot, Doing, Knowledge, Outcome};
+use crate::foresight::abstract_robot::{AbstractRobot, Doing, Knowledge, Outcome, UnderWay};
 use crate::foresight::drive_times::DriveTimes;
 use crate::foresight::models::Models;
 use crate::foresight::ways::{ForeseenWays, WayMap, Ways};
@@ -16,7 +16,6 @@ use crate::geometry::Pose;
 use crate::localization::Estimate;
 use crate::navigation::{MappedNavigation, Obstruction};
 use crate::office::model::{MapModel, OfficeModel};
-use crate::planning::Target;
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{Ending, Foreseen, ForeseenRobot, NEVER_US, Outbox, Outside, RobotTables, StopReason};
@@ -36,25 +35,16 @@ const SURE: f64 = 0.9995;
 /// One that is lost.
 const LOST: f64 = 0.5;
 
-/// What goes on when the projection begins.
-#[derive(Clone, Debug)]
-enum Begun {
-    Driving(Vec<Target>),
-    Grasping(String),
-    Releasing,
-    Looking,
-    Searching,
-}
-
 /// The robot of projected runs.
 #[derive(Clone)]
-struct ForeseenOffice<M: Module> {
+pub(super) struct ForeseenOffice<M: Module> {
     /// What functions of plans work on; its position follows the abstract robot.
-    controller: Controller<M>,
-    robot: AbstractRobot,
+    pub(super) controller: Controller<M>,
+    pub(super) robot: AbstractRobot,
     ways: ForeseenWays,
     odom_in_map: Pose,
-    begun: Vec<Begun>,
+    /// What goes on when the projection begins.
+    begun: Vec<UnderWay>,
     unforeseen: Option<String>,
 }
 
@@ -79,7 +69,15 @@ pub(super) fn foresee<M: Module>(
 /// # Errors
 /// There is no map.
 pub(super) fn abstract_robot<M: Module>(controller: &Controller<M>, models: Models) -> Result<ForeseenRobot, Raise> {
-    Ok(ForeseenRobot::of(foreseen(known(controller), 0, Vec::new(), models)?))
+    Ok(ForeseenRobot::of(at_start(controller, models)?))
+}
+
+/// The same, with what only the experimenter sees.
+///
+/// # Errors
+/// There is no map.
+pub(super) fn at_start<M: Module>(controller: &Controller<M>, models: Models) -> Result<ForeseenOffice<M>, Raise> {
+    foreseen(known(controller), 0, Vec::new(), models)
 }
 
 /// The controller in the world that the map shows.
@@ -90,7 +88,7 @@ fn known<M: Module>(controller: &Controller<M>) -> Controller<M> {
 fn foreseen<M: Module>(
     mut controller: Controller<M>,
     now_us: u64,
-    begun: Vec<Begun>,
+    begun: Vec<UnderWay>,
     models: Models,
 ) -> Result<ForeseenOffice<M>, Raise> {
     let model = controller.model.clone();
@@ -117,7 +115,7 @@ fn closed_doors<M: Module>(controller: &mut Controller<M>) -> Vec<usize> {
 }
 
 /// What of the behaviours is under way.
-fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Result<Vec<Begun>, Raise> {
+fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Result<Vec<UnderWay>, Raise> {
     let composition = controller.composition.clone();
     let is_active = |&(number, _): &(usize, _)| phases.of(number as u16) == Phase::Active;
     let mut begun = Vec::new();
@@ -125,14 +123,15 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
         begun.push(match doing(&spec.name) {
             Some(Doing::Driving) => {
                 let navigating = part::<M, Navigating>(controller);
-                Begun::Driving(navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec()))
+                let targets = navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec());
+                UnderWay::Driving { targets, patience_s: MappedNavigation::PATIENCE_S }
             }
             Some(Doing::Gripping) => match part::<M, Gripping>(controller).and_then(|gripping| gripping.wanted()) {
-                Some(thing) => Begun::Grasping(thing.to_string()),
-                None => Begun::Releasing,
+                Some(thing) => UnderWay::Grasping(thing.to_string()),
+                None => UnderWay::Releasing,
             },
-            Some(Doing::Looking) => Begun::Looking,
-            Some(Doing::Searching) => Begun::Searching,
+            Some(Doing::Looking) => UnderWay::Looking,
+            Some(Doing::Searching) => UnderWay::Searching,
             None if spec.name == TRACKING => continue,
             None => return Err(Raise::new("projection-failure", without_model(&spec.name))),
         });
@@ -200,11 +199,12 @@ impl<M: Module> ForeseenOffice<M> {
         model.map.as_ref().map(|map| map.ways(&model.world))
     }
 
-    fn drive(&mut self, targets: &[Target], patience_s: f64) {
-        let model = self.controller.model.clone();
-        if let Some(map) = Self::map(&model) {
-            self.robot.drive(map, targets, patience_s);
-        }
+    /// The robot as who is in an abstract world foresees it, by models of what may come between.
+    pub(super) fn foreseen(&self, models: Models) -> Self {
+        let ways = Ways::default();
+        let robot = self.robot.believed(models, ways.clone());
+        let closed_doors = self.robot.closed_doors();
+        Self { robot, ways: ForeseenWays { ways, closed_doors }, begun: self.robot.under_way(), ..self.clone() }
     }
 
     /// The position is what functions of plans find it to be: where the abstract robot believes itself.
@@ -259,13 +259,10 @@ impl<M: Module> ForeseenOffice<M> {
         }
     }
 
-    fn begin(&mut self, begun: &Begun) {
-        match begun {
-            Begun::Driving(targets) => self.drive(targets, MappedNavigation::PATIENCE_S),
-            Begun::Grasping(thing) => self.robot.grasp(thing),
-            Begun::Releasing => self.robot.release(),
-            Begun::Looking => self.robot.look_around(),
-            Begun::Searching => self.robot.search(),
+    fn begin(&mut self, asked: &UnderWay) {
+        let model = self.controller.model.clone();
+        if let Some(map) = Self::map(&model) {
+            self.robot.begin(map, asked);
         }
     }
 }
@@ -313,18 +310,19 @@ impl<M: Module> Outside for ForeseenOffice<M> {
             self.unforeseen.get_or_insert_with(|| why.clone());
             return Err(Raise::new("projection-failure", why));
         };
-        match doing {
+        let asked = match doing {
             Doing::Driving => {
                 let (targets, patience_s) = navigation::arguments(machine, arguments)?;
-                self.drive(&targets, patience_s.unwrap_or(MappedNavigation::PATIENCE_S));
+                UnderWay::Driving { targets, patience_s: patience_s.unwrap_or(MappedNavigation::PATIENCE_S) }
             }
             Doing::Gripping => match Gripping::asked(machine, arguments)? {
-                Some(thing) => self.robot.grasp(&thing),
-                None => self.robot.release(),
+                Some(thing) => UnderWay::Grasping(thing.to_string()),
+                None => UnderWay::Releasing,
             },
-            Doing::Looking => self.robot.look_around(),
-            Doing::Searching => self.robot.search(),
-        }
+            Doing::Looking => UnderWay::Looking,
+            Doing::Searching => UnderWay::Searching,
+        };
+        self.begin(&asked);
         Ok(())
     }
 

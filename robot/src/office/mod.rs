@@ -11,6 +11,7 @@
 //!
 //! Read `module` first, then `composition` and `behaviours`, then `controller` and `robot`.
 
+mod abstract_world;
 mod behaviours;
 mod board;
 mod composition;
@@ -33,8 +34,9 @@ mod words;
 pub use crate::geometry::Velocity;
 pub use crate::simulator::Commands;
 pub use crate::world::TravelMode;
-pub use behaviours::active_localization::NAME as ACTIVE_LOCALIZATION;
-pub use behaviours::navigation::{PLANS, RULES};
+pub use abstract_world::{AbstractSetting, AbstractWorld, Forecast};
+pub use behaviours::active_localization::{Localizing, NAME as ACTIVE_LOCALIZATION};
+pub use behaviours::navigation::{Navigating, PLANS, RULES};
 pub use behaviours::{OfficeModules, natives, office_modules, tables};
 pub use board::Board;
 pub use composition::{Composition, NameTaken};

@@ -1,5 +1,6 @@
 //! The robot: its controller and a host, as the runtime steps them.
 
+use super::abstract_world::{AbstractSetting, AbstractWorld};
 use super::behaviours::{OfficeModules, office_modules};
 use super::composition::Composition;
 use super::controller::Controller;
@@ -106,6 +107,14 @@ impl<H, M: Module> OfficeRobot<H, M> {
     /// There is no map.
     pub fn abstract_robot(&self, models: Models) -> Result<ForeseenRobot, Raise> {
         abstract_robot(&self.controller, models)
+    }
+
+    /// An abstract world with this robot, at the start of a run.
+    ///
+    /// # Errors
+    /// There is no map.
+    pub fn abstract_world(&self, setting: AbstractSetting, seed: u64) -> Result<AbstractWorld<M>, Raise> {
+        AbstractWorld::new(&self.controller, setting, seed)
     }
 
     /// The percept of the last step.

@@ -1,6 +1,7 @@
 //! What plans are told in words: names of travel modes, that there is no map, and signals of sensors that
 //! this crate does not know.
 
+use super::model::OfficeModel;
 use crate::sensors::Signal;
 use crate::world::TravelMode;
 use rpl_runtime::robot::reading::{Reading, ReadingList, TooNested};
@@ -9,6 +10,18 @@ use rpl_runtime::state::failure::Raise;
 /// What needs a map fails, and says what to do instead.
 pub(super) fn no_map(what: &str) -> Raise {
     Raise::new("localization-failure", format!("the robot has no map: {what}; run the plan without `--map none`"))
+}
+
+/// What needs a belief fails, and says what to do instead: the robot has no map, or goes by its odometry.
+pub(super) fn no_belief(model: &OfficeModel, what: &str) -> Raise {
+    if model.map.is_none() {
+        return no_map(what);
+    }
+    let message = format!(
+        "the robot goes by its odometry and the landmarks it comes to: {what}; it localizes by landmarks while it \
+         drives under `(with-policy (localize-by-landmarks) ...)`"
+    );
+    Raise::new("localization-failure", message)
 }
 
 /// The name plans use for a travel mode.

@@ -114,6 +114,17 @@ impl Recording {
         recording.ok_or_else(|| no_scans(skipped))?.with_odometry()
     }
 
+    /// A drive from scans that were read elsewhere.
+    ///
+    /// # Errors
+    /// There are none, or no odometry or no motion in them.
+    pub fn new(geometry: ScanGeometry, scans: Vec<Scan>) -> Result<Self, LogError> {
+        if scans.is_empty() {
+            return Err(LogError { line: None, message: "there are no scans".to_string() });
+        }
+        Self { geometry, scans }.with_odometry()
+    }
+
     /// Length of the corrected path up to each scan.
     pub fn travelled_m(&self) -> Vec<f64> {
         let mut travelled_m = 0.0;

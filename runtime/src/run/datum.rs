@@ -30,6 +30,11 @@ pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: No
     while let Some(step) = steps.pop() {
         let node = match step {
             Visit::End(node) => {
+                if let NodeKind::Vector { len, .. } = tree.get(node).kind {
+                    let items = values.split_off(values.len() - len as usize);
+                    values.push(heap.vector(items));
+                    continue;
+                }
                 let items = values.split_off(values.len() - tree.items(node).len());
                 values.push(list_of(heap, tree, node, items, origins));
                 continue;
@@ -40,6 +45,11 @@ pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: No
             NodeKind::List { .. } => {
                 steps.push(Visit::End(node));
                 steps.extend(tree.items(node).iter().rev().map(|&item| Visit::Node(item)));
+                continue;
+            }
+            NodeKind::Vector { .. } => {
+                steps.push(Visit::End(node));
+                steps.extend(tree.elements(node).iter().rev().map(|&item| Visit::Node(item)));
                 continue;
             }
             NodeKind::Symbol(symbol) => match symbols.name(*symbol) {
@@ -74,7 +84,7 @@ pub(crate) const MAX_NODES: usize = 1_000_000;
 /// Why a value cannot be a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unfit {
-    /// A list in it runs into itself.
+    /// A list or vector in it runs into itself.
     Circle,
     /// It has more nodes than may be made. A list that shares its parts can be far larger than the
     /// memory it takes.
@@ -97,40 +107,34 @@ pub(crate) fn to_node(
     objects: &mut Vec<Value>,
     most: usize,
 ) -> Result<NodeId, Unfit> {
-    let Value::Cons(first) = value else { return Ok(leaf(heap, symbols, tree, value, span, objects)) };
+    if !matches!(value, Value::Cons(_) | Value::Vector(_)) {
+        return Ok(leaf(heap, symbols, tree, value, span, objects));
+    }
     let mut builder = NodeBuilder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
-    builder.open(first);
+    builder.open(value)?;
     let mut count = 0;
-    while let Some(list) = builder.open.last_mut() {
+    loop {
         count += 1;
         if count > most {
             return Err(Unfit::TooLarge);
         }
-        let (item, dotted) = match list.at {
-            Value::Cons(pair) => {
-                if !builder.on_path.insert(pair) {
-                    return Err(Unfit::Circle);
-                }
-                let (car, cdr) = heap.pair(pair);
-                list.at = cdr;
-                (Some(car), None)
+        match builder.next()? {
+            Some(Walked::Item(item @ (Value::Cons(_) | Value::Vector(_)))) => builder.open(item)?,
+            Some(Walked::Item(atom)) => builder.nodes.push(leaf(heap, symbols, tree, atom, span, objects)),
+            Some(Walked::End { dotted }) => {
+                let Some((first, items)) = builder.close() else { continue };
+                let node = match first {
+                    Value::Cons(first) => {
+                        let place = origins.get(&first).map_or(span, |&origin| tree.span(origin));
+                        tree.list_with_tail(&items, dotted, place)
+                    }
+                    _ => tree.vector(&items, span),
+                };
+                builder.nodes.push(node);
             }
-            Value::Nil => (None, Some(false)),
-            tail => (Some(tail), Some(true)),
-        };
-        match item {
-            Some(Value::Cons(first)) => builder.open(first),
-            Some(atom) => builder.nodes.push(leaf(heap, symbols, tree, atom, span, objects)),
-            None => {}
-        }
-        if let Some(dotted) = dotted
-            && let Some((first, items)) = builder.close()
-        {
-            let place = origins.get(&first).map_or(span, |&origin| tree.span(origin));
-            builder.nodes.push(tree.list_with_tail(&items, dotted, place));
+            None => return builder.nodes.pop().ok_or(Unfit::Circle),
         }
     }
-    builder.nodes.pop().ok_or(Unfit::Circle)
 }
 
 /// A node that is no list.
@@ -152,6 +156,7 @@ fn leaf(
         Value::Str(text) => NodeKind::Str(heap.strings[text].clone()),
         Value::Task(task) if task == stand_in(task.index) => NodeKind::Object(task.index),
         Value::Cons(_)
+        | Value::Vector(_)
         | Value::Cell(_)
         | Value::Function(_)
         | Value::Closure(_)
@@ -170,37 +175,86 @@ fn leaf(
     tree.atom(kind, span)
 }
 
-/// A list that is being walked.
-struct ListInProgress {
-    first: u32,
-    /// What follows the pairs walked so far.
+/// A list or vector that is being walked.
+struct Walk {
+    /// The whole.
+    whole: Value,
+    /// Of a list, what follows the pairs walked so far; no value behind a tail that is an item too.
     at: Value,
+    /// Of a vector, how many elements were walked.
+    passed: usize,
     /// Nodes that were made before its first item's.
     before: usize,
 }
 
+/// What a walk comes to.
+enum Walked {
+    Item(Value),
+    End {
+        /// Whether the last item was the tail of a list.
+        dotted: bool,
+    },
+}
+
 struct NodeBuilder<'h> {
     heap: &'h Heap,
-    open: Vec<ListInProgress>,
-    /// Items of the open lists.
+    open: Vec<Walk>,
+    /// Items of what is open.
     nodes: Vec<NodeId>,
-    /// Pairs walked of the open lists: to come to one again is to go in a circle.
-    on_path: BTreeSet<u32>,
+    /// Pairs walked of the open lists, and the open vectors: to come to one again is to go in a circle.
+    on_path: BTreeSet<(bool, u32)>,
 }
 
 impl NodeBuilder<'_> {
-    fn open(&mut self, first: u32) {
-        self.open.push(ListInProgress { first, at: Value::Cons(first), before: self.nodes.len() });
+    fn open(&mut self, whole: Value) -> Result<(), Unfit> {
+        if let Value::Vector(vector) = whole
+            && !self.on_path.insert((true, vector))
+        {
+            return Err(Unfit::Circle);
+        }
+        self.open.push(Walk { whole, at: whole, passed: 0, before: self.nodes.len() });
+        Ok(())
     }
 
-    /// Ends the innermost list; gives its first pair and its items.
-    fn close(&mut self) -> Option<(u32, Vec<NodeId>)> {
-        let list = self.open.pop()?;
-        let mut at = Value::Cons(list.first);
+    /// The next step of the innermost walk; none if nothing is open.
+    fn next(&mut self) -> Result<Option<Walked>, Unfit> {
+        let Some(walk) = self.open.last_mut() else { return Ok(None) };
+        Ok(Some(match (walk.whole, walk.at) {
+            (Value::Vector(vector), _) => match self.heap.vectors[vector].elements().get(walk.passed) {
+                Some(&element) => {
+                    walk.passed += 1;
+                    Walked::Item(element)
+                }
+                None => Walked::End { dotted: false },
+            },
+            (_, Value::Cons(pair)) => {
+                if !self.on_path.insert((false, pair)) {
+                    return Err(Unfit::Circle);
+                }
+                let (car, cdr) = self.heap.pair(pair);
+                walk.at = cdr;
+                Walked::Item(car)
+            }
+            (_, Value::Nil) => Walked::End { dotted: false },
+            (_, Value::Unbound) => Walked::End { dotted: true },
+            (_, tail) => {
+                walk.at = Value::Unbound;
+                Walked::Item(tail)
+            }
+        }))
+    }
+
+    /// Ends the innermost walk; gives the whole and its items.
+    fn close(&mut self) -> Option<(Value, Vec<NodeId>)> {
+        let walk = self.open.pop()?;
+        if let Value::Vector(vector) = walk.whole {
+            self.on_path.remove(&(true, vector));
+        }
+        let mut at = walk.whole;
         while let Value::Cons(pair) = at {
-            self.on_path.remove(&pair);
+            self.on_path.remove(&(false, pair));
             at = self.heap.pair(pair).1;
         }
-        Some((list.first, self.nodes.split_off(list.before)))
+        Some((walk.whole, self.nodes.split_off(walk.before)))
     }
 }

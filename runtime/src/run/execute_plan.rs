@@ -6,7 +6,7 @@ use crate::run::datum::{MAX_NODES, Origins, Unfit};
 use crate::run::library::has_error;
 use crate::run::macro_host::Macros;
 use crate::run::system::System;
-use crate::run::units::give_back;
+use crate::run::units::{datum_key, give_back};
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::projected::Answered;
@@ -28,8 +28,8 @@ const BYTES_A_NODE: usize = 512;
 /// Width at which plans made at run time are printed for their errors.
 const PLAN_WIDTH: usize = 100;
 
-/// A datum with more characters than this is not kept for being used again.
-const MAX_SHARED_TEXT: usize = 1 << 16;
+/// A datum whose key has more bytes than this is not kept for being used again.
+const MAX_SHARED_KEY: usize = 1 << 16;
 
 impl<O: Outside> System<O> {
     /// Compiles a datum for the running task, which asked for it, and lets the task go on in it or with it.
@@ -45,12 +45,12 @@ impl<O: Outside> System<O> {
             Err(raise) => return (Err(raise), STEPS_A_UNIT),
         };
         let nodes = tree.nodes.len();
-        let text = pretty::pretty(&mut tree, &self.machine.symbols, root, PLAN_WIDTH, source);
-        let may_share = objects.is_empty() && text.len() <= MAX_SHARED_TEXT;
-        if may_share && let Some(code) = self.units.find(&text) {
+        let key = datum_key(&tree, root).filter(|key| key.len() <= MAX_SHARED_KEY);
+        if let Some(code) = key.as_ref().and_then(|key| self.units.find(key)) {
             return (Ok(code), nodes);
         }
-        let unit = self.compile_unit(tree, root, &text, &objects, may_share);
+        let text = pretty::pretty(&mut tree, &self.machine.symbols, root, PLAN_WIDTH, source);
+        let unit = self.compile_unit(tree, root, &text, &objects, key);
         (unit, STEPS_A_UNIT + nodes * STEPS_A_NODE)
     }
 
@@ -94,7 +94,7 @@ impl<O: Outside> System<O> {
         root: NodeId,
         text: &str,
         objects: &[Value],
-        may_share: bool,
+        key: Option<Vec<u8>>,
     ) -> Result<u32, Raise> {
         let program = Arc::make_mut(&mut self.program);
         let machine = &mut self.machine;
@@ -117,7 +117,7 @@ impl<O: Outside> System<O> {
             return Err(Raise::new("error", format!("the datum cannot be executed:\n{drawn}")));
         }
         machine.bring_up_to(program, objects);
-        let bytes = Arc::make_mut(&mut self.units).add(program, &compiled, source, may_share);
+        let bytes = Arc::make_mut(&mut self.units).add(program, &compiled, source, key);
         machine.unit_bytes += bytes;
         machine.heap.allocated += bytes;
         Ok(compiled.main)

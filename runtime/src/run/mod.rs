@@ -13,6 +13,7 @@ mod macro_host;
 mod paired;
 mod projection;
 pub mod projection_record;
+mod race;
 pub mod resumption;
 pub mod save;
 pub mod session;

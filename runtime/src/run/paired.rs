@@ -1,9 +1,6 @@
 //! The paired comparison of two plans: both were run on the same streams, so that most of what chance does
 //! to them is the same and cancels out.
 
-/// A comparison is decided when the margin lies so many standard errors away from the mean difference.
-const STANDARD_ERRORS: f64 = 2.0;
-
 /// What a single event may change in the worth of a run: all of it, or as much as one errand is worth where a fluent
 /// counts them.
 const MOST: f64 = 1.0;
@@ -44,9 +41,9 @@ impl Paired {
         Self::of(&[differences, &[MOST, -MOST]].concat())
     }
 
-    /// Whether it is better by a margin.
-    pub fn verdict(self, margin: f64) -> Verdict {
-        let reach = STANDARD_ERRORS * self.error;
+    /// Whether it is better by a margin that lies so many standard errors away from the mean difference.
+    pub fn verdict(self, margin: f64, standard_errors: f64) -> Verdict {
+        let reach = standard_errors * self.error;
         if self.mean - reach > margin {
             Verdict::Better
         } else if self.mean + reach <= margin {
@@ -70,10 +67,10 @@ mod tests {
 
     #[test]
     fn what_is_always_the_same_is_decided_and_what_strays_is_not() {
-        assert_eq!(Paired::of(&[0.3; 8]).verdict(0.1), Verdict::Better);
-        assert_eq!(Paired::of(&[0.0; 8]).verdict(0.0), Verdict::NotBetter, "equal plans are not changed");
-        assert_eq!(Paired::with_unseen(&[0.0; 8]).verdict(0.1), Verdict::Open, "one run in ten may go otherwise");
-        assert_eq!(Paired::with_unseen(&[0.0; 64]).verdict(0.1), Verdict::NotBetter);
-        assert_eq!(Paired::of(&[-0.4, 0.6, 0.5, -0.3]).verdict(0.0), Verdict::Open);
+        assert_eq!(Paired::of(&[0.3; 8]).verdict(0.1, 2.0), Verdict::Better);
+        assert_eq!(Paired::of(&[0.0; 8]).verdict(0.0, 2.0), Verdict::NotBetter, "equal plans are not changed");
+        assert_eq!(Paired::with_unseen(&[0.0; 8]).verdict(0.1, 2.0), Verdict::Open, "one run in ten may go otherwise");
+        assert_eq!(Paired::with_unseen(&[0.0; 64]).verdict(0.1, 2.0), Verdict::NotBetter);
+        assert_eq!(Paired::of(&[-0.4, 0.6, 0.5, -0.3]).verdict(0.0, 2.0), Verdict::Open);
     }
 }

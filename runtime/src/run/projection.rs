@@ -4,8 +4,8 @@
 
 use crate::robot::{ForeseenRobot, Outside};
 use crate::run::macro_host::Macros;
-use crate::run::paired::{Paired, Verdict};
-use crate::run::projection_record::{Comparison, Ended, Figures, Projection, RunEnd};
+use crate::run::projection_record::{Ended, Figures, Projection, RunEnd};
+use crate::run::race::Race;
 use crate::run::session::Answer;
 use crate::run::system::{SLICE_STEPS, System, Turn};
 use crate::state::failure::Raise;
@@ -27,7 +27,7 @@ const STEPS_OF_A_RUN: u64 = 5_000_000;
 /// Instants of a projected run before it is given up.
 const INSTANTS_OF_A_RUN: u64 = 1_000_000;
 
-/// Two plans are compared by so many runs at first; then by twice as many.
+/// Plans are compared by so many runs at first, if one does not tell all; then by twice as many.
 const FIRST_RUNS: u32 = 8;
 
 /// A projected run came to need something of which there is no model: one sentence.
@@ -40,7 +40,7 @@ impl<O: Outside> System<O> {
         self.with_machine(|machine, around| machine.enter(around, answer.map(Answered::Value), 0))
     }
 
-    /// The figures as a list: what they rest on, the comparison or nil, and each plan's.
+    /// The figures as a list: what they rest on, the comparisons of the first plan with the others, and each plan's.
     fn foresee(&mut self, question: &Question) -> Result<Value, Raise> {
         let watched = question.task.unwrap_or_else(|| self.machine.tasks.reference(self.machine.current));
         if self.machine.tasks.find_alive(watched).is_none() {
@@ -53,35 +53,41 @@ impl<O: Outside> System<O> {
             let entry = base.entry(plan, question.task.is_some())?;
             entries.push(entry);
         }
-        let horizon_us = self.machine.now_us + question.horizon_us;
+        let until_us = self.machine.now_us + question.horizon_us;
         let mut projections: Vec<Projection> =
             entries.iter().map(|_| Projection::new(question.horizon_us, &base.machine)).collect();
-        let mut comparison = None;
-        let mut aim = if question.margin.is_some() { FIRST_RUNS.min(question.runs) } else { question.runs };
+        // Where nothing is left to chance, the first run tells all.
+        let mut race = Race::new(projections.len(), question);
+        let mut aim = 1;
         loop {
             while projections.first().is_some_and(|first| (first.runs.len() as u32) < aim) {
                 let seed = seeds.seed();
-                for (&entry, projection) in entries.iter().zip(&mut projections) {
-                    let run = base.projected_run(Some(entry), watched, seed, horizon_us);
-                    projection.runs.push(run.map_err(|Unforeseen(why)| Raise::new("projection-failure", why))?);
+                for &plan in race.runners() {
+                    let run = base.projected_run(Some(entries[plan]), watched, seed, until_us);
+                    projections[plan].runs.push(run.map_err(|Unforeseen(why)| Raise::new("projection-failure", why))?);
                 }
             }
-            let ([first, second], Some(margin)) = (projections.as_slice(), question.margin) else { break };
-            let gains = second.gains_over(first, question.worth);
-            let is_certain = projections.iter().all(Projection::is_certain);
+            let is_certain = aim == 1 && projections.iter().all(Projection::is_certain);
+            if is_certain {
+                let runs = if question.stake.is_some() { FIRST_RUNS.min(question.runs) } else { question.runs };
+                projections.iter_mut().for_each(|projection| projection.repeat(runs));
+            }
             let is_last = is_certain || aim >= question.runs;
-            // What is rare may decide, and runs that have not met it are all the same.
-            let verdict = if is_last { Paired::of(&gains) } else { Paired::with_unseen(&gains) }.verdict(margin);
-            let is_better = verdict == Verdict::Better;
-            comparison = Some(Comparison { paired: Paired::of(&gains), is_better, is_certain, runs: aim });
-            if verdict != Verdict::Open || is_last {
+            if race.look(&projections, is_last) {
                 break;
             }
-            aim = aim.saturating_mul(2).min(question.runs);
+            aim = match question.stake {
+                Some(_) => aim.saturating_mul(2).max(FIRST_RUNS).min(question.runs),
+                None => question.runs,
+            };
         }
         let basis = self.with_machine(|machine, around| machine.basis(around));
-        let comparison = comparison.map_or(Value::Nil, |comparison| comparison.to_value(&mut self.machine));
-        let mut parts = vec![basis, comparison];
+        let comparisons: Vec<Value> = race
+            .comparisons(&projections)
+            .into_iter()
+            .map(|comparison| comparison.to_value(&mut self.machine))
+            .collect();
+        let mut parts = vec![basis, self.machine.heap.list(&comparisons)];
         for projection in &projections {
             let figures = projection.figures(&base.machine.symbols);
             parts.push(figures.to_value(&mut self.machine));
@@ -138,6 +144,7 @@ impl<O: Outside> System<O> {
 
     fn forked_with(&self, outside: ForeseenRobot) -> System<ForeseenRobot> {
         let mut machine = self.machine.clone();
+        machine.heap.share_vectors();
         machine.trace.enabled = false;
         machine.trace.events = Vec::new();
         machine.output = Vec::new();

@@ -142,6 +142,12 @@ impl Projection {
         self.runs.iter().all(|run| run.is_certain)
     }
 
+    /// Counts its only run as so many, of which one was thought through.
+    pub fn repeat(&mut self, runs: u32) {
+        let first = self.runs.first().map(|run| RunEnd { instants: 0, ..run.clone() });
+        self.runs.extend(std::iter::repeat_n(first, runs.saturating_sub(1) as usize).flatten());
+    }
+
     /// How much more each run was worth than the same run of another plan.
     pub fn gains_over(&self, other: &Self, fluent: Option<Symbol>) -> Vec<f64> {
         let worth = |run: &RunEnd| run.worth(self.horizon_us, fluent);

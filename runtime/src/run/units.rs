@@ -9,6 +9,7 @@ use crate::step::memory::gc::CodeMarks;
 use rpl_lang::code::{Constant, Part, Program};
 use rpl_lang::compile::Compiled;
 use rpl_lang::source::SourceId;
+use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -30,28 +31,37 @@ struct Unit {
     constants: Vec<u32>,
     /// The printed datum.
     source: SourceId,
+    /// By what it is found, if equal data share it.
+    key: Option<Vec<u8>>,
     bytes: usize,
 }
 
 /// All units of a program. What a datum defines stays: its code is in none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Units {
-    by_text: BTreeMap<String, u32>,
+    by_key: BTreeMap<Vec<u8>, u32>,
     all: Slab<Unit>,
     /// Bytes of the units that were made since they were last looked through.
     fresh_bytes: usize,
 }
 
 impl Units {
-    /// The code of a datum that was compiled before.
-    pub(crate) fn find(&self, text: &str) -> Option<u32> {
-        self.by_text.get(text).map(|&unit| self.all[unit].main)
+    /// The code of a datum that was compiled before, by its key ([`datum_key`]).
+    pub(crate) fn find(&self, key: &[u8]) -> Option<u32> {
+        self.by_key.get(key).map(|&unit| self.all[unit].main)
     }
 
-    /// Takes in what was compiled; gives its bytes.
-    pub(crate) fn add(&mut self, program: &Program, compiled: &Compiled, source: SourceId, is_shared: bool) -> usize {
+    /// Takes in what was compiled, with its key if equal data are to share it; gives its bytes.
+    pub(crate) fn add(
+        &mut self,
+        program: &Program,
+        compiled: &Compiled,
+        source: SourceId,
+        key: Option<Vec<u8>>,
+    ) -> usize {
         let text = &program.sources.get(source).text;
-        let bytes = bytes_of(program, compiled) + 2 * block(text.len()) + UNIT;
+        let keys = key.as_ref().map_or(0, |key| 2 * block(key.len()));
+        let bytes = bytes_of(program, compiled) + block(text.len()) + keys + UNIT;
         self.fresh_bytes += bytes;
         if compiled.defines() {
             return bytes;
@@ -61,10 +71,11 @@ impl Units {
             codes: compiled.codes.clone(),
             constants: compiled.constants.clone(),
             source,
+            key: key.clone(),
             bytes,
         });
-        if is_shared {
-            self.by_text.insert(text.to_string(), unit);
+        if let Some(key) = key {
+            self.by_key.insert(key, unit);
         }
         bytes
     }
@@ -87,9 +98,8 @@ impl Units {
         let dead: Vec<u32> = self.all.iter().filter(|(_, unit)| is_dead(unit)).map(|(number, _)| number).collect();
         for number in dead {
             let Some(unit) = self.all.remove(number) else { continue };
-            let text = program.sources.get(unit.source).text.clone();
-            if self.by_text.get(&*text) == Some(&number) {
-                self.by_text.remove(&*text);
+            if let Some(key) = unit.key.filter(|key| self.by_key.get(key) == Some(&number)) {
+                self.by_key.remove(&key);
             }
             give_back(program, machine, &unit.codes, &unit.constants, unit.source);
             machine.unit_bytes = machine.unit_bytes.saturating_sub(unit.bytes);
@@ -97,6 +107,39 @@ impl Units {
         self.all.shrink(machine.slack());
         self.fresh_bytes = 0;
     }
+}
+
+/// What tells data apart that become different code: the nodes in their order, each with its kind. It holds for the
+/// symbols of one run. None with an object in it, which is itself and equal to no other.
+pub(crate) fn datum_key(tree: &Tree, root: NodeId) -> Option<Vec<u8>> {
+    let mut key = Vec::new();
+    let mut open = vec![root];
+    while let Some(node) = open.pop() {
+        let mut put = |kind: u8, value: &[u8]| {
+            key.push(kind);
+            key.extend_from_slice(value);
+        };
+        match &tree.get(node).kind {
+            NodeKind::Symbol(symbol) => put(b's', &symbol.0.to_le_bytes()),
+            NodeKind::Keyword(symbol) => put(b'k', &symbol.0.to_le_bytes()),
+            NodeKind::Int(value) => put(b'i', &value.to_le_bytes()),
+            NodeKind::Float(value) => put(b'f', &value.to_le_bytes()),
+            NodeKind::Str(text) => {
+                put(b'"', &text.len().to_le_bytes());
+                key.extend_from_slice(text.as_bytes());
+            }
+            NodeKind::List { len, dotted, .. } => {
+                put(if *dotted { b'.' } else { b'(' }, &len.to_le_bytes());
+                open.extend(tree.items(node).iter().rev());
+            }
+            NodeKind::Vector { len, .. } => {
+                put(b'#', &len.to_le_bytes());
+                open.extend(tree.items(node).iter().rev());
+            }
+            NodeKind::Object(_) | NodeKind::Hole => return None,
+        }
+    }
+    Some(key)
 }
 
 /// Frees the places of code that nothing refers to.
@@ -121,7 +164,7 @@ fn bytes_of(program: &Program, compiled: &Compiled) -> usize {
     let codes = compiled.codes.iter().map(|&code| program.codes[code as usize].bytes());
     let constants = compiled.constants.iter().map(|&constant| match &program.constants[constant as usize] {
         Constant::Atom(_) => size_of::<Constant>(),
-        Constant::List(parts) => size_of::<Constant>() + block(std::mem::size_of_val::<[Part]>(parts)),
+        Constant::Compound(parts) => size_of::<Constant>() + block(std::mem::size_of_val::<[Part]>(parts)),
     });
     codes.sum::<usize>() + constants.sum::<usize>()
 }

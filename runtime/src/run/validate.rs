@@ -105,6 +105,7 @@ impl Machine {
             Value::Valve(valve) => ensure((valve as usize) < self.valves.len(), "there is no such valve"),
             Value::Failure(failure) => ensure(heap.failures.get(failure).is_some(), "a failure is not in the heap"),
             Value::Table(table) => ensure(heap.tables.get(table).is_some(), "a table is not in the heap"),
+            Value::Vector(vector) => ensure(heap.vectors.get(vector).is_some(), "a vector is not in the heap"),
             Value::Behaviour(number) => ensure(usize::from(number) < bounds.behaviours, "there is no such behaviour"),
         }
     }
@@ -135,12 +136,15 @@ impl Machine {
             let code = &bounds.program.codes[closure.code as usize];
             let captures = code.captures.len();
             ensure(closure.captured.len() == captures, "a closure has captured what its code does not name")?;
-            self.validate_values(bounds, &closure.captured)?;
+            self.validate_values(bounds, closure.captured.iter())?;
         }
         for (_, table) in self.heap.tables.iter() {
             for (_, (key, value)) in table.entries() {
                 self.validate_values(bounds, &[key, value])?;
             }
+        }
+        for (_, vector) in self.heap.vectors.iter() {
+            self.validate_values(bounds, vector.elements())?;
         }
         for (_, failure) in self.heap.failures.iter() {
             self.symbol(failure.class)?;

@@ -31,12 +31,21 @@ pub struct Question {
     pub plans: Vec<Value>,
     /// The task whose end counts; none for the end of the plan.
     pub task: Option<TaskRef>,
-    /// Runs of each plan, at most if they are compared.
+    /// Runs of each plan; at most, if plans are compared.
     pub runs: u32,
     /// How far the runs go from now.
     pub horizon_us: u64,
-    /// By how much the second plan is to be better than the first one, if they are compared.
-    pub margin: Option<f64>,
+    /// By what the first plan is compared with the others, if it is.
+    pub stake: Option<Stake>,
+}
+
+/// By what plans are compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stake {
+    /// By how much another plan is to be better.
+    pub margin: f64,
+    /// How many standard errors the margin must lie away from the mean difference.
+    pub standard_errors: f64,
     /// The fluent whose number at its end is what a run is worth, if they are compared by one.
     pub worth: Option<Symbol>,
 }

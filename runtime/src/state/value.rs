@@ -51,6 +51,8 @@ pub enum Value {
     Failure(u32),
     /// A hash table.
     Table(u32),
+    /// A vector.
+    Vector(u32),
     /// A behaviour of the robot.
     Behaviour(u16),
     /// No value yet; never seen by a plan.
@@ -118,6 +120,7 @@ impl Value {
             Value::Valve(_) => "a valve",
             Value::Failure(_) => "a failure",
             Value::Table(_) => "a hash table",
+            Value::Vector(_) => "a vector",
             Value::Behaviour(_) => "a behaviour",
             Value::Cell(_) | Value::Unbound => "nothing",
         }

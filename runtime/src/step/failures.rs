@@ -78,6 +78,22 @@ impl Machine {
         Raise::new("index-error", format!("there is no element {position} to set: the length is {length}"))
     }
 
+    /// The error for an element of a vector that is not there, or that cannot be named so.
+    #[cold]
+    pub fn no_element(&self, form: &str, vector: Value, position: Value) -> Raise {
+        let Value::Vector(index) = vector else {
+            return self.wrong_type(&format!("argument 1 of `{form}`"), Kind::Vector.noun(), vector);
+        };
+        let Value::Int(position) = position else {
+            return self.wrong_type(&format!("argument 2 of `{form}`"), Kind::Integer.noun(), position);
+        };
+        let message = match self.heap.vectors[index].elements().len() {
+            0 => format!("there is no element {position}: the vector is empty"),
+            length => format!("there is no element {position}: the vector has the positions 0 to {}", length - 1),
+        };
+        Raise::new("index-error", message)
+    }
+
     /// Makes a failure object, of the current task.
     pub(crate) fn failure_from(&mut self, raise: Raise) -> Value {
         self.failure_of(self.current, raise)

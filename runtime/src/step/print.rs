@@ -17,6 +17,8 @@ enum ToPrint {
     Value(Value),
     /// The rest of a list after its first element.
     Rest(Value),
+    /// The elements of a vector from a position on.
+    Elements(u32, usize),
     Text(&'static str),
 }
 
@@ -49,6 +51,18 @@ fn readable(machine: &Machine, program: &Program, value: Value) -> String {
                 waiting.push(ToPrint::Rest(cdr));
                 waiting.push(ToPrint::Value(car));
             }
+            ToPrint::Value(Value::Vector(vector)) => {
+                text.push_str("#(");
+                waiting.push(ToPrint::Elements(vector, 0));
+            }
+            ToPrint::Elements(vector, at) => match machine.heap.vectors[vector].elements().get(at) {
+                Some(&element) => {
+                    text.push_str(if at > 0 { " " } else { "" });
+                    waiting.push(ToPrint::Elements(vector, at + 1));
+                    waiting.push(ToPrint::Value(element));
+                }
+                None => text.push(')'),
+            },
             ToPrint::Value(value) => atom(machine, program, value, &mut text),
             ToPrint::Rest(Value::Nil) => text.push(')'),
             ToPrint::Rest(Value::Cons(pair)) => {
@@ -98,7 +112,7 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
             write!(text, "#<hash-table of {}>", machine.heap.tables[table].len())
         }
         Value::Behaviour(number) => write!(text, "#<behaviour {number}>"),
-        Value::Cons(_) | Value::Cell(_) | Value::Unbound => write!(text, "#<unbound>"),
+        Value::Cons(_) | Value::Vector(_) | Value::Cell(_) | Value::Unbound => write!(text, "#<unbound>"),
     };
     debug_assert!(written.is_ok(), "writing into a string cannot fail");
 }

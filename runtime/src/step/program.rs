@@ -47,7 +47,7 @@ impl Machine {
     fn constant(&mut self, constant: &Constant, objects: &[Value]) -> Value {
         let parts = match constant {
             Constant::Atom(atom) => return self.atom(atom, objects),
-            Constant::List(parts) => parts,
+            Constant::Compound(parts) => parts,
         };
         let mut values = Vec::new();
         for part in parts {
@@ -57,6 +57,10 @@ impl Machine {
                     let tail = if *dotted { values.pop().unwrap_or_default() } else { Value::Nil };
                     let items = values.split_off(values.len().saturating_sub(*length as usize));
                     self.heap.list_with_tail(&items, tail)
+                }
+                Part::Vector { length } => {
+                    let items = values.split_off(values.len().saturating_sub(*length as usize));
+                    self.heap.vector(items)
                 }
             };
             values.push(value);

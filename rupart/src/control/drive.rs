@@ -113,8 +113,7 @@ impl CaseDrive {
     pub fn step(&mut self, limits: &DriveLimits, input: &NavigationInput<'_>, goal: Option<DriveGoal>) -> DriveStep {
         self.memory.update(input.odometry_in_odom, input.sonar, input.laser, limits.step_s, |_| None);
         let event = self.change_state(limits, input, goal);
-        let mut obstacles_in_base = Vec::new();
-        self.memory.append_in_base(input.odometry_in_odom, &mut obstacles_in_base);
+        let obstacles_in_base = self.heard_in_base(input.odometry_in_odom);
         let goal_in_base = goal.map(|goal| goal.in_base);
         let around = Surroundings { limits, obstacles_in_base: &obstacles_in_base, goal_in_base };
         let wanted = self.wanted(&around, goal, input.odometry_in_odom);
@@ -140,6 +139,13 @@ impl CaseDrive {
             State::Loc1 => self.localizing.approach(around.limits, robot_in_odom).unwrap_or_default(),
             State::Loc2 => self.localizing.turn(around.limits, robot_in_odom).unwrap_or_default(),
         }
+    }
+
+    /// What was heard lately, where the odometry is this.
+    pub fn heard_in_base(&self, odometry_in_odom: Pose) -> Vec<Point> {
+        let mut heard_in_base = Vec::new();
+        self.memory.append_in_base(odometry_in_odom, &mut heard_in_base);
+        heard_in_base
     }
 
     fn pull(&mut self, trigger: Trigger) {

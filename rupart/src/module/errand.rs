@@ -2,7 +2,7 @@
 
 use crate::control::{CaseDrive, DriveEvent, DriveGoal};
 use crate::memory::CaseNumber;
-use crate::places::Places;
+use crate::places::{PlaceId, Places};
 use crate::routes::{Route, Stop};
 use rpl_robot::geometry::{Point, Pose, Velocity};
 use rpl_robot::office::Moment;
@@ -36,6 +36,8 @@ pub(super) struct Made {
     pub case: Option<CaseNumber>,
     /// Whether what came of that case was poor, and the route made anew.
     pub is_repaired: bool,
+    /// What is to be remembered instead of the route as it is driven.
+    pub to_keep: Option<Route>,
     /// From where it was asked for ...
     pub start_in_map: Point,
     /// ... to where.
@@ -74,6 +76,26 @@ impl Errand {
     /// The long-term goal.
     pub fn last_in_map(&self) -> Option<Point> {
         self.stops_in_map.last().copied()
+    }
+
+    /// The known place it was at last.
+    pub fn before(&self) -> Option<PlaceId> {
+        self.route.stops.get(self.next.checked_sub(1)?)?.known()
+    }
+
+    /// The route from the short-term goal on.
+    pub fn rest(&self) -> Route {
+        self.route.part(self.next, self.route.stops.len() - 1)
+    }
+
+    /// What was driven of it, if it is given up on the way from one known place to the next; that took so long, and
+    /// takes so much longer from here.
+    pub fn given_up(&self, longer_s: f64) -> Option<Route> {
+        self.before()?;
+        self.route.stops[self.next].known()?;
+        let mut driven = self.route.part(0, self.next);
+        driven.times_s[self.next - 1] = Some(self.step_s + longer_s);
+        Some(driven)
     }
 
     /// One step.

@@ -7,9 +7,7 @@ use super::{Driven, Rupart, Seen};
 use crate::case::{Case, Content};
 use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
-use crate::routes::{
-    Adapted, Guidance, Route, RouteProblem, Stop, TravelTimes, adapt_guided, learn_route, learn_times, learn_to_make,
-};
+use crate::routes::{Adapted, Guidance, Route, RouteProblem, Stop, adapt_guided, learn_to_make};
 use crate::situation::Situation;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::geometry::{Point, distance_m};
@@ -40,14 +38,14 @@ pub(super) fn functions() -> Vec<Native> {
         act(
             "adapt-route",
             "place &optional anew",
-            "A route from the estimated position to a place, made of remembered ones where that is quicker than to search one, or ANEW on the map and the times that are known: a list of places and points (x y).",
+            "A route from the estimated position to a place, made of remembered ones where that is quicker than to search one, or ANEW on the map and the times that are known; where the robot was blocked on its way there, round what it has heard. A list of places and points (x y).",
             adapt_route,
         ),
         act("use-case", "case", "Drives by the parameters of the behaviour case of this number from now on.", use_case),
         act(
             "retain-case",
             "",
-            "Remembers the route that `case-navigation` drove last, with the times it took, if it has steps that no other has; and where the case it was made from was no good, that it is to be made anew there. The value is the number of the new route case, or nil.",
+            "Remembers the route that `case-navigation` drove last, with the times it took, if it has steps that no other has; of a way round what blocked the robot, the one from the known place before. Where the case it was made from was no good, it remembers that the route is to be made anew there. The value is the number of the new route case, or nil.",
             retain_case,
         ),
         act("forget-case", "case", "Forgets the case of this number; whether there was one.", forget_case),
@@ -117,8 +115,13 @@ fn adapt_route(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let here = board(call)?.position.estimate(model.map.as_ref()).pose_in_map.point();
     let rupart = call.part::<Rupart>()?;
     let places = rupart.places(&model)?;
-    let times =
-        TravelTimes::of_routes(&places, model.limits.hallway_mps, rupart.memory.routes().map(|(_, route)| route));
+    if let Some(detour) = rupart.blockage.detour(here, goal).filter(|_| !is_anew) {
+        let (route, to_keep) = (detour.route.clone(), detour.to_keep.clone());
+        let stops = route.stops.clone();
+        rupart.made = Some(Made { stops, case: None, is_repaired: false, to_keep, start_in_map: here, goal_in_map });
+        return Ok(Reply::Value(route_data(call.machine, &route, &places)));
+    }
+    let times = rupart.times(&model, &places);
     let near = places.closest(here);
     let is_there = distance_m(places.at_in_map(near), here) < AT_PLACE_M;
     let start = if is_there { Stop::Known(near) } else { Stop::At(here) };
@@ -128,7 +131,7 @@ fn adapt_route(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let Adapted { route, case, is_repaired, .. } = adapted.ok_or_else(|| unreachable(&places, near, goal))?;
     let route = without_start(route);
     let stops = route.stops.clone();
-    rupart.made = Some(Made { stops, case, is_repaired, start_in_map: here, goal_in_map });
+    rupart.made = Some(Made { stops, case, is_repaired, to_keep: None, start_in_map: here, goal_in_map });
     Ok(Reply::Value(route_data(call.machine, &route, &places)))
 }
 
@@ -184,12 +187,10 @@ fn retain_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let rupart = call.part::<Rupart>()?;
     let places = rupart.places(&model)?;
     let Some(Driven { route, made }) = rupart.driven.take() else { return Ok(Reply::Value(Value::Nil)) };
-    learn_times(&mut rupart.memory, &route);
-    if let Some(made) = made.filter(|made| made.is_repaired) {
+    if let Some(made) = made.as_ref().filter(|made| made.is_repaired) {
         learn_to_make(&mut rupart.memory, made.start_in_map, made.goal_in_map);
     }
-    let is_new = route.stops.len() > 1 && rupart.memory.routes().all(|(_, known)| route.steps_beyond(known) > 0);
-    let number = if is_new { learn_route(&mut rupart.memory, &places, route) } else { None };
+    let number = rupart.keep(&places, route, made.and_then(|made| made.to_keep));
     Ok(Reply::Value(number.map_or(Value::Nil, |number| Value::Int(number.0.into()))))
 }
 

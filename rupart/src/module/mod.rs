@@ -1,9 +1,10 @@
 //! What plans see of it: the only part of this crate that knows the runtime.
 //!
-//! Read in this order: `errand` (a route that is driven), `landmarks` (what is seen on the way), `data` (routes as
+//! Read in this order: `errand` (a route that is driven), `detour` (the way round what blocks it), `landmarks` (what is seen on the way), `data` (routes as
 //! plans have them), `fluents`, `functions` and `goals` (what plans have of all that).
 
 mod data;
+mod detour;
 mod errand;
 mod fluents;
 mod functions;
@@ -15,9 +16,10 @@ use crate::case::Kind;
 use crate::control::{BehaviourParameters, CaseDrive, DriveEvent};
 use crate::memory::{CaseMemory, CaseNumber, Retrieval};
 use crate::places::Places;
-use crate::routes::Route;
+use crate::routes::{Route, TravelTimes, learn_route, learn_times};
 use crate::situation::{RecentSonars, Situation};
 use data::stops_of;
+use detour::{Blockage, BlockedAt};
 use errand::{Errand, ErrandStep, Made};
 use landmarks::{Looking, can_look};
 use rpl_robot::geometry::{Pose, Velocity};
@@ -73,6 +75,8 @@ pub struct Rupart {
     recent: RecentSonars,
     /// The route that is driven.
     errand: Option<Errand>,
+    /// What has blocked it.
+    blockage: Blockage,
     /// The route that was made last.
     made: Option<Made>,
     /// The last route that was driven to its end, with the times it took.
@@ -140,6 +144,7 @@ impl Rupart {
             self.note_route(&errand, has_arrived);
         }
         if has_arrived == Some(true) {
+            self.blockage = Blockage::default();
             self.driven = Some(Driven { route: errand.route, made: errand.made });
         }
         self.has_news = true;
@@ -152,6 +157,19 @@ impl Rupart {
         if let Some(number) = errand.made.as_ref().and_then(|made| made.case) {
             self.memory.change(number, |case| case.counts.note(succeeded));
         }
+    }
+
+    /// How long stretches take, as far as it remembers.
+    fn times(&self, model: &OfficeModel, places: &Places) -> TravelTimes {
+        TravelTimes::of_routes(places, model.limits.hallway_mps, self.memory.routes().map(|(_, route)| route))
+    }
+
+    /// Notes how long a driven route took, and keeps it, or another for it, if it has steps that no case has.
+    fn keep(&mut self, places: &Places, driven: Route, instead: Option<Route>) -> Option<CaseNumber> {
+        learn_times(&mut self.memory, &driven);
+        let route = instead.unwrap_or(driven);
+        let is_new = route.stops.len() > 1 && self.memory.routes().all(|(_, known)| route.steps_beyond(known) > 0);
+        if is_new { learn_route(&mut self.memory, places, route) } else { None }
     }
 
     /// What the robot perceives and where it is; a robot that has lost its position is at no place.
@@ -179,8 +197,23 @@ impl Rupart {
         Situation { place_in_map, ..whole.seen_from(seen.robot_in_map) }
     }
 
-    /// No behaviour has brought the robot on from here: one is to be trained, if that is not known yet.
-    fn note_blocked(&mut self, seen: &Seen) {
+    /// No behaviour has brought the robot on from here: one is to be trained, if that is not known yet. The stretch
+    /// has taken so long, and there may be a way round.
+    fn note_blocked(&mut self, now: &Moment<'_>, seen: &Seen, places: &Places) {
+        if let (Some(errand), Some(map)) = (&self.errand, &now.model.map) {
+            let heard_in_base = self.drive.heard_in_base(now.percept.odometry_in_odom);
+            let at = BlockedAt {
+                planner: &map.navigation.planner,
+                places,
+                times: &self.times(now.model, places),
+                robot_radius_m: now.model.limits.robot_radius_m,
+                robot_in_map: seen.robot_in_map.point(),
+                heard_in_map: heard_in_base.into_iter().map(|at| seen.robot_in_map.transform(at)).collect(),
+            };
+            if let Some(driven) = self.blockage.note(errand, at) {
+                self.keep(places, driven, None);
+            }
+        }
         let here = self.situation_on_the_way(seen);
         let best = self.memory.retrieve(&here).map(|found| found.best.kind);
         if here.place_in_map.is_some() && best != Some(Kind::MetaPlan) {
@@ -249,6 +282,7 @@ impl Module for Rupart {
             drive: CaseDrive::new(BehaviourParameters::TUNED, settings.is_braked),
             recent: RecentSonars::default(),
             errand: None,
+            blockage: Blockage::default(),
             made: None,
             driven: None,
             used: None,
@@ -326,7 +360,7 @@ impl Module for Rupart {
             is_elsewhere |= self.looking.localized(now.model, position, fix);
         }
         if step.ending.as_ref().is_some_and(|ending| *ending != Ending::Success) {
-            self.note_blocked(&Seen::of(now.model, position, Some(now.percept)));
+            self.note_blocked(now, &Seen::of(now.model, position, Some(now.percept)), &places);
         }
         self.go_on(step, is_elsewhere, tell)
     }

@@ -85,9 +85,14 @@ fn along(
     best
 }
 
+/// What a case may be used for.
+type Promise<'r> = (CaseUse, CaseNumber, &'r Route);
+
 /// The route made from the case that promises the quickest one, or from scratch if none promises more than
-/// that; of two that promise the same from the first. A poor one is made anew, and the quicker is taken. None
-/// if there is no way. Cost: O(stops of the cases), and the searches of the supporting planner.
+/// that; of two that promise the same from the first. A poor one is made anew; and where a route from scratch leads
+/// along what is known to hold the robot up, so that it takes longer than new ways are taken to, the case is looked
+/// for once more that promises the quickest if they all are as slow. The quickest is taken. None if there is no way.
+/// Cost: O(stops of the cases), and the searches of the supporting planner.
 pub fn adapt_guided<'r>(
     places: &Places,
     times: &TravelTimes,
@@ -95,41 +100,59 @@ pub fn adapt_guided<'r>(
     cases: impl Iterator<Item = (CaseNumber, &'r Route)>,
     guidance: Guidance,
 ) -> Option<Adapted> {
-    let mut best: Option<(CaseUse, CaseNumber, &Route)> = None;
-    for (number, case) in cases {
-        let Some(found) = best_use(places, times, problem, case, guidance.new_way) else { continue };
-        if best.is_none_or(|(best, ..)| found.estimate_s < best.estimate_s) {
-            best = Some((found, number, case));
-        }
-    }
-    let from_scratch_s = guidance.new_way * problem.least_s();
-    let worth_it = best.filter(|(found, ..)| found.entry != found.exit && found.estimate_s <= from_scratch_s);
+    let cases: Vec<(CaseNumber, &Route)> = cases.collect();
     let mut work = Work::default();
-    let adapted = worth_it.and_then(|(found, number, case)| {
-        let route = spliced(places, times, problem, case, found, &mut work)?;
-        Some((number, case, route))
-    });
-    let poor_s = guidance.poor * problem.least_s();
-    let is_poor = |route: &Route| times.of_route_s(places, route) > poor_s;
-    let (case, route, is_repaired) = match adapted {
-        Some((number, case, route)) if !is_poor(&route) => (Some((number, case)), route, false),
-        Some((number, case, route)) => {
-            let anew = from_scratch(places, times, problem, &mut work)?;
-            let is_quicker = times.of_route_s(places, &anew) < times.of_route_s(places, &route);
-            let better = if is_quicker { anew } else { route };
-            (Some((number, case)), better, is_quicker)
-        }
-        None => (None, from_scratch(places, times, problem, &mut work)?, false),
+    let made_of = |best: Option<Promise<'r>>, most_s: f64, work: &mut Work| {
+        let best = best.filter(|(found, ..)| found.estimate_s <= most_s)?;
+        Some((best, spliced(places, times, problem, best.2, best.0, work)?))
     };
-    let new_steps = case.map_or(route.times_s.len(), |(_, case)| route.steps_beyond(case));
+    let needed_s = |route: &Route| times.of_route_s(places, route);
+    let [from_scratch_s, poor_s] = [guidance.new_way, guidance.poor].map(|factor| factor * problem.least_s());
+    let best = best_case(places, times, problem, &cases, guidance.new_way);
+    let (case, is_repaired, route) = match made_of(best, from_scratch_s, &mut work) {
+        Some((best, route)) if needed_s(&route) <= poor_s => (Some(best), false, route),
+        promised => {
+            let anew = way(places, times, problem.start_place, problem.goal_place, &mut work)?;
+            let anew_s = needed_s(&anew);
+            let round = (anew_s > from_scratch_s)
+                .then(|| best_case(places, times, problem, &cases, anew_s / problem.least_s()))
+                .and_then(|round| made_of(round, anew_s, &mut work));
+            let asked = promised.as_ref().map(|(best, _)| *best);
+            let made = promised.into_iter().chain(round).filter(|(_, route)| needed_s(route) <= anew_s);
+            match made.min_by(|(_, one), (_, other)| needed_s(one).total_cmp(&needed_s(other))) {
+                Some((best, route)) => (Some(best), false, route),
+                // Who asked a case in vain for a good route has repaired it.
+                None => (asked, asked.is_some(), anew),
+            }
+        }
+    };
+    let new_steps = case.map_or(route.times_s.len(), |(.., case)| route.steps_beyond(case));
     Some(Adapted {
         route: problem.with_ends(route),
-        case: case.map(|(number, _)| number),
+        case: case.map(|(_, number, _)| number),
         is_repaired,
         generated_steps: work.steps,
         new_steps,
         expanded: work.expanded,
     })
+}
+
+/// The case that promises the quickest route, if it is more than a place on the way.
+fn best_case<'r>(
+    places: &Places,
+    times: &TravelTimes,
+    problem: &RouteProblem,
+    cases: &[(CaseNumber, &'r Route)],
+    new_way: f64,
+) -> Option<Promise<'r>> {
+    let mut best: Option<Promise<'_>> = None;
+    for &(number, case) in cases {
+        let Some(found) = best_use(places, times, problem, case, new_way) else { continue };
+        if best.is_none_or(|(best, ..)| found.estimate_s < best.estimate_s) {
+            best = Some((found, number, case));
+        }
+    }
+    best.filter(|(found, ..)| found.entry != found.exit)
 }
 
 /// A way to where the case is entered, the case, and a way from where it is left.
@@ -147,10 +170,6 @@ fn spliced(
     route.go_on(way(places, times, exit, problem.goal_place, work)?);
     route.cut_rounds();
     Some(route)
-}
-
-fn from_scratch(places: &Places, times: &TravelTimes, problem: &RouteProblem, work: &mut Work) -> Option<Route> {
-    way(places, times, problem.start_place, problem.goal_place, work)
 }
 
 fn way(places: &Places, times: &TravelTimes, from: PlaceId, to: PlaceId, work: &mut Work) -> Option<Route> {

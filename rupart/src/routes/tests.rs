@@ -189,3 +189,28 @@ fn what_is_known_is_preferred_though_the_robot_is_slower_than_its_speed() {
         assert_eq!((back.case, back.new_steps, back.is_repaired), (Some(CaseNumber(0)), 0, false));
     }
 }
+
+/// Whatever leads on from the start holds the robot up, and a case knows a way that no chain of places does.
+#[test]
+fn a_case_that_knows_a_way_round_is_used_where_the_short_way_is_known_to_be_slow() {
+    for seed in 1..10 {
+        let mut stream = Stream::new(seed, "routes");
+        let places = random_places(&mut stream);
+        let map = TravelTimes::of_map(&places, SPEED_MPS);
+        let (from, to) = random_ends(&mut stream, &places, &map);
+        let slow = |to: PlaceId| Route { times_s: vec![Some(1e4)], ..Route::over(&[from, to]) };
+        let mut routes: Vec<Route> = places.stretches[from.index()].iter().map(|stretch| slow(stretch.to)).collect();
+        // Twice as long as the straight way, more than new ways are taken to be.
+        let across = places.at_in_map(to) - places.at_in_map(from);
+        let aside = rpl_robot::geometry::Vector::new(-across.y, across.x) * 0.87;
+        let middle = places.at_in_map(from) + across / 2.0 + aside;
+        routes.push(Route::new(vec![Stop::Known(from), Stop::At(middle), Stop::Known(to)]));
+        let times = TravelTimes::of_routes(&places, SPEED_MPS, routes.iter());
+        assert_eq!(times.pace, 1.0, "who was held up is not slow elsewhere");
+        let problem = RouteProblem::new(&places, &times, Stop::Known(from), Stop::Known(to));
+        let cases = (0..).map(CaseNumber).zip(&routes);
+        let round = adapt_guided(&places, &times, &problem, cases, Guidance::USUAL).expect("there is a way");
+        assert_eq!(round.route.stops, routes.last().expect("there is one").stops, "{seed}");
+        assert_eq!((round.case, round.new_steps), (Some(CaseNumber(routes.len() as u32 - 1)), 0));
+    }
+}

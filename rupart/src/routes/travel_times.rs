@@ -3,7 +3,7 @@
 use super::route::Route;
 use crate::places::{PlaceId, Places, Stretch, Way, shortest_way};
 
-/// No pace is expected beyond this: what took longer was held up there.
+/// What took longer than at this pace was held up there, and tells nothing of other stretches.
 const SLOWEST_PACE: f64 = 2.0;
 
 /// How long stretches take.
@@ -11,8 +11,8 @@ const SLOWEST_PACE: f64 = 2.0;
 pub struct TravelTimes {
     /// What a robot drives where nothing holds it up: no stretch takes less time than this lets expect.
     pub speed_mps: f64,
-    /// How long the measured stretches took, for each second they take at least: the median, between 1 and
-    /// [`SLOWEST_PACE`]. As much is expected of the others, or what is known would always seem slower than what is
+    /// How long the measured stretches took, for each second they take at least: the median of those that
+    /// took at most [`SLOWEST_PACE`] times as long, at least 1. As much is expected of the others, or what is known would always seem slower than what is
     /// not.
     pub pace: f64,
     /// By the number of the stretch; none where no case has one.
@@ -36,8 +36,9 @@ impl TravelTimes {
                 paces.push(time_s * speed_mps / stretch.length_m);
             }
         }
+        paces.retain(|pace| *pace <= SLOWEST_PACE);
         paces.sort_by(f64::total_cmp);
-        times.pace = paces.get(paces.len() / 2).map_or(1.0, |pace| pace.clamp(1.0, SLOWEST_PACE));
+        times.pace = paces.get(paces.len() / 2).map_or(1.0, |pace| pace.max(1.0));
         times
     }
 
@@ -62,7 +63,7 @@ impl TravelTimes {
     }
 
     /// What a way of so many metres is expected to take that nobody has measured.
-    fn expected_s(&self, length_m: f64) -> f64 {
+    pub fn expected_s(&self, length_m: f64) -> f64 {
         self.pace * length_m / self.speed_mps
     }
 

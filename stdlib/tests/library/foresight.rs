@@ -124,6 +124,30 @@ fn two_plans_are_compared_on_the_same_chances() {
 
 // r[project.compare]
 #[test]
+fn of_many_plans_those_that_fall_behind_run_less() {
+    check(&[
+        (
+            "(map (lambda (c) (list (comparison-better c) (comparison-runs c)))
+                  (compare-all '(wait-time 60) '((wait-time 10) (wait-time 90) (wait-time 30)) :horizon 200))",
+            "((t 8) (nil 8) (t 8))",
+        ),
+        // The second is far from the first by the first eight runs; which of the other two is better takes more.
+        (
+            "(let ((c (compare-all '(wait-time (+ 50 (random 9.0)))
+                                   '((wait-time (+ 10 (random 9.0)))
+                                     (wait-time (+ 90 (random 9.0)))
+                                     (progn (random 1.0) (wait-time (+ 10.5 (random 9.0)))))
+                                   :horizon 200)))
+               (list (comparison-better (first c)) (comparison-better (second c))
+                     (< (comparison-runs (second c)) (comparison-runs (first c)))))",
+            "(t nil t)",
+        ),
+        ("(compare-all '(wait-time 60) nil)", "nil"),
+    ]);
+}
+
+// r[project.compare]
+#[test]
 fn what_happens_seldom_decides_although_the_first_runs_do_not_meet_it() {
     // The shorter plan fails one time in twenty, which costs more than the ten seconds of five minutes.
     let compared = "(compare-plans '(wait-time 20) '(progn (wait-time 10) (when (< (random 1.0) 0.05) (fail \"rare\")))
@@ -139,9 +163,11 @@ fn what_happens_seldom_decides_although_the_first_runs_do_not_meet_it() {
 // r[project.time]
 #[test]
 fn thinking_takes_time_and_the_answer_says_whether_it_is_stale() {
-    let plan = "(project '(dotimes (i 100) (wait-time 1)) :runs 1000)";
+    let plan = "(project '(progn (random 1.0) (dotimes (i 100) (wait-time 1))) :runs 1000)";
     // A thousand runs of a hundred instants.
     assert!((number(&format!("{plan} (now)")) - 2.0).abs() < 0.01);
+    // Without chance a single one tells all.
+    assert!(number("(project '(dotimes (i 100) (wait-time 1)) :runs 1000) (now)") < 0.01);
     let stale = |at_s: f64| {
         let text = format!(
             "(def-fluent orders 0) (defvar p nil)

@@ -149,17 +149,23 @@ fn places() {
 #[test]
 fn what_is_no_list_fails() {
     check_failures(&[
-        ("(length 5)", "type-error: argument 1 of `length` must be a list or a string, and it is the integer 5"),
+        (
+            "(length 5)",
+            "type-error: argument 1 of `length` must be a list, a vector or a string, and it is the integer 5",
+        ),
         (
             "(length '(1 . 2))",
-            "type-error: argument 1 of `length` must be a list or a string, and it is a list that ends in the integer 2",
+            "type-error: argument 1 of `length` must be a list, a vector or a string, and it is a list that ends in the integer 2",
         ),
-        ("(reverse 'x)", "type-error: argument 1 of `reverse` must be a list or a string, and it is the symbol x"),
+        (
+            "(reverse 'x)",
+            "type-error: argument 1 of `reverse` must be a list, a vector or a string, and it is the symbol x",
+        ),
         (
             "(append '(1 . 2) nil)",
             "type-error: argument 1 of `append` must be a list, and it is a list that ends in the integer 2",
         ),
-        ("(map 1+ 5)", "type-error: argument 2 of `map` must be a list, and it is the integer 5"),
+        ("(map 1+ 5)", "type-error: argument 2 of `map` must be a list or a vector, and it is the integer 5"),
         ("(sort < '(1 a))", "type-error"),
         ("(sort '(1 2) <)", "type-error: argument 1 of `sort` must be a function, and it is a list"),
         ("(nth -1 '(1))", "index-error: argument 1 of `nth` must not be negative, and it is -1"),
@@ -173,7 +179,10 @@ fn what_is_no_list_fails() {
         ("(range 0 1 0)", "index-error: the step of a range must not be 0"),
         ("(range 100000000000)", "out-of-memory"),
         ("(make-list 100000000000)", "out-of-memory"),
-        ("(map + '(1) 2)", "type-error: each argument behind the function must be a list, and it is the integer 2"),
+        (
+            "(map + '(1) 2)",
+            "type-error: each argument behind the function must be a list or a vector, and it is the integer 2",
+        ),
     ]);
 }
 

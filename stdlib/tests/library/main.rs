@@ -8,3 +8,4 @@ mod foresight;
 mod lists;
 mod numbers;
 mod text;
+mod vectors;

@@ -137,12 +137,12 @@ fn hash_tables() {
         ("(gethash 1 2)", "type-error: argument 2 of `gethash` must be a hash table, and it is the integer 2"),
         (
             "(setf (gethash (iota 100001) (make-hash-table)) 1)",
-            "type-error: this has more than 100000 pairs and is too large to be the key of a hash table",
+            "type-error: this has more than 100000 parts and is too large to be the key of a hash table",
         ),
         // Sixty pairs that make a tree of 2^60 leaves.
         (
             "(let ((x (list 1))) (dotimes (i 60) (setq x (cons x x))) (gethash x (make-hash-table)))",
-            "type-error: this has more than 100000 pairs",
+            "type-error: this has more than 100000 parts",
         ),
         ("(make-hash-table :size 5)", "arity-error: `make-hash-table` takes no arguments"),
     ]);

@@ -16,7 +16,8 @@ pub struct Arguments {
     /// A map of the ROS map_server: its YAML file, or a folder with a map.yaml
     #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps))]
     pub map: PathBuf,
-    /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses
+    /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses; or an MCAP recording with /scan, /odom, and
+    /// /ground_truth or /pose
     #[arg(long, value_name = "LOG", value_hint = ValueHint::FilePath)]
     pub log: PathBuf,
     /// How many beams of each scan are used, equally spaced

@@ -1,7 +1,8 @@
 //! Map, paths and errors of the trials as SVG, readable in black and white.
 
 use super::Timed;
-use crate::show::figures::{self, Figure};
+use crate::drawing::{Figure, FloorPlan, TrackKind};
+use rpl_robot::geometry::Point;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::recording::PoseError;
 use svg::Document;
@@ -18,13 +19,14 @@ const ROW: f64 = 215.0;
 
 /// The map with the paths.
 pub fn paths(map: &OccupancyGrid, trials: &[Timed]) -> String {
-    let mut figure = Figure::of_map("corrected path (solid) and estimated path once found (dashed)", map, &[]);
-    for timed in trials {
-        figure.true_paths_in_map.push(timed.trial.errors.iter().map(|error| error.true_in_map.point()).collect());
-        let found = timed.trial.errors_once_found().iter();
-        figure.estimated_paths_in_map.push(found.map(|error| error.estimate_in_map.point()).collect());
-    }
-    figures::draw(&figure)
+    let mut figure = Figure::new("Where the robot was", FloorPlan::of_map(map));
+    let lines = |of: fn(&Timed) -> Vec<Point>| trials.iter().map(of).collect();
+    let estimate =
+        |timed: &Timed| timed.trial.errors_once_found().iter().map(|at| at.estimate_in_map.point()).collect();
+    let truth = |timed: &Timed| timed.trial.errors.iter().map(|at| at.true_in_map.point()).collect();
+    figure.track(TrackKind::Estimate, "estimate, once found", lines(estimate));
+    figure.track(TrackKind::Truth, "corrected path of the log", lines(truth));
+    figure.draw()
 }
 
 /// The errors over the way, a line for each window.

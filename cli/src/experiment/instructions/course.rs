@@ -1,7 +1,7 @@
 //! Drives along single hallways: what the robot perceived, and where that really was.
 
 use super::setting::Ground;
-use crate::experiment::row_result::FailedRun;
+use crate::experiment::failed_runs::FailedRun;
 use crate::experiment::trial::described;
 use anyhow::{Result, bail};
 use rpl_lola::Hallway as KnownHallway;

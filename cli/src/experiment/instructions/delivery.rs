@@ -5,14 +5,14 @@ use super::figures;
 use super::setting::{
     CALM, CROWDED, CROWDED_MARKED, EXACT, Ground, MARKED, NOMAD, Setting, THICK, THIN, UNREGISTERED, by, by_dervish,
 };
+use crate::drawing::{Figure, FloorPlan, TrackKind};
 use crate::experiment::conduct::chosen;
+use crate::experiment::failed_runs::FailedRun;
 use crate::experiment::findings::Findings;
 use crate::experiment::kind::{ExperimentKind, Run};
 use crate::experiment::request::ExperimentRequest;
-use crate::experiment::row_result::FailedRun;
 use crate::experiment::statistics::{Dispersion, Proportion};
 use crate::experiment::trial::described;
-use crate::show::figures::{Figure, draw};
 use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
@@ -24,7 +24,6 @@ use rpl_lola::state_set::Method;
 use rpl_mission::robot::Robot;
 use rpl_mission::run::{Reached, fluent_value, run_to};
 use rpl_robot::geometry::Point;
-use rpl_robot::world::Room;
 use rpl_runtime::run::system::{Outcome, System};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -223,9 +222,6 @@ const MOST_ANSWERS: usize = 3;
 
 /// Where the robot is drawn, so often.
 const BETWEEN_POINTS_US: u64 = 500_000;
-
-/// Edge of a cell in drawings of routes.
-const DRAWN_CELL_M: f64 = 0.1;
 
 /// Follows the list of a seed. Answers where the robot was, too, twice a second.
 ///
@@ -491,11 +487,8 @@ pub fn blocks(rows: &[DeliveryRow]) -> Vec<Block> {
 
 /// A drawing of a route, with the name of its file.
 fn route(row: &str, arena: &Arena, seed: u64, track: Vec<Point>) -> (String, String) {
-    let map = arena.world.map(DRAWN_CELL_M);
-    let title = format!("{row}, seed {seed}");
-    let is_shown = |room: &&Room| ["start", "goal"].contains(&room.name.as_str());
-    let rooms: Vec<Room> = arena.world.rooms.iter().filter(is_shown).cloned().collect();
-    let mut figure = Figure::of_map(&title, &map, &rooms);
-    figure.true_paths_in_map.push(track);
-    (format!("route-{}.svg", figures::file_name(row)), draw(&figure))
+    let plan = FloorPlan::of_world(&arena.world).naming(|room| ["start", "goal"].contains(&room.name.as_str()));
+    let mut figure = Figure::new(format!("{row}, seed {seed}"), plan);
+    figure.track(TrackKind::Truth, "where the robot was", vec![track]);
+    (format!("route-{}.svg", figures::file_name(row)), figure.draw())
 }

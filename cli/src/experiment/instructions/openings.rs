@@ -7,10 +7,10 @@ use super::setting::{
     CALM, CROWDED, CROWDED_MARKED, EXACT, Ground, MARKED, NOMAD, Setting, THICK, THIN, UNREGISTERED, by, by_dervish,
 };
 use crate::experiment::conduct::chosen;
+use crate::experiment::failed_runs::FailedRun;
 use crate::experiment::findings::Findings;
 use crate::experiment::kind::{ExperimentKind, Run};
 use crate::experiment::request::ExperimentRequest;
-use crate::experiment::row_result::FailedRun;
 use crate::experiment::statistics::Proportion;
 use crate::status::Status;
 use crate::terminal::page::Block;

@@ -4,8 +4,8 @@
 use super::SensingRuns;
 use super::course::{EndPoint, Hall, SensingMoment, SensingRun};
 use super::settings::{Policy, SensingSetting, Sensors};
+use crate::drawing::{Dots, Figure, FloorPlan};
 use crate::experiment::chart::{self, Curve, CurvePoint as Mean};
-use crate::show::figures::{self, Figure};
 use rpl_robot::geometry::Point;
 
 /// Edge of a map cell in a drawing.
@@ -69,7 +69,7 @@ fn end_points(hall: &Hall, seed: u64, readings: &[EndPoint], sonars: bool) -> St
     let dots_in_map: Vec<Point> = ends.map(|reading| reading.end_in_map).collect();
     let sensor = if sonars { "sonars" } else { "laser" };
     let title = format!("end points of the {} readings of the {sensor}, seed {seed}", dots_in_map.len());
-    let mut figure = Figure::of_map(&title, &map, &[]);
-    figure.dots_in_map = dots_in_map;
-    figures::draw(&figure)
+    let mut figure = Figure::new(title, FloorPlan::of_map(&map));
+    figure.dots = vec![Dots { means: "end of a reading".to_string(), points_in_map: dots_in_map }];
+    figure.draw()
 }

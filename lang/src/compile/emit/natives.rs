@@ -19,16 +19,39 @@ impl Emitter<'_, '_> {
                 let record = self.operand(record, &[]);
                 self.push(Op::Slot(into, record, place, kind));
             }
+            ("vref", [vector, position]) => {
+                let vector = self.operand(vector, &[position]);
+                let position = self.operand(position, &[]);
+                self.push(Op::VectorRef(into, vector, position));
+            }
+            _ => {
+                let Some(value) = self.store(native, arguments) else { return false };
+                self.take(value, into);
+            }
+        }
+        true
+    }
+
+    /// Emits the instruction for a native that stores a value in a place, if there is one; gives the register of the
+    /// value.
+    pub(super) fn store(&mut self, native: u16, arguments: &[Ir]) -> Option<Reg> {
+        match (self.compiler.natives[usize::from(native)].name.as_str(), arguments) {
             ("%assign-slot", [record, kind, place, value]) => {
-                let (Some(kind), Some(place)) = (constant(kind), byte(place)) else { return false };
+                let (kind, place) = (constant(kind)?, byte(place)?);
                 let record = self.operand(record, &[value]);
                 let value = self.operand(value, &[]);
                 self.push(Op::SetSlot(record, value, place, kind));
-                self.take(value, into);
+                Some(value)
             }
-            _ => return false,
+            ("%set-vref", [vector, position, value]) => {
+                let vector = self.operand(vector, &[position, value]);
+                let position = self.operand(position, &[value]);
+                let value = self.operand(value, &[]);
+                self.push(Op::SetVectorRef(vector, position, value));
+                Some(value)
+            }
+            _ => None,
         }
-        true
     }
 }
 

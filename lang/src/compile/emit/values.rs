@@ -3,7 +3,7 @@
 use super::emitter::Emitter;
 use super::value_facts::{has_no_code, has_no_effect, writes_once};
 use crate::code::{Atom, NO_REG, Op, Reg};
-use crate::compile::ir::{Ir, IrKind, Unary, VarId};
+use crate::compile::ir::{Callee, Ir, IrKind, Unary, VarId};
 use crate::stack::deep;
 
 impl Emitter<'_, '_> {
@@ -208,6 +208,7 @@ impl Emitter<'_, '_> {
                 self.assign(*variable, value);
             }
             IrKind::Loop(body) => self.loop_form(body),
+            IrKind::Call(Callee::Native(native), arguments) if self.store(*native, arguments).is_some() => {}
             _ => {
                 let unused = self.fresh();
                 self.value(ir, unused, false);

@@ -21,7 +21,7 @@ pub(super) const FORMS: &[SpecialForm] = &[
     SpecialForm {
         names: &["setf"],
         form: "(setf PLACE VALUE...)",
-        doc: "Assigns places: a variable, (value F), (nth I LIST), (gethash KEY TABLE), a slot of a `defstruct`; gives the last value.",
+        doc: "Assigns places: a variable, (value F), (nth I LIST), (vref VECTOR I), (gethash KEY TABLE), a slot of a `defstruct`; gives the last value.",
         example: "",
         layout: None,
         role: Role::Plain(|compiler, written| compiler.setf(written.rest(), written.span)),
@@ -162,7 +162,7 @@ impl Compiler<'_> {
 
     pub(in crate::compile) fn not_a_place(&mut self, at: Span, message: String) {
         self.error("not-a-place", at, message, "not a place").help = Some(
-            "places are names, `(value F)`, `(nth I LIST)`, `(gethash KEY TABLE)`, `(car X)`, `(cdr X)`, and slots of a `defstruct`"
+            "places are names, `(value F)`, `(nth I LIST)`, `(vref VECTOR I)`, `(gethash KEY TABLE)`, `(car X)`, `(cdr X)`, and slots of a `defstruct`"
                 .into(),
         );
     }

@@ -58,9 +58,15 @@ impl Compiler<'_> {
 
     fn quasiquote_here(&mut self, node: NodeId, depth: usize) -> Ir {
         let span = self.tree.span(node);
-        if self.tree.items(node).is_empty() {
+        if self.tree.items(node).is_empty() && self.tree.elements(node).is_empty() {
             let constant = self.datum(node);
             return self.constant_ir(constant, span);
+        }
+        if let NodeKind::Vector { .. } = self.tree.get(node).kind {
+            let items = self.tree.elements(node).to_vec();
+            let items = self.tree.list(&items, span);
+            let elements = self.quasiquote(items, depth);
+            return self.native_ir("list->vector", vec![elements], span);
         }
         let head = self.tree.head(node).map(|head| self.symbols.name(head).to_string());
         let items = self.tree.items(node).to_vec();

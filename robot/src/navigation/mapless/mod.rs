@@ -13,7 +13,7 @@ mod ways;
 use super::driver::{Driver, NavigationOutput};
 use super::input::NavigationInput;
 use crate::avoidance::DriveLimits;
-use crate::obstacles::smoothed;
+use crate::obstacles::{RememberedPoint, smoothed};
 use crate::planning::Target;
 use crate::sensors::{LaserScan, RangeSensor};
 use guide::SeenGuide;
@@ -59,6 +59,11 @@ impl MaplessNavigation {
     /// Targets not yet reached.
     pub fn remaining_targets(&self) -> &[Target] {
         &self.driver.targets
+    }
+
+    /// What the sensors saw, heard and felt lately.
+    pub fn remembered(&self) -> impl Iterator<Item = &RememberedPoint> {
+        self.ways.heard.points().iter().chain(self.ways.scanned.points())
     }
 
     /// Bytes of map and planned way that an earlier state does not share.

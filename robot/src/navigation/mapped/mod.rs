@@ -19,6 +19,7 @@ use super::driver::{Driver, NavigationOutput};
 use super::input::NavigationInput;
 use crate::avoidance::CollisionAvoidance;
 use crate::geometry::{Pose, Transform, wrap_angle_rad};
+use crate::obstacles::RememberedPoint;
 use crate::planning::Target;
 use crate::world::TravelMode;
 use guide::MapGuide;
@@ -70,6 +71,11 @@ impl MappedNavigation {
     /// Targets not yet reached.
     pub fn remaining_targets(&self) -> &[Target] {
         &self.driver.targets
+    }
+
+    /// What the sensors saw lately.
+    pub fn remembered(&self) -> &[RememberedPoint] {
+        self.ways.memory.points()
     }
 
     /// The doors found closed, as indices into the world's doors.

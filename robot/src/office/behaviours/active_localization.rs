@@ -8,7 +8,7 @@ use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, Start, Telling};
 use crate::office::position::Position;
 use crate::office::report::Report;
-use crate::office::words::no_map;
+use crate::office::words::no_belief;
 use crate::simulator::Commands;
 use crate::world::TravelMode;
 use rpl_random::Stream;
@@ -36,6 +36,11 @@ pub struct Localizing {
 }
 
 impl Localizing {
+    /// The search, while it is activated.
+    pub fn search(&self) -> Option<&ActiveLocalization> {
+        self.search.as_ref()
+    }
+
     /// Goes on moving about, or begins to.
     fn explore(&mut self, how: Exploration) {
         let begun = match (how, &self.drive.task) {
@@ -84,7 +89,7 @@ impl Module for Localizing {
     ) -> Result<(), Raise> {
         let odometry_in_odom = position.odometry_in_odom();
         let (Some(map), Some(localization)) = (&start.model.map, position.begin_search()) else {
-            return Err(no_map("there is nothing to localize in"));
+            return Err(no_belief(start.model, "there is nothing to localize in"));
         };
         let parameters = start.model.settings.active.clone();
         let search =

@@ -84,8 +84,20 @@ impl Navigating {
     }
 
     /// Targets on the map that are not reached yet.
-    pub(in crate::office) fn targets_in_map(&self) -> &[Target] {
+    pub fn targets_in_map(&self) -> &[Target] {
         self.mapped.remaining_targets()
+    }
+
+    /// Targets that are not reached yet, the next first: in `map` with a map, in `odom` without one.
+    pub fn remaining_targets(&self) -> impl Iterator<Item = Point> {
+        let targets = self.mapped.remaining_targets().iter().chain(self.mapless.remaining_targets());
+        targets.map(|target| target.point_in_frame)
+    }
+
+    /// Obstacles that it remembers, in `odom`.
+    pub fn obstacles_in_odom(&self) -> impl Iterator<Item = Point> {
+        let remembered = self.mapped.remembered().iter().chain(self.mapless.remembered());
+        remembered.map(|remembered| remembered.point_in_odom)
     }
 
     /// Takes down what this step adds to the drive.
@@ -113,14 +125,9 @@ impl Navigating {
         self.mapless.remove_all_targets();
     }
 
-    /// Targets not yet reached.
-    fn remaining_targets(&self) -> usize {
-        self.mapped.remaining_targets().len() + self.mapless.remaining_targets().len()
-    }
-
     fn publish_goals(&self, phase: Phase, tell: &mut Telling<'_>) {
         let active = matches!(phase, Phase::Active | Phase::Interrupted);
-        let goals = if active { self.remaining_targets() } else { 0 };
+        let goals = if active { self.remaining_targets().count() } else { 0 };
         tell.fluent(NAVIGATION_ACTIVE, Reading::Truth(active));
         tell.fluent(NR_OF_NAV_GOALS, Reading::Int(goals as i64));
     }

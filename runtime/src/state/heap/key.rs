@@ -27,18 +27,20 @@ pub enum KeyPart {
     Str(Arc<str>),
     /// A pair: the parts of its halves follow.
     Pair,
+    /// A vector of so many elements, whose parts follow.
+    Vector(u32),
     /// Any other object, by identity.
     Object(u8, u32, u32),
 }
 
-/// A key of a hash table, compared by content: two keys are the same if they are `equal`. A list is
-/// its parts, each pair before its halves: comparing or dropping one costs no Rust stack.
+/// A key of a hash table, compared by content: two keys are the same if they are `equal`. A list or vector is
+/// its parts, each whole before what it is made of: comparing or dropping one costs no Rust stack.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Key {
-    /// No list.
+    /// What has no parts.
     Atom(KeyPart),
-    /// A list.
-    List(Box<[KeyPart]>),
+    /// A list or vector.
+    Compound(Box<[KeyPart]>),
 }
 
 impl Key {
@@ -46,7 +48,7 @@ impl Key {
     pub fn parts(&self) -> &[KeyPart] {
         match self {
             Key::Atom(part) => std::slice::from_ref(part),
-            Key::List(parts) => parts,
+            Key::Compound(parts) => parts,
         }
     }
 }
@@ -80,14 +82,14 @@ impl Ord for Key {
     }
 }
 
-/// Pairs a key may have. A list that shares its parts can be far larger than the memory it takes.
-pub const MAX_KEY_PAIRS: usize = 100_000;
+/// Pairs and elements of vectors a key may have. What shares its parts can be far larger than the memory it takes.
+pub const MAX_KEY_PARTS: usize = 100_000;
 
 /// Bytes of an entry of a hash table.
 pub fn table_entry(key: &Key) -> usize {
     let parts = match key {
         Key::Atom(_) => 0,
-        Key::List(parts) => block(std::mem::size_of_val::<[KeyPart]>(parts)),
+        Key::Compound(parts) => block(std::mem::size_of_val::<[KeyPart]>(parts)),
     };
     // With its hash; a table has room for up to twice its entries, and a place and a byte for each in its index.
     2 * (size_of::<(u64, Key, (Value, Value))>() + size_of::<usize>() + 1) + parts

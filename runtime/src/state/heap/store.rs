@@ -1,6 +1,8 @@
 //! The heap as data: objects in slabs of their own, made and swept.
 
+use super::captured::Captured;
 use super::key::{Key, table_entry};
+use super::vector::{Vector, vector_elements};
 use crate::state::block::block;
 use crate::state::failure::Failure;
 use crate::state::memory::{self, MIN_THRESHOLD};
@@ -17,7 +19,7 @@ pub struct Closure {
     /// Its code.
     pub code: u32,
     /// Copied behind the parameters at each call.
-    pub captured: Box<[Value]>,
+    pub captured: Captured,
 }
 
 /// A hash table: entries found by the hash of their keys. They stand in the order in which they came, or another
@@ -84,6 +86,8 @@ pub struct Heap {
     pub closures: Slab<Closure>,
     /// Hash tables.
     pub tables: Slab<Table>,
+    /// Vectors.
+    pub vectors: Slab<Vector>,
     /// Failures.
     pub failures: Slab<Failure>,
     /// Bytes that were made since the last collection, here and elsewhere in the machine.
@@ -107,11 +111,14 @@ const STRING: usize = size_of::<Option<Arc<str>>>();
 /// Bytes of a cell.
 const CELL: usize = size_of::<Option<Value>>();
 
-/// Bytes of a closure, what it captured not counted.
+/// Bytes of a closure, what it captured beside it not counted.
 const CLOSURE: usize = size_of::<Option<Closure>>();
 
 /// Bytes of a hash table, its entries not counted.
 const TABLE: usize = size_of::<Option<Table>>();
+
+/// Bytes of a vector, its elements not counted.
+const VECTOR: usize = size_of::<Option<Vector>>();
 
 /// Bytes of a failure, what it holds not counted.
 const FAILURE: usize = size_of::<Option<Failure>>();
@@ -134,6 +141,8 @@ pub struct HeapMarks {
     pub closures: Marks,
     /// One bit a table.
     pub tables: Marks,
+    /// One bit a vector.
+    pub vectors: Marks,
     /// One bit a failure.
     pub failures: Marks,
 }
@@ -147,6 +156,7 @@ impl HeapMarks {
             cells: Marks::new(heap.cells.slots()),
             closures: Marks::new(heap.closures.slots()),
             tables: Marks::new(heap.tables.slots()),
+            vectors: Marks::new(heap.vectors.slots()),
             failures: Marks::new(heap.failures.slots()),
         }
     }
@@ -188,8 +198,8 @@ impl Heap {
     }
 
     /// A new closure.
-    pub fn closure(&mut self, code: u32, captured: Box<[Value]>) -> Value {
-        self.allocated += CLOSURE + block(captured.len() * size_of::<Value>());
+    pub fn closure(&mut self, code: u32, captured: Captured) -> Value {
+        self.allocated += CLOSURE + captured.bytes();
         Value::Closure(self.closures.insert(Closure { code, captured }))
     }
 
@@ -197,6 +207,32 @@ impl Heap {
     pub fn table(&mut self) -> Value {
         self.allocated += TABLE;
         Value::Table(self.tables.insert(Table::default()))
+    }
+
+    /// The element of a vector at a position. None if one of the two is of another type, or there is no such element.
+    #[inline]
+    pub fn element(&self, vector: &Value, position: &Value) -> Option<&Value> {
+        let (&Value::Vector(vector), &Value::Int(position)) = (vector, position) else { return None };
+        self.vectors[vector].elements().get(usize::try_from(position).ok()?)
+    }
+
+    /// The same to be assigned.
+    #[inline]
+    pub fn element_mut(&mut self, vector: &Value, position: &Value) -> Option<&mut Value> {
+        let (&Value::Vector(vector), &Value::Int(position)) = (vector, position) else { return None };
+        self.vectors[vector].elements_mut().get_mut(usize::try_from(position).ok()?)
+    }
+
+    /// Lets copies of this heap share the elements of vectors with it until one of them writes. Whoever is about to
+    /// copy a run it may change calls this first; a copy is the same without it. O(number of vectors).
+    pub fn share_vectors(&mut self) {
+        self.vectors.iter_mut().for_each(Vector::share);
+    }
+
+    /// A new vector.
+    pub fn vector(&mut self, elements: Vec<Value>) -> Value {
+        self.allocated += VECTOR + vector_elements(elements.len());
+        Value::Vector(self.vectors.insert(Vector::new(elements)))
     }
 
     /// A new failure.
@@ -231,7 +267,8 @@ impl Heap {
         let pairs = is_free_list(&self.free_pairs, self.pairs.len(), |index| self.pairs[index].0 == Value::Unbound);
         let slabs = [self.strings.is_whole(), self.cells.is_whole(), self.closures.is_whole()];
         let counts = [self.allocated, self.live, self.text_bytes].iter().all(|&count| count <= usize::MAX / 8);
-        pairs && slabs == [true; 3] && self.tables.is_whole() && self.failures.is_whole() && counts
+        let others = [self.tables.is_whole(), self.vectors.is_whole(), self.failures.is_whole()];
+        pairs && slabs == [true; 3] && others == [true; 3] && counts
     }
 
     /// Whether a collection is due.
@@ -248,6 +285,7 @@ impl Heap {
         self.cells.sweep(&marks.cells, slack, drop);
         self.closures.sweep(&marks.closures, slack, drop);
         self.tables.sweep(&marks.tables, slack, drop);
+        self.vectors.sweep(&marks.vectors, slack, drop);
         self.failures.sweep(&marks.failures, slack, drop);
     }
 
@@ -287,6 +325,7 @@ impl Heap {
             + self.cells.slots() * CELL
             + self.closures.slots() * CLOSURE
             + self.tables.slots() * TABLE
+            + self.vectors.slots() * VECTOR
             + self.failures.slots() * FAILURE
     }
 }

@@ -151,14 +151,14 @@ impl Machine {
                     }
                 };
             }
-            // In parts, as in `copied`; what is neither is copied whole, never put together again.
+            // In parts, as in `copied`; what is neither is copied whole.
             macro_rules! copy {
                 ($to:expr, $from:expr) => {
                     match &r!($from) {
                         &Value::Int(value) => r!($to) = Value::Int(black_box(value)),
                         &Value::Cons(pair) => r!($to) = Value::Cons(black_box(pair)),
                         &Value::Float(value) => r!($to) = Value::Float(black_box(value)),
-                        _ => r.copy_within(usize::from($from)..usize::from($from) + 1, usize::from($to)),
+                        whole => r!($to) = *whole,
                     }
                 };
             }
@@ -275,7 +275,6 @@ impl Machine {
                         self.globals[global as usize] = value;
                         continue 'frame;
                     }
-                    Op::DefFluent(a, global) => hand_over!(self.define_fluent(program, place, a, global)),
                     Op::Move(a, b) => copy!(a, b),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
@@ -356,6 +355,25 @@ impl Machine {
                         match self.heap.slot(record, kind, place.into()) {
                             Some(pair) => self.heap.pairs[pair as usize].0 = r!(b),
                             None => fail!(self.no_slot_to_set(program, record, kind, place.into())),
+                        }
+                    }
+                    Op::VectorRef(a, vector, position) => match self.heap.element(&r!(vector), &r!(position)) {
+                        Some(element) => r!(a) = *element,
+                        None => {
+                            let (vector, position) = (r!(vector), r!(position));
+                            fail!(self.no_element("vref", vector, position))
+                        }
+                    },
+                    Op::SetVectorRef(..) if self.current == SCRATCH_TASK => {
+                        fail!(in_network("an element cannot be assigned"))
+                    }
+                    Op::SetVectorRef(vector, position, value) => {
+                        match self.heap.element_mut(&r!(vector), &r!(position)) {
+                            Some(element) => *element = r!(value),
+                            None => {
+                                let (vector, position) = (r!(vector), r!(position));
+                                fail!(self.no_element("(setf vref)", vector, position))
+                            }
                         }
                     }
                     Op::Jump(distance) => jump!(distance),
@@ -464,8 +482,8 @@ impl Machine {
                                 self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
                             }
                             clear!(callee, start, count);
-                            for (register, &value) in r[start + count..].iter_mut().zip(captured) {
-                                *register = value;
+                            if !captured.is_empty() {
+                                r[start + count..][..captured.len()].copy_from_slice(captured);
                             }
                             (code, code_number, pc, base) = (callee, number, 0, base + start);
                             continue 'frame;
@@ -542,31 +560,6 @@ impl Machine {
                         }
                         continue 'frame;
                     }
-                    Op::EnterPlan => hand_over!(self.enter_plan(program, place)),
-                    Op::LeavePlan(a) => hand_over!(self.leave_plan(around, place, a)),
-                    Op::TagNew(a, name) => hand_over!(self.new_tag(place, a, name)),
-                    Op::Parallel(a, construct) => hand_over!(self.start_parallel(around, place, a, construct)),
-                    Op::ParallelMap(a, list, construct) => {
-                        hand_over!(self.start_parallel_map(around, place, a, list, construct))
-                    }
-                    Op::Spawn(a, construct) => hand_over!(self.spawn(around, place, a, construct)),
-                    Op::PushBlock(a, result, distance) => hand_over!(self.push_block(place, a, result, distance)),
-                    Op::ReturnFrom(a, b) => hand_over!(self.return_from(place, a, b)),
-                    Op::PushHandler(a, clauses, distance) => hand_over!(self.push_handler(place, a, clauses, distance)),
-                    Op::PushCleanup(distance) => hand_over!(self.push_cleanup(place, distance)),
-                    Op::BeginCleanup => hand_over!(self.begin_cleanup()),
-                    Op::EndCleanup => hand_over!(self.end_cleanup(around)),
-                    Op::PushValve(a) => hand_over!(self.push_valve(around, place, a)),
-                    Op::PushOnInterrupt(a) => hand_over!(self.push_on_interrupt(place, a)),
-                    Op::PushOnResume(a) => hand_over!(self.push_on_resume(place, a)),
-                    Op::PushSuspended(a) => hand_over!(self.push_suspended(around, place, a)),
-                    Op::PushFence => hand_over!(self.push_fence()),
-                    Op::PushWatch(a, missed, owned) => hand_over!(self.push_watch(place, a, missed, owned)),
-                    Op::WatchWait => hand_over!(self.wait_for_event(place)),
-                    Op::WatchDone => hand_over!(self.end_event_service()),
-                    Op::PopScopes(count) => hand_over!(self.pop_scopes(around, count)),
-                    Op::LeaveScopes(count, distance) => hand_over!(self.leave_scopes(place, count, distance)),
-                    Op::Network(a, code) => hand_over!(self.make_network(around, place, a, code)),
                     Op::WaitFor(a, condition, seconds, owned) => {
                         let condition = std::mem::take(&mut r!(condition));
                         let seconds = if seconds == NO_REG { None } else { Some(std::mem::take(&mut r!(seconds))) };
@@ -593,6 +586,7 @@ impl Machine {
                         hand_over!(self.assign_instruction(around, place, fluent, value))
                     }
                     Op::Refail(a) => fail!(Raise::Again(r!(a))),
+                    about_plans => hand_over!(self.plan_instruction(around, place, about_plans)),
                 }
             }
         }

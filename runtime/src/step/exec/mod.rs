@@ -1,5 +1,6 @@
 //! The stepper: executes register code of one task until it blocks, ends or is switched out.
 
+mod about_plans;
 mod arithmetic;
 pub(crate) mod budget;
 mod calls;

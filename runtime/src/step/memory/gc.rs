@@ -1,8 +1,7 @@
 //! Garbage collection: mark and sweep, at safe points, triggered by allocation counts only.
 
-use crate::state::block::block;
 use crate::state::fluent::{Fluent, Origin};
-use crate::state::heap::{HeapMarks, table_entry};
+use crate::state::heap::{HeapMarks, table_entry, vector_elements};
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::{Marks, NONE};
@@ -25,12 +24,16 @@ impl CodeMarks {
     }
 }
 
+/// No pair: what is below it in the stack of a marker is a vector.
+const VECTOR: u32 = u32::MAX;
+
 struct Marker {
     heap: HeapMarks,
     fluents: Marks,
     tasks: Marks,
-    /// Pairs that are marked and not yet looked into.
-    pairs: Vec<u32>,
+    /// Pairs that are marked and not yet looked into; and vectors that were left, each as [`VECTOR`] on top of its
+    /// number and of how many elements were looked into. One stack for both, which grows with the depth of data only.
+    rests: Vec<u32>,
     /// Other objects that may have parts.
     waiting: Vec<Value>,
     /// Bytes of the parts of what is marked.
@@ -46,13 +49,14 @@ impl Marker {
         match value {
             Value::Cons(pair) => {
                 if self.heap.pairs.set(pair) {
-                    self.pairs.push(pair);
+                    self.rests.push(pair);
                 }
             }
             Value::Str(text) => drop(self.heap.strings.set(text)),
             Value::Cell(cell) => self.wait(value, |marker| marker.heap.cells.set(cell)),
             Value::Closure(closure) => self.wait(value, |marker| marker.heap.closures.set(closure)),
             Value::Table(table) => self.wait(value, |marker| marker.heap.tables.set(table)),
+            Value::Vector(vector) => self.wait(value, |marker| marker.heap.vectors.set(vector)),
             Value::Failure(failure) => self.wait(value, |marker| marker.heap.failures.set(failure)),
             Value::Fluent(fluent) => self.wait(value, |marker| marker.fluents.set(fluent)),
             // Its record may be gone.
@@ -113,7 +117,7 @@ impl Machine {
             heap: HeapMarks::new(&self.heap),
             fluents: Marks::new(self.fluents.slots()),
             tasks: Marks::new(self.tasks.slots()),
-            pairs: Vec::new(),
+            rests: Vec::new(),
             waiting: Vec::new(),
             bytes: 0,
             code,
@@ -243,9 +247,33 @@ impl Machine {
             while let Some(value) = marker.waiting.pop() {
                 self.mark_object(marker, value);
             }
-            match marker.pairs.pop() {
+            match marker.rests.pop() {
+                Some(VECTOR) => {
+                    let (vector, from) = (marker.rests.pop(), marker.rests.pop());
+                    self.mark_vector(marker, vector.unwrap_or_default(), from.unwrap_or_default());
+                }
                 Some(pair) => self.mark_list(marker, pair),
                 None => return,
+            }
+        }
+    }
+
+    /// Marks elements of a vector that is marked, up to one that has parts.
+    fn mark_vector(&self, marker: &mut Marker, vector: u32, from: u32) {
+        let elements = self.heap.vectors[vector].elements();
+        if from == 0 {
+            marker.bytes += vector_elements(elements.len());
+        }
+        let others = marker.rests.len();
+        for (at, &element) in elements.iter().enumerate().skip(from as usize) {
+            marker.push(element);
+            if marker.rests.len() > others || !marker.waiting.is_empty() {
+                // Below what was found, which is looked into first.
+                let found = marker.rests.split_off(others);
+                if at + 1 < elements.len() {
+                    marker.rests.extend([at as u32 + 1, vector, VECTOR]);
+                }
+                return marker.rests.extend(found);
             }
         }
     }
@@ -262,19 +290,20 @@ impl Machine {
                 other => return marker.push(other),
             }
             if !marker.waiting.is_empty() {
-                return marker.pairs.push(at);
+                return marker.rests.push(at);
             }
         }
     }
 
     fn mark_object(&self, marker: &mut Marker, value: Value) {
         match value {
+            Value::Vector(vector) => self.mark_vector(marker, vector, 0),
             Value::Cell(cell) => marker.extend(self.heap.cells.get(cell)),
             Value::Closure(closure) => {
                 if let Some(closure) = self.heap.closures.get(closure) {
                     marker.refer_to(closure.code);
-                    marker.bytes += block(closure.captured.len() * size_of::<Value>());
-                    marker.extend(&closure.captured);
+                    marker.bytes += closure.captured.bytes();
+                    marker.extend(closure.captured.iter());
                 }
             }
             Value::Table(table) => {

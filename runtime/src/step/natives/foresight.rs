@@ -3,7 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::fluent::Origin;
 use crate::state::machine::Machine;
-use crate::state::projected::{Asked, MOST_STEPS, Question};
+use crate::state::projected::{Asked, MOST_STEPS, Question, Stake};
 use crate::state::time::{LAST_INSTANT_US, microseconds};
 use crate::state::value::Value;
 use crate::step::native::NativeCode::Plain;
@@ -16,7 +16,7 @@ const MOST_RUNS: i64 = 10_000;
 pub(super) const NATIVES: &[Native] = &[
     Native {
         name: "%project",
-        parameters: "list count seconds value &optional number symbol",
+        parameters: "list count seconds value &optional number number symbol",
         doc: "How plans would go from here: what `project` and its like are made of.",
         effect: Effect::Waits,
         code: Plain(project),
@@ -80,15 +80,17 @@ fn project(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         Value::Task(task) => Some(task),
         _ => return Err(call.wrong_type(3)),
     };
-    let margin = match call.argument(4) {
+    let stake = match call.argument(4) {
         Value::Nil => None,
-        _ => Some(call.number(4)?),
+        _ => {
+            let worth = match call.argument(6) {
+                Value::Symbol(name) => Some(name),
+                _ => None,
+            };
+            Some(Stake { margin: call.number(4)?, standard_errors: call.number(5)?, worth })
+        }
     };
-    let worth = match call.argument(5) {
-        Value::Symbol(name) => Some(name),
-        _ => None,
-    };
-    let question = Question { plans, task, runs: runs as u32, horizon_us, margin, worth };
+    let question = Question { plans, task, runs: runs as u32, horizon_us, stake };
     Ok(Reply::Ask(Asked::Projection(Box::new(question))))
 }
 

@@ -36,6 +36,16 @@ fn clean_ups_that_nest() {
     );
 }
 
+/// r[value.vectors]
+#[test]
+fn vectors_and_what_is_sorted_by_a_function() {
+    let mixed = "(map (lambda (i) (mod (* i 7919) 10007)) (iota N))";
+    grows_slowly(&format!("(sort (lambda (a b) (< a b)) {mixed}) 'done"));
+    grows_slowly(&format!("(sort (lambda (a b) (< a b)) (list->vector {mixed}) :key -) 'done"));
+    grows_slowly("(let ((v (make-vector N 0))) (dotimes (i N) (setf (vref v i) i)) (dotimes (i N) (vref v i)) 'done)");
+    grows_slowly("(let ((v #())) (dotimes (i N) (setq v (vector v))) (equal v v) (format \"~a\" v) 'done)");
+}
+
 #[test]
 fn plans_that_call_themselves() {
     grows_slowly("(def-plan p (n) (if (> n 0) (p (- n 1)) (par 1))) (p N) 'done");
@@ -66,6 +76,7 @@ fn tasks_that_wait_for_one_thing() {
         )
     };
     for condition in ["f", "(pulsed f)", "(changed f)", "(not (not f))", "(> (count-pulses f) 0)"] {
+        grows_slowly(&waiters(condition).replace("(pulse f)", "(dotimes (i 10) (pulse f) (wait-time 1))"));
         grows_slowly(&waiters(condition));
         grows_slowly(&evaporated(condition));
         grows_slowly(&watching(condition));

@@ -286,3 +286,40 @@ fn a_fork_goes_on_as_the_run_does() {
         assert_eq!(lines(&events), whole, "the run that was forked after {instants} instants");
     }
 }
+
+/// A block in the middle, and places on one side of it.
+const BLOCK: &str = r#"
+name = "round-a-block"
+size = [9.0, 9.0]
+start = [1.5, 1.5, 0.0]
+[[wall]]
+line = [[0.1, 0.1], [8.9, 0.1], [8.9, 8.9], [0.1, 8.9], [0.1, 0.1]]
+[[object]]
+name = "block"
+rect = [3.0, 3.0, 6.0, 6.0]
+[[place]]
+name = "west"
+pose = [1.5, 1.5, 0.0]
+[[place]]
+name = "east"
+pose = [7.5, 1.5, 0.0]
+"#;
+
+/// The short way is closed, which no map shows: no chain of places leads round the other side of the block.
+#[test]
+fn who_is_blocked_goes_round_and_knows_the_way_the_next_time() {
+    let robot = RobotDescription::builtin("pioneer-2dx").expect("built in");
+    let block = model(World::parse(BLOCK, "block.toml").expect("no faults"), OfficeSettings::of(robot));
+    let plan = "(let ((before (adapt-route 'east)))
+                  (go-by-cases 'east :patience 5)
+                  (print (at-destination? 'east))
+                  (go-by-cases 'west :patience 5)
+                  (list before (length (remove-if #'symbolp (adapt-route 'east)))))";
+    let closed = Mission::new(block, plan).with_scenario("(add-object! 'box 4.2 0.2 4.8 3.1)");
+    let run = closed.run(SEED, 600.0);
+    assert_eq!(run.output.concat().trim(), "t", "{}", run.outcome());
+    let (told, corners) =
+        run.outcome().rsplit_once(' ').map(|(told, corners)| (told.to_string(), corners.to_string())).expect("a list");
+    assert_eq!(told, "=> ((west east)");
+    assert!(corners.trim_end_matches(')').parse::<u32>().is_ok_and(|corners| corners >= 2), "{corners}");
+}

@@ -5,8 +5,11 @@ use rpl_mission::libraries::robot_library;
 use rpl_mission::modules::own_modules;
 use rpl_mission::run::{Reached, run_to};
 use rpl_mission::site::Site;
+use rpl_robot::foresight::abstract_robot::Experience;
+use rpl_robot::foresight::models::Chances;
+use rpl_robot::office::{AbstractSetting, Forecast};
 use rpl_robot::world::World;
-use rpl_runtime::run::system::Outcome;
+use rpl_runtime::run::system::{Outcome, System};
 use rpl_tests::mission::{Grid, model};
 use std::ops::ControlFlow::Continue;
 
@@ -177,4 +180,72 @@ fn a_battery_that_is_empty_ends_a_drive_also_in_what_is_projected() {
     let plan = "(let ((p (project '(seq (wait-for (< battery* 0.0005)) (go-to 'table-side)) :runs 4 :horizon 24h)))
                   (map second (projection-failures p)))";
     assert_eq!(value_in(test_room(), plan).0, "(blocked)");
+}
+
+/// What a plan in an abstract world gives, as it is printed.
+fn value_in_abstract(chances: Chances, messages: &[(u64, &str)], forecast: Forecast, plan: &str) -> String {
+    let library = robot_library(own_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    let site = Site::of(library, model(test_room(), Grid::Coarse.settings()), own_modules().clone());
+    let plan = site.compile("plan.rpl", plan, &mut NoFiles).unwrap_or_else(|error| panic!("{error}"));
+    let messages = messages
+        .iter()
+        .map(|&(at_s, words)| (at_s * 1_000_000, words.split(' ').map(str::to_string).collect()))
+        .collect();
+    let robot = site.office_robot(1).expect("there is a world");
+    let setting = AbstractSetting { chances, battery: 1.0, messages, forecast };
+    let world = robot.abstract_world(setting, 1).unwrap_or_else(|_| panic!("there is a map"));
+    let mut system = System::new(site.library.clone(), plan, world, 1);
+    match run_to(&mut system, 3_600_000_000, |_| Continue(())) {
+        Reached::End(Outcome::Succeeded(value)) => system.machine.write(&system.program, value),
+        Reached::End(Outcome::Failed(failure)) => panic!("{}", system.machine.show(&system.program, failure)),
+        other => panic!("{other:?}"),
+    }
+}
+
+const NOTHING_BETWEEN: Chances =
+    Chances { grasp_misses: 0.0, release_fails: 0.0, thing_missing: 0.0, door_closed: 0.0, held_up: 0.0 };
+
+// r[project.knowledge]
+#[test]
+fn a_robot_in_an_abstract_world_foresees_by_what_it_has_learned_and_not_by_what_is_so() {
+    let missing = Chances { thing_missing: 1.0, ..NOTHING_BETWEEN };
+    let learned = || Forecast::Learned(Experience::default());
+    let plan = "(let ((p (project '(fetch 'parcel 'table-side) :runs 20)))
+                  (append (projection-success p) (projection-time p)))";
+    let foreseen = |chances| value_in_abstract(chances, &[], learned(), plan);
+    assert_eq!(foreseen(missing), foreseen(NOTHING_BETWEEN), "whether the thing is there is not known");
+    let truly = |chances| {
+        let plan = "(first (projection-success (project '(fetch 'parcel 'table-side) :runs 20)))";
+        value_in_abstract(chances, &[], Forecast::Truth, plan).parse::<f64>().expect("a share")
+    };
+    assert!(truly(missing) < 0.1 && truly(NOTHING_BETWEEN) > 0.9, "the truth is what the chances make of it");
+}
+
+// r[project.knowledge]
+#[test]
+fn what_people_will_say_is_foreseen_by_the_truth_alone() {
+    let plan = "(first (projection-success (project '(wait-for (> messages* 0)) :runs 4 :horizon 5min)))";
+    let told = |forecast| {
+        value_in_abstract(NOTHING_BETWEEN, &[(60, "deliver parcel")], forecast, plan).parse::<f64>().expect("a share")
+    };
+    assert!(told(Forecast::Learned(Experience::default())) < 0.5);
+    assert!(told(Forecast::Undisturbed) < 0.5);
+    assert!(told(Forecast::Truth) > 0.5);
+    let said = "(wait-for (> messages* 0)) (list (round (now)) (read-message))";
+    assert_eq!(
+        value_in_abstract(NOTHING_BETWEEN, &[(60, "deliver parcel")], Forecast::Truth, said),
+        "(60 (deliver parcel))"
+    );
+}
+
+// r[project.knowledge]
+#[test]
+fn what_is_under_way_in_an_abstract_world_goes_on_in_what_is_projected() {
+    let plan = "(defvar rest nil)
+                (par (:tag job (fetch 'parcel 'table-side))
+                     (seq (wait-time 2) (setq rest (project-rest :task job :runs 4))))
+                (list (second (projection-time rest)) (now))";
+    let times_s = numbers(&value_in_abstract(NOTHING_BETWEEN, &[], Forecast::Undisturbed, plan));
+    // The rest of a drive is timed as a drive of its own, which sets off once more.
+    assert!((2.0 + times_s[0] - times_s[1]).abs() < 0.25 * times_s[1], "{times_s:?}");
 }

@@ -114,3 +114,12 @@ fn who_cannot_see_landmarks_is_told_why_and_drives_without() {
     let names = Mission::new(hall(PositionBy::Grid), "(landmarks)").run(1, 10.0);
     assert_eq!(names.outcome(), "=> (pink-sheet green-sheet)");
 }
+
+#[test]
+fn a_robot_that_goes_by_its_odometry_is_told_how_it_localizes() {
+    let plan = "(with-valve wheels (run-behaviour active-localization))";
+    let told = Mission::new(hall(PositionBy::Landmarks), plan).run(1, 10.0).outcome();
+    assert!(told.contains("there is nothing to localize in"), "{told}");
+    assert!(told.contains("under `(with-policy (localize-by-landmarks) ...)`"), "{told}");
+    assert!(!told.contains("no map"), "{told}");
+}

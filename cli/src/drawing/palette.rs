@@ -1,0 +1,35 @@
+//! The colours of all drawings: one idea, one colour. Hues are after Okabe and Ito ("Color Universal Design", 2008), whom
+//! people with any colour vision can follow; what is equally light differs in width, form or dashes, for prints in grey.
+
+/// Walls, frames and what is written.
+pub const INK: &str = "#1a1a1a";
+/// What is written beside what matters.
+pub const QUIET: &str = "#5c5f66";
+/// Lines that help the eye.
+pub const GRID: &str = "#d9dade";
+/// What the map does not know.
+pub const UNKNOWN: &str = "#eceae5";
+/// The sheet.
+pub const PAPER: &str = "#ffffff";
+/// Furniture, and its edge.
+pub const FURNITURE: &str = "#d8d0c0";
+/// The edge of furniture.
+pub const FURNITURE_EDGE: &str = "#8a8272";
+/// Doors.
+pub const DOOR: &str = "#b07a12";
+/// Where the robot really is.
+pub const TRUTH: &str = "#c44100";
+/// Where it believes it is.
+pub const ESTIMATE: &str = "#0072b2";
+/// The estimate as a band under other lines.
+pub const ESTIMATE_BAND: &str = "#86c5ea";
+/// What it wants.
+pub const TARGET: &str = "#00765a";
+/// Names of places, and what links them.
+pub const PLACE: &str = "#3c4043";
+
+/// From hardly likely to certain: one hue, each step darker than the one before.
+pub const SHADES: [&str; 8] = ["#e6e3f1", "#d0cce6", "#b4aed6", "#978dc4", "#7b69af", "#603f97", "#46197b", "#2a0653"];
+
+/// Lines of a chart, one after the other.
+pub const SERIES: [&str; 6] = ["#0072b2", "#c44100", "#00765a", "#8a4b86", "#b07a12", "#1a1a1a"];

@@ -1,0 +1,18 @@
+//! What is seen of a run: gathered for the page from what happens, and from looks at the robot. It only looks: a run that is
+//! seen writes the same bytes as one that is not.
+//!
+//! Read in this order: `head`, `task_view`, `robot_view`, `feed`; then `live`, which serves it, and `steering`, by which a
+//! page can hold and step a run.
+
+mod feed;
+mod head;
+mod live;
+mod measures;
+mod robot_view;
+mod steering;
+mod task_view;
+
+pub use feed::Feed;
+pub use head::{head, plan_texts, title};
+pub use live::{Live, LiveArguments, stay};
+pub use steering::{SteeredTurn, Steering};

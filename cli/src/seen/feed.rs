@@ -1,0 +1,96 @@
+//! What happens in a run, written down as what is seen of it.
+
+use super::robot_view::RobotView;
+use super::task_view::{TaskView, cut};
+use crate::show::event_line::ROBOT;
+use crate::show::events::{ToldLine, detail};
+use crate::trace::TracedPose;
+use rpl_mission::robot::Robot;
+use rpl_mission::sight::Sight;
+use rpl_page::series::{Fluent, Seen, Series, Told, ToldKind};
+use rpl_page::server::{Shared, lock};
+use rpl_runtime::state::trace::{Event, EventKind};
+
+/// Writes what is seen of a run.
+pub struct Feed {
+    tasks: TaskView,
+    robot: RobotView,
+    seen: Shared,
+}
+
+impl Feed {
+    /// Of a run at its start; where the robot really is only if that is to be seen.
+    pub fn new(series: Series, truth: bool) -> Self {
+        let seen = Shared::default();
+        lock(&seen).series = series;
+        Self { tasks: TaskView::default(), robot: RobotView::new(truth), seen }
+    }
+
+    /// What is seen, for who shows it.
+    pub fn shared(&self) -> Shared {
+        self.seen.clone()
+    }
+
+    fn add(&self, time_us: u64, seen: impl IntoIterator<Item = Seen>) {
+        let mut run = lock(&self.seen);
+        seen.into_iter().for_each(|seen| run.series.add(time_us, &seen));
+    }
+
+    /// Takes in what happened.
+    pub fn events(&mut self, events: &[Event]) {
+        for event in events {
+            let mut seen = self.tasks.take(event);
+            seen.extend(fluent(event));
+            seen.extend(failure_or_notice(event));
+            self.add(event.time_us, seen);
+        }
+    }
+
+    /// Takes in what a person was told in an instant.
+    pub fn told(&mut self, time_us: u64, told: &ToldLine) {
+        let (kind, text) = match told {
+            ToldLine::Print(text) => (ToldKind::Print, text.as_str()),
+            ToldLine::Log(line) => (ToldKind::Log, untimed(line)),
+            ToldLine::Event(line) => (ToldKind::Robot, untimed(line)),
+        };
+        self.add(time_us, [Seen::Told(Told { kind, text: cut(text), task: String::new() })]);
+    }
+
+    /// Looks at the robot, which is seen as said.
+    pub fn look(&mut self, now_us: u64, sight: &Sight, robot: &mut Robot) {
+        let seen = self.robot.look(now_us, sight, robot);
+        self.add(now_us, seen);
+    }
+
+    /// Takes in where the robot was, of a run that is over.
+    pub fn pose(&mut self, pose: &TracedPose) {
+        let seen = self.robot.note(&pose.sight);
+        self.add(pose.time_us, seen);
+    }
+}
+
+/// A line that was told has its time before it; the page shows that by itself.
+fn untimed(line: &str) -> &str {
+    line.split_once(" s  ").map_or(line, |(_, text)| text)
+}
+
+fn fluent(event: &Event) -> Option<Seen> {
+    let value = match event.kind {
+        EventKind::Fluent => Some(cut(detail(event, "value"))),
+        EventKind::Pulse => None,
+        _ => return None,
+    };
+    let by = if event.path.is_empty() { ROBOT } else { &event.path }.to_string();
+    Some(Seen::Fluent(Fluent { name: detail(event, "fluent").to_string(), value, by }))
+}
+
+fn failure_or_notice(event: &Event) -> Option<Seen> {
+    let (kind, text) = match event.kind {
+        EventKind::Failed => (ToldKind::Failure, detail(event, "failure")),
+        EventKind::Warning => (ToldKind::Notice, detail(event, "text")),
+        EventKind::Swapped => (ToldKind::Notice, "has another plan"),
+        EventKind::Decided => (ToldKind::Notice, detail(event, "what")),
+        _ => return None,
+    };
+    Some(Seen::Told(Told { kind, text: cut(text), task: event.path.clone() }))
+}

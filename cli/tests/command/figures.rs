@@ -1,0 +1,57 @@
+//! The pictures that the README and the book show are what the command draws.
+//!
+//! `WRITE_FIGURES=1 cargo test -p rpl figures` draws them anew; look at each before keeping it.
+
+use crate::folder::folder;
+use crate::rpl::run_in;
+use rpl_tests::repository;
+use std::fs;
+
+/// The run of the README.
+const RUN: [&str; 9] =
+    ["run", "delivery.rpl", "--world", "dept", "--scenario", "rotated.rpl", "--quiet", "--figures", "figures"];
+
+/// A picture of the book, and the figure of the run that it is.
+const PICTURES: [(&str, &str); 2] =
+    [("docs/rotated.svg", "paths.svg"), ("docs/belief.svg", "belief-02-localization-action.svg")];
+
+#[test]
+fn the_pictures_of_the_book_are_those_that_the_command_draws() {
+    let folder = folder("book-figures");
+    let ended = run_in(&folder, &RUN);
+    assert_eq!(ended.status, 0, "{}", ended.errors);
+    for (picture, figure) in PICTURES {
+        let drawn = fs::read_to_string(folder.join("figures").join(figure)).expect("it is drawn");
+        let kept = repository::root().join(picture);
+        if std::env::var_os("WRITE_FIGURES").is_some() {
+            fs::write(&kept, &drawn).expect("the book can be written");
+        }
+        let is_same = fs::read_to_string(&kept).is_ok_and(|kept| kept == drawn);
+        assert!(is_same, "`{picture}` is not what is drawn: `WRITE_FIGURES=1 cargo test -p rpl figures` draws it anew");
+    }
+}
+
+#[test]
+fn an_image_lies_beside_each_drawing_and_is_as_wide() {
+    let folder = folder("figure-images");
+    let ended = run_in(&folder, &["worlds", "test-room", "--svg", "world.svg", "--map", "map"]);
+    assert_eq!(ended.status, 0, "{}", ended.errors);
+    crate::folder::put(&folder, "plan.rpl", "(wait-time 2)");
+    // The map is one that can be read again.
+    let ended = run_in(&folder, &["worlds", "map"]);
+    assert!(ended.status == 0 && ended.out.contains("8.0 m by 6.0 m"), "{}{}", ended.out, ended.errors);
+    let ended = run_in(&folder, &["run", "plan.rpl", "--world", "test-room", "--figures", "figures"]);
+    assert_eq!(ended.status, 0, "{}", ended.errors);
+    let drawing = fs::read_to_string(folder.join("figures/paths.svg")).expect("it is drawn");
+    let image = fs::read(folder.join("figures/paths.png")).expect("it is drawn");
+    let width: f64 = drawing
+        .split(" width=\"")
+        .nth(1)
+        .and_then(|rest| rest.split('"').next())
+        .expect("a width")
+        .parse()
+        .expect("a number");
+    // The width stands after the signature, and the length and name of the first chunk.
+    let pixels = u32::from_be_bytes(image[16..20].try_into().expect("four bytes"));
+    assert_eq!(f64::from(pixels), (2.0 * width).ceil());
+}

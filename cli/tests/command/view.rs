@@ -1,0 +1,119 @@
+//! Runs that are seen: `--report`, `rpl view`, `--live`. How the page looks is tested in a browser (`page/tests`).
+
+use crate::folder::{folder, put, text_in};
+use crate::rpl::run_in;
+use rpl_page::report::run_in as run_of_report;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+const DRIVE: &str = "(def-valve tray)\n(def-fluent done nil)\n\
+    (par (with-valve tray (go-to 'corner))\n     (seq (wait-time 1) (with-valve tray (setf (value done) t))))\n\
+    (print 'there)\n";
+
+const SITE: [&str; 6] = ["--world", "test-room", "--grid", "coarse", "--seed", "7"];
+
+/// What is seen in a report: the head, then each line.
+fn seen(folder: &Path, name: &str) -> (Value, Vec<(u64, Value)>) {
+    let run = run_of_report(&text_in(folder, name)).expect("there is a run in it");
+    let lines = String::from_utf8(run.lines().to_vec()).expect("lines are text");
+    let parsed = lines.lines().map(|line| serde_json::from_str(line).expect("a line is JSON"));
+    (serde_json::from_str(run.head()).expect("the head is JSON"), parsed.collect())
+}
+
+/// All that was seen of a kind, with its time.
+fn of_kind<'s>(lines: &'s [(u64, Value)], kind: &str) -> Vec<(u64, &'s Value)> {
+    lines.iter().filter_map(|(time_us, seen)| Some((*time_us, seen.get(kind)?))).collect()
+}
+
+#[test]
+fn a_run_that_is_seen_prints_and_traces_what_it_does_unseen() {
+    let folder = folder("view-same");
+    put(&folder, "drive.rpl", DRIVE);
+    let run = |more: &[&str]| run_in(&folder, &[&["run", "drive.rpl", "--json"], more, &SITE[..]].concat());
+    let unseen = run(&["--trace", "unseen.jsonl", "--trace-poses", "5"]);
+    let seen = run(&["--trace", "seen.jsonl", "--trace-poses", "5", "--report", "run.html", "--truth"]);
+    assert_eq!(unseen.status, 0, "{}", unseen.errors);
+    assert_eq!(text_in(&folder, "unseen.jsonl"), text_in(&folder, "seen.jsonl"));
+    // The last line also tells how long was computed.
+    let told = |errors: &str| errors.split(" (").next().map(str::to_string);
+    assert_eq!(told(&unseen.errors), told(&seen.errors));
+    let printed = |out: &str| out.lines().next().map(str::to_string);
+    assert_eq!(printed(&unseen.out), printed(&seen.out));
+}
+
+#[test]
+fn a_report_has_the_map_the_plan_the_tasks_and_the_robot() {
+    let folder = folder("view-report");
+    put(&folder, "drive.rpl", DRIVE);
+    let found = run_in(&folder, &[&["run", "drive.rpl", "-q", "--report", "run.html"], &SITE[..]].concat());
+    assert_eq!(found.status, 0, "{}", found.errors);
+    let (head, lines) = seen(&folder, "run.html");
+    assert_eq!((&head["plan"], &head["texts"][0]["text"]), (&"drive.rpl".into(), &DRIVE.into()));
+    assert_eq!(head["map"]["name"], "test-room");
+    assert!(lines.is_sorted_by_key(|(time_us, _)| *time_us), "lines stand in the order of happening");
+    // The truth is not in it: nobody asked for it.
+    let robots = of_kind(&lines, "robot");
+    assert!(robots.len() > 5 && robots.iter().all(|(_, robot)| robot.get("truth").is_none()));
+    for kind in ["belief", "ranges", "targets", "valve", "fluent"] {
+        assert!(!of_kind(&lines, kind).is_empty(), "{kind}");
+    }
+    // Whoever has begun has ended, and the second waited for the valve of the first.
+    let tasks = of_kind(&lines, "task");
+    let waits = tasks.iter().any(|(_, task)| task["state"] == "waits" && task["on"] == "valve tray");
+    assert!(waits);
+    let numbers = |of: &[(u64, &Value)]| of.iter().map(|(_, task)| task["id"].as_u64()).collect::<BTreeSet<_>>();
+    let (living, ended) = (numbers(&tasks), numbers(&of_kind(&lines, "ended")));
+    assert_eq!(living, ended);
+}
+
+#[test]
+fn the_truth_is_seen_if_it_is_asked_for() {
+    let folder = folder("view-truth");
+    put(&folder, "drive.rpl", DRIVE);
+    run_in(&folder, &[&["run", "drive.rpl", "-q", "--report", "run.html", "--truth"], &SITE[..]].concat());
+    let (head, lines) = seen(&folder, "run.html");
+    assert_eq!(head["truth"], true);
+    assert!(of_kind(&lines, "robot").iter().all(|(_, robot)| robot["truth"].is_array()));
+}
+
+#[test]
+fn a_trace_a_report_and_a_journal_are_seen_alike() {
+    let folder = folder("view-past");
+    put(&folder, "drive.rpl", DRIVE);
+    let traced = ["run", "drive.rpl", "-q", "--trace", "t.jsonl", "--trace-poses", "5", "--report", "run.html"];
+    run_in(&folder, &[&traced[..], &SITE[..]].concat());
+    run_in(&folder, &[&["run", "drive.rpl", "-q", "--journal", "j"], &SITE[..]].concat());
+    let (_, live) = seen(&folder, "run.html");
+    for (file, page) in [("t.jsonl", "of-trace.html"), ("j", "of-journal.html"), ("run.html", "of-report.html")] {
+        let found = run_in(&folder, &["view", file, "--report", page]);
+        assert_eq!((found.status, found.errors.as_str()), (0, ""), "{file}");
+        let (_, past) = seen(&folder, page);
+        for kind in ["task", "ended", "valve", "fluent"] {
+            assert_eq!(of_kind(&past, kind), of_kind(&live, kind), "{kind} of {file}");
+        }
+    }
+    let (_, computed) = seen(&folder, "of-journal.html");
+    assert_eq!(of_kind(&computed, "belief"), of_kind(&live, "belief"));
+}
+
+#[test]
+fn what_cannot_be_shown_is_told() {
+    let folder = folder("view-wrong");
+    put(&folder, "plan.rpl", "(print 1)\n");
+    put(&folder, "page.html", "<!DOCTYPE html><p>nothing</p>");
+    for (arguments, said) in [
+        (&["view", "none.jsonl"][..], "cannot read `none.jsonl`"),
+        (&["view", "page.html"], "it has no run in it"),
+        (&["view", "."], "no journal"),
+        (&["view", "page.html", "--report", "x.html", "--open"], "cannot be used with"),
+        (&["run", "plan.rpl", "--control"], "--live"),
+        (&["run", "plan.rpl", "--live", "no such host.invalid"], "is no address"),
+        (&["run", "plan.rpl", "--live", ":0", "--control", "--journal", "j"], "leave `--control` away"),
+        (&["run", "plan.rpl", "--report", "none/x.html"], "there is no folder `none`"),
+    ] {
+        let found = run_in(&folder, arguments);
+        assert_eq!(found.status, 2, "{arguments:?}: {}", found.errors);
+        assert!(found.errors.contains(said), "{arguments:?}: {}", found.errors);
+    }
+}
