@@ -99,9 +99,11 @@ fn answered(error: clap::Error) -> Status {
     }
 }
 
-/// Files are named where they are read and written; what has no name is standard output.
+/// Files are named where they are read and written; what nobody has named is standard output.
 fn told(error: &anyhow::Error) -> String {
-    if error.is::<io::Error>() { format!("{CANNOT_WRITE}: {error}") } else { format!("{error:#}") }
+    // Not `error.is`, which looks below what was said of it, too.
+    let is_unnamed = error.chain().next().is_some_and(|first| first.is::<io::Error>());
+    if is_unnamed { format!("{CANNOT_WRITE}: {error}") } else { format!("{error:#}") }
 }
 
 const CANNOT_WRITE: &str = "cannot write to standard output";

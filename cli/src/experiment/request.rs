@@ -1,9 +1,12 @@
 //! What is asked of an experiment.
 
 use crate::files::outputs::OutputFolder;
+use crate::files::world_files;
 use anyhow::Result;
 use rpl_lang::suggest::suggest;
+use rpl_mission::site::{Setup, Site};
 use rpl_robot::description::RobotDescription;
+use rpl_robot::office::OfficeSettings;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -46,6 +49,16 @@ impl ExperimentRequest {
         let stop = if meant.is_empty() { ";" } else { "" };
         let quoted = rows.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         format!("the experiment `{}` has no row `{name}`{meant}{stop} it has {quoted}", self.name)
+    }
+
+    /// The robot in its world, or in another one if none is asked for.
+    ///
+    /// # Errors
+    /// The world cannot be read or has faults, or the robot cannot be simulated there.
+    pub fn office(&self, world: &str) -> Result<Site> {
+        let world = world_files::for_all_seeds(self.world.as_deref().unwrap_or(world), &self.robot)?;
+        let settings = OfficeSettings::of(self.robot.clone());
+        Ok(Site::new(Setup { world: Some(world), settings, ..Setup::default() })?)
     }
 
     /// The folder for results, if there is to be one, tried.

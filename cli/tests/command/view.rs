@@ -108,7 +108,7 @@ fn what_cannot_be_shown_is_told() {
         (&["view", "."], "no journal"),
         (&["view", "page.html", "--report", "x.html", "--open"], "cannot be used with"),
         (&["run", "plan.rpl", "--control"], "--live"),
-        (&["run", "plan.rpl", "--live", "no such host.invalid"], "is no address"),
+        (&["run", "plan.rpl", "--live", "no such host.invalid"], "error: `no such host.invalid` is no address"),
         (&["run", "plan.rpl", "--live", ":0", "--control", "--journal", "j"], "leave `--control` away"),
         (&["run", "plan.rpl", "--report", "none/x.html"], "there is no folder `none`"),
     ] {

@@ -9,17 +9,16 @@ use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
 use crate::files::plans;
-use crate::files::world_files;
 use anyhow::{Result, anyhow, bail};
 use days::{Day, DayKind, KINDS};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::modules::SiteModules;
 use rpl_mission::run::{Reached, run_to};
-use rpl_mission::site::{Setup, Site};
+use rpl_mission::site::Site;
 use rpl_random::Stream;
 use rpl_robot::foresight::abstract_robot::Experience;
 use rpl_robot::geometry::distance_m;
-use rpl_robot::office::{AbstractWorld, Forecast, OfficeSettings};
+use rpl_robot::office::{AbstractWorld, Forecast};
 use rpl_runtime::run::library::Loaded;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::value::Value;
@@ -112,12 +111,7 @@ impl ExperimentKind for Foresight {
     }
 
     fn ground(&self, _: usize) -> Result<Office> {
-        let (robot, world) = (&self.request.robot, self.request.world.as_deref().unwrap_or(WORLD));
-        let site = Site::new(Setup {
-            world: Some(world_files::for_all_seeds(world, robot)?),
-            settings: OfficeSettings::of(robot.clone()),
-            ..Setup::default()
-        })?;
+        let site = self.request.office(WORLD)?;
         let text = plans::plan(PLAN)?.text;
         let loaded = |work: &str| {
             let text = format!("{text}\n(with-policy (take-messages) {work})\nkept\n");

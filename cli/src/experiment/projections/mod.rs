@@ -9,16 +9,14 @@ use super::conduct::chosen;
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
-use crate::files::world_files;
 use anyhow::{Result, anyhow, bail};
 use missions::{KINDS, NOTHING_BETWEEN, compiled, drawn_chances, drawn_deadline, drawn_plan};
 use rpl_mission::modules::SiteRobot;
 use rpl_mission::run::{Reached, run_to};
-use rpl_mission::site::{Setup, Site};
+use rpl_mission::site::Site;
 use rpl_random::Stream;
 use rpl_robot::foresight::abstract_robot::{AbstractRobot, Experience};
 use rpl_robot::foresight::models::{Chances, Models};
-use rpl_robot::office::OfficeSettings;
 use rpl_runtime::robot::{ForeseenRobot, Outside};
 use rpl_runtime::run::system::{Outcome, System};
 use serde::{Deserialize, Serialize};
@@ -81,14 +79,9 @@ impl ExperimentKind for Projections {
     }
 
     fn ground(&self, _: usize) -> Result<Site> {
-        let (robot, world) = (&self.request.robot, self.request.world.as_deref().unwrap_or(WORLD));
-        let site = Site::new(Setup {
-            world: Some(world_files::for_all_seeds(world, robot)?),
-            settings: OfficeSettings::of(robot.clone()),
-            ..Setup::default()
-        })?;
-        if site.office().is_none_or(|office| office.world.places.len() < 4) {
-            bail!("missions lead between four places, and the world `{world}` has fewer");
+        let site = self.request.office(WORLD)?;
+        if let Some(office) = site.office().filter(|office| office.world.places.len() < 4) {
+            bail!("missions lead between four places, and the world `{}` has fewer", office.world.name);
         }
         Ok(site)
     }
