@@ -1,13 +1,15 @@
 //! What a retrieval costs, over ten thousand and a hundred thousand cases of a building, in the situations of a
-//! robot that drives there; and over the same cases by CBRkit, where it is installed.
+//! robot that drives there; and over the same cases by CBRkit, where it is installed (`pip install
+//! cbrkit`, for the `python3` of the path).
 
 use rpl_benches::{Question, Report, median};
 use rpl_random::Stream;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::world::World;
-use rpl_rupart::case::{Case, Content};
+use rpl_rupart::case::{Case, Content, Kind};
 use rpl_rupart::control::BehaviourParameters;
 use rpl_rupart::file::memory_text;
+use rpl_rupart::forgetting::forget_beyond;
 use rpl_rupart::memory::CaseMemory;
 use rpl_rupart::places::Places;
 use rpl_rupart::similarity::{Scales, Similarity};
@@ -87,6 +89,16 @@ fn main() {
             began.elapsed().as_secs_f64() * 1e3
         };
         median((0..RUNS).map(one_run).collect())
+    });
+    report.row(question("cases-forget", "a case learned and one forgotten, of a hundred thousand", 20.0), || {
+        let (mut memory, asked) = memory(&ground, 100_000);
+        let mut one_run = |run: usize| {
+            let began = Instant::now();
+            memory.retain(Case::new(asked[run].clone(), Content::Behaviour(BehaviourParameters::default())));
+            assert!(forget_beyond(&mut memory, Kind::Behaviour, 100_000, None).is_some(), "there is one too many");
+            began.elapsed().as_secs_f64() * 1e3
+        };
+        median((0..RUNS).map(&mut one_run).collect())
     });
     let (memory, asked) = memory(&ground, FOR_CBRKIT);
     if let Some(ms) = measure_cbrkit(&memory, &asked[0]) {

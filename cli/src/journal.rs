@@ -22,6 +22,6 @@ pub use driver_state::DriverState;
 pub use end::{EndKind, GoingOn, JournalEnd, go_on, went_on};
 pub use head::{KeptRun, KeptText, Writing};
 pub use ledgers::{LOG, OUTPUT};
-pub use outside::Outside;
+pub use outside::{Outside, inputs_from_start};
 pub use run_journal::{RunJournal, take};
 pub use session_journal::{PastSession, SessionJournal, is_there, refuse_run};

@@ -140,7 +140,7 @@ impl RecordedRun {
             memory_gib: site.memory,
             scenario: scenario.transpose()?,
             modules: site.module.iter().map(|name| RecordedText::of_file(name)).collect::<Result<_>>()?,
-            seed: site.seed,
+            seed: site.seed(),
             until_us: None,
             max_steps: None,
             host: None,
@@ -175,12 +175,12 @@ impl RecordedRun {
             map: MapArgument::from_str(&self.map, false).map_err(|_| anyhow!(parsed("map", &self.map)))?,
             grid: GridArgument::from_str(&self.grid, false).map_err(|_| anyhow!(parsed("grid", &self.grid)))?,
             memory: self.memory_gib,
-            seed: self.seed,
+            seed: Some(self.seed),
             scenario: self.scenario.as_ref().map(|scenario| scenario.name.clone()),
             module: self.modules.iter().map(|module| module.name.clone()).collect(),
         };
         let robot = robot_files::named(site.robot.as_deref())?;
-        let world = site.world.as_deref().map(|name| world_files::named(name, &robot, site.seed)).transpose()?;
+        let world = site.world.as_deref().map(|name| world_files::named(name, &robot, self.seed)).transpose()?;
         let now = Self::at(&site, world.as_ref())?;
         let texts = [
             ("world", &self.world, &now.world),

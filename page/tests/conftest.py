@@ -20,15 +20,20 @@ SWITCHES = [
 ]
 
 
-@pytest.fixture(scope="session")
-def chromium(tmp_path_factory):
+def chromium_driver(profile):
+    """A browser of its own."""
     options = Options()
     options.binary_location = shutil.which("chromium") or "/usr/bin/chromium"
-    for switch in [*SWITCHES, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"]:
+    for switch in [*SWITCHES, f"--user-data-dir={profile}"]:
         options.add_argument(switch)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     # With its path given, the library looks for no driver, and downloads none.
-    driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver") or "/usr/bin/chromedriver"))
+    return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver") or "/usr/bin/chromedriver"))
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
+    driver = chromium_driver(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
 

@@ -61,6 +61,17 @@ pub fn to_be_trained(blocked: Situation) -> Case {
     Case::new(index, Content::MetaPlan(MetaPlan::TrainBehaviour))
 }
 
+/// Whether a case is one of the meta-plans that every memory begins with, and not one that was learned.
+pub fn is_standing(case: &Case) -> bool {
+    match &case.content {
+        Content::MetaPlan(MetaPlan::LocalizeFirst) => true,
+        Content::MetaPlan(MetaPlan::MakeRoute) => case.index.short_term_goal_distance_m.is_some(),
+        Content::MetaPlan(MetaPlan::TrainBehaviour) | Content::Behaviour(_) | Content::Route(_) | Content::Goal(_) => {
+            false
+        }
+    }
+}
+
 /// A memory of one behaviour case, the tuned parameters.
 pub fn tuned_alone(world: &World, sensors: &RangeSensors) -> CaseMemory {
     let mut memory = no_cases(world, sensors);

@@ -6,13 +6,14 @@
 //!
 //! Read in this order: `situation` (what a case is indexed by), `case`, `similarity` and `memory` (what is most
 //! similar); `places` (known places and ways over them) and `routes` (adaptation, learning, competence);
-//! `maintenance` (what is wrong with cases), `file`; `landmarks` (localization), `control` (what
+//! `maintenance` (what is wrong with cases), `forgetting` (how many are kept), `file`; `landmarks` (localization), `control` (what
 //! behaviours are); then `trial` (what the memory is worth).
 
 pub mod beginning;
 pub mod case;
 pub mod control;
 pub mod file;
+pub mod forgetting;
 pub mod landmarks;
 pub mod maintenance;
 pub mod memory;

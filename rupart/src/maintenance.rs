@@ -122,20 +122,13 @@ fn poor(places: &Places, known: &TravelTimes, route: &Route) -> Option<CaseFault
 mod tests {
     use super::*;
     use crate::places::PlaceId;
-    use crate::places::tests::random_places;
+    use crate::places::tests::places_in_a_row;
     use crate::routes::learn_route;
     use crate::similarity::{Scales, Similarity};
-    use rpl_random::Stream;
 
     #[test]
     fn each_fault_of_a_case_is_found() {
-        let mut stream = Stream::new(1, "places");
-        let places = loop {
-            let places = random_places(&mut stream);
-            if (0..4).all(|at| places.stretch(PlaceId(at), PlaceId(at + 1)).is_some()) {
-                break places;
-            }
-        };
+        let places = places_in_a_row();
         let mut memory = CaseMemory::new(Similarity::new(Scales::default()));
         let mut learn = |ids: &[u32]| {
             let ids: Vec<PlaceId> = ids.iter().copied().map(PlaceId).collect();

@@ -4,6 +4,7 @@ use crate::arguments::{NativeResult, count, pure, text, value};
 use crate::numbers::{Number, arithmetic_error, division_by_zero, number, overflow};
 use rpl_lang::number::{self, NumberLiteral, begins_like_number, format_float};
 use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::quotient;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
@@ -87,25 +88,12 @@ fn rounded(call: &Call<'_, '_>, toward: Toward) -> NativeResult {
     }
 }
 
-/// The remainder with the sign of the divisor (`floored`) or of the number.
+/// The remainder with the sign of the divisor (`floored`) or of the number. `mod` has an instruction where it is called
+/// by name.
 fn remainder(call: &Call<'_, '_>, floored: bool) -> NativeResult {
-    let (left, right) = (number(call, 0)?, number(call, 1)?);
-    if right.as_f64() == 0.0 {
-        return Err(division_by_zero());
-    }
-    value(match (left, right) {
-        (Number::Int(left), Number::Int(right)) => {
-            let rest = left.wrapping_rem(right);
-            let wrong_sign = rest != 0 && (rest < 0) != (right < 0);
-            Value::Int(if floored && wrong_sign { rest + right } else { rest })
-        }
-        (left, right) => {
-            let (left, right) = (left.as_f64(), right.as_f64());
-            let rest = left % right;
-            let wrong_sign = rest != 0.0 && (rest < 0.0) != (right < 0.0);
-            Value::Float(if floored && wrong_sign { rest + right } else { rest })
-        }
-    })
+    let (left, right) = (call.argument(0), call.argument(1));
+    let wrong_type = || call.wrong_type(usize::from(left.as_f64().is_some()));
+    value(quotient::remainder(left, right, floored)?.ok_or_else(wrong_type)?)
 }
 
 fn float(call: &mut Call<'_, '_>) -> NativeResult {

@@ -3,16 +3,14 @@
 use crate::arguments::{NativeResult, elements, list, pure, room_for, truth, value};
 use crate::elements::find_equal;
 use rpl_runtime::state::failure::Raise;
-use rpl_runtime::state::heap::table_entry;
-use rpl_runtime::state::heap::{Heap, Key, MAX_KEY_PARTS};
+use rpl_runtime::state::heap::{Heap, Key, MAX_KEY_PARTS, Table, table_entry};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
-use std::collections::BTreeSet;
 
 /// Values met so far, up to `equal`.
 #[derive(Default)]
 struct SeenKeys {
-    keys: BTreeSet<Key>,
+    keys: Table,
     /// Values that are too large for a key.
     large: Vec<Value>,
     /// What was looked at, in steps.
@@ -40,19 +38,19 @@ impl SeenKeys {
         };
         self.bytes += table_entry(&key);
         room_for(call, self.bytes)?;
-        Ok(self.keys.insert(key))
+        Ok(self.keys.insert(&heap.strings, key, Value::Nil))
     }
 
     fn contains(&mut self, heap: &Heap, item: Value) -> bool {
         match self.key(heap, item) {
-            Some(key) => self.keys.contains(&key),
+            Some(key) => self.keys.get(&heap.strings, &key).is_some(),
             None => self.contains_large(heap, item),
         }
     }
 
     fn key(&mut self, heap: &Heap, item: Value) -> Option<Key> {
         let key = heap.key(item);
-        self.steps += key.as_ref().map_or(MAX_KEY_PARTS, |key| key.parts().len());
+        self.steps += key.as_ref().map_or(MAX_KEY_PARTS, Key::part_count);
         key
     }
 

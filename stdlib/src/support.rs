@@ -23,6 +23,11 @@ fn reverse_in_place(call: &mut Call<'_, '_>) -> NativeResult {
     value(turned)
 }
 
+/// A new last pair; has an instruction. Only for lists nobody else has seen.
+fn extend(call: &mut Call<'_, '_>) -> NativeResult {
+    value(call.machine.heap.extend(&call.argument(0), call.argument(1)))
+}
+
 /// The first elements of all lists, then the second ones, up to the end of the shortest.
 fn transpose(call: &mut Call<'_, '_>) -> NativeResult {
     let mut columns = Vec::new();
@@ -124,7 +129,7 @@ fn checked_record(call: &mut Call<'_, '_>) -> NativeResult {
 /// Slots that are read have an instruction where the kind and a place below 256 are written out.
 fn slot(call: &mut Call<'_, '_>) -> NativeResult {
     let (record, kind, place) = (call.argument(0), call.argument(1), natural(call, 2)?);
-    match call.machine.heap.slot(record, kind, place) {
+    match call.machine.heap.slot(&record, &kind, place) {
         Some(pair) => value(call.machine.heap.pair(pair).0),
         None => call.machine.check_record(call.around.program, record, kind).and(value(Value::Nil)),
     }
@@ -133,7 +138,7 @@ fn slot(call: &mut Call<'_, '_>) -> NativeResult {
 /// So have slots that are assigned.
 fn assign_slot(call: &mut Call<'_, '_>) -> NativeResult {
     let (record, kind, place) = (call.argument(0), call.argument(1), natural(call, 2)?);
-    let Some(pair) = call.machine.heap.slot(record, kind, place) else {
+    let Some(pair) = call.machine.heap.slot(&record, &kind, place) else {
         return Err(call.machine.no_slot_to_set(call.around.program, record, kind, place));
     };
     call.machine.heap.pairs[pair as usize].0 = call.argument(3);
@@ -148,6 +153,7 @@ fn malformed(call: &mut Call<'_, '_>) -> NativeResult {
 /// Support of the prelude.
 pub(super) const NATIVES: &[Native] = &[
     pure("%nreverse", "list", "The pairs of a new list in the opposite order.", reverse_in_place),
+    pure("%extend", "list value", "A new pair behind the last pair of a new list.", extend),
     pure("%transpose", "columns", "Rows of columns.", transpose),
     pure(
         "%elements",

@@ -3,8 +3,7 @@
 use crate::arguments::{NativeResult, changing, elements, integer, list, pure, room_for, truth, value};
 use crate::elements::no_pair;
 use rpl_runtime::state::failure::Raise;
-use rpl_runtime::state::heap::table_entry;
-use rpl_runtime::state::heap::{Key, KeyPart, MAX_KEY_PARTS, PAIR};
+use rpl_runtime::state::heap::{Key, PAIR, table_entry};
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
 
@@ -16,25 +15,10 @@ fn table(call: &Call<'_, '_>, at: usize) -> Result<u32, Raise> {
     }
 }
 
-/// A value as a key, which is hashed and, as a rule, compared with one key.
-fn key(call: &mut Call<'_, '_>, of: Value) -> Result<Key, Raise> {
-    let Some(key) = call.machine.heap.key(of) else {
-        return Err(Raise::type_error(format!(
-            "this has more than {MAX_KEY_PARTS} parts and is too large to be the key of a hash table"
-        )));
-    };
-    match &key {
-        Key::Atom(KeyPart::Str(text)) => call.burn_text(2 * text.len()),
-        Key::Atom(_) => {}
-        Key::Compound(parts) => call.burn(2 * parts.len()),
-    }
-    Ok(key)
-}
-
 /// The key in the first argument, and the table in another.
 fn key_and_table(call: &mut Call<'_, '_>, at: usize) -> Result<(Key, u32), Raise> {
     let table = table(call, at)?;
-    Ok((key(call, call.argument(0))?, table))
+    Ok((call.machine.key_of(call.argument(0))?, table))
 }
 
 /// Common Lisp's `:test` is taken and means nothing: every table compares by `equal`.
@@ -59,16 +43,16 @@ fn from_alist(call: &mut Call<'_, '_>) -> NativeResult {
             return Err(no_pair(call, 0, item));
         };
         let (of, content) = call.machine.heap.pair(index);
-        let key = key(call, of)?;
+        let key = call.machine.key_of(of)?;
         bytes += 2 * table_entry(&key);
         room_for(call, bytes)?;
-        entries.push((key, (of, content)));
+        entries.push((key, content));
     }
     let made = call.machine.heap.table();
     if let Value::Table(table) = made {
         // The first entry of a key counts, as for `assoc`.
-        for (key, entry) in entries.into_iter().rev() {
-            call.machine.heap.enter(table, key, entry);
+        for (key, content) in entries.into_iter().rev() {
+            call.machine.heap.enter(table, key, content);
         }
     }
     value(made)
@@ -76,7 +60,7 @@ fn from_alist(call: &mut Call<'_, '_>) -> NativeResult {
 
 fn gethash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    let found = call.machine.heap.tables[table].get(&key);
+    let found = call.machine.heap.table_value(table, &key);
     value(found.unwrap_or(call.argument(2)))
 }
 
@@ -84,21 +68,20 @@ fn gethash(call: &mut Call<'_, '_>) -> NativeResult {
 /// over.
 fn set_gethash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    let of = call.argument(0);
     let content = call.arguments.last().copied().unwrap_or_default();
     room_for(call, table_entry(&key))?;
-    call.machine.heap.enter(table, key, (of, content));
+    call.machine.heap.enter(table, key, content);
     value(content)
 }
 
 fn contains(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    truth(call.machine.heap.tables[table].get(&key).is_some())
+    truth(call.machine.heap.table_value(table, &key).is_some())
 }
 
 fn remhash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
-    truth(call.machine.heap.tables[table].remove(&key))
+    truth(call.machine.heap.remove_entry(table, &key))
 }
 
 fn clrhash(call: &mut Call<'_, '_>) -> NativeResult {
@@ -114,9 +97,10 @@ fn count_entries(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 fn entries(call: &Call<'_, '_>) -> Result<Vec<(Value, Value)>, Raise> {
-    let table = &call.machine.heap.tables[table(call, 0)?];
-    room_for(call, table.len() * (2 * size_of::<(Value, Value)>() + 2 * PAIR))?;
-    Ok(table.in_order())
+    let table = table(call, 0)?;
+    let count = call.machine.heap.tables[table].len();
+    room_for(call, count * (4 * size_of::<(Value, Value)>() + 2 * PAIR))?;
+    Ok(call.machine.heap.entries_in_order(table))
 }
 
 fn keys(call: &mut Call<'_, '_>) -> NativeResult {

@@ -7,7 +7,7 @@ use rpl_mission::modules::{SiteModules, SiteRobot, own_modules};
 use rpl_mission::run::{Reached, fluent_value, run_to, silence_continuous_fluents};
 use rpl_mission::site::Site;
 use rpl_robot::localization::LocalizationParameters;
-use rpl_robot::office::{OfficeModel, OfficeSettings};
+use rpl_robot::office::{AbstractSetting, AbstractWorld, OfficeModel, OfficeSettings};
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
@@ -65,6 +65,23 @@ pub fn robot_library() -> Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     let compile = || libraries::robot_library(own_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     LIBRARY.get_or_init(compile).clone()
+}
+
+/// A run of a plan in the abstract world of a map, traced, from the seed 1 to its end, which it comes to within an hour.
+pub fn in_abstract_world(
+    model: Arc<OfficeModel>,
+    setting: AbstractSetting,
+    plan: &str,
+) -> System<AbstractWorld<SiteModules>> {
+    let site = Site::of(robot_library(), model, own_modules().clone());
+    let loaded = site.compile("plan.rpl", plan, &mut NoFiles).unwrap_or_else(|error| panic!("{error}"));
+    let robot = site.office_robot(1).expect("there is a world");
+    let world = robot.abstract_world(setting, 1).unwrap_or_else(|_| panic!("there is a map"));
+    let mut system = System::traced(site.library.clone(), loaded, world, 1);
+    match run_to(&mut system, 3_600_000_000, |_| ControlFlow::Continue(())) {
+        Reached::End(_) => system,
+        other => panic!("{other:?}"),
+    }
 }
 
 /// A plan, the world it runs in, and the experimenter's plan beside it.

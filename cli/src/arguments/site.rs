@@ -51,9 +51,9 @@ pub struct SiteArguments {
     /// The memory that the map and the belief of a world may take, in GiB
     #[arg(long, value_name = "GIB", requires = "world", default_value_t = MEMORY_GIB, value_parser = positive)]
     pub memory: f64,
-    /// Seed of every random stream
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
+    /// Seed of every random stream; 1 without
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     /// A module in another process, by its manifest; once for each
     #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
     pub module: Vec<String>,
@@ -90,7 +90,15 @@ pub enum GridArgument {
     Coarse,
 }
 
+/// Where nothing else is said.
+pub const FIRST_SEED: u64 = 1;
+
 impl SiteArguments {
+    /// The seed of every random stream.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(FIRST_SEED)
+    }
+
     /// The site, the world of its robot if there is one, and its modules, which have not been started.
     ///
     /// # Errors
@@ -110,7 +118,7 @@ impl SiteArguments {
         cases: Option<&Path>,
     ) -> Result<(Site, Option<World>, Modules, Option<KeptCases>)> {
         let robot = robot_files::named(self.robot.as_deref())?;
-        let world = self.world.as_deref().map(|name| world_files::named(name, &robot, self.seed)).transpose()?;
+        let world = self.world.as_deref().map(|name| world_files::named(name, &robot, self.seed())).transpose()?;
         let opened = cases.zip(world.as_ref()).map(|(path, world)| KeptCases::open(path, world, &robot)).transpose()?;
         let (cases, memory) = opened.unzip();
         let rupart = RupartSettings { memory: memory.flatten(), ..RupartSettings::default() };

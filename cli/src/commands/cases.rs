@@ -16,6 +16,7 @@ use rpl_robot::avoidance::DriveLimits;
 use rpl_robot::world::World;
 use rpl_rupart::case::{Case, Content, Kind};
 use rpl_rupart::file::{read_situation, world_of};
+use rpl_rupart::forgetting::Capacity;
 use rpl_rupart::maintenance::{Concern, concerns};
 use rpl_rupart::memory::{CaseMemory, CaseNumber};
 use rpl_rupart::places::Places;
@@ -75,6 +76,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         drawing.write(drawn(&memory, &world, places.as_ref())?.as_bytes())?;
     }
     console.block(&Block::Table(table(&memory, places.as_ref(), speed_mps)))?;
+    console.block(&Block::Lines(limits(&memory)))?;
     Ok(Status::Succeeded)
 }
 
@@ -103,6 +105,15 @@ fn drawn(memory: &CaseMemory, world: &World, places: Option<&Places>) -> Result<
     };
     let title = format!("{}: places and the routes of {} cases", world.name, memory.cases_of(Kind::Route).count());
     Ok(place_figures::routes(&title, world, places, memory.routes().map(|(_, route)| route)))
+}
+
+/// How many cases there are of each kind, and how many a robot remembers.
+fn limits(memory: &CaseMemory) -> String {
+    let told = |kind: Kind| {
+        let plural = if memory.count(kind) == 1 { "" } else { "s" };
+        format!("{} {}{plural} of at most {}", memory.count(kind), kind.name(), Capacity::USUAL.of(kind))
+    };
+    Kind::ALL.map(told).join(", ")
 }
 
 /// A line for each case.

@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         text => ("<eval>", text.to_string()),
     };
     let (site, _, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Never))?;
-    let seed = arguments.site.seed;
+    let seed = arguments.site.seed();
     let mut folder = Folder::Disk(".".into());
     let loaded = match site.library.load(name, &text, &mut folder) {
         Ok(loaded) => loaded,

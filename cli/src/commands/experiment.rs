@@ -2,10 +2,12 @@
 
 use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
+use crate::arguments::site::FIRST_SEED;
 use crate::experiment::part::merging::Parts;
 use crate::experiment::part::shard::Shard;
 use crate::experiment::{self, Conduct, ExperimentRequest, RunSource};
 use crate::files::inputs::STANDARD_INPUT;
+use crate::files::project_file::ProjectFile;
 use crate::files::robot_files;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -18,25 +20,25 @@ use std::path::PathBuf;
 
 /// Runs a plan with many seeds and makes a table
 #[derive(clap::Args, Clone, Debug)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Arguments {
     #[command(subcommand)]
     merge: Option<Merge>,
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
     /// `sensing`, `people`, `office`, `worlds`, `doors`, `drive-times`, `projections`, `barn`, `marker-detection`, `hallway-features`,
     /// `count-openings`, `office-delivery`, `topological-global`, `routes`, `case-kinds`, `behaviours`, `rupart`, or a plan of your own; `-` for standard
-    /// input
-    #[arg(value_name = "NAME", required = true, add = ArgValueCompleter::new(completion::experiments))]
+    /// input; without it, the plan that `rpl.toml` names, in its world
+    #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]
     name: Option<String>,
-    /// How many seeds
-    #[arg(long, value_name = "N", default_value = "20", value_parser = runs)]
-    runs: NonZero<u32>,
+    /// How many seeds; 20 without
+    #[arg(long, value_name = "N", value_parser = runs)]
+    runs: Option<NonZero<u32>>,
     /// How many runs at a time; as many as there are cores without
     #[arg(long, value_name = "J", value_parser = jobs_at_a_time)]
     jobs: Option<NonZero<usize>>,
-    /// The first seed
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// The first seed; 1 without
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     /// The world, for a plan of your own
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
@@ -93,6 +95,9 @@ struct MergeArguments {
     out: Option<PathBuf>,
 }
 
+/// So many runs are made where nothing else is said.
+const USUAL_RUNS: u32 = 20;
+
 /// More runs than this do not fit into a table, and more jobs than this are more than any machine has
 /// cores.
 const MOST_RUNS: u32 = 10_000_000;
@@ -121,7 +126,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         None => {
             let source = RunSource::Seeds(arguments.shard.unwrap_or(Shard::WHOLE));
-            (arguments.request(colour)?, Conduct { source, out: arguments.out.clone() }, arguments.json)
+            (arguments.in_project()?.request(colour)?, Conduct { source, out: arguments.out.clone() }, arguments.json)
         }
     };
     let findings = experiment::run(&request, how, console)?;
@@ -138,6 +143,28 @@ fn jobs(asked: Option<NonZero<usize>>) -> usize {
 }
 
 impl Arguments {
+    /// With what the project of the working folder says if no experiment is named. What they say themselves holds.
+    fn in_project(&self) -> Result<Self> {
+        let mut arguments = self.clone();
+        if arguments.name.is_some() {
+            return Ok(arguments);
+        }
+        let (file, project) = ProjectFile::of_working_folder("experiment")?;
+        let shown = file.display();
+        arguments.name = Some(project.plan_to_run(&file)?);
+        if arguments.world.is_none() {
+            if !project.modules.is_empty() {
+                bail!(
+                    "an experiment has no modules of its own, and `{shown}` names some; name the plan to run it without them"
+                );
+            }
+            (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
+        }
+        arguments.seed = arguments.seed.or(project.seed);
+        arguments.runs = arguments.runs.or(project.runs);
+        Ok(arguments)
+    }
+
     fn request(&self, colour: bool) -> Result<ExperimentRequest> {
         let name = self.name.clone().unwrap_or_default();
         if name == STANDARD_INPUT && self.out.is_some() {
@@ -145,9 +172,9 @@ impl Arguments {
         }
         Ok(ExperimentRequest {
             name,
-            runs: self.runs.get(),
+            runs: self.runs.map_or(USUAL_RUNS, NonZero::get),
             jobs: jobs(self.jobs),
-            first_seed: self.seed,
+            first_seed: self.seed.unwrap_or(FIRST_SEED),
             world: self.world.clone(),
             robot: robot_files::named(self.robot.as_deref())?,
             robot_name: self.robot.clone(),

@@ -36,7 +36,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     // As it stands in the message, too.
     let code = typed.split(['[', ']']).nth(usize::from(typed.contains('['))).unwrap_or(typed);
     match sections().find(|(known, _)| *known == code) {
-        Some((code, text)) => console.explain(&format!("{code}\n\n{}", plain(text)))?,
+        Some((code, text)) => console.explain_hanging(&format!("{code}\n\n{}", plain(text)), 0)?,
         None => {
             let near = suggest(code, sections().map(|(code, _)| code));
             let near = near.map_or("`rpl explain` lists all".to_string(), |near| format!("did you mean `{near}`?"));

@@ -57,11 +57,12 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         let path = folder.join(name);
         outputs::write_new(&path, &text, false).map_err(|why| anyhow!("cannot write `{}`: {why}", path.display()))?;
     }
-    console.explain(&format!(
+    let told = format!(
         "`{shown}` has a plan, main.rpl, that drives to `{place}`, and a test of it, tests.rpl. In that folder,\n\
          \x20 rpl run     runs the plan in the world that rpl.toml names\n\
          \x20 rpl test    runs the test\n\
          \x20 rpl check   looks for faults without running anything"
-    ))?;
+    );
+    console.explain_hanging(&told, 0)?;
     Ok(Status::Succeeded)
 }

@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let plan = plans::plan(&arguments.file)?;
     let (site, _, _modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Never))?;
     let Some(loaded) = load(&site.library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
-    let mut system = site.start(loaded, arguments.site.seed);
+    let mut system = site.start(loaded, arguments.site.seed());
     let reached = run_to(&mut system, arguments.from, |system| {
         system.machine.output.clear();
         Continue(())
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Reached::End(_) = reached {
         bail!("the run ends after {:.1} s, before `--from`: there is nothing to project", system.machine.now_s());
     }
-    let figures = system.project_rest(arguments.runs, arguments.horizon, arguments.site.seed);
+    let figures = system.project_rest(arguments.runs, arguments.horizon, arguments.site.seed());
     let figures = figures.map_err(|why| anyhow!("the plan cannot be projected: {why}"))?;
     if arguments.json {
         console.print(&serde_json::to_string(&figures)?)?;

@@ -16,7 +16,6 @@ use crate::terminal::console::Console;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
-use rpl_link::journal::inputs::PastInputs;
 use rpl_link::recording::RecordedTurns;
 use rpl_robot::world::World;
 use std::path::{Path, PathBuf};
@@ -65,7 +64,7 @@ pub fn run(
     let (site, world, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     let plan = first_plan(arguments)?;
     let until = if stops_at_start { Until::Step } else { Until::End };
-    let seed = arguments.site.seed;
+    let seed = arguments.site.seed();
     let recorder = arguments.host.record(&RecordedRun {
         host: source.heard(),
         ..recorded(arguments, plan.as_ref(), world.as_ref(), stops_at_start)?
@@ -135,9 +134,9 @@ fn with_journal(
     let kept = KeptRun::new(recorded, plan.as_ref().map(KeptText::of), &site, world.as_ref(), Writing::default())?;
     let journal = SessionJournal::begin(path, &kept)?;
     let opening = SessionStart {
-        robot: site.robot(arguments.site.seed),
+        robot: site.robot(arguments.site.seed()),
         world,
-        seed: arguments.site.seed,
+        seed: arguments.site.seed(),
         plan,
         until: if stops_at_start { Until::Step } else { Until::End },
         recorder: None,
@@ -212,7 +211,7 @@ fn open_journal(
         return session_of(&kept, PastSession::read(path)?, None, command_line, console);
     };
     let changes = journal::changes(path)?;
-    let past = if kept.head.has_outside() { Some(from_start(path)?) } else { None };
+    let past = if kept.head.has_outside() { Some(journal::inputs_from_start(path)?) } else { None };
     let resumed_at = past.as_ref().map_or(Vec::new(), |past| past.resumed_at.clone());
     let mut interventions: Vec<Intervention> = resumed_at.into_iter().map(Intervention::Resumption).collect();
     interventions.extend(changes.into_iter().map(Intervention::Change));
@@ -245,18 +244,4 @@ fn open_journal(
         command_line,
     };
     repl::run(&site, opening, console)
-}
-
-/// What came from other processes since the start of a run.
-///
-/// # Errors
-/// The journal does not have all of it any more.
-fn from_start(path: &Path) -> Result<PastInputs> {
-    PastInputs::read(path, None).with_context(|| {
-        let shown = path.display();
-        format!(
-            "the run of `{shown}` cannot be repeated from its start: a journal keeps what comes from other processes \
-             for about an hour; `rpl resume {shown}` goes on with it"
-        )
-    })
 }

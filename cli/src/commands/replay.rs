@@ -64,9 +64,9 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     let is_session = recorded.kind != RunKind::Run;
     if arguments.prompt || is_session {
         let (built, world, _) = site.build(voices)?;
-        let (robot, _) = source.robot(&built, site.seed, hosts::Use::Session, None)?;
+        let (robot, _) = source.robot(&built, site.seed(), hosts::Use::Session, None)?;
         let until = if recorded.kind == RunKind::Session { Until::End } else { Until::Step };
-        let (seed, reads) = (site.seed, arguments.prompt);
+        let (seed, reads) = (site.seed(), arguments.prompt);
         let (past, interventions) = (PastSession::recorded(typed), Vec::new());
         let opening = SessionStart {
             world,

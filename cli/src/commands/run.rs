@@ -160,14 +160,12 @@ fn in_project(arguments: &Arguments) -> Result<Arguments> {
         return Ok(arguments);
     }
     let (file, project) = ProjectFile::of_working_folder("plan")?;
-    let Some(plan) = project.plan else {
-        bail!("`{}` names no plan to run; add a line such as `plan = \"main.rpl\"`, or name the plan", file.display());
-    };
-    arguments.file = Some(plan);
+    arguments.file = Some(project.plan_to_run(&file)?);
     if arguments.site.world.is_none() {
         (arguments.site.world, arguments.site.robot) = (project.world, project.robot);
         arguments.site.module = project.modules;
     }
+    arguments.site.seed = arguments.site.seed.or(project.seed);
     Ok(arguments)
 }
 
@@ -197,7 +195,7 @@ pub fn run_on(
     let figures = output.figures.as_deref().map(figures::open_folder).transpose()?;
     let scenes = output.figures.is_some().then(Vec::new);
     let pose_every_us = output.trace_poses.map(|rate| (1e6 / rate).round() as u64);
-    let seed = arguments.site.seed;
+    let seed = arguments.site.seed();
     let recorded = RecordedRun {
         plan: Some(recorded_plan),
         set: arguments.set.clone(),

@@ -5,6 +5,7 @@ mod junit;
 use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
 use crate::arguments::plan_files;
+use crate::arguments::site::FIRST_SEED;
 use crate::drive::{Pace, drive};
 use crate::files::module_files::{self, GoingBack, ModuleVoices};
 use crate::files::outputs::OutputFile;
@@ -56,9 +57,9 @@ pub struct Arguments {
     /// A module in another process, by its manifest, for the tests in a world; once for each
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     module: Vec<String>,
-    /// The seed of the tests that name none
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// The seed of the tests that name none; 1 without
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     /// When the tests that say nothing else must have ended, in the time of the plan
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
     until: u64,
@@ -124,6 +125,7 @@ fn in_project(arguments: &Arguments) -> Result<Arguments> {
             (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
             arguments.module = project.modules;
         }
+        arguments.seed = arguments.seed.or(project.seed);
     }
     Ok(arguments)
 }
@@ -311,7 +313,7 @@ impl TestSession<'_> {
     }
 
     fn seed_of(&self, test: &Test) -> u64 {
-        test.options.seed.unwrap_or(self.arguments.seed)
+        test.options.seed.unwrap_or(self.arguments.seed.unwrap_or(FIRST_SEED))
     }
 
     fn site(&mut self, place: TestPlace) -> Result<Site> {

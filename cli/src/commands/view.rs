@@ -3,10 +3,10 @@
 use crate::commands::replay;
 use crate::commands::run::{self, Output};
 use crate::drive::Pace;
-use crate::files::module_files::{GoingBack, ModuleVoices};
+use crate::files::module_files::ModuleVoices;
 use crate::files::outputs::OutputFile;
 use crate::files::{inputs, plans, robot_files, world_files};
-use crate::hosts::{HostSource, Use};
+use crate::hosts::{self, Use};
 use crate::journal::{self, JournalEnd, KeptRun, checkpoint_times};
 use crate::prepared_run::PreparedRun;
 use crate::run_record::Records;
@@ -17,6 +17,7 @@ use crate::terminal::console::Console;
 use crate::trace::{Header, TraceReader};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
+use rpl_link::recording::RecordedTurns;
 use rpl_page::report::{report, run_in};
 use rpl_page::series::{Series, Text};
 use rpl_page::server::{Shared, lock};
@@ -174,9 +175,10 @@ fn view_journal(arguments: &Arguments, console: &mut Console) -> Result<Status> 
     let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
         bail!("`{shown}` is the journal of a session at the prompt: `rpl repl {shown}` goes through it");
     };
-    if kept.head.has_outside() {
+    let past = kept.head.has_outside().then(|| journal::inputs_from_start(path)).transpose()?;
+    if past.as_ref().is_some_and(|past| !past.resumed_at.is_empty()) {
         bail!(
-            "`{shown}` is of a run with a host or modules in other processes; `rpl view` shows its trace, and `rpl repl {shown}` goes through it"
+            "the run in `{shown}` was gone on with after it had died; `rpl view` shows its trace, and `rpl repl {shown}` goes through it"
         );
     }
     if !journal::changes(path)?.is_empty() {
@@ -186,16 +188,21 @@ fn view_journal(arguments: &Arguments, console: &mut Console) -> Result<Status> 
     }
     let reached_us = match JournalEnd::read(path)? {
         Some(end) => Some(end.time_us),
-        None => checkpoint_times(path, kept.checksum)?.into_iter().map(|(time_us, _)| time_us).max(),
+        None => match &past {
+            Some(past) => past.reached_us,
+            None => checkpoint_times(path, kept.checksum)?.into_iter().map(|(time_us, _)| time_us).max(),
+        },
     };
-    let (site, world, modules) = kept.site(ModuleVoices::Processes(GoingBack::Never))?;
+    let turns = RecordedTurns::of_journal(past.map_or(Vec::new(), |past| past.turns))
+        .with_context(|| format!("what came from outside in the journal `{shown}` cannot be read"))?;
+    let (site, world, modules) = kept.site(ModuleVoices::Recording(&turns))?;
     console.quiet = true;
     let Some(loaded) = run::load(&site.library, kept.text(plan), &kept.head.run.set, console)? else {
         return Ok(Status::Wrong);
     };
     let seed = kept.head.run.seed;
     let (texts, header) = (plan_texts(&loaded.program), kept.head.run.trace_header());
-    let (robot, transcript) = HostSource::Simulated.robot(&site, seed, Use::Run, None)?;
+    let (robot, transcript) = hosts::heard(kept.head.run.host.as_ref(), &turns)?.robot(&site, seed, Use::Run, None)?;
     let live = Live::begin(&arguments.live(), &header, texts, (&site, world.as_ref()), console)?;
     let system = run::begun(&site, loaded, robot, seed, kept.head.run.max_steps, true);
     let records = Records { live, ..Records::default() };

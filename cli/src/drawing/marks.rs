@@ -117,7 +117,7 @@ pub fn mark_at(kind: MarkKind, (x_px, y_px): (f64, f64), heading_rad: f64, radiu
             .set("class", "alternative")
             .add(ring((x_px, y_px), radius_px * 0.7).set("fill", palette::PAPER)),
         MarkKind::Landmark => {
-            bare(palette::PAPER, 1.0).set("class", "dot").add(ring((x_px, y_px), 4.0).set("fill", palette::ESTIMATE))
+            bare(palette::PAPER, 1.0).set("class", "dot").add(ring((x_px, y_px), 4.0).set("fill", palette::LANDMARK))
         }
     }
 }

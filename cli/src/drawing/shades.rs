@@ -53,14 +53,14 @@ const STEPS_PER_POWER: f64 = 2.0;
 /// The scale of beliefs.
 pub fn belief_scale() -> ShadeScale {
     let powers = STEPS as f64 / STEPS_PER_POWER;
-    let tick = |power: f64| (power * STEPS_PER_POWER, format!("{}", 10_f64.powf(LEAST_POWER + power)));
+    let tick = |power: f64| (power * STEPS_PER_POWER, format!("{}", libm::exp10(LEAST_POWER + power)));
     let ticks = (0..=powers as usize).map(|power| tick(power as f64)).collect();
     ShadeScale { means: "belief: probability per m², each colour three times the one before".to_string(), ticks }
 }
 
 /// The step of darkness of a probability of a square metre; none for what is less than the scale shows.
 fn belief_step(per_m2: f64) -> Option<usize> {
-    let step = (per_m2.max(f64::MIN_POSITIVE).log10() - LEAST_POWER) * STEPS_PER_POWER;
+    let step = (libm::log10(per_m2.max(f64::MIN_POSITIVE)) - LEAST_POWER) * STEPS_PER_POWER;
     (step >= 0.0).then(|| (step as usize).min(STEPS - 1))
 }
 

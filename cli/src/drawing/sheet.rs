@@ -104,7 +104,7 @@ impl Sheet {
 
 /// The largest of 1, 2 and 5 times a power of ten that is no more than this.
 pub fn round_below(value: f64) -> f64 {
-    let power = 10_f64.powf(value.log10().floor());
+    let power = libm::exp10(libm::floor(libm::log10(value)));
     let share = value / power;
     let digit = if share >= 5.0 {
         5.0

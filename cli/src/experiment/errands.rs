@@ -8,7 +8,7 @@ use super::kind::{ExperimentKind, Run, Tally};
 use super::missions::{Mission, head, line, results, whether_measured};
 use super::request::ExperimentRequest;
 use super::row_result::{RowTally, comparison};
-use super::trial::MissionTrial;
+use super::trial::{AT_GOAL_M, MissionTrial};
 use crate::terminal::page::Block;
 use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
@@ -93,6 +93,12 @@ impl Tally<ErrandRecord> for ErrandTally {
     }
 }
 
+/// A robot that takes itself to be where it was to go is really there only if its estimate is right.
+fn really_there(trial: MissionTrial) -> MissionTrial {
+    let is_wrong = trial.succeeded() && trial.samples.last().is_some_and(|last| f64::from(last.off_m) > AT_GOAL_M);
+    if is_wrong { MissionTrial { fault: Some("wrong place".to_string()), ..trial } } else { trial }
+}
+
 impl ExperimentKind for Errands {
     type Ground = ErrandGround;
     type Record = ErrandRecord;
@@ -112,7 +118,7 @@ impl ExperimentKind for Errands {
     fn run(&self, _: usize, ground: &ErrandGround, run: Run) -> Result<ErrandRecord> {
         Ok(match ground {
             ErrandGround::Mission(mission) => {
-                ErrandRecord::Mission(mission.run(&self.request, run.seed)?.without_samples())
+                ErrandRecord::Mission(really_there(mission.run(&self.request, run.seed)?).without_samples())
             }
             ErrandGround::Days(ground) => ErrandRecord::Days(ground.days(run.seed)),
         })

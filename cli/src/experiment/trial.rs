@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// How near to the goal the robot must really be.
-const AT_GOAL_M: f64 = 0.5;
+pub const AT_GOAL_M: f64 = 0.5;
 
 /// An estimate further off than this is wrong.
 const WRONG_ESTIMATE_M: f64 = 1.0;

@@ -3,6 +3,7 @@
 use super::inputs;
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 /// The name of the file, in the folder of the plans or above it.
@@ -18,6 +19,10 @@ pub struct ProjectFile {
     pub world: Option<String>,
     /// The robot: a name, or a file beside this one.
     pub robot: Option<String>,
+    /// The seed of runs, and the first of an experiment.
+    pub seed: Option<u64>,
+    /// How many runs `rpl experiment` makes.
+    pub runs: Option<NonZero<u32>>,
     /// Manifests of modules in other processes.
     #[serde(default)]
     pub modules: Vec<String>,
@@ -43,8 +48,22 @@ impl ProjectFile {
                  project with `rpl new NAME`"
             )
         })?;
+        let file = file.strip_prefix(&here).map_or(file.clone(), Path::to_path_buf);
         let project = Self::read(&file)?;
-        Ok((file.strip_prefix(&here).map_or(file.clone(), Path::to_path_buf), project))
+        Ok((file, project))
+    }
+
+    /// What `rpl run` runs.
+    ///
+    /// # Errors
+    /// The file, which is named so, does not say.
+    pub fn plan_to_run(&self, file: &Path) -> Result<String> {
+        self.plan.clone().ok_or_else(|| {
+            anyhow!(
+                "`{}` names no plan to run; add a line such as `plan = \"main.rpl\"`, or name the plan",
+                file.display()
+            )
+        })
     }
 
     /// The folder that a project file stands for.
@@ -71,6 +90,8 @@ impl ProjectFile {
             plan: known.plan.map(|plan| file.with_file_name(plan).display().to_string()),
             world: known.world.map(beside),
             robot: known.robot.map(beside),
+            seed: known.seed,
+            runs: known.runs,
             modules: known.modules.into_iter().map(beside).collect(),
         })
     }

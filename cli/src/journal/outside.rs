@@ -10,6 +10,20 @@ use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// What came from other processes since the start of a run.
+///
+/// # Errors
+/// The journal does not have all of it any more.
+pub fn inputs_from_start(path: &Path) -> Result<PastInputs> {
+    PastInputs::read(path, None).with_context(|| {
+        let shown = path.display();
+        format!(
+            "the run of `{shown}` cannot be repeated from its start: a journal keeps what comes from other processes \
+             for about an hour; `rpl resume {shown}` goes on with it"
+        )
+    })
+}
+
 /// The inputs of a run.
 #[derive(Debug)]
 pub struct Outside {

@@ -11,20 +11,7 @@ pub fn sentence(event: &Event) -> Option<String> {
             "" => "begins another plan".to_string(),
             by => format!("begins another plan, given by {by}"),
         }),
-        EventKind::Decided if of("would-succeed").is_empty() => {
-            let what = of("what");
-            Some(format!("{what}: {} of its runs would succeed; other plans: {}", percent(of("success")), of("plans")))
-        }
-        EventKind::Decided => Some(format!(
-            "{} by {}: {} of the runs would succeed, and {} as it is; gain {} ± {} over {} runs",
-            of("what"),
-            of("rules"),
-            percent(of("would-succeed")),
-            percent(of("success")),
-            rounded(of("gain")),
-            rounded(of("error")),
-            of("runs")
-        )),
+        EventKind::Decided => Some(decided(event)),
         EventKind::Begin
         | EventKind::End
         | EventKind::Call
@@ -43,6 +30,36 @@ pub fn sentence(event: &Event) -> Option<String> {
         | EventKind::Robot
         | EventKind::Log
         | EventKind::Warning => None,
+    }
+}
+
+/// Whether an event tells of another plan that it is not better.
+pub fn is_passed_over(event: &Event) -> bool {
+    event.kind == EventKind::Decided && detail(event, "what") == "not better"
+}
+
+/// What foresight has found of a plan, of others beside it, and what it makes of that.
+fn decided(event: &Event) -> String {
+    let of = |name| detail(event, name);
+    match of("what") {
+        "looks ahead" => {
+            let why = match of("fails-with") {
+                "" | "nil" => String::new(),
+                why => format!("; most that fail: {why}"),
+            };
+            format!("looks ahead: {} of {} projected runs would succeed{why}", percent(of("success")), of("runs"))
+        }
+        "takes another plan" => format!("takes the plan of {}", of("rules")),
+        "keeps its plan" => "keeps its plan".to_string(),
+        what => format!(
+            "with {}: {} of {} runs would succeed, as it is {}; gain {} ± {}: {what}",
+            of("rules"),
+            percent(of("would-succeed")),
+            of("runs"),
+            percent(of("success")),
+            rounded(of("gain")),
+            rounded(of("error"))
+        ),
     }
 }
 

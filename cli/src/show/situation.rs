@@ -126,6 +126,8 @@ pub struct Revision {
     pub time_us: u64,
     /// What, as a sentence.
     pub text: String,
+    /// Another plan was looked at and is not better.
+    pub is_passed_over: bool,
 }
 
 /// What stands where.
@@ -219,7 +221,8 @@ impl Situation {
         if let Some(text) = revision_story::sentence(event)
             && let Some(task) = self.owner(&event.path)
         {
-            self.revisions.push(Revision { task, time_us: event.time_us, text });
+            let is_passed_over = revision_story::is_passed_over(event);
+            self.revisions.push(Revision { task, time_us: event.time_us, text, is_passed_over });
         }
     }
 

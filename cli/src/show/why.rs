@@ -1,6 +1,6 @@
 //! Why a task waits or failed: the chain of causes.
 
-use crate::show::situation::{Ended, Situation, Standing, is_within};
+use crate::show::situation::{Ended, Revision, Situation, Standing, is_within};
 use rpl_lang::suggest::suggest;
 use rpl_mission::modules;
 use rpl_runtime::step::tasks::condition::FluentReading;
@@ -11,6 +11,9 @@ const MAX_DEPTH: usize = 8;
 
 /// Children of one task that are shown.
 const MAX_CHILDREN: usize = 20;
+
+/// Plans of one look ahead that were passed over and are told.
+const MAX_PASSED_OVER: usize = 3;
 
 /// Longest value shown.
 const LONGEST_VALUE: usize = 60;
@@ -33,12 +36,23 @@ pub fn why(situation: &Situation, path: &str) -> Result<Vec<String>, String> {
     Ok(lines)
 }
 
-/// What was decided about the plan of a task, as a story.
+/// What was decided about the plan of a task, as a story. Of many plans that were passed over only some are told.
 fn tell_revisions(situation: &Situation, task: &str, lines: &mut Vec<String>) {
-    for revision in situation.revisions.iter().filter(|revision| revision.task == task) {
-        let time_s = revision.time_us as f64 / 1e6;
-        say(lines, 1, &format!("at {time_s:.3} s: {}", revision.text));
+    let told: Vec<&Revision> = situation.revisions.iter().filter(|revision| revision.task == task).collect();
+    for together in told.chunk_by(|before, after| before.is_passed_over && after.is_passed_over) {
+        let shown = if together.len() > MAX_PASSED_OVER { MAX_PASSED_OVER - 1 } else { together.len() };
+        for revision in &together[..shown] {
+            say_at(lines, revision.time_us, &revision.text);
+        }
+        if let Some(left) = together[shown..].first() {
+            let count = together.len() - shown;
+            say_at(lines, left.time_us, &format!("{count} more plans: not better"));
+        }
     }
+}
+
+fn say_at(lines: &mut Vec<String>, time_us: u64, text: &str) {
+    say(lines, 1, &format!("at {:.3} s: {text}", time_us as f64 / 1e6));
 }
 
 /// The living task that is meant by a path, by its end, by a plan call it is in, or by nothing: the

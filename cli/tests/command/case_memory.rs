@@ -26,6 +26,7 @@ fn a_memory_is_shown_explained_and_drawn() {
     let line = |start: &str| shown.out.lines().find(|line| line.trim_start().starts_with(start)).map(str::to_string);
     assert!(line("0").is_some_and(|line| line.contains("a-desk to ")), "{}", shown.out);
     assert!(line("1").is_some_and(|line| line.contains("localize-first")), "{}", shown.out);
+    assert!(shown.out.contains("0 behaviours of at most 1000, 1 route of at most 1000"), "{}", shown.out);
     assert!(std::fs::read_to_string(folder.join("cases.svg")).expect("it is drawn").contains("true-path"));
     let situation = "{\"place_in_map\":[3.2,1.5],\"long_term_goal_in_map\":[8.0,2.0]}";
     let explained = cases(&folder, &["--explain", situation]).out;

@@ -11,23 +11,34 @@ use std::fs;
 const RUN: [&str; 9] =
     ["run", "delivery.rpl", "--world", "dept", "--scenario", "rotated.rpl", "--quiet", "--figures", "figures"];
 
-/// A picture of the book, and the figure of the run that it is.
-const PICTURES: [(&str, &str); 2] =
-    [("docs/rotated.svg", "paths.svg"), ("docs/belief.svg", "belief-02-localization-action.svg")];
+/// The experiment of the book's page on routes.
+const ROUTES: [&str; 8] = ["experiment", "routes", "--row", "literal", "--runs", "1", "--results", "figures"];
+
+/// A picture of the book, and the figure that it is.
+type Picture = (&'static str, &'static str);
+
+/// What makes pictures of the book.
+const PICTURES: [(&[&str], [Picture; 2]); 2] = [
+    (&RUN, [("docs/rotated.svg", "paths.svg"), ("docs/belief.svg", "belief-02-localization-action.svg")]),
+    (&ROUTES, [("docs/places.svg", "places.svg"), ("docs/adaptation.svg", "literal-1.svg")]),
+];
 
 #[test]
 fn the_pictures_of_the_book_are_those_that_the_command_draws() {
-    let folder = folder("book-figures");
-    let ended = run_in(&folder, &RUN);
-    assert_eq!(ended.status, 0, "{}", ended.errors);
-    for (picture, figure) in PICTURES {
-        let drawn = fs::read_to_string(folder.join("figures").join(figure)).expect("it is drawn");
-        let kept = repository::root().join(picture);
-        if std::env::var_os("WRITE_FIGURES").is_some() {
-            fs::write(&kept, &drawn).expect("the book can be written");
+    for (command, pictures) in PICTURES {
+        let folder = folder(&format!("book-figures-{}", command[1]));
+        let ended = run_in(&folder, command);
+        assert_eq!(ended.status, 0, "{}", ended.errors);
+        for (picture, figure) in pictures {
+            let drawn = fs::read_to_string(folder.join("figures").join(figure)).expect("it is drawn");
+            let kept = repository::root().join(picture);
+            if std::env::var_os("WRITE_FIGURES").is_some() {
+                fs::write(&kept, &drawn).expect("the book can be written");
+            }
+            let is_same = fs::read_to_string(&kept).is_ok_and(|kept| kept == drawn);
+            let anew = "`WRITE_FIGURES=1 cargo test -p rpl figures` draws it anew";
+            assert!(is_same, "`{picture}` is not what is drawn: {anew}");
         }
-        let is_same = fs::read_to_string(&kept).is_ok_and(|kept| kept == drawn);
-        assert!(is_same, "`{picture}` is not what is drawn: `WRITE_FIGURES=1 cargo test -p rpl figures` draws it anew");
     }
 }
 

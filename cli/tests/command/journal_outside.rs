@@ -112,9 +112,14 @@ fn what_was_heard_can_be_looked_at_afterwards() {
     let site = ["--world", "test-room", "--grid", "coarse", "--host", &host.address, "--journal", "j"];
     let stood = run_in(&folder, &[&["run", "plan.rpl", "--until", "2s"][..], &site].concat());
     assert_eq!(stood.status, 3, "{}", stood.errors);
+    let seen = run_in(&folder, &["view", "j", "--report", "stood.html"]);
+    assert_eq!(seen.status, 3, "{}", seen.errors);
+    assert!(text_in(&folder, "stood.html").contains("<title>plan.rpl"), "{}", seen.errors);
     let resumed = killed_after(4, &folder, &["resume", "j"]);
     assert_eq!(resumed[0], "(resumed (mail 7))");
     host.end();
+    let refused = run_in(&folder, &["view", "j", "--report", "resumed.html"]);
+    assert!(refused.status == 2 && refused.errors.contains("rpl repl j"), "{}", refused.errors);
     let printed = text_in(&folder, "j/output.txt");
     let found = crate::rpl::feed(rpl(&["repl", "j"]).current_dir(&folder), "(value x*)\n");
     assert_eq!(found.status, 0, "{}{}", found.out, found.errors);

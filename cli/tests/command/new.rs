@@ -48,11 +48,26 @@ fn nothing_that_is_there_is_overwritten() {
 #[test]
 fn without_a_project_it_is_said_what_to_type() {
     let folder = folder("no-project");
-    for command in ["run", "test", "check"] {
+    for command in ["run", "test", "check", "experiment"] {
         let Ended { errors, status, .. } = run_in(&folder, &[command]);
         assert!(status == 2 && errors.contains("rpl new NAME"), "{command}: {errors}");
     }
     put(&folder, "rpl.toml", "world = \"test-room\"\n");
     let Ended { errors, status, .. } = run_in(&folder, &["run"]);
     assert!(status == 2 && errors.contains("plan = \"main.rpl\""), "{errors}");
+}
+
+#[test]
+fn a_project_says_the_seeds_of_its_runs_and_what_is_typed_holds_before_it() {
+    let folder = folder("project-seeds");
+    put(&folder, "main.rpl", "(print (random 1000000))");
+    put(&folder, "rpl.toml", "plan = \"main.rpl\"\nseed = 7\nruns = 3\n");
+    let printed = |words: &[&str]| run_in(&folder, words).out;
+    assert_eq!(printed(&["run", "-q"]), printed(&["run", "-q", "main.rpl", "--seed", "7"]));
+    assert_eq!(printed(&["run", "-q", "--seed", "8"]), printed(&["run", "-q", "main.rpl", "--seed", "8"]));
+    let same = ["experiment", "main.rpl", "--seed", "7", "--runs", "3", "--json"];
+    assert_eq!(printed(&["experiment", "--json"]), printed(&same));
+    put(&folder, "rpl.toml", "plan = \"main.rpl\"\nruns = 0\n");
+    let Ended { errors, status, .. } = run_in(&folder, &["experiment"]);
+    assert!(status == 2 && errors.contains("runs = 0"), "{errors}");
 }

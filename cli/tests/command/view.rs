@@ -1,11 +1,14 @@
 //! Runs that are seen: `--report`, `rpl view`, `--live`. How the page looks is tested in a browser (`page/tests`).
 
 use crate::folder::{folder, put, text_in};
-use crate::rpl::run_in;
+use crate::rpl::{rpl, run_in};
 use rpl_page::report::run_in as run_of_report;
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 const DRIVE: &str = "(def-valve tray)\n(def-fluent done nil)\n\
     (par (with-valve tray (go-to 'corner))\n     (seq (wait-time 1) (with-valve tray (setf (value done) t))))\n\
@@ -40,6 +43,29 @@ fn a_run_that_is_seen_prints_and_traces_what_it_does_unseen() {
     assert_eq!(told(&unseen.errors), told(&seen.errors));
     let printed = |out: &str| out.lines().next().map(str::to_string);
     assert_eq!(printed(&unseen.out), printed(&seen.out));
+    let answer =
+        followed(&folder, &["run", "drive.rpl", "--live", ":0", "--trace", "live.jsonl", "--trace-poses", "5"]);
+    assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("drive.rpl"), "{answer}");
+    assert_eq!(text_in(&folder, "unseen.jsonl"), text_in(&folder, "live.jsonl"));
+}
+
+/// Asks a run with a page for its lines, and interrupts it when it is over; what was answered.
+fn followed(folder: &Path, arguments: &[&str]) -> String {
+    let mut command = rpl(&[arguments, &SITE[..]].concat());
+    let piped = command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = piped.spawn().expect("it starts");
+    let mut told = BufReader::new(child.stderr.take().expect("it is piped")).lines().map_while(Result::ok);
+    let link = told.find_map(|line| Some(line.split_once("shown at http://")?.1.to_string())).expect("a link");
+    let host = link.trim_end_matches('/');
+    let mut line = TcpStream::connect(host).expect("it is served");
+    let asked = format!("GET /lines?from=0 HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+    line.write_all(asked.as_bytes()).expect("it can be asked");
+    let mut answer = String::new();
+    line.read_to_string(&mut answer).expect("it answers");
+    assert!(told.any(|line| line.contains("the page stays until Ctrl-C")), "the run ends and is shown");
+    let ended = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(ended.success() && child.wait().is_ok());
+    answer
 }
 
 #[test]

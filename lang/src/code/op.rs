@@ -45,6 +45,8 @@ pub enum Op {
     Mul(Reg, Reg, Reg),
     /// `r0 := r1 / r2`, an integer where that is exact
     Div(Reg, Reg, Reg),
+    /// `r0 := r1 mod r2`, with the sign of r2
+    Mod(Reg, Reg, Reg),
     /// `r0 := r1 + integer`
     AddInt(Reg, Reg, i16),
     /// `r0 := r1 < r2`
@@ -73,6 +75,15 @@ pub enum Op {
     VectorRef(Reg, Reg, Reg),
     /// the element of the vector r0 at the position r1 `:= r2`
     SetVectorRef(Reg, Reg, Reg),
+    /// `r0 :=` the value of the key r1 in the hash table r2, or r3, or nil where there is no such register
+    TableRef(Reg, Reg, Reg, Reg),
+    /// the value of the key r0 in the hash table r1 `:= r2`
+    SetTableRef(Reg, Reg, Reg),
+    /// the cdr of the pair r1 `:=` a new pair `(r2)`, and r0 as well
+    Extend(Reg, Reg, Reg),
+    /// the sort with the state r0 goes on with what r2 says of its last question; the next one goes to r2 and r3, and r1
+    /// is the function to be asked; jumps when all is in order
+    MergeStep(Reg, i32),
     /// go on elsewhere
     Jump(i32),
     /// if r0 is nil
@@ -101,6 +112,18 @@ pub enum Op {
     JumpUnlessNumEqInt(Reg, i16, i32),
     /// unless `r0 ≠ integer`
     JumpUnlessNumDifferInt(Reg, i16, i32),
+    /// if `r0 < r1`
+    JumpIfLess(Reg, Reg, i32),
+    /// if `r0 ≤ r1`
+    JumpIfLessEq(Reg, Reg, i32),
+    /// if `r0 < integer`
+    JumpIfLessInt(Reg, i16, i32),
+    /// if `r0 ≤ integer`
+    JumpIfLessEqInt(Reg, i16, i32),
+    /// if `r0 > integer`
+    JumpIfGreaterInt(Reg, i16, i32),
+    /// if `r0 ≥ integer`
+    JumpIfGreaterEqInt(Reg, i16, i32),
     /// call the function in a global; arguments from r0, count, global; result in r0
     Call(Reg, u8, u32),
     /// the same in tail position
@@ -191,6 +214,7 @@ impl Op {
                 | Op::CellSet(..)
                 | Op::SetSlot(..)
                 | Op::SetVectorRef(..)
+                | Op::SetTableRef(..)
                 | Op::Assign(..)
                 | Op::Parallel(..)
                 | Op::ParallelMap(..)

@@ -26,12 +26,28 @@ pub fn open_distance_m(limits: &DriveLimits, obstacles_in_base: &[Point], direct
 pub(super) struct Obstacle {
     in_base: Point,
     away_m: f64,
+    /// From here on it is not come nearer to.
     hard_radius_m: f64,
+    /// So near the robot may come on its way, within that radius.
+    least_m: f64,
 }
 
 impl Obstacle {
+    /// One that may be glanced past.
     pub fn new(limits: &DriveLimits, in_base: Point) -> Self {
-        Self { in_base, away_m: in_base.coords.norm(), hard_radius_m: limits.hard_radius_m() }
+        const GLANCING_M: f64 = 0.002;
+        Self::with_air(in_base, limits.hard_radius_m(), GLANCING_M)
+    }
+
+    /// One to which so much air is kept, and to which nothing brings the robot nearer where there is less.
+    pub fn kept_off(limits: &DriveLimits, in_base: Point, air_m: f64) -> Self {
+        const ROUNDING_M: f64 = 1e-6;
+        Self::with_air(in_base, limits.robot_radius_m + air_m, ROUNDING_M)
+    }
+
+    fn with_air(in_base: Point, hard_radius_m: f64, nearer_m: f64) -> Self {
+        let away_m = in_base.coords.norm();
+        Self { in_base, away_m, hard_radius_m, least_m: hard_radius_m.min(away_m - nearer_m) }
     }
 
     /// How far the robot gets along its arc before this point is within its safe
@@ -55,9 +71,7 @@ impl Obstacle {
     /// Whether the robot is within the hard radius at a place, or nearer than it is now if it is
     /// within it already.
     fn is_touched_from(&self, at_in_base: Point) -> bool {
-        const GLANCING_M: f64 = 0.002;
-        let least_m = self.hard_radius_m.min(self.away_m - GLANCING_M);
-        (self.in_base - at_in_base).norm_squared() < least_m * least_m
+        (self.in_base - at_in_base).norm_squared() < self.least_m * self.least_m
     }
 
     /// Whether it is as near as anything may be, and straight driving brings it nearer.
@@ -117,13 +131,18 @@ pub(super) fn stops_in_time(limits: &DriveLimits, near: &[Obstacle], now: Veloci
     false
 }
 
-/// The obstacles that matter up to a speed, nearest first.
-pub(super) fn near_obstacles(limits: &DriveLimits, obstacles_in_base: &[Point], fastest_mps: f64) -> Vec<Obstacle> {
+/// The obstacles that matter up to a speed, nearest first; `obstacle` says how near the robot may come to each.
+pub(super) fn near_obstacles(
+    limits: &DriveLimits,
+    obstacles_in_base: &[Point],
+    fastest_mps: f64,
+    obstacle: impl Fn(Point) -> Obstacle,
+) -> Vec<Obstacle> {
     let reach_m = CLEARANCE_HORIZON_M.max(limits.stopping_distance_m(fastest_mps)) + limits.safe_radius_m(fastest_mps);
     let mut near: Vec<Obstacle> = obstacles_in_base
         .iter()
         .filter(|point| point.coords.norm_squared() < reach_m * reach_m)
-        .map(|&point| Obstacle::new(limits, point))
+        .map(|&point| obstacle(point))
         .collect();
     near.sort_by(|a, b| a.away_m.total_cmp(&b.away_m));
     near

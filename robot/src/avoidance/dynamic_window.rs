@@ -66,7 +66,8 @@ pub(super) const TURN_IN_PLACE_RAD: f64 = 0.9;
 pub fn best_velocity(limits: &DriveLimits, input: &WindowInput<'_>) -> Velocity {
     let bearing_rad = libm::atan2(input.target_in_base.y, input.target_in_base.x);
     let window = ReachableVelocities::around(limits, input, bearing_rad);
-    let near = near_obstacles(limits, input.obstacles_in_base, window.fastest_mps);
+    let near =
+        near_obstacles(limits, input.obstacles_in_base, window.fastest_mps, |point| Obstacle::new(limits, point));
     let mut best: Option<(f64, Velocity)> = None;
     for rotation_radps in window.rotations() {
         let ahead = TargetAhead::after_turning(limits, input, rotation_radps);

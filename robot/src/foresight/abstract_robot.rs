@@ -77,6 +77,8 @@ pub enum UnderWay {
         targets: Vec<Target>,
         /// So long it stands before what is closed.
         patience_s: f64,
+        /// Whether it moves already, so that setting off takes no more time.
+        has_set_off: bool,
     },
     /// To grasp a thing.
     Grasping(String),
@@ -268,9 +270,11 @@ impl AbstractRobot {
     /// What it was asked to do, as far as it is left.
     pub fn under_way(&self) -> Vec<UnderWay> {
         let left = |activity: &Activity| match &activity.asked {
-            UnderWay::Driving { targets, patience_s } => {
+            UnderWay::Driving { targets, patience_s, .. } => {
                 let reached = targets.len() - self.remaining_targets().min(targets.len());
-                UnderWay::Driving { targets: targets[reached..].to_vec(), patience_s: *patience_s }
+                let begins_us = self.drive.as_ref().and_then(|drive| drive.begins_us.first());
+                let has_set_off = begins_us.is_some_and(|&begins_us| begins_us <= self.now_us);
+                UnderWay::Driving { targets: targets[reached..].to_vec(), patience_s: *patience_s, has_set_off }
             }
             asked => asked.clone(),
         };
@@ -408,7 +412,9 @@ impl AbstractRobot {
     /// Begins what it is asked to do.
     pub fn begin(&mut self, map: WayMap<'_>, asked: &UnderWay) {
         let (takes_s, outcome) = match asked {
-            UnderWay::Driving { targets, patience_s } => self.drive(map, targets, *patience_s),
+            UnderWay::Driving { targets, patience_s, has_set_off } => {
+                self.drive(map, targets, *patience_s, *has_set_off)
+            }
             UnderWay::Grasping(thing) => self.grasp(thing),
             UnderWay::Releasing => self.release(),
             UnderWay::Looking => (self.knowledge.look_s, Outcome::Done),
@@ -419,13 +425,16 @@ impl AbstractRobot {
     }
 
     /// Begins to drive over targets, in order: how long it drives, and how that ends.
-    fn drive(&mut self, map: WayMap<'_>, targets: &[Target], patience_s: f64) -> (f64, Outcome) {
+    fn drive(&mut self, map: WayMap<'_>, targets: &[Target], patience_s: f64, has_set_off: bool) -> (f64, Outcome) {
         let Some(way) = Way::over(&self.ways, map, self.robot_in_map, targets) else {
             return (0.0, Outcome::Unreachable);
         };
         self.leave_to_chance();
         let features = way.features();
-        let times = self.knowledge.drive_times;
+        let mut times = self.knowledge.drive_times;
+        if has_set_off {
+            times.constant_s = 0.0;
+        }
         let expected_s = times.time_s(&features);
         let takes_s = self.knowledge.models.drive_time_s(expected_s, &mut self.streams.drives);
         // What is lost on the way, by people and by straying, is lost evenly.

@@ -1,15 +1,19 @@
 //! The belief and its two updates.
 
-use super::grid::State;
-use super::kernel::{self, LIFT, Share};
+use super::grid::{BeliefGrid, Place, State, TILE_EDGE};
+use super::ground::{Cells, GroundTile};
+use super::kernel::LIFT;
 use super::model::LocalizationModel;
+use super::motion::{Share, Surroundings};
 use super::parameters::Spread;
-use super::plane::{Activity, Plane};
+use super::plane::Plane;
 use super::sensor::BinnedScan;
-use super::weigh::{PLANES_FOR_THREADS, weigh_planes};
+use super::tile::Tile;
+use super::weigh::{TILES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
@@ -18,15 +22,27 @@ const HEADING_BLUR_AT: f64 = 0.1;
 /// With less than this (of [`LIFT`]), motion has left nothing.
 const LEAST_EVIDENCE: f64 = 1e-15;
 
-/// Planes that are spread over their neighbours one after the other.
-const SLICE: usize = 45;
-
-/// P(l) over all states: one plane per heading. Its mass is 1 after every operation but
+/// P(l) over all states: one plane per heading, each in tiles. Its mass is 1 after every operation but
 /// [`Belief::advance`], which a normalizing one must follow.
+///
+/// A tile sleeps while all its cells are below θ (Beetz et al. §2.1); all cells that sleep are worth the same. It
+/// wakes when motion or noise brings a cell of it above θ, and all wake when what sleeps comes to be worth θ.
+///
+/// # Deviation
+/// The paper keeps the cells of a part that sleeps, with a factor α_π for all normalizations since, and brings it back
+/// when α_π > 1. Below θ, cells differ by little from what mixing adds to each; so what falls asleep is put together
+/// with all that sleeps, and memory and time follow what may be true instead of the size of the map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
     /// Plane `k` has heading `(k + heading_offset) · angle_step`.
     pub(super) planes: Vec<Plane>,
+    /// A cell that is awake is worth `factor · stored + floor`: the normalization that the next pass over the cells
+    /// brings in, and what mixing has added to each cell that can be stood in.
+    factor: f64,
+    /// See above.
+    floor: f64,
+    /// Probability of each cell that sleeps.
+    pub(super) asleep: f64,
     /// Rotation that is not yet applied, in angle steps, at most one half.
     pub(super) heading_offset: f64,
     /// Variance of the rotation that is not yet applied, in squared angle steps.
@@ -36,9 +52,22 @@ pub struct Belief {
 impl Belief {
     /// Every admissible state alike.
     pub fn uniform(model: &LocalizationModel) -> Self {
-        let prior = model.prior() as f32;
-        let plane = Plane::active(Arc::new(model.admissible.iter().map(|cell| cell * prior).collect()));
-        Self { planes: vec![plane; model.grid.headings], heading_offset: 0.0, heading_variance: 0.0 }
+        let mut belief = Self::asleep(model);
+        belief.asleep = model.prior();
+        belief.wake_all(model);
+        belief
+    }
+
+    /// Nothing is awake, and what sleeps is worth nothing.
+    fn asleep(model: &LocalizationModel) -> Self {
+        Self {
+            planes: vec![Plane::default(); model.grid.headings],
+            factor: 1.0,
+            floor: 0.0,
+            asleep: 0.0,
+            heading_offset: 0.0,
+            heading_variance: 0.0,
+        }
     }
 
     /// A normal distribution around a pose; the uniform one if nothing around it is admissible.
@@ -46,40 +75,65 @@ impl Belief {
         let grid = &model.grid;
         let (x, y) = grid.fractional(pose_in_map.point());
         // Cells are laid through the pose itself, so that a belief without spread is exact.
-        let offset = [x - libm::round(x), y - libm::round(y)];
+        let offset_cells = [x - libm::round(x), y - libm::round(y)];
         let heading_steps = pose_in_map.heading_rad / grid.angle_step_rad();
-        let heading_offset = heading_steps - libm::round(heading_steps);
         let sigma = (spread.position_m / grid.cell_m).max(1e-3);
         let heading_sigma = (spread.heading_rad / grid.angle_step_rad()).max(1e-3);
+        let nearest = grid.heading_at(pose_in_map.heading_rad) as i64;
+        let along_headings: Vec<f64> = (0..grid.headings as i64)
+            .map(|heading| {
+                let half = grid.headings as i64 / 2;
+                let away = (heading - nearest + half).rem_euclid(grid.headings as i64) - half;
+                normal(away as f64 / heading_sigma)
+            })
+            .collect();
         let along = |count: usize, middle: f64| -> Vec<f64> {
             (0..count).map(|i| normal((i as f64 - middle) / sigma)).collect()
         };
         let (along_x, along_y) = (along(grid.columns, libm::round(x)), along(grid.rows, libm::round(y)));
-        let nearest = grid.heading_at(pose_in_map.heading_rad) as i64;
-        let mut belief = Self::uniform(model);
-        for (heading, plane) in belief.planes.iter_mut().enumerate() {
-            let half = grid.headings as i64 / 2;
-            let away = (heading as i64 - nearest + half).rem_euclid(grid.headings as i64) - half;
-            let share = normal(away as f64 / heading_sigma);
-            let mut cells = vec![0f32; grid.plane_len()];
-            for (cell, value) in cells.iter_mut().take(grid.cells()).enumerate() {
-                *value = (share * along_x[cell % grid.columns] * along_y[cell / grid.columns]) as f32;
-            }
-            *plane = Plane { offset_cells: offset, ..Plane::active(Arc::new(cells)) };
+        let at = |tile: u32, cell: usize| {
+            let [column, row] = grid.column_and_row(Place { tile: tile as usize, cell });
+            along_x[column as usize] * along_y[row as usize]
+        };
+        // The same in all planes, but for a factor.
+        let tiles = model.ground.tiles().map(|(number, ground)| {
+            let mut cells = ground.admissible;
+            ground.free().for_each(|cell| cells[cell] = at(number, cell) as f32);
+            Tile::new(number, cells)
+        });
+        let tiles: Vec<Tile> = tiles.collect();
+        let total = tiles.iter().map(|tile| tile.mass).sum::<f64>() * along_headings.iter().sum::<f64>();
+        if total <= 0.0 {
+            return Self::uniform(model);
         }
-        belief.heading_offset = heading_offset;
+        let mut belief = Self::asleep(model);
+        for (plane, share) in belief.planes.iter_mut().zip(along_headings) {
+            let factor = share / total;
+            let awake = tiles.iter().filter(|tile| f64::from(tile.peak) * factor >= model.threshold());
+            let scaled = |tile: &Tile| Tile::new(tile.number, tile.cells.map(|cell| (f64::from(cell) * factor) as f32));
+            *plane = Plane { offset_cells, ..Plane::of(awake.map(scaled).collect()) };
+        }
+        belief.heading_offset = heading_steps - libm::round(heading_steps);
         belief.sense(model, &[]);
         belief
     }
 
     /// Half of this belief and half of another one, cell by cell: places are exact to half a cell.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
-        let mut merged = Self::uniform(model);
+        let mut merged = Self::asleep(model);
         for (heading, plane) in merged.planes.iter_mut().enumerate() {
-            let both = |cell: usize| 0.5 * (self.planes[heading].value(cell) + other.planes[heading].value(cell));
-            let cells = (0..model.grid.plane_len()).map(|cell| (both(cell) * f64::from(model.admissible[cell])) as f32);
-            *plane = Plane::active(Arc::new(cells.collect()));
+            let held = [self, other].map(|belief| belief.planes[heading].tiles.iter().map(|tile| tile.number));
+            let mut numbers: Vec<u32> = held.into_iter().flatten().collect();
+            numbers.sort_unstable();
+            numbers.dedup();
+            let both = |number: u32| {
+                let ground = model.ground.tile(number)?;
+                let [own, others] = [self, other].map(|belief| belief.values(heading, number, ground));
+                Some(Tile::new(number, std::array::from_fn(|cell| 0.5 * (own[cell] + others[cell]))))
+            };
+            *plane = Plane::of(numbers.into_iter().filter_map(both).collect());
         }
+        merged.asleep = 0.5 * (self.asleep + other.asleep);
         merged.sense(model, &[]);
         merged
     }
@@ -88,25 +142,89 @@ impl Belief {
     /// the other grid it lies in.
     pub(super) fn resampled(model: &LocalizationModel, other: &Self, other_model: &LocalizationModel) -> Self {
         let grid = &model.grid;
-        let place = |column, row| other_model.grid.fractional(grid.centre(column, row));
-        let columns: Vec<f64> = (0..grid.columns).map(|column| place(column, 0).0).collect();
-        let rows: Vec<f64> = (0..grid.rows).map(|row| place(0, row).1).collect();
-        let resampled = |plane: &Plane| -> Plane {
-            let densities = plane.densities(other_model, &columns, &rows).into_iter().chain(std::iter::repeat(0.0));
-            let cells = model.admissible.iter().zip(densities);
-            let cells = cells.map(|(&admissible, density)| if admissible > 0.0 { density as f32 } else { 0.0 });
-            Plane::active(Arc::new(cells.collect()))
+        // What a state of the other grid is worth in this one.
+        let ratio = model.prior() / other_model.prior();
+        let resampled = |heading: usize| -> Plane {
+            let tiles = model.ground.tiles().filter_map(|(number, ground)| {
+                let cells = other.density(other_model, heading, grid, number, model.threshold() / ratio)?;
+                let tile =
+                    Tile::new(number, std::array::from_fn(|cell| cells[cell] * ratio as f32 * ground.admissible[cell]));
+                (f64::from(tile.peak) >= model.threshold()).then_some(tile)
+            });
+            Plane::of(tiles.collect())
         };
         // The other grid may have fewer headings: each of its planes is resampled once.
-        let sources: Vec<Plane> = other.planes.par_iter().map(resampled).collect();
-        let mut belief = Self::uniform(model);
-        update_planes(&mut belief.planes, |heading, plane| {
-            let source = &sources[other.plane_at(other_model, grid.angle_step_rad() * heading as f64)];
-            // Not shared, because they are weighed next.
-            *plane = Plane { cells: Arc::new(source.cells.to_vec()), ..source.clone() };
-        });
+        let sources: Vec<Plane> = (0..other.planes.len()).into_par_iter().map(resampled).collect();
+        let mut belief = Self::asleep(model);
+        for (heading, plane) in belief.planes.iter_mut().enumerate() {
+            *plane = sources[other.plane_at(other_model, grid.angle_step_rad() * heading as f64)].clone();
+        }
+        belief.asleep = ratio * other.mean_below(other_model, model.threshold() / ratio);
         belief.sense(model, &[]);
         belief
+    }
+
+    /// Probabilities of the states that the cells of a tile of another grid lie in: of the likeliest beside one that
+    /// cannot be stood in, because at a wall a point may be free whose coarse cell is not. None if all are below a
+    /// bound.
+    fn density(
+        &self,
+        model: &LocalizationModel,
+        heading: usize,
+        grid: &BeliefGrid,
+        number: u32,
+        bound: f64,
+    ) -> Option<Cells> {
+        let offset = self.planes[heading].offset_cells;
+        let corner = Place { tile: number as usize, cell: 0 };
+        let [column, row] = grid.column_and_row(corner);
+        let nearest = |along: i64, axis: usize| -> i64 {
+            let at = grid.origin_in_map[axis] + along as f64 * grid.cell_m - model.grid.origin_in_map[axis];
+            libm::round(at / model.grid.cell_m - offset[axis]) as i64
+        };
+        let columns: [i64; TILE_EDGE] = std::array::from_fn(|at| nearest(column + at as i64, 0));
+        let rows: [i64; TILE_EDGE] = std::array::from_fn(|at| nearest(row + at as i64, 1));
+        let [columns_around, rows_around] = [&columns, &rows].map(|places| places[0] - 1..=places[TILE_EDGE - 1] + 1);
+        if self.highest_within(model, heading, columns_around, rows_around) < bound {
+            return None;
+        }
+        let at = |column: i64, row: i64| self.probability_at(model, heading, [column, row]);
+        let likeliest = |column: i64, row: i64| {
+            let here = at(column, row);
+            let beside = || [at(column + 1, row), at(column - 1, row), at(column, row + 1), at(column, row - 1)];
+            if here > 0.0 { here } else { beside().into_iter().fold(0.0, f64::max) }
+        };
+        Some(std::array::from_fn(|cell| likeliest(columns[cell % TILE_EDGE], rows[cell / TILE_EDGE]) as f32))
+    }
+
+    /// The average probability of the states that are below a bound; 0 if none is.
+    fn mean_below(&self, model: &LocalizationModel, bound: f64) -> f64 {
+        let (mut mass, mut cells) = (0.0, 0_usize);
+        let mut add = |value: f64, count: usize| {
+            if value < bound {
+                mass += value * count as f64;
+                cells += count;
+            }
+        };
+        add(self.asleep, self.cells_asleep(model));
+        for tile in self.tiles() {
+            let free = model.ground.tile(tile.number).into_iter().flat_map(GroundTile::free);
+            free.for_each(|cell| add(self.value(tile.cells[cell]), 1));
+        }
+        mass / cells.max(1) as f64
+    }
+
+    /// At least the probability of the likeliest state in the tiles of a plane that some columns and rows meet.
+    fn highest_within(
+        &self,
+        model: &LocalizationModel,
+        heading: usize,
+        columns: RangeInclusive<i64>,
+        rows: RangeInclusive<i64>,
+    ) -> f64 {
+        let met = |tile: &&Tile| model.grid.meets(tile.number, &columns, &rows);
+        let peaks = self.planes[heading].tiles.iter().filter(met).map(|tile| self.value(tile.peak));
+        peaks.fold(self.asleep, f64::max)
     }
 
     /// The plane whose heading is nearest.
@@ -120,11 +238,22 @@ impl Belief {
         &self.planes
     }
 
-    /// Bytes of planes that an earlier belief does not share.
+    /// All tiles that are awake, plane by plane.
+    pub(super) fn tiles(&self) -> impl Iterator<Item = &Tile> {
+        self.planes.iter().flat_map(|plane| plane.tiles.iter())
+    }
+
+    /// How many states are asleep.
+    pub(super) fn cells_asleep(&self, model: &LocalizationModel) -> usize {
+        let awake = self.tiles().filter_map(|tile| model.ground.tile(tile.number)).map(|ground| ground.cells);
+        (model.ground.cells() * self.planes.len()).saturating_sub(awake.sum())
+    }
+
+    /// Bytes of tiles that an earlier belief does not share.
     pub(super) fn bytes_apart(&self, earlier: &Self) -> usize {
         let pairs = self.planes.iter().zip(&earlier.planes);
-        let apart = pairs.filter(|(plane, earlier)| !Arc::ptr_eq(&plane.cells, &earlier.cells));
-        apart.map(|(plane, _)| size_of_val(plane.cells.as_slice())).sum()
+        let apart = pairs.map(|(plane, earlier)| plane.tiles.len() - plane.shared_tiles(earlier));
+        apart.sum::<usize>() * size_of::<Cells>()
     }
 
     /// Planes that take part in updates.
@@ -132,9 +261,33 @@ impl Belief {
         self.planes.iter().filter(|plane| plane.is_active()).count()
     }
 
+    /// Factor and floor by which cells that are awake are read.
+    pub(super) fn terms(&self) -> [f32; 2] {
+        [self.factor as f32, self.floor as f32]
+    }
+
+    /// Probability of a cell that is awake and can be stood in.
+    pub(super) fn value(&self, stored: f32) -> f64 {
+        self.factor * f64::from(stored) + self.floor
+    }
+
+    /// Probability of the cells of a tile that can be stood in.
+    pub(super) fn mass_of(&self, model: &LocalizationModel, tile: &Tile) -> f64 {
+        self.factor * tile.mass + self.floor * model.ground.tile(tile.number).map_or(0.0, |ground| ground.cells as f64)
+    }
+
+    /// Probabilities of the cells of a tile of a plane, awake or not; 0 where nobody can stand.
+    pub(super) fn values(&self, heading: usize, number: u32, ground: &GroundTile) -> Cells {
+        match self.planes[heading].tile(number) {
+            Some(tile) => std::array::from_fn(|cell| self.value(tile.cells[cell]) as f32 * ground.admissible[cell]),
+            None => ground.filled(self.asleep as f32),
+        }
+    }
+
     /// The sum of the belief, 1 but for rounding. Reads what the last update summed.
     pub fn mass(&self, model: &LocalizationModel) -> f64 {
-        self.planes.iter().map(|plane| plane.mass(model)).sum()
+        let awake: f64 = self.tiles().map(|tile| self.mass_of(model, tile)).sum();
+        awake + self.asleep * self.cells_asleep(model) as f64
     }
 
     /// Heading of a plane, with the rotation not yet applied.
@@ -144,8 +297,20 @@ impl Belief {
 
     /// Probability of one state; 0 where the robot cannot stand.
     pub fn probability(&self, model: &LocalizationModel, state: State) -> f64 {
-        let cell = state.row * model.grid.columns + state.column;
-        if model.admissible[cell] == 0.0 { 0.0 } else { self.planes[state.heading].value(cell) }
+        self.probability_at(model, state.heading, [state.column as i64, state.row as i64])
+    }
+
+    /// The same of a cell that may be beyond the grid.
+    pub(super) fn probability_at(&self, model: &LocalizationModel, heading: usize, [column, row]: [i64; 2]) -> f64 {
+        let grid = &model.grid;
+        if !(0..grid.columns as i64).contains(&column) || !(0..grid.rows as i64).contains(&row) {
+            return 0.0;
+        }
+        let place = grid.place(column as usize, row as usize);
+        if !model.ground.is_free(place) {
+            return 0.0;
+        }
+        self.planes[heading].stored(place).map_or(self.asleep, |stored| self.value(stored))
     }
 
     /// Eq. (1) for a motion measured in the frame of the robot before it.
@@ -162,13 +327,14 @@ impl Belief {
         let forward = error.forward_m * error.forward_m * distance_m / (grid.cell_m * grid.cell_m);
         let sideward = error.sideward_m * error.sideward_m * distance_m / (grid.cell_m * grid.cell_m);
         let headings: Vec<f64> = (0..grid.headings).map(|heading| self.heading_rad(model, heading)).collect();
+        let around = self.surroundings(model);
         update_planes(&mut self.planes, |heading, plane| {
             let (sin, cos) = libm::sincos(headings[heading]);
             plane.offset_cells[0] += (cos * motion.x_m - sin * motion.y_m) / grid.cell_m;
             plane.offset_cells[1] += (sin * motion.x_m + cos * motion.y_m) / grid.cell_m;
             plane.variance_cells[0] += cos * cos * forward + sin * sin * sideward;
             plane.variance_cells[1] += sin * sin * forward + cos * cos * sideward;
-            plane.apply_motion(grid);
+            around.apply_motion(plane);
         });
         self.rotate(model, motion.heading_rad);
         let step = grid.angle_step_rad();
@@ -191,33 +357,31 @@ impl Belief {
         self.planes.rotate_right((whole as i64).rem_euclid(model.grid.headings as i64) as usize);
     }
 
-    /// Spreads every plane by `[g, 1 − 2g, g]` over its neighbours in heading.
+    /// What lies around the tiles that are awake.
+    fn surroundings<'m>(&self, model: &'m LocalizationModel) -> Surroundings<'m> {
+        let stored = |value: f64| ((value - self.floor) / self.factor) as f32;
+        Surroundings {
+            grid: &model.grid,
+            ground: &model.ground,
+            quiet: stored(self.asleep),
+            loud: stored(model.threshold()),
+        }
+    }
+
+    /// Spreads every plane by `[g, 1 − 2g, g]` over its neighbours in heading, aligned by where their cells really are.
     fn blur_headings(&mut self, model: &LocalizationModel, spread: f64) {
-        let count = self.planes.len();
-        let neighbours = |heading: usize| [(heading + count - 1) % count, (heading + 1) % count];
-        let wakes = |planes: &[Plane], heading: usize| {
-            neighbours(heading)
-                .iter()
-                .any(|&next| planes[next].is_active() && planes[next].peak() * spread >= model.threshold())
-        };
-        let waking: Vec<usize> =
-            (0..count).filter(|&heading| !self.planes[heading].is_active() && wakes(&self.planes, heading)).collect();
-        for heading in waking {
-            self.planes[heading].activate(model);
-        }
-        let active = self.active_planes();
-        let slices: Vec<[Plane; 2]> = (0..count)
-            .step_by(SLICE)
-            .map(|first| [(first + count - 1) % count, (first + SLICE).min(count) % count])
-            .map(|edges| edges.map(|heading| self.planes[heading].clone()))
-            .collect();
-        let blur = |(slice, edges): (&mut [Plane], [Plane; 2])| blur_slice(model, slice, edges, spread);
-        let slices = self.planes.chunks_mut(SLICE).zip(slices);
-        if active >= PLANES_FOR_THREADS && rayon::current_num_threads() > 1 {
-            slices.par_bridge().for_each(blur);
-        } else {
-            slices.for_each(blur);
-        }
+        let around = self.surroundings(model);
+        let before = self.planes.clone();
+        let count = before.len();
+        update_planes(&mut self.planes, |heading, plane| {
+            let shares = [(heading + count - 1) % count, (heading + 1) % count].map(|next| {
+                let away = |axis: usize| before[next].offset_cells[axis] - plane.offset_cells[axis];
+                Share { plane: &before[next], by_cells: [0, 1].map(|axis| libm::round(away(axis)) as i64) }
+            });
+            if before[heading].is_active() || shares.iter().any(|share| share.plane.is_active()) {
+                plane.tiles = around.blended(&before[heading], &shares, spread as f32);
+            }
+        });
     }
 
     /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes: takes in a scan of each sensor of the
@@ -244,12 +408,20 @@ impl Belief {
     /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.
     fn sense_scan(&mut self, model: &LocalizationModel, sensor: usize, readings: &[(usize, u8)], mixed: f64) {
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings) };
-        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, average);
-        let lifted = average * f64::from(LIFT);
-        let evidence: f64 =
-            self.planes.iter().map(|plane| plane.mass(model) * if plane.is_active() { 1.0 } else { lifted }).sum();
+        let terms = self.terms();
+        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, terms, average);
+        self.weighed(model, average, f64::from(LIFT), mixed);
+    }
+
+    /// Takes in that all tiles were weighed and are stored so many times as large, and normalizes; what sleeps is
+    /// multiplied by the average weight.
+    pub(super) fn weighed(&mut self, model: &LocalizationModel, average: f64, lift: f64, mixed: f64) {
+        (self.factor, self.floor) = (1.0, 0.0);
+        self.asleep *= average * lift;
+        let awake: f64 = self.tiles().map(|tile| tile.mass).sum();
+        let evidence = awake + self.asleep * self.cells_asleep(model) as f64;
         if evidence > LEAST_EVIDENCE {
-            self.normalize(model, evidence, lifted, mixed);
+            self.normalize(model, evidence, mixed);
         } else {
             *self = Self::uniform(model);
         }
@@ -267,72 +439,66 @@ impl Belief {
             *self = Self::uniform(model);
             return;
         }
-        let mass = self.mass(model);
-        self.normalize(model, mass, 1.0, share);
+        self.sense_scan(model, 0, &[], share);
     }
 
-    /// Divides by the evidence, mixes, and lets planes fall asleep or wake up.
-    pub(super) fn normalize(&mut self, model: &LocalizationModel, evidence: f64, average: f64, mixed: f64) {
+    /// Divides by the evidence, mixes, and lets tiles fall asleep or wake up.
+    fn normalize(&mut self, model: &LocalizationModel, evidence: f64, mixed: f64) {
         let scale = (1.0 - mixed) / evidence;
         let add = mixed * model.prior();
-        let threshold = model.threshold();
-        update_planes(&mut self.planes, |_, plane| {
-            let scale = if plane.is_active() { scale } else { average * scale };
-            plane.factor *= scale;
-            plane.floor = plane.floor * scale + add;
-            if plane.peak() >= threshold {
-                plane.activate(model);
-            } else {
-                plane.activity = Activity::Inactive;
-                plane.forget_if_negligible();
-            }
-        });
-    }
-}
-
-/// Spreads the planes of consecutive headings over their neighbours; `edges` are those before and
-/// after, as they were.
-fn blur_slice(model: &LocalizationModel, slice: &mut [Plane], edges: [Plane; 2], spread: f64) {
-    let [mut before, after] = edges;
-    for heading in 0..slice.len() {
-        let own = slice[heading].clone();
-        if own.is_active() {
-            let next = slice.get(heading + 1).unwrap_or(&after);
-            slice[heading] = blurred(model, &own, [&before, next], spread);
+        self.factor *= scale;
+        self.floor = self.floor * scale + add;
+        self.asleep = self.asleep * scale + add;
+        if self.asleep >= model.threshold() {
+            self.wake_all(model);
         }
-        before = own;
+        self.put_to_sleep(model);
     }
-}
 
-/// A plane with a share of its neighbours, aligned by where their cells really are. Of an inactive
-/// neighbour, whose cells are all below θ, the average is taken.
-fn blurred(model: &LocalizationModel, own: &Plane, neighbours: [&Plane; 2], spread: f64) -> Plane {
-    let keep = 1.0 - 2.0 * spread;
-    let mut plane = Plane { floor: keep * own.floor, ..own.clone() };
-    let mut shares = [const { Share::none() }; 2];
-    for (next, share) in neighbours.into_iter().zip(&mut shares) {
-        if next.is_active() {
-            let away = [0, 1].map(|axis| libm::round(next.offset_cells[axis] - own.offset_cells[axis]) as i64);
-            *share = Share { cells: &next.cells, by_cells: away, share: (spread * next.factor / own.factor) as f32 };
-            plane.floor += spread * next.floor;
-            plane.stored_peak = plane.stored_peak.max((f64::from(next.stored_peak) * next.factor / own.factor) as f32);
-        } else {
-            plane.floor += spread * next.mass(model) / model.admissible_cells as f64;
+    /// Brings every tile in which somebody can stand back.
+    fn wake_all(&mut self, model: &LocalizationModel) {
+        let quiet = self.surroundings(model).quiet;
+        let missing = |plane: &Plane| plane.tiles.len() < model.ground.numbers().len();
+        if !self.planes.iter().any(missing) {
+            return;
+        }
+        let fresh: Vec<Tile> =
+            model.ground.tiles().map(|(number, ground)| Tile::new(number, ground.filled(quiet))).collect();
+        for plane in self.planes.iter_mut().filter(|plane| missing(plane)) {
+            let tiles = fresh.iter().map(|fresh| plane.tile(fresh.number).unwrap_or(fresh).clone());
+            plane.tiles = Arc::new(tiles.collect());
         }
     }
-    plane.cells = Arc::new(kernel::blended(&own.cells, keep as f32, &shares, (model.grid.columns, model.grid.rows)));
-    plane
+
+    /// Puts tiles whose cells are all below θ together with what sleeps.
+    fn put_to_sleep(&mut self, model: &LocalizationModel) {
+        let is_quiet = |tile: &Tile| self.value(tile.peak) < model.threshold();
+        let quiet: Vec<&Tile> = self.tiles().filter(|tile| is_quiet(tile)).collect();
+        if quiet.is_empty() {
+            return;
+        }
+        let before = self.cells_asleep(model) as f64;
+        let cells: usize =
+            quiet.iter().filter_map(|tile| model.ground.tile(tile.number)).map(|ground| ground.cells).sum();
+        let mass: f64 = quiet.iter().map(|tile| self.mass_of(model, tile)).sum();
+        self.asleep = (self.asleep * before + mass) / (before + cells as f64);
+        let (factor, floor, threshold) = (self.factor, self.floor, model.threshold());
+        let stays = |tile: &Tile| factor * f64::from(tile.peak) + floor >= threshold;
+        for plane in self.planes.iter_mut().filter(|plane| !plane.tiles.iter().all(stays)) {
+            plane.tiles_mut().retain(stays);
+        }
+    }
 }
 
 fn normal(sigmas: f64) -> f64 {
     libm::exp(-0.5 * sigmas * sigmas)
 }
 
-/// Visits every plane, on several threads if many are active. A plane never looks at another one,
+/// Visits every plane, on several threads if many tiles are awake. A plane never looks at another one,
 /// so the threads do not change the result.
 fn update_planes(planes: &mut [Plane], update: impl Fn(usize, &mut Plane) + Sync) {
-    let active = planes.iter().filter(|plane| plane.is_active()).count();
-    if active >= PLANES_FOR_THREADS && rayon::current_num_threads() > 1 {
+    let tiles: usize = planes.iter().map(|plane| plane.tiles.len()).sum();
+    if tiles >= TILES_FOR_THREADS && rayon::current_num_threads() > 1 {
         planes.par_iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane));
     } else {
         planes.iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane));

@@ -1,8 +1,8 @@
 //! The distances to be expected from the map, for every cell and direction: a tile of cells at a time, when it is
 //! first asked for. A belief looks at the tiles it lies in, and a map may have thousands of others.
 
-use super::grid::BeliefGrid;
-use super::kernel::TILE;
+use super::grid::{BeliefGrid, Place, TILE};
+use super::ground::Ground;
 use super::scan_parameters::BeamParameters;
 use super::sensor::{self, NO_ECHO};
 use crate::geometry::Point;
@@ -17,8 +17,8 @@ pub(super) type TileBins = [[u8; TILE]];
 pub(super) struct ExpectedBins {
     sweeps: Arc<SweepMap>,
     grid: BeliefGrid,
-    /// 1 for cells of a plane that can be stood in, else 0; of the others nothing is known.
-    admissible: Arc<Vec<f32>>,
+    /// Which cells can be stood in; of the others nothing is known.
+    ground: Arc<Ground>,
     directions: usize,
     /// Rays from the middle of a cone to its edge.
     half_cone: usize,
@@ -34,15 +34,15 @@ impl ExpectedBins {
         sweeps: Arc<SweepMap>,
         grid: &BeliefGrid,
         directions: usize,
-        admissible: &Arc<Vec<f32>>,
+        ground: &Arc<Ground>,
         beam: &BeamParameters,
     ) -> Self {
         let mut tiles = Vec::new();
-        tiles.resize_with(grid.plane_len().div_ceil(TILE), OnceLock::new);
+        tiles.resize_with(grid.tiles(), OnceLock::new);
         Self {
             sweeps,
             grid: grid.clone(),
-            admissible: admissible.clone(),
+            ground: ground.clone(),
             directions,
             half_cone: directions * beam.cone_deg as usize / 720,
             max_range_m: beam.max_range_m,
@@ -51,30 +51,23 @@ impl ExpectedBins {
         }
     }
 
-    /// The cells that can be stood in, in order.
-    pub(super) fn admissible_cells(&self) -> impl Iterator<Item = usize> {
-        let numbered = self.admissible.iter().enumerate();
-        numbered.filter(|(_, admissible)| **admissible > 0.0).map(|(cell, _)| cell)
+    /// The cells that can be stood in, row by row of the map.
+    pub(super) fn admissible_cells(&self) -> impl Iterator<Item = Place> {
+        let columns = self.grid.columns;
+        let places = (0..self.grid.cells()).map(move |cell| self.grid.place(cell % columns, cell / columns));
+        places.filter(|&place| self.ground.is_free(place))
     }
 
     /// Expected bins of one tile; computed if nobody asked before, which takes a millisecond.
-    pub(super) fn tile(&self, tile: usize) -> &TileBins {
-        self.tiles[tile].get_or_init(|| self.swept(tile))
-    }
-
-    /// The same, if somebody asked before.
-    pub(super) fn known_tile(&self, tile: usize) -> Option<&TileBins> {
-        self.tiles[tile].get().map(|bins| &**bins)
+    pub(super) fn tile(&self, tile: u32) -> &TileBins {
+        self.tiles[tile as usize].get_or_init(|| self.swept(tile))
     }
 
     /// The nearest surface in the cone around each direction.
-    fn swept(&self, tile: usize) -> Box<TileBins> {
-        let columns = self.grid.columns;
-        let first = tile * TILE;
-        let cells = first..(first + TILE).min(self.admissible.len());
-        let free = cells.filter(|&cell| self.admissible[cell] > 0.0);
-        let points: Vec<(usize, Point)> =
-            free.map(|cell| (cell - first, self.grid.centre(cell % columns, cell / columns))).collect();
+    fn swept(&self, tile: u32) -> Box<TileBins> {
+        let place = |cell| Place { tile: tile as usize, cell };
+        let free = (0..TILE).filter(|&cell| self.ground.is_free(place(cell)));
+        let points: Vec<(usize, Point)> = free.map(|cell| (cell, self.grid.centre_of(place(cell)))).collect();
         let points = self.sweeps.points(&points);
         let mut rays = vec![[NO_ECHO; TILE]; self.directions];
         for direction in (0..self.directions).step_by(self.stride()) {
@@ -148,10 +141,13 @@ mod tests {
             let parameters = LocalizationParameters { cell_m, angle_step_deg: 6, ..LocalizationParameters::default() };
             let model = LocalizationModel::new(&symmetric_corridor(columns, rows), parameters).expect("it is a map");
             let (grid, sensor) = (&model.grid, &model.sensors[0]);
-            for cell in (0..grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
-                for heading in 0..grid.headings / 2 {
-                    let mirrored = sensor.expected_scan(heading + grid.headings / 2, grid.cells() - 1 - cell);
-                    assert_eq!(sensor.expected_scan(heading, cell), mirrored, "{columns} {rows} {cell} {heading}");
+            for (column, row) in (0..grid.cells()).map(|cell| (cell % grid.columns, cell / grid.columns)) {
+                let (place, twin) =
+                    (grid.place(column, row), grid.place(grid.columns - 1 - column, grid.rows - 1 - row));
+                assert_eq!(model.ground.is_free(place), model.ground.is_free(twin));
+                for heading in (0..grid.headings / 2).filter(|_| model.ground.is_free(place)) {
+                    let mirrored = sensor.expected_scan(heading + grid.headings / 2, twin);
+                    assert_eq!(sensor.expected_scan(heading, place), mirrored, "{columns} {rows} {place:?} {heading}");
                 }
             }
         }
@@ -164,10 +160,11 @@ mod tests {
         let model = || LocalizationModel::new(&symmetric_corridor(120, 30), parameters.clone()).expect("it is a map");
         let (one, other) = (model(), model());
         let [one, other] = [&one, &other].map(|model| model.sensors[0].expected());
-        assert!(one.tiles.len() > 2 && one.known_tile(0).is_none());
-        (0..one.tiles.len()).for_each(|tile| assert!(one.tile(tile).len() == one.directions));
-        for tile in (0..one.tiles.len()).rev() {
-            assert!(other.tile(tile) == one.tile(tile) && other.known_tile(tile).is_some());
+        let numbers = 0..one.tiles.len() as u32;
+        assert!(one.tiles.len() > 2 && one.tiles.iter().all(|tile| tile.get().is_none()));
+        numbers.clone().for_each(|tile| assert!(one.tile(tile).len() == one.directions));
+        for tile in numbers.rev() {
+            assert!(other.tile(tile) == one.tile(tile) && other.tiles[tile as usize].get().is_some());
         }
     }
 
@@ -178,8 +175,8 @@ mod tests {
         let table = model.sensors[0].expected();
         let beam = &model.parameters.sensors[0].beam;
         let (mut apart, mut farther) = ([0usize; 256], 0);
-        for cell in table.admissible_cells().step_by(53) {
-            let centre = model.grid.centre(cell % model.grid.columns, cell / model.grid.columns);
+        for place in table.admissible_cells().step_by(53) {
+            let centre = model.grid.centre_of(place);
             let cast: Vec<u8> = (0..table.directions)
                 .map(|direction| {
                     let ray = direction_of(direction, table.directions);
@@ -192,7 +189,7 @@ mod tests {
                     .map(|step| (direction + step) % table.directions)
                     .filter(|ray| ray % table.stride() == 0);
                 let nearest = in_cone.map(|ray| cast[ray]).min().expect("a cone has rays");
-                let swept = table.tile(cell / TILE)[direction][cell % TILE];
+                let swept = table.tile(place.tile as u32)[direction][place.cell];
                 apart[usize::from(swept.abs_diff(nearest))] += 1;
                 if swept.abs_diff(nearest) <= 3 {
                     farther += i32::from(swept) - i32::from(nearest);

@@ -62,7 +62,7 @@ const WATCH_BEAM_STRIDE: u64 = 3;
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
-/// The state of the filter. Cloning it shares the planes of the belief until one is written.
+/// The state of the filter. Cloning it shares the tiles of the belief until one is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Localization {
     belief: Belief,
@@ -335,7 +335,7 @@ impl Localization {
         self.belief.mass(model)
     }
 
-    /// Bytes of planes that an earlier state does not share.
+    /// Bytes of tiles that an earlier state does not share.
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
         let watch = match (&self.watch, &earlier.watch) {
             (Some(watch), Some(earlier)) => watch.bytes_apart(earlier),

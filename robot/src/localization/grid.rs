@@ -2,9 +2,26 @@
 
 use crate::geometry::{Point, wrap_angle_rad};
 use crate::occupancy::OccupancyGrid;
+use std::ops::RangeInclusive;
 
-/// Cells per block: planes are padded to whole blocks, and likelihoods are skipped block by block.
+/// Cells per block: likelihoods are skipped block by block.
 pub(super) const BLOCK: usize = 64;
+
+/// Cells along an edge of a tile.
+pub(super) const TILE_EDGE: usize = 32;
+
+/// Cells of a tile, `[row][column]`, whole blocks; the table of expected distances for one, all directions, is some
+/// 360 kB and fits a second-level cache.
+pub(super) const TILE: usize = TILE_EDGE * TILE_EDGE;
+
+/// Where a cell of a plane is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    /// Number of the tile, row by row.
+    pub tile: usize,
+    /// Its number there.
+    pub cell: usize,
+}
 
 /// One cell of the belief.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -72,9 +89,55 @@ impl BeliefGrid {
         self.cells() * self.headings
     }
 
-    /// Length of a stored plane, a whole number of blocks.
-    pub(super) fn plane_len(&self) -> usize {
-        self.cells().next_multiple_of(BLOCK)
+    /// Tiles along x and y.
+    pub(super) fn tiles_along(&self) -> [usize; 2] {
+        [self.columns.div_ceil(TILE_EDGE), self.rows.div_ceil(TILE_EDGE)]
+    }
+
+    /// Tiles that cover a plane.
+    pub(super) fn tiles(&self) -> usize {
+        let [across, up] = self.tiles_along();
+        across * up
+    }
+
+    /// By how much the tiles reach beyond the grid to the west and the south: half of what they are larger by, so that
+    /// tiles that mirror each other cover mirrored cells (but for one column or row where that is odd).
+    fn margins(&self) -> [usize; 2] {
+        let [across, up] = self.tiles_along();
+        [(across * TILE_EDGE - self.columns) / 2, (up * TILE_EDGE - self.rows) / 2]
+    }
+
+    /// Where the cell at a column and row is kept.
+    pub(super) fn place(&self, column: usize, row: usize) -> Place {
+        let [west, south] = self.margins();
+        let (column, row) = (column + west, row + south);
+        Place {
+            tile: row / TILE_EDGE * self.tiles_along()[0] + column / TILE_EDGE,
+            cell: row % TILE_EDGE * TILE_EDGE + column % TILE_EDGE,
+        }
+    }
+
+    /// Column and row of a cell, which may be beyond the grid.
+    pub(super) fn column_and_row(&self, Place { tile, cell }: Place) -> [i64; 2] {
+        let [across, _] = self.tiles_along();
+        let [west, south] = self.margins();
+        let (column, row) =
+            (tile % across * TILE_EDGE + cell % TILE_EDGE, tile / across * TILE_EDGE + cell / TILE_EDGE);
+        [column as i64 - west as i64, row as i64 - south as i64]
+    }
+
+    /// The state of a cell that is on the grid.
+    pub(super) fn state(&self, heading: usize, tile: u32, cell: usize) -> State {
+        let [column, row] = self.column_and_row(Place { tile: tile as usize, cell });
+        State { heading, row: row as usize, column: column as usize }
+    }
+
+    /// Whether a tile has cells of some columns and rows.
+    pub(super) fn meets(&self, tile: u32, columns: &RangeInclusive<i64>, rows: &RangeInclusive<i64>) -> bool {
+        let [column, row] = self.column_and_row(Place { tile: tile as usize, cell: 0 });
+        let last = TILE_EDGE as i64 - 1;
+        let overlaps = |first: i64, of: &RangeInclusive<i64>| first <= *of.end() && first + last >= *of.start();
+        overlaps(column, columns) && overlaps(row, rows)
     }
 
     /// Angle between two headings.
@@ -90,6 +153,12 @@ impl BeliefGrid {
     /// Middle of a cell, in the map frame.
     pub fn centre(&self, column: usize, row: usize) -> Point {
         Point::new(self.origin_in_map.x + column as f64 * self.cell_m, self.origin_in_map.y + row as f64 * self.cell_m)
+    }
+
+    /// Middle of a cell, in the map frame.
+    pub(super) fn centre_of(&self, place: Place) -> Point {
+        let [x_m, y_m] = self.column_and_row(place).map(|along| along as f64 * self.cell_m);
+        Point::new(self.origin_in_map.x + x_m, self.origin_in_map.y + y_m)
     }
 
     /// Column and row, in fractions of a cell, of a point in the map frame.
@@ -108,11 +177,6 @@ impl BeliefGrid {
     /// The plane nearest to a heading.
     pub fn heading_at(&self, heading_rad: f64) -> usize {
         (libm::round(heading_rad / self.angle_step_rad()) as i64).rem_euclid(self.headings as i64) as usize
-    }
-
-    /// Index of a state's cell in its plane.
-    pub(super) fn cell_of(&self, state: State) -> usize {
-        state.row * self.columns + state.column
     }
 }
 

@@ -1,16 +1,12 @@
-//! The loops over the cells of one plane. Every sum has one fixed order, and every operation is one
+//! The loops over the cells of one tile. Every sum has one fixed order, and every operation is one
 //! that rounds alike whatever the width of the registers: the loops are written in
 //! [`lanes`](super::lanes), and [`simd`](super::simd) compiles them for wider ones.
 
-use super::grid::BLOCK;
+use super::grid::{BLOCK, TILE};
 use super::lanes::{Float, LANES, Lanes};
 
 /// Blocks of a tile.
-const TILE_BLOCKS: usize = 16;
-
-/// Cells of a tile, whole blocks; the table of expected distances for one, all directions, is some
-/// 360 kB and fits a second-level cache.
-pub(super) const TILE: usize = TILE_BLOCKS * BLOCK;
+const TILE_BLOCKS: usize = TILE / BLOCK;
 
 /// Beams whose costs are looked up together.
 pub(super) const TOGETHER: usize = 4;
@@ -46,12 +42,12 @@ impl<'a> Beam<'a> {
     }
 }
 
-/// The part of a plane in one tile, and a scan to weigh it by.
+/// A tile of a plane, and a scan to weigh it by.
 pub(super) struct TilePart<'a> {
-    /// Whole blocks.
-    pub cells: &'a mut [f32],
+    /// The cells.
+    pub cells: &'a mut [f32; TILE],
     /// 1 where the robot can stand, else 0.
-    pub admissible: &'a [f32],
+    pub admissible: &'a [f32; TILE],
     /// Factor and floor by which the cells are to be read.
     pub terms: [f32; 2],
     /// The scan.
@@ -97,21 +93,11 @@ impl<L: Lanes> Visited<L> {
     }
 }
 
-/// Sum and maximum of whole blocks.
-pub(super) fn extent(cells: &[f32]) -> Extent {
-    let parts = cells.chunks(TILE).map(|part| {
-        let mut visited = Visited::<[f32; LANES]>::none();
-        part.as_chunks().0.iter().for_each(|chunk| visited.add(*chunk));
-        visited.extent()
-    });
-    parts.fold(Extent::default(), Extent::and)
-}
-
-impl Extent {
-    /// Of these cells and others.
-    pub(super) fn and(self, other: Self) -> Self {
-        Self { mass: self.mass + other.mass, peak: self.peak.larger(other.peak) }
-    }
+/// Sum and maximum of a tile.
+pub(super) fn extent(cells: &[f32; TILE]) -> Extent {
+    let mut visited = Visited::<[f32; LANES]>::none();
+    cells.as_chunks().0.iter().for_each(|chunk| visited.add(*chunk));
+    visited.extent()
 }
 
 #[inline(always)]
@@ -121,14 +107,6 @@ fn block_peak<L: Lanes>(cells: &[f32; BLOCK]) -> f32 {
         peaks = L::load(chunk).larger(peaks);
     }
     peaks.largest()
-}
-
-/// Whether any cell of a part, read by these terms, is weighed by its own costs.
-pub(super) fn is_loud(cells: &[f32], [factor, floor]: [f32; 2], threshold: f32) -> bool {
-    cells.as_chunks().0.iter().any(|block| {
-        let peak = block_peak::<[f32; LANES]>(block);
-        peak > 0.0 && peak * factor + floor >= threshold
-    })
 }
 
 /// Smallest value at which an admissible cell is read. No product of such a value, [`LIFT`], a weight
@@ -177,21 +155,17 @@ fn ln(x: f32) -> f32 {
     exponent as f32 * std::f32::consts::LN_2 + series * t
 }
 
-/// −Σ p ln p over the admissible cells of a plane whose cells are to be read by these terms.
+/// −Σ p ln p over the admissible cells of a tile whose cells are to be read by these terms.
 #[inline(always)]
-pub(super) fn entropy(cells: &[f32], admissible: &[f32], [factor, floor]: [f32; 2]) -> f64 {
-    let mut sum = 0.0;
-    for (cells, admissible) in cells.chunks(TILE).zip(admissible.chunks(TILE)) {
-        let mut sums = [0f32; LANES];
-        for (cells, admissible) in cells.as_chunks::<LANES>().0.iter().zip(admissible.as_chunks::<LANES>().0) {
-            for lane in 0..LANES {
-                let value = (cells[lane] * factor + floor) * admissible[lane];
-                sums[lane] -= value * ln(value);
-            }
+pub(super) fn entropy(cells: &[f32; TILE], admissible: &[f32; TILE], [factor, floor]: [f32; 2]) -> f64 {
+    let mut sums = [0f32; LANES];
+    for (cells, admissible) in cells.as_chunks::<LANES>().0.iter().zip(admissible.as_chunks::<LANES>().0) {
+        for lane in 0..LANES {
+            let value = (cells[lane] * factor + floor) * admissible[lane];
+            sums[lane] -= value * ln(value);
         }
-        sum += sums.iter().map(|&lane| f64::from(lane)).sum::<f64>();
     }
-    sum
+    sums.iter().map(|&lane| f64::from(lane)).sum()
 }
 
 /// Cells a turn of the portable loop looks up.
@@ -250,6 +224,10 @@ pub(super) fn weigh<L: Lanes>(
             visited.add(weighed);
         }
     }
+    if count == 0 {
+        // Of most tiles nothing is left to do, and to clear the sums takes as long as that.
+        return visited.extent();
+    }
     let loud = &loud[..count];
     let mut sums = [[0; BLOCK]; TILE_BLOCKS];
     cost_sums(&mut sums, part.beams, loud);
@@ -274,111 +252,9 @@ fn read<L: Lanes>(cells: &[f32; LANES], [factor, floor]: [L; 2]) -> L {
 }
 
 /// `cell · factor + floor` where admissible, else 0.
-pub(super) fn apply_terms(cells: &mut [f32], admissible: &[f32], [factor, floor]: [f32; 2]) {
+pub(super) fn apply_terms(cells: &mut [f32; TILE], admissible: &[f32; TILE], [factor, floor]: [f32; 2]) {
     for (cell, admissible) in cells.iter_mut().zip(admissible) {
         *cell = (*cell * factor + floor).larger(FLOOR) * admissible;
-    }
-}
-
-/// Moves a plane by whole cells; what leaves it is lost, what enters is 0.
-pub(super) fn shift(cells: &mut [f32], columns: usize, rows: usize, by_columns: i64, by_rows: i64) {
-    if by_columns == 0 && by_rows == 0 {
-        return;
-    }
-    let across = by_columns.unsigned_abs() as usize;
-    if across >= columns || by_rows.unsigned_abs() as usize >= rows {
-        cells.fill(0.0);
-        return;
-    }
-    for step in 0..rows {
-        let to = if by_rows > 0 { rows - 1 - step } else { step };
-        let from = to as i64 - by_rows;
-        if from < 0 || from >= rows as i64 {
-            cells[to * columns..][..columns].fill(0.0);
-            continue;
-        }
-        let from = from as usize * columns;
-        let to = to * columns;
-        if by_columns >= 0 {
-            cells.copy_within(from..from + columns - across, to + across);
-            cells[to..to + across].fill(0.0);
-        } else {
-            cells.copy_within(from + across..from + columns, to);
-            cells[to + columns - across..to + columns].fill(0.0);
-        }
-    }
-}
-
-/// Spreads every cell by `[g, 1 − 2g, g]` along each axis: mean 0, variance 2g cells².
-pub(super) fn blur(cells: &mut [f32], columns: usize, rows: usize, spread_x: f32, spread_y: f32) {
-    let mut padded = vec![0f32; columns + 2];
-    let mut above = vec![0f32; columns];
-    let mut this = vec![0f32; columns];
-    for row in cells.chunks_exact_mut(columns).take(rows) {
-        padded[1..=columns].copy_from_slice(row);
-        let (left, middle, right) = (&padded[..columns], &padded[1..=columns], &padded[2..]);
-        for (cell, ((left, middle), right)) in row.iter_mut().zip(left.iter().zip(middle).zip(right)) {
-            *cell = (1.0 - 2.0 * spread_x) * middle + spread_x * (left + right);
-        }
-    }
-    for row in 0..rows {
-        let (head, tail) = cells.split_at_mut((row + 1) * columns);
-        let out = &mut head[row * columns..];
-        this.copy_from_slice(out);
-        for (cell, above) in out.iter_mut().zip(&above) {
-            *cell = (1.0 - 2.0 * spread_y) * *cell + spread_y * above;
-        }
-        if row + 1 < rows {
-            for (cell, below) in out.iter_mut().zip(&tail[..columns]) {
-                *cell += spread_y * below;
-            }
-        }
-        std::mem::swap(&mut above, &mut this);
-    }
-}
-
-/// What a plane gets from another one.
-pub(super) struct Share<'a> {
-    /// The other plane.
-    pub cells: &'a [f32],
-    /// By how many columns and rows it is moved.
-    pub by_cells: [i64; 2],
-    /// What it is multiplied by.
-    pub share: f32,
-}
-
-impl Share<'_> {
-    /// Nothing.
-    pub(super) const fn none() -> Self {
-        Self { cells: &[], by_cells: [0; 2], share: 0.0 }
-    }
-}
-
-/// `keep` of a plane and shares of others.
-pub(super) fn blended(own: &[f32], keep: f32, shares: &[Share; 2], (columns, rows): (usize, usize)) -> Vec<f32> {
-    let mut out: Vec<f32> = Vec::with_capacity(own.len());
-    for (row, cells) in own.chunks_exact(columns).take(rows).enumerate() {
-        out.extend(cells.iter().map(|cell| keep * cell));
-        for share in shares {
-            add_row(&mut out[row * columns..], row, share, (columns, rows));
-        }
-    }
-    out.resize(own.len(), 0.0);
-    out
-}
-
-/// Adds one row of a share.
-fn add_row(out: &mut [f32], row: usize, other: &Share, (columns, rows): (usize, usize)) {
-    let [by_columns, by_rows] = other.by_cells;
-    let from = row as i64 - by_rows;
-    if other.cells.is_empty() || from < 0 || from >= rows as i64 {
-        return;
-    }
-    let left = by_columns.clamp(0, columns as i64);
-    let right = (columns as i64 + by_columns).clamp(left, columns as i64);
-    let source = &other.cells[(from * columns as i64 + left - by_columns) as usize..];
-    for (cell, value) in out[left as usize..right as usize].iter_mut().zip(source) {
-        *cell += other.share * value;
     }
 }
 
@@ -397,47 +273,5 @@ mod tests {
         }
         assert_eq!(exp2(-1e9), exp2(LEAST_LOG2));
         assert_eq!(0.0 * ln(0.0), 0.0);
-    }
-
-    #[test]
-    fn a_shift_moves_a_point_and_drops_what_leaves() {
-        for (dx, dy) in [(2, 1), (-2, 1), (2, -1), (-1, -2), (0, 3), (-3, 0)] {
-            let mut cells = vec![0.0; 64];
-            cells[3 * 7 + 3] = 1.0;
-            cells[6] = 0.5;
-            shift(&mut cells, 7, 7, dx, dy);
-            assert_eq!(cells[((3 + dy) * 7 + 3 + dx) as usize], 1.0);
-            let corner_stays = dx <= 0 && dy >= 0;
-            assert_eq!(cells.iter().filter(|&&cell| cell == 0.5).count(), usize::from(corner_stays));
-        }
-    }
-
-    #[test]
-    fn a_blur_keeps_mass_and_mean_and_adds_its_variance() {
-        let (columns, rows) = (9, 7);
-        let mut cells = vec![0.0; 64];
-        cells[3 * columns + 4] = 1.0;
-        blur(&mut cells, columns, rows, 0.1, 0.2);
-        let moment = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-            (0..columns * rows)
-                .map(|i| f64::from(cells[i]) * f((i % columns) as f64 - 4.0, (i / columns) as f64 - 3.0))
-                .sum()
-        };
-        assert!((moment(&|_, _| 1.0) - 1.0).abs() < 1e-6);
-        assert!(moment(&|x, _| x).abs() < 1e-6 && moment(&|_, y| y).abs() < 1e-6);
-        assert!((moment(&|x, _| x * x) - 0.2).abs() < 1e-6 && (moment(&|_, y| y * y) - 0.4).abs() < 1e-6);
-    }
-
-    #[test]
-    fn blending_in_a_moved_plane_is_shifting_and_adding() {
-        let source: Vec<f32> = (0..64).map(|i| if i < 63 { i as f32 } else { 0.0 }).collect();
-        for (dx, dy) in [(0, 0), (1, -1), (-2, 2), (9, 0), (-12, 8)] {
-            let mut moved = source.clone();
-            shift(&mut moved, 9, 7, dx, dy);
-            let shares = [Share { cells: &source, by_cells: [dx, dy], share: 2.0 }, Share::none()];
-            let out = blended(&source, 0.5, &shares, (9, 7));
-            let expected: Vec<f32> = source.iter().zip(&moved).map(|(own, other)| 0.5 * own + 2.0 * other).collect();
-            assert_eq!(out, expected);
-        }
     }
 }

@@ -1,10 +1,12 @@
 //! A landmark that was seen, as one more beam: how likely each state is by it.
 
 use super::belief::Belief;
+use super::grid::{Place, TILE, TILE_EDGE};
 use super::kernel;
 use super::model::LocalizationModel;
-use super::plane::Plane;
+use super::tile::Tile;
 use crate::geometry::{Point, Pose, Transform, Vector};
+use std::sync::Arc;
 
 /// How far what a camera tells of a landmark is off, as standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,66 +106,76 @@ impl LocalizationModel {
     }
 
     fn admissible_m2(&self) -> f64 {
-        self.admissible_cells as f64 * self.grid.cell_m * self.grid.cell_m
+        self.ground.cells() as f64 * self.grid.cell_m * self.grid.cell_m
     }
 }
 
 impl Belief {
     /// Eq. (2) for a landmark that was seen from where the robot was at the last update. A state is as likely as a
     /// camera there tells such a bearing and distance of one of the candidates that it can see; but a sighting may
-    /// be a mistake, which any state explains alike. Cost: a pass over the active planes.
+    /// be a mistake, which any state explains alike. Cost: a pass over the tiles that are awake.
     pub(super) fn see(&mut self, model: &LocalizationModel, sighting: &LandmarkSighting) {
         let headings: Vec<f64> = (0..self.planes.len()).map(|heading| self.heading_rad(model, heading)).collect();
+        let terms = self.terms();
         let mut average = MISTAKEN;
         for (plane, heading_rad) in self.planes.iter_mut().zip(headings) {
             let spots = model.spots(sighting, heading_rad);
             let volume_m2 = |spot: &Spot| std::f64::consts::TAU * spot.along_m * spot.across_m;
             average += spots.iter().map(volume_m2).sum::<f64>() / model.admissible_m2() / model.grid.headings as f64;
+            let seen = Seen { model, spots: &spots, terms };
             if plane.is_active() {
-                plane.see(model, &spots);
+                let offset_cells = plane.offset_cells;
+                plane.tiles_mut().iter_mut().for_each(|tile| seen.weigh(tile, offset_cells));
             }
         }
-        let mass = |plane: &Plane| plane.mass(model) * if plane.is_active() { 1.0 } else { average };
-        let evidence = self.planes.iter().map(mass).sum();
-        self.normalize(model, evidence, average, 0.0);
+        self.weighed(model, average, 1.0, 0.0);
     }
 }
 
-impl Plane {
-    /// Weighs every cell by what is seen from it.
-    fn see(&mut self, model: &LocalizationModel, spots: &[Spot]) {
-        let grid = &model.grid;
-        let terms = self.terms();
-        let mut near: Vec<(usize, f64)> = Vec::new();
-        for spot in spots {
-            let (x, y) = grid.fractional(spot.in_map);
-            let (x, y, reach) = (x - self.offset_cells[0], y - self.offset_cells[1], spot.reach_m() / grid.cell_m);
-            let along = |middle: f64, count: usize| {
-                libm::ceil(middle - reach).max(0.0) as usize
-                    ..libm::floor(middle + reach + 1.0).clamp(0.0, count as f64) as usize
-            };
-            for row in along(y, grid.rows) {
-                for column in along(x, grid.columns) {
-                    let cell = row * grid.columns + column;
-                    let (x, y) = self.position_cells(grid, cell);
-                    let at = grid.origin_in_map + Vector::new(x, y) * grid.cell_m;
-                    near.push((cell, spot.likelihood(at)));
-                }
+/// A landmark that is seen from some spots.
+struct Seen<'m> {
+    model: &'m LocalizationModel,
+    spots: &'m [Spot],
+    /// Factor and floor by which cells are read.
+    terms: [f32; 2],
+}
+
+impl Seen<'_> {
+    /// Weighs every cell of a tile by what is seen from it; one from which two may be it counts by the likelier.
+    fn weigh(&self, tile: &mut Tile, offset_cells: [f64; 2]) {
+        let Some(ground) = self.model.ground.tile(tile.number) else { return };
+        let mut likelihoods = [0.0; TILE];
+        for spot in self.spots {
+            self.add(spot, tile.number, offset_cells, &mut likelihoods);
+        }
+        let cells = Arc::make_mut(&mut tile.cells);
+        kernel::apply_terms(cells, &ground.admissible, self.terms);
+        let mistaken = MISTAKEN as f32;
+        cells.iter_mut().zip(likelihoods).for_each(|(cell, likelihood)| {
+            *cell *= mistaken + (1.0 - mistaken) * likelihood as f32;
+        });
+        let extent = kernel::extent(cells);
+        (tile.mass, tile.peak) = (extent.mass, extent.peak);
+    }
+
+    /// The likelihoods of the cells of a tile that are near a spot.
+    fn add(&self, spot: &Spot, tile: u32, [dx, dy]: [f64; 2], likelihoods: &mut [f64; TILE]) {
+        let grid = &self.model.grid;
+        let (x, y) = grid.fractional(spot.in_map);
+        let reach = spot.reach_m() / grid.cell_m;
+        let [first_column, first_row] = grid.column_and_row(Place { tile: tile as usize, cell: 0 });
+        let along = |middle: f64, first: i64| {
+            let within = |place: f64| (place - first as f64).clamp(0.0, TILE_EDGE as f64) as usize;
+            within(libm::ceil(middle - reach))..within(libm::floor(middle + reach + 1.0))
+        };
+        for row in along(y - dy, first_row) {
+            for column in along(x - dx, first_column) {
+                let (x, y) = ((first_column + column as i64) as f64 + dx, (first_row + row as i64) as f64 + dy);
+                let likelihood = spot.likelihood(grid.origin_in_map + Vector::new(x, y) * grid.cell_m);
+                let before = &mut likelihoods[row * TILE_EDGE + column];
+                *before = before.max(likelihood);
             }
         }
-        // A cell from which two may be it counts by the likelier.
-        near.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-        near.dedup_by_key(|(cell, _)| *cell);
-        let cells = self.cells_mut();
-        kernel::apply_terms(cells, &model.admissible, terms);
-        let mistaken = MISTAKEN as f32;
-        let mut next = near.into_iter().peekable();
-        for (number, value) in cells.iter_mut().enumerate() {
-            let likelihood = next.next_if(|(cell, _)| *cell == number).map_or(0.0, |(_, likelihood)| likelihood);
-            *value *= mistaken + (1.0 - mistaken) * likelihood as f32;
-        }
-        let extent = kernel::extent(&self.cells);
-        self.weighed(extent);
     }
 }
 

@@ -6,8 +6,9 @@
 //! is the state: the belief, and the odometry at its last update. It never reads a clock and never
 //! moves the robot.
 //!
-//! Read in this order: `scan_parameters`, `parameters`, `grid`, `sensor`, `expected`, `scan`, `model` (what never changes), then
-//! `plane`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark` (what was seen), `calibration`,
+//! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
+//! never changes), then `tile`, `plane`, `motion`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark`
+//! (what was seen), `calibration`,
 //! `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
@@ -16,14 +17,16 @@ mod error;
 mod expected;
 mod filter;
 mod grid;
+mod ground;
 mod kernel;
 mod landmark;
 mod lanes;
 mod model;
+mod motion;
 mod parameters;
 mod plane;
 mod reading;
-mod saved_cells;
+mod saved_tiles;
 mod scan;
 mod scan_match;
 mod scan_parameters;
@@ -32,6 +35,7 @@ mod simd;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod tile;
 mod weigh;
 
 pub use belief::Belief;
@@ -43,7 +47,7 @@ pub use kernel::MAX_BEAMS;
 pub use landmark::{LandmarkNoise, LandmarkSighting};
 pub use model::LocalizationModel;
 pub use parameters::{LocalizationParameters, OdometryError, Spread, Watch};
-pub use plane::{Activity, Plane};
+pub use plane::Plane;
 pub use reading::{Offness, ReadingModel, StateShare};
 pub use scan::ScanModel;
 pub use scan_parameters::{BeamParameters, Gating, ScanParameters};

@@ -2,12 +2,13 @@
 
 use super::error::ModelError;
 use super::grid::{BeliefGrid, State};
+use super::ground::Ground;
 use super::kernel::MAX_BEAMS;
 use super::parameters::LocalizationParameters;
 use super::scan::{ScanModel, SeenMap};
 use super::sensor::BinnedScan;
 use super::simd::Instructions;
-use crate::geometry::{Pose, Vector};
+use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use std::sync::Arc;
 
@@ -23,10 +24,8 @@ pub struct LocalizationModel {
     pub sensors: Vec<ScanModel>,
     /// Distances in the map.
     pub distances: Arc<DistanceField>,
-    /// 1 for cells of a plane that can be stood in, else 0; padded to whole blocks.
-    pub(super) admissible: Arc<Vec<f32>>,
-    /// How many of them there are in one plane.
-    pub(super) admissible_cells: usize,
+    /// Which cells of a plane can be stood in.
+    pub(super) ground: Arc<Ground>,
     /// What the loops over cells are run with.
     pub(super) instructions: Instructions,
     /// The model of the coarse belief that watches, if there is one.
@@ -80,8 +79,10 @@ impl LocalizationModel {
         }
         parameters.sensors.iter().try_for_each(|sensor| check_beams(&sensor.beams_deg))?;
         let grid = BeliefGrid::over(map, parameters.cell_m, step_deg, parameters.centred);
-        let admissible = Arc::new(admissible_cells(map, distances, &grid, parameters.clearance_m));
-        if admissible.iter().all(|&cell| cell == 0.0) {
+        let ground = Arc::new(Ground::new(&grid, |column, row| {
+            fits(map, distances, grid.centre(column, row), parameters.clearance_m)
+        }));
+        if ground.cells() == 0 {
             return Err(ModelError::NoFreeCell);
         }
         let watch = match parameters.of_watch() {
@@ -89,14 +90,13 @@ impl LocalizationModel {
             None => None,
         };
         let sensors = parameters.sensors.iter().zip(seen);
-        let sensors = sensors.map(|(sensor, seen)| ScanModel::new(sensor.clone(), seen, &grid, &admissible)).collect();
+        let sensors = sensors.map(|(sensor, seen)| ScanModel::new(sensor.clone(), seen, &grid, &ground)).collect();
         Ok(Self {
             sensors,
-            admissible_cells: admissible.iter().filter(|&&cell| cell > 0.0).count(),
             parameters,
             grid,
             distances: distances.clone(),
-            admissible,
+            ground,
             instructions: Instructions::fastest(),
             watch,
         })
@@ -117,17 +117,17 @@ impl LocalizationModel {
 
     /// Cells of (x, y) the robot can stand in.
     pub fn admissible_cells(&self) -> usize {
-        self.admissible_cells
+        self.ground.cells()
     }
 
     /// Whether the robot can stand in this cell.
     pub fn is_admissible(&self, column: usize, row: usize) -> bool {
-        self.admissible[row * self.grid.columns + column] > 0.0
+        self.ground.is_free(self.grid.place(column, row))
     }
 
     /// Probability of one state when nothing is known.
     pub fn prior(&self) -> f64 {
-        1.0 / (self.admissible_cells as f64 * self.grid.headings as f64)
+        1.0 / (self.ground.cells() as f64 * self.grid.headings as f64)
     }
 
     /// θ of Beetz et al. Eq. (3).
@@ -143,7 +143,7 @@ impl LocalizationModel {
 
     /// The noise-free scan of a sensor at a state, in bins.
     pub fn expected_scan(&self, sensor: usize, state: State) -> Vec<u8> {
-        self.sensors[sensor].expected_scan(state.heading, self.grid.cell_of(state))
+        self.sensors[sensor].expected_scan(state.heading, self.grid.place(state.column, state.row))
     }
 
     /// The average weight of a scan of a sensor; sampled where the coarse belief has its cells, if one watches: it
@@ -179,19 +179,8 @@ fn check_beams(beams_deg: &[i32]) -> Result<(), ModelError> {
 const BESIDE_M: [Vector; 4] =
     [Vector::new(-1e-6, -1e-6), Vector::new(1e-6, -1e-6), Vector::new(-1e-6, 1e-6), Vector::new(1e-6, 1e-6)];
 
-fn admissible_cells(map: &OccupancyGrid, field: &DistanceField, grid: &BeliefGrid, clearance_m: f64) -> Vec<f32> {
-    let mut cells = vec![0.0; grid.plane_len()];
-    for row in 0..grid.rows {
-        for column in 0..grid.columns {
-            // A middle that lies between map cells counts as in each of them.
-            let fits = BESIDE_M.iter().all(|beside| {
-                let point = grid.centre(column, row) + beside;
-                map.at(point) == Cell::Free && field.clearance_m(point) >= clearance_m
-            });
-            if fits {
-                cells[row * grid.columns + column] = 1.0;
-            }
-        }
-    }
-    cells
+/// Whether the robot can stand at a point; one that lies between map cells counts as in each of them.
+fn fits(map: &OccupancyGrid, field: &DistanceField, point: Point, clearance_m: f64) -> bool {
+    let fits_at = |point: Point| map.at(point) == Cell::Free && field.clearance_m(point) >= clearance_m;
+    BESIDE_M.iter().all(|beside| fits_at(point + beside))
 }

@@ -1,9 +1,8 @@
 //! Single readings: a belief read one beam of one sensor at a time.
 
 use super::belief::Belief;
-use super::grid::State;
+use super::grid::{Place, State};
 use super::model::LocalizationModel;
-use super::plane::Plane;
 use super::scan::ScanModel;
 use super::scan_parameters::BeamParameters;
 use super::sensor::{BINS, BinnedScan, mixture};
@@ -79,7 +78,7 @@ impl LocalizationModel {
     pub fn expected_shares(&self, sensor: usize, beam: usize, states: &[StateShare]) -> [f64; BINS] {
         let mut shares = [0.0; BINS];
         for StateShare { state, share } in states {
-            let bin = self.sensors[sensor].expected_bin(state.heading, self.grid.cell_of(*state), beam);
+            let bin = self.sensors[sensor].expected_bin(state.heading, self.grid.place(state.column, state.row), beam);
             shares[usize::from(bin)] += share;
         }
         shares
@@ -103,28 +102,31 @@ impl Belief {
         self.sense(model, &scans);
     }
 
-    /// At most so many states, drawn evenly: along the cells of the belief, plane by plane and row by
-    /// row, one wherever another `1 / count` of it has been passed. A state with more than that stands
-    /// for all it has, to `1 / count`. O(cells of the planes that hold any).
+    /// At most so many states, drawn evenly: along the cells of the belief, plane by plane and tile by
+    /// tile, one wherever another `1 / count` of it has been passed. A state with more than that stands
+    /// for all it has, to `1 / count`. O(tiles, and cells of those that hold any).
     pub fn drawn_states(&self, model: &LocalizationModel, count: usize) -> Vec<StateShare> {
         let spacing = self.mass(model) / count as f64;
         let mut states: Vec<StateShare> = Vec::new();
         let (mut before, mut due) = (0.0, spacing / 2.0);
         for (heading, plane) in self.planes().iter().enumerate() {
-            let mut passed = before;
-            before += plane.mass(model);
-            if due >= before {
-                continue;
-            }
-            for cell in (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
-                passed += plane.value(cell);
-                if passed <= due {
+            for (number, ground) in model.ground.tiles() {
+                let mut passed = before;
+                before +=
+                    plane.tile(number).map_or(self.asleep * ground.cells as f64, |tile| self.mass_of(model, tile));
+                if due >= before {
                     continue;
                 }
-                let times = libm::ceil((passed - due) / spacing);
-                due += times * spacing;
-                let state = State { heading, row: cell / model.grid.columns, column: cell % model.grid.columns };
-                states.push(StateShare { state, share: times });
+                let values = self.values(heading, number, ground);
+                for cell in ground.free() {
+                    passed += f64::from(values[cell]);
+                    if passed <= due {
+                        continue;
+                    }
+                    let times = libm::ceil((passed - due) / spacing);
+                    due += times * spacing;
+                    states.push(StateShare { state: model.grid.state(heading, number, cell), share: times });
+                }
             }
         }
         let total: f64 = states.iter().map(|state| state.share).sum();
@@ -134,38 +136,43 @@ impl Belief {
 
     /// Every state the robot can be in, with its probability. O(states).
     pub fn all_states(&self, model: &LocalizationModel) -> Vec<StateShare> {
-        let of_plane = |heading: usize| {
-            let cells = (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0);
-            cells.map(move |cell| {
-                let state = State { heading, row: cell / model.grid.columns, column: cell % model.grid.columns };
-                StateShare { state, share: self.planes()[heading].value(cell) }
-            })
-        };
-        (0..self.planes().len()).flat_map(of_plane).collect()
+        let mut states = Vec::new();
+        for heading in 0..self.planes().len() {
+            for (number, ground) in model.ground.tiles() {
+                let values = self.values(heading, number, ground);
+                let state = |cell| StateShare {
+                    state: model.grid.state(heading, number, cell),
+                    share: f64::from(values[cell]),
+                };
+                states.extend(ground.free().map(state));
+            }
+        }
+        states
     }
 
-    /// How far the belief is from a point, and how much of it is near. Headings that hold less than
-    /// 10⁻¹² count for nothing. O(cells of the others).
+    /// How far the belief is from a point, and how much of it is near. O(states).
     pub fn off_from(&self, model: &LocalizationModel, point_in_map: Point, radius_m: f64) -> Offness {
-        let held: Vec<&Plane> = self.planes().iter().filter(|plane| plane.mass(model) >= 1e-12).collect();
-        let parts: Vec<Offness> = held.par_iter().map(|plane| plane.off_from(model, point_in_map, radius_m)).collect();
+        let off = |heading| self.plane_off_from(model, heading, point_in_map, radius_m);
+        let parts: Vec<Offness> = (0..self.planes().len()).into_par_iter().map(off).collect();
         let sum = |of: fn(&Offness) -> f64| parts.iter().map(of).sum();
         Offness { l1_m: sum(|off| off.l1_m), near: sum(|off| off.near) }
     }
-}
 
-impl Plane {
-    fn off_from(&self, model: &LocalizationModel, point_in_map: Point, radius_m: f64) -> Offness {
+    fn plane_off_from(&self, model: &LocalizationModel, heading: usize, point_in_map: Point, radius_m: f64) -> Offness {
         let grid = &model.grid;
         let (x, y) = grid.fractional(point_in_map);
         let mut off = Offness { l1_m: 0.0, near: 0.0 };
-        for cell in (0..grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
-            let (column, row) = self.position_cells(grid, cell);
-            let (dx_m, dy_m) = ((column - x) * grid.cell_m, (row - y) * grid.cell_m);
-            let value = self.value(cell);
-            off.l1_m += value * (libm::fabs(dx_m) + libm::fabs(dy_m));
-            if dx_m * dx_m + dy_m * dy_m < radius_m * radius_m {
-                off.near += value;
+        for (number, ground) in model.ground.tiles() {
+            let values = self.values(heading, number, ground);
+            for cell in ground.free() {
+                let place = Place { tile: number as usize, cell };
+                let (column, row) = self.planes()[heading].position_cells(grid, place);
+                let (dx_m, dy_m) = ((column - x) * grid.cell_m, (row - y) * grid.cell_m);
+                let value = f64::from(values[cell]);
+                off.l1_m += value * (libm::fabs(dx_m) + libm::fabs(dy_m));
+                if dx_m * dx_m + dy_m * dy_m < radius_m * radius_m {
+                    off.near += value;
+                }
             }
         }
         off

@@ -1,8 +1,9 @@
 //! What one sensor is expected to measure: its table of distances, and the average weight of a scan.
 
 use super::expected::ExpectedBins;
-use super::grid::{Bearings, BeliefGrid};
-use super::kernel::{Beam, LIFT, TILE, TilePart};
+use super::grid::{Bearings, BeliefGrid, Place, TILE};
+use super::ground::Ground;
+use super::kernel::{Beam, LIFT, TilePart};
 use super::scan_parameters::ScanParameters;
 use super::sensor::SensorModel;
 use super::simd::Instructions;
@@ -43,15 +44,10 @@ pub struct ScanModel {
 
 impl ScanModel {
     /// A sensor over the cells that can be stood in, by the map of what it sees.
-    pub(super) fn new(
-        parameters: ScanParameters,
-        seen: &SeenMap,
-        grid: &BeliefGrid,
-        admissible: &Arc<Vec<f32>>,
-    ) -> Self {
+    pub(super) fn new(parameters: ScanParameters, seen: &SeenMap, grid: &BeliefGrid, ground: &Arc<Ground>) -> Self {
         let bearings = Bearings::new(grid.headings, &parameters.beams_deg);
         Self {
-            expected: ExpectedBins::new(seen.sweeps.clone(), grid, bearings.directions, admissible, &parameters.beam),
+            expected: ExpectedBins::new(seen.sweeps.clone(), grid, bearings.directions, ground, &parameters.beam),
             likelihood: SensorModel::new(&parameters.beam, parameters.tempering),
             samples: OnceLock::new(),
             distances: seen.distances.clone(),
@@ -66,18 +62,18 @@ impl ScanModel {
     }
 
     /// What a beam is expected to measure at a heading in a cell.
-    pub(super) fn expected_bin(&self, heading: usize, cell: usize, beam: usize) -> u8 {
-        self.expected.tile(cell / TILE)[self.bearings.direction(heading, beam)][cell % TILE]
+    pub(super) fn expected_bin(&self, heading: usize, Place { tile, cell }: Place, beam: usize) -> u8 {
+        self.expected.tile(tile as u32)[self.bearings.direction(heading, beam)][cell]
     }
 
     /// The noise-free scan at a heading in a cell.
-    pub(super) fn expected_scan(&self, heading: usize, cell: usize) -> Vec<u8> {
-        (0..self.bearings.beams()).map(|beam| self.expected_bin(heading, cell, beam)).collect()
+    pub(super) fn expected_scan(&self, heading: usize, place: Place) -> Vec<u8> {
+        (0..self.bearings.beams()).map(|beam| self.expected_bin(heading, place, beam)).collect()
     }
 
     /// Expected scans of states spread evenly over cells and headings.
     fn draw_samples(&self) -> Vec<[u8; TILE]> {
-        let cells: Vec<usize> = self.expected.admissible_cells().collect();
+        let cells: Vec<Place> = self.expected.admissible_cells().collect();
         let (beams, headings) = (self.bearings.beams(), self.bearings.headings());
         let mut samples = vec![[0; TILE]; SAMPLES / TILE * beams];
         for sample in 0..SAMPLES {

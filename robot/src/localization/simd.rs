@@ -3,6 +3,7 @@
 
 #![allow(unsafe_code, reason = "code for instructions that are found at run time can only be called so")]
 
+use super::grid::TILE;
 use super::kernel::{self, Extent, TilePart};
 use super::lanes::LANES;
 
@@ -71,7 +72,7 @@ impl Instructions {
     }
 
     /// [`kernel::entropy`].
-    pub(super) fn entropy(self, cells: &[f32], admissible: &[f32], terms: [f32; 2]) -> f64 {
+    pub(super) fn entropy(self, cells: &[f32; TILE], admissible: &[f32; TILE], terms: [f32; 2]) -> f64 {
         match self.0 {
             Set::Portable => kernel::entropy(cells, admissible, terms),
             // SAFETY: the value exists, so the machine has the instructions.
@@ -86,7 +87,7 @@ impl Instructions {
 
 #[cfg(test)]
 mod tests {
-    use super::super::kernel::{Beam, LIFT, TILE, TOGETHER};
+    use super::super::kernel::{Beam, LIFT, TOGETHER};
     use super::*;
 
     const THRESHOLD: f32 = 1e-6;
@@ -97,13 +98,13 @@ mod tests {
         cell * TERMS[0] + TERMS[1]
     }
 
-    fn weighed(instructions: Instructions, cells: &[f32]) -> Vec<f32> {
+    fn weighed(instructions: Instructions, cells: &[f32; TILE]) -> [f32; TILE] {
         let expected: [u8; TILE] = std::array::from_fn(|cell| (cell * 31 % 256) as u8);
         let costs: [u8; 256] = std::array::from_fn(|bin| (bin % 7) as u8);
         let beams = [[Beam { expected: &expected, costs: &costs }; TOGETHER]; 2];
-        let mut cells = cells.to_vec();
+        let mut cells = *cells;
         instructions.weigh(TilePart {
-            admissible: &vec![1.0; cells.len()],
+            admissible: &[1.0; TILE],
             cells: &mut cells,
             terms: TERMS,
             beams: &beams,
@@ -119,7 +120,7 @@ mod tests {
         for instructions in Instructions::available() {
             // Blocks wholly below the threshold, wholly above it, and mixed in different ways.
             for period in [1, 2, 3, 5, 64, 100, TILE + 1] {
-                let cells: Vec<f32> = (0..TILE).map(|cell| if cell % period == 0 { 1e-3 } else { 1e-7 }).collect();
+                let cells = std::array::from_fn(|cell| if cell % period == 0 { 1e-3 } else { 1e-7 });
                 for (cell, (&before, after)) in cells.iter().zip(weighed(instructions, &cells)).enumerate() {
                     let weight = f64::from(after) / f64::from(LIFT) / f64::from(value(before));
                     let own = libm::exp2(-0.1 * 8.0 * (cell * 31 % 256 % 7) as f64);

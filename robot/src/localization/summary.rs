@@ -1,9 +1,10 @@
 //! What others want to know of a belief: its mode, its maxima, its entropy, its picture.
 
 use super::belief::Belief;
-use super::kernel;
+use super::grid::Place;
 use super::model::LocalizationModel;
 use super::plane::Plane;
+use super::tile::Tile;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -44,8 +45,8 @@ fn near(a: Pose, b: Pose) -> bool {
 
 impl Belief {
     /// The pose of a cell's middle, with motion not yet applied.
-    fn pose(&self, model: &LocalizationModel, heading: usize, cell: usize) -> Pose {
-        let (column, row) = self.planes[heading].position_cells(&model.grid, cell);
+    fn pose(&self, model: &LocalizationModel, heading: usize, place: Place) -> Pose {
+        let (column, row) = self.planes[heading].position_cells(&model.grid, place);
         let origin = model.grid.origin_in_map;
         Pose::new(
             origin.x + column * model.grid.cell_m,
@@ -56,14 +57,22 @@ impl Belief {
 
     /// The most probable state, refined, with the mass around it.
     pub fn mode(&self, model: &LocalizationModel) -> Maximum {
-        let highest = (0..self.planes.len())
-            .filter(|&heading| self.planes[heading].is_active())
-            .reduce(|best, next| if self.planes[next].peak() > self.planes[best].peak() { next } else { best });
-        let heading = highest.unwrap_or(0);
-        let cells = &self.planes[heading].cells;
-        let peak = kernel::extent(cells).peak;
-        let cell = cells.iter().position(|&value| value == peak).unwrap_or(0);
-        self.refined(model, self.pose(model, heading, cell))
+        let numbered = self.planes.iter().enumerate();
+        let tiles = numbered.flat_map(|(heading, plane)| plane.tiles.iter().map(move |tile| (heading, tile)));
+        let highest = tiles.reduce(|best, next| if next.1.peak > best.1.peak { next } else { best });
+        let (heading, number, cell) = match highest {
+            Some((heading, tile)) => {
+                let cell = tile.cells.iter().position(|&value| value == tile.peak);
+                (heading, tile.number, cell)
+            }
+            // Where everything sleeps, any state will do.
+            None => {
+                let first = model.ground.tiles().next();
+                first.map_or((0, 0, None), |(number, ground)| (0, number, ground.free().next()))
+            }
+        };
+        let place = Place { tile: number as usize, cell: cell.unwrap_or(0) };
+        self.refined(model, self.pose(model, heading, place))
     }
 
     /// The maximum around a pose: its neighbourhood's mean, and the mass near that.
@@ -123,11 +132,10 @@ impl Belief {
             let reach = radius_m / grid.cell_m;
             for r in clip(row - dy, reach, grid.rows) {
                 for c in clip(column - dx, reach, grid.columns) {
-                    let cell = r * grid.columns + c;
                     let (x, y) = (c as f64 + dx - column, r as f64 + dy - row);
-                    if x * x + y * y <= reach * reach + 1e-9 && model.admissible[cell] > 0.0 {
+                    if x * x + y * y <= reach * reach + 1e-9 && model.is_admissible(c, r) {
                         let at = Point::new(pose.x_m + x * grid.cell_m, pose.y_m + y * grid.cell_m);
-                        visit(at, away_rad, plane.value(cell));
+                        visit(at, away_rad, self.probability_at(model, heading, [c as i64, r as i64]));
                     }
                 }
             }
@@ -135,21 +143,24 @@ impl Belief {
     }
 
     /// The local maxima with at least `min_mass`, the heaviest first, at most `max_count`, no two
-    /// within 0.5 m and 15° of each other. O(active states), a few milliseconds for all of them.
+    /// within 0.5 m and 15° of each other. O(states that are awake), a few milliseconds for all of them.
     pub fn maxima(&self, model: &LocalizationModel, max_count: usize, min_mass: f64) -> Vec<Maximum> {
-        let peak = self.planes.iter().map(Plane::peak).fold(0.0, f64::max);
+        let peak = self.tiles().map(|tile| self.value(tile.peak)).fold(0.0, f64::max);
         let cutoff = peak * MAXIMUM_SHARE;
-        let mut summits: Vec<(f64, usize, usize)> = (0..self.planes.len())
+        let mut summits: Vec<Summit> = (0..self.planes.len())
             .into_par_iter()
             .flat_map_iter(|heading| self.summits(model, heading, cutoff))
             .collect();
-        summits.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        summits.sort_by(|a, b| {
+            let order = |summit: &Summit| (summit.heading, summit.row, summit.column);
+            b.probability.total_cmp(&a.probability).then(order(a).cmp(&order(b)))
+        });
         let mut kept: Vec<(Pose, Maximum)> = Vec::new();
-        for (_, heading, cell) in summits {
+        for Summit { heading, column, row, .. } in summits {
             if kept.len() >= 4 * max_count {
                 break;
             }
-            let pose = self.pose(model, heading, cell);
+            let pose = self.pose(model, heading, model.grid.place(column, row));
             if kept.iter().any(|(other, maximum)| near(*other, pose) || near(maximum.pose_in_map, pose)) {
                 continue;
             }
@@ -166,83 +177,117 @@ impl Belief {
     }
 
     /// The likeliest states that together hold a share of the belief, the likeliest first; a state
-    /// counts as a maximum of its own. O(active states · log).
+    /// counts as a maximum of its own. Those that sleep are none of them. O(states that are awake + n log n) for the
+    /// n that are not far below the likeliest; more only where the share needs them.
     pub fn likely_states(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
-        let mut states: Vec<Maximum> = Vec::new();
-        for (heading, plane) in self.planes.iter().enumerate().filter(|(_, plane)| plane.is_active()) {
-            for cell in (0..model.grid.cells()).filter(|&cell| model.admissible[cell] > 0.0) {
-                states.push(Maximum { pose_in_map: self.pose(model, heading, cell), mass: plane.value(cell) });
+        /// Of the likeliest state; what is below is looked at if what is above does not hold enough.
+        const FAR_BELOW: f64 = 1e-3;
+        let mut cutoff = self.tiles().map(|tile| self.value(tile.peak)).fold(0.0, f64::max);
+        loop {
+            cutoff = if cutoff * FAR_BELOW > self.asleep { cutoff * FAR_BELOW } else { 0.0 };
+            let mut states = self.states_from(model, cutoff);
+            states.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let mut held = 0.0;
+            let kept = states.iter().take_while(|state| {
+                let is_needed = held < share;
+                held += state.1;
+                is_needed
+            });
+            let kept = kept.count();
+            if held >= share || cutoff == 0.0 {
+                let maximum = |&((heading, place), mass): &((usize, Place), f64)| Maximum {
+                    pose_in_map: self.pose(model, heading, place),
+                    mass,
+                };
+                return states[..kept].iter().map(maximum).collect();
             }
         }
-        states.sort_by(|a, b| b.mass.total_cmp(&a.mass));
-        let mut held = 0.0;
-        let kept = states.iter().take_while(|state| {
-            let is_needed = held < share;
-            held += state.mass;
-            is_needed
-        });
-        let kept = kept.count();
-        states.truncate(kept);
+    }
+
+    /// The states of tiles that are awake with at least this probability, each with heading and place, in their order.
+    fn states_from(&self, model: &LocalizationModel, cutoff: f64) -> Vec<((usize, Place), f64)> {
+        let mut states = Vec::new();
+        for (heading, plane) in self.planes.iter().enumerate() {
+            for tile in plane.tiles.iter().filter(|tile| self.value(tile.peak) >= cutoff) {
+                let Some(ground) = model.ground.tile(tile.number) else { continue };
+                let place = |cell: usize| (heading, Place { tile: tile.number as usize, cell });
+                let likely = ground.free().map(|cell| (place(cell), self.value(tile.cells[cell])));
+                states.extend(likely.filter(|state| state.1 >= cutoff));
+            }
+        }
         states
     }
 
-    /// Cells of an active plane above the cutoff that no neighbour exceeds, with their values.
-    fn summits(&self, model: &LocalizationModel, heading: usize, cutoff: f64) -> Vec<(f64, usize, usize)> {
-        let plane = &self.planes[heading];
-        if !plane.is_active() || plane.peak() < cutoff {
-            return Vec::new();
-        }
-        let count = self.planes.len();
-        let (before, after) = (&self.planes[(heading + count - 1) % count], &self.planes[(heading + 1) % count]);
-        let columns = model.grid.columns;
+    /// Cells of a plane that are awake and above the cutoff, and that no neighbour exceeds.
+    fn summits(&self, model: &LocalizationModel, heading: usize, cutoff: f64) -> Vec<Summit> {
         let mut summits = Vec::new();
-        for (cell, &value) in plane.cells.iter().enumerate() {
-            let probability = plane.value(cell);
-            if probability <= cutoff {
-                continue;
-            }
-            // A plateau has one summit: its first cell.
-            let earlier = [1, columns - 1, columns, columns + 1]
-                .iter()
-                .all(|&back| cell < back || plane.cells[cell - back] < value);
-            let later = [1, columns - 1, columns, columns + 1]
-                .iter()
-                .all(|&on| plane.cells.get(cell + on).is_none_or(|&next| next <= value));
-            if earlier && later && before.value(cell) < probability && after.value(cell) <= probability {
-                summits.push((probability, heading, cell));
+        let may_have = |tile: &&Tile| self.value(tile.peak) > cutoff;
+        for tile in self.planes[heading].tiles.iter().filter(may_have) {
+            let Some(ground) = model.ground.tile(tile.number) else { continue };
+            for cell in ground.free().filter(|&cell| self.value(tile.cells[cell]) > cutoff) {
+                let state = model.grid.state(heading, tile.number, cell);
+                let probability = self.value(tile.cells[cell]);
+                if self.is_summit(model, heading, [state.column as i64, state.row as i64], probability) {
+                    summits.push(Summit { probability, heading, column: state.column, row: state.row });
+                }
             }
         }
         summits
     }
 
-    /// −Σ P ln P, in nats.
-    pub fn entropy(&self, model: &LocalizationModel) -> f64 {
-        let parts: Vec<f64> = self
-            .planes
-            .par_iter()
-            .map(|plane| {
-                if plane.factor * plane.stored_mass < 1e-3 * plane.floor {
-                    model.admissible_cells as f64 * entropy_term(plane.floor)
-                } else {
-                    model.instructions.entropy(&plane.cells, &model.admissible, plane.terms())
-                }
-            })
-            .collect();
-        parts.iter().sum()
+    /// Whether no neighbour of a state exceeds it. A plateau has one summit: its first cell.
+    fn is_summit(&self, model: &LocalizationModel, heading: usize, [column, row]: [i64; 2], probability: f64) -> bool {
+        let count = self.planes.len();
+        let at = |heading: usize, by: [i64; 2]| self.probability_at(model, heading, [column + by[0], row + by[1]]);
+        let mut earlier = [[-1, 0], [1, -1], [0, -1], [-1, -1]].into_iter();
+        let mut later = [[1, 0], [-1, 1], [0, 1], [1, 1]].into_iter();
+        earlier.all(|by| at(heading, by) < probability)
+            && later.all(|by| at(heading, by) <= probability)
+            && at((heading + count - 1) % count, [0, 0]) < probability
+            && at((heading + 1) % count, [0, 0]) <= probability
     }
 
-    /// Probability of each cell of (x, y) over all headings, `[row][column]`.
+    /// −Σ P ln P, in nats.
+    pub fn entropy(&self, model: &LocalizationModel) -> f64 {
+        let of_tile = |tile: &Tile| {
+            let ground = model.ground.tile(tile.number)?;
+            Some(model.instructions.entropy(&tile.cells, &ground.admissible, self.terms()))
+        };
+        let of_plane = |plane: &Plane| plane.tiles.iter().filter_map(of_tile).sum();
+        let awake: Vec<f64> = self.planes.par_iter().map(of_plane).collect();
+        awake.iter().sum::<f64>() + self.cells_asleep(model) as f64 * entropy_term(self.asleep)
+    }
+
+    /// Probability of each cell of (x, y) over all headings, `[row][column]`. O(cells of a plane, and those that are
+    /// awake).
     pub fn xy(&self, model: &LocalizationModel) -> Vec<f64> {
         let mut mass = vec![0.0; model.grid.cells()];
-        for plane in &self.planes {
-            for (cell, (sum, &admissible)) in mass.iter_mut().zip(model.admissible.iter()).enumerate() {
-                if admissible > 0.0 {
-                    *sum += plane.value(cell);
-                }
+        let mut awake = vec![0; model.grid.tiles()];
+        self.tiles().for_each(|tile| awake[tile.number as usize] += 1);
+        let mut add = |number: u32, value: &dyn Fn(usize) -> f64| {
+            let Some(ground) = model.ground.tile(number) else { return };
+            for cell in ground.free() {
+                let state = model.grid.state(0, number, cell);
+                mass[state.row * model.grid.columns + state.column] += value(cell);
             }
+        };
+        for &number in model.ground.numbers() {
+            let asleep = self.asleep * (self.planes.len() - awake[number as usize]) as f64;
+            add(number, &|_| asleep);
+        }
+        for tile in self.tiles() {
+            add(tile.number, &|cell| self.value(tile.cells[cell]));
         }
         mass
     }
+}
+
+/// A state that no neighbour exceeds.
+struct Summit {
+    probability: f64,
+    heading: usize,
+    column: usize,
+    row: usize,
 }
 
 /// Indices within `reach` of `middle`, on the grid.

@@ -12,7 +12,7 @@ use crate::foresight::abstract_robot::{AbstractRobot, Doing, Knowledge, Outcome,
 use crate::foresight::drive_times::DriveTimes;
 use crate::foresight::models::Models;
 use crate::foresight::ways::{ForeseenWays, WayMap, Ways};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Velocity};
 use crate::localization::Estimate;
 use crate::navigation::{MappedNavigation, Obstruction};
 use crate::office::model::{MapModel, OfficeModel};
@@ -117,6 +117,7 @@ fn closed_doors<M: Module>(controller: &mut Controller<M>) -> Vec<usize> {
 /// What of the behaviours is under way.
 fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Result<Vec<UnderWay>, Raise> {
     let composition = controller.composition.clone();
+    let has_set_off = controller.board.drive_request != Velocity::default();
     let is_active = |&(number, _): &(usize, _)| phases.of(number as u16) == Phase::Active;
     let mut begun = Vec::new();
     for (_, spec) in composition.tables.behaviours.iter().enumerate().filter(is_active) {
@@ -124,7 +125,7 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
             Some(Doing::Driving) => {
                 let navigating = part::<M, Navigating>(controller);
                 let targets = navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec());
-                UnderWay::Driving { targets, patience_s: MappedNavigation::PATIENCE_S }
+                UnderWay::Driving { targets, patience_s: MappedNavigation::PATIENCE_S, has_set_off }
             }
             Some(Doing::Gripping) => match part::<M, Gripping>(controller).and_then(|gripping| gripping.wanted()) {
                 Some(thing) => UnderWay::Grasping(thing.to_string()),
@@ -313,7 +314,8 @@ impl<M: Module> Outside for ForeseenOffice<M> {
         let asked = match doing {
             Doing::Driving => {
                 let (targets, patience_s) = navigation::arguments(machine, arguments)?;
-                UnderWay::Driving { targets, patience_s: patience_s.unwrap_or(MappedNavigation::PATIENCE_S) }
+                let patience_s = patience_s.unwrap_or(MappedNavigation::PATIENCE_S);
+                UnderWay::Driving { targets, patience_s, has_set_off: false }
             }
             Doing::Gripping => match Gripping::asked(machine, arguments)? {
                 Some(thing) => UnderWay::Grasping(thing.to_string()),

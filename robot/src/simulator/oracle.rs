@@ -159,14 +159,11 @@ impl SimulatorModel {
     }
 
     /// Remembers if a body that is there now is so near before the moving robot that it cannot stop
-    /// in time: a step to see it, two until a command takes effect, then braking.
+    /// in time.
     fn notice_sudden(&self, state: &mut SimulatorState, outline: &Outline) {
         const SUDDEN_US: u64 = 1_000_000;
-        let speed_mps = state.translation_mps.abs();
-        let braking_m = speed_mps * speed_mps / (2.0 * self.robot().motors.translation_deceleration_mps2);
-        let stopping_m = 3.0 * speed_mps * self.robot().step_s() + braking_m;
         let gap_m = outline.distance_m(state.robot_in_map.point()) - self.robot().radius_m;
-        if gap_m <= stopping_m {
+        if gap_m <= self.stopping_m(state) {
             state.sudden_until_us = state.time_us + SUDDEN_US;
         }
     }

@@ -205,11 +205,13 @@ impl SimulatorModel {
         let minds = self.settings.person_clearance_m > 0.0;
         let walker = &mut state.people[index];
         let walked = walker.at_in_map + walker.velocity_mps * self.robot().step_s();
-        let (before2, after2) = ((walker.at_in_map - robot).norm_squared(), (walked - robot).norm_squared());
+        let before = walker.at_in_map;
+        let (before2, after2) = ((before - robot).norm_squared(), (walked - robot).norm_squared());
         let is_within = |reach_m: f64| after2 < reach_m * reach_m;
         if !is_within(if minds { touch_m + STEP_SHORT_M } else { touch_m }) || after2 >= before2 {
             walker.at_in_map = walked;
             walker.touching &= is_within(touch_m + PARTED_M);
+            self.notice_step(state, index, before);
         } else if !minds && !walker.touching {
             walker.touching = true;
             state.contacts.run_into += 1;

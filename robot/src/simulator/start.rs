@@ -33,6 +33,7 @@ impl SimulatorModel {
             messages_given: 0,
             sonars_fail_until_us: 0,
             sudden_until_us: 0,
+            stepped_before: None,
             touching: false,
             contacts: Contacts::default(),
             distance_driven_m: 0.0,

@@ -26,13 +26,23 @@ pub struct Streams {
 /// Touches so far, each counted once from the first touch until body and thing part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Contacts {
-    /// The robot moved into something one of its sensors could see.
+    /// The robot moved into something one of its sensors could see, and could have stopped before it.
     pub caused: u32,
     /// The robot moved into something none of its sensors could see, or its sonars had failed.
     pub unseen: u32,
-    /// A person ran into the robot, or shut a door or put something so near before it that it could
-    /// not stop.
+    /// A person ran into the robot, or stepped, shut a door or put something so near before it that it
+    /// could not stop.
     pub run_into: u32,
+}
+
+/// Somebody who came by himself so near before the moving robot that it could not stop in time: a touch of him is not
+/// the robot's doing as long as it does all it can.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct SteppedBefore {
+    /// `people[person]`.
+    pub person: usize,
+    /// From then on it must brake: it has seen him, and a command has taken effect.
+    pub brakes_from_us: u64,
 }
 
 /// The simulated robot and its world at one moment. It belongs to the model it was started on.
@@ -71,6 +81,8 @@ pub struct SimulatorState {
     pub sonars_fail_until_us: u64,
     /// Until then a touch of a door, or of what was put into the world, is not the robot's doing.
     pub(super) sudden_until_us: u64,
+    /// The person who has stepped before the robot, if it brakes since then as hard as it can.
+    pub(super) stepped_before: Option<SteppedBefore>,
     /// Whether the body rests against something.
     pub touching: bool,
     /// Touches so far.

@@ -12,7 +12,9 @@ impl SimulatorModel {
     pub fn step(&self, state: &mut SimulatorState, commands: &Commands) -> Percept {
         state.time_us += self.robot().step_us;
         self.walk(state);
+        let before_mps = state.translation_mps;
         self.accelerate(state, commands);
+        self.judge_braking(state, before_mps);
         let driven = self.drive(state);
         state.odometry_in_odom = state.odometry_bias.measure(
             &self.robot().odometry,

@@ -139,8 +139,9 @@ impl Machine {
             self.validate_values(bounds, closure.captured.iter())?;
         }
         for (_, table) in self.heap.tables.iter() {
-            for (_, (key, value)) in table.entries() {
-                self.validate_values(bounds, &[key, value])?;
+            for entry in table.entries() {
+                self.validate_values(bounds, &[entry.key, entry.value])?;
+                ensure(entry.is_whole(&self.heap.strings), "an entry of a table has the hash of another key")?;
             }
         }
         for (_, vector) in self.heap.vectors.iter() {

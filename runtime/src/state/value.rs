@@ -72,12 +72,14 @@ impl Value {
     }
 
     /// A copy made of the parts it was written in: reading the whole of a value whose parts have just
-    /// been written stalls the processor. The black box keeps the parts apart.
+    /// been written stalls the processor, and reading parts of what was written whole does not. The black box keeps the
+    /// parts apart.
     #[inline(always)]
     pub fn copied(&self) -> Self {
         match *self {
             Value::Int(value) => Value::Int(black_box(value)),
             Value::Cons(pair) => Value::Cons(black_box(pair)),
+            Value::Float(value) => Value::Float(black_box(value)),
             other => other,
         }
     }
@@ -88,10 +90,11 @@ impl Value {
         !matches!(self, Value::Nil)
     }
 
-    /// `t` or `nil`.
+    /// `t` or `nil`, written as a whole, so that it can soon be read as a whole.
     #[inline]
     pub fn truth(condition: bool) -> Value {
-        if condition { Value::True } else { Value::Nil }
+        static TRUTHS: [Value; 2] = [Value::Nil, Value::True];
+        TRUTHS[usize::from(condition)]
     }
 
     /// The number as a float, if it is one.

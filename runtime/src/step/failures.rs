@@ -57,7 +57,7 @@ impl Machine {
     /// Always, unless it is one.
     #[cold]
     pub fn check_record(&self, program: &Program, record: Value, kind: Value) -> Result<(), Raise> {
-        if self.heap.is_record(record, kind) {
+        if self.heap.is_record(&record, &kind) {
             return Ok(());
         }
         let (kind, found) = (self.write(program, kind), self.brief(program, record));

@@ -17,6 +17,17 @@ const CHARACTERS_A_STEP: usize = 8;
 /// So many pairs are passed in the time of one turn of a loop.
 const PAIRS_A_STEP: usize = 4;
 
+/// The steps of making, or looking through, so much text.
+#[inline]
+pub(crate) fn text_steps(bytes: usize) -> usize {
+    bytes / CHARACTERS_A_STEP
+}
+
+/// The steps of passing so many pairs.
+pub(crate) fn walk_steps(pairs: usize) -> usize {
+    pairs / PAIRS_A_STEP
+}
+
 /// What a native function answers.
 pub enum Reply {
     /// A value.
@@ -113,12 +124,12 @@ impl Call<'_, '_> {
 
     /// Takes the steps of making, or looking through, so much text.
     pub fn burn_text(&mut self, bytes: usize) {
-        self.burn(bytes / CHARACTERS_A_STEP);
+        self.burn(text_steps(bytes));
     }
 
     /// Takes the steps of passing so many pairs.
     pub fn burn_walk(&mut self, pairs: usize) {
-        self.burn(pairs / PAIRS_A_STEP);
+        self.burn(walk_steps(pairs));
     }
 
     /// The argument at a position as a fluent.

@@ -92,6 +92,11 @@ impl CaseMemory {
         self.tables.iter().flatten().map(|chunk| chunk.len()).sum()
     }
 
+    /// How many cases of a kind there are.
+    pub fn count(&self, kind: Kind) -> usize {
+        self.tables[kind as usize].iter().map(|chunk| chunk.len()).sum()
+    }
+
     /// Whether there is no case.
     pub fn is_empty(&self) -> bool {
         self.tables.iter().all(Vec::is_empty)

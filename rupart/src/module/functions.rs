@@ -4,7 +4,7 @@ use super::data::{case_data, route_data};
 use super::errand::Made;
 use super::landmarks::can_look;
 use super::{Driven, Rupart, Seen};
-use crate::case::{Case, Content};
+use crate::case::{Case, Content, Kind};
 use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
 use crate::routes::{Adapted, Guidance, Route, RouteProblem, Stop, adapt_guided, learn_to_make};
@@ -189,8 +189,9 @@ fn retain_case(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let Some(Driven { route, made }) = rupart.driven.take() else { return Ok(Reply::Value(Value::Nil)) };
     if let Some(made) = made.as_ref().filter(|made| made.is_repaired) {
         learn_to_make(&mut rupart.memory, made.start_in_map, made.goal_in_map);
+        rupart.make_room(Kind::MetaPlan, &model, &places);
     }
-    let number = rupart.keep(&places, route, made.and_then(|made| made.to_keep));
+    let number = rupart.keep(&model, &places, route, made.and_then(|made| made.to_keep));
     Ok(Reply::Value(number.map_or(Value::Nil, |number| Value::Int(number.0.into()))))
 }
 

@@ -3,6 +3,7 @@
 use super::Rupart;
 use super::functions::{numbered, place, retrieve};
 use crate::case::{Case, Content, Goal, Kind};
+use crate::forgetting::Capacity;
 use crate::memory::CaseNumber;
 use crate::situation::Situation;
 use rpl_lang::symbol::fold_name;
@@ -20,7 +21,7 @@ pub(super) fn functions() -> Vec<Native> {
         act(
             "retain-goal",
             "place &optional priority deadline",
-            "Remembers that the robot is to go to a place: how important that is, from 0 to 1, without 0.5, and by what time of the plan. The value is the number of the new case.",
+            "Remembers that the robot is to go to a place: how important that is, from 0 to 1, without 0.5, and by what time of the plan. The value is the number of the new case. Fails with too-many-goals if a thousand wait.",
             retain_goal,
         ),
         act(
@@ -68,6 +69,12 @@ fn retain_goal(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let index =
         Situation { place_in_map: Some(place_in_map), priority: Some(priority), time_s, ..Situation::default() };
     let rupart = call.part::<Rupart>()?;
+    let most = Capacity::USUAL.goals;
+    if rupart.memory.count(Kind::Goal) >= most {
+        let message =
+            format!("{most} goals wait already; reach some by `(reach-goals)`, or forget one by `forget-case`");
+        return Err(Raise::new("too-many-goals", message));
+    }
     let number = rupart.memory.retain(Case::new(index, Content::Goal(Goal { place_in_map })));
     rupart.has_news = true;
     Ok(Reply::Value(Value::Int(number.0.into())))

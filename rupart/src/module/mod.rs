@@ -14,6 +14,7 @@ mod landmarks;
 use crate::beginning::{first_cases, to_be_trained};
 use crate::case::Kind;
 use crate::control::{BehaviourParameters, CaseDrive, DriveEvent};
+use crate::forgetting::{Capacity, forget_beyond};
 use crate::memory::{CaseMemory, CaseNumber, Retrieval};
 use crate::places::Places;
 use crate::routes::{Route, TravelTimes, learn_route, learn_times};
@@ -165,11 +166,28 @@ impl Rupart {
     }
 
     /// Notes how long a driven route took, and keeps it, or another for it, if it has steps that no case has.
-    fn keep(&mut self, places: &Places, driven: Route, instead: Option<Route>) -> Option<CaseNumber> {
+    fn keep(
+        &mut self,
+        model: &OfficeModel,
+        places: &Places,
+        driven: Route,
+        instead: Option<Route>,
+    ) -> Option<CaseNumber> {
         learn_times(&mut self.memory, &driven);
         let route = instead.unwrap_or(driven);
         let is_new = route.stops.len() > 1 && self.memory.routes().all(|(_, known)| route.steps_beyond(known) > 0);
-        if is_new { learn_route(&mut self.memory, places, route) } else { None }
+        let number = if is_new { learn_route(&mut self.memory, places, route) } else { None };
+        self.make_room(Kind::Route, model, places);
+        number
+    }
+
+    /// Forgets what can be done without, if a kind has more cases than the robot remembers.
+    fn make_room(&mut self, kind: Kind, model: &OfficeModel, places: &Places) {
+        let most = Capacity::USUAL.of(kind);
+        if self.memory.count(kind) > most {
+            let times = self.times(model, places);
+            forget_beyond(&mut self.memory, kind, most, Some((places, &times)));
+        }
     }
 
     /// What the robot perceives and where it is; a robot that has lost its position is at no place.
@@ -211,13 +229,14 @@ impl Rupart {
                 heard_in_map: heard_in_base.into_iter().map(|at| seen.robot_in_map.transform(at)).collect(),
             };
             if let Some(driven) = self.blockage.note(errand, at) {
-                self.keep(places, driven, None);
+                self.keep(now.model, places, driven, None);
             }
         }
         let here = self.situation_on_the_way(seen);
         let best = self.memory.retrieve(&here).map(|found| found.best.kind);
         if here.place_in_map.is_some() && best != Some(Kind::MetaPlan) {
             self.memory.retain(to_be_trained(here));
+            self.make_room(Kind::MetaPlan, now.model, places);
         }
     }
 }

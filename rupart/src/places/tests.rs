@@ -32,6 +32,17 @@ fn world(places: &[(&str, f64, f64)], rooms: &[(&str, [f64; 4])], walls: &[&[(f6
     world
 }
 
+/// Random places of which the first five each see the next.
+pub(crate) fn places_in_a_row() -> Places {
+    let mut stream = Stream::new(1, "places");
+    loop {
+        let places = random_places(&mut stream);
+        if (0..4).all(|at| places.stretch(PlaceId(at), PlaceId(at + 1)).is_some()) {
+            return places;
+        }
+    }
+}
+
 /// Places on a grid without walls, some of them left out, the costs of their stretches whatever they are.
 pub(crate) fn random_places(stream: &mut Stream) -> Places {
     let points: Vec<Point> = (0..60)

@@ -1,5 +1,4 @@
-//! What a memory of routes can do without (Smyth and Keane 1995, "Remembering to forget"; Smyth and McKenna
-//! 1999, "Footprint-based retrieval": relative coverage).
+//! What a memory of routes can do without (Smyth and Keane 1995, "Remembering to forget").
 
 use super::guided::{Guidance, best_use};
 use super::problem::RouteProblem;
@@ -23,43 +22,52 @@ pub struct Competence {
     pub coverage: usize,
     /// Cases that solve its problem, others than itself.
     pub reachability: usize,
-    /// The problems it solves, its own among them, each divided among all cases that solve it.
-    pub relative_coverage: f64,
 }
 
 /// What each route is good for, the problems being those that the routes themselves solve. Cost: for each
 /// route and each of at most 200 problems, the stops of the route.
 pub fn competences(places: &Places, times: &TravelTimes, routes: &[(CaseNumber, &Route)]) -> Vec<Competence> {
-    let mut found: Vec<Competence> = routes
-        .iter()
-        .map(|&(number, _)| Competence { number, coverage: 0, reachability: 0, relative_coverage: 0.0 })
-        .collect();
+    let mut found: Vec<Competence> =
+        routes.iter().map(|&(number, _)| Competence { number, coverage: 0, reachability: 0 }).collect();
     let apart = routes.len().div_ceil(MOST_PROBLEMS).max(1);
     for own in (0..routes.len()).step_by(apart) {
         let (_, route) = routes[own];
-        let (Some(&start), Some(&goal)) = (route.stops.first(), route.stops.last()) else { continue };
-        let problem = RouteProblem::new(places, times, start, goal);
-        let enough_s = SOLVES * times.of_route_s(places, route);
-        let solves = |&(_, case): &(CaseNumber, &Route)| {
-            best_use(places, times, &problem, case, Guidance::USUAL.new_way)
-                .is_some_and(|found| found.estimate_s <= enough_s)
-        };
+        let Some(solved) = Solved::by(places, times, route) else { continue };
+        let solves = |&(_, case): &(CaseNumber, &Route)| solved.is_by(places, times, case);
         let solvers: Vec<usize> = (0..routes.len()).filter(|&at| at == own || solves(&routes[at])).collect();
         found[own].reachability = solvers.len() - 1;
         for &solver in &solvers {
             found[solver].coverage += usize::from(solver != own);
-            found[solver].relative_coverage += 1.0 / solvers.len() as f64;
         }
     }
     found
 }
 
-/// The route a memory can do without most easily: that of the least relative coverage, of several the oldest.
-/// None if there is none. Cost: that of [`competences`].
-pub fn least_competent(places: &Places, times: &TravelTimes, routes: &[(CaseNumber, &Route)]) -> Option<CaseNumber> {
-    let competences = competences(places, times, routes);
-    let least = competences.iter().min_by(|one, other| {
-        one.relative_coverage.total_cmp(&other.relative_coverage).then(one.number.cmp(&other.number))
-    });
-    least.map(|competence| competence.number)
+/// How many of other routes solve the problem of one, as [`Competence::reachability`] counts them. Cost: their stops.
+pub fn reachability<'r>(
+    places: &Places,
+    times: &TravelTimes,
+    route: &Route,
+    others: impl Iterator<Item = (CaseNumber, &'r Route)>,
+) -> usize {
+    let Some(solved) = Solved::by(places, times, route) else { return 0 };
+    others.filter(|(_, other)| solved.is_by(places, times, other)).count()
+}
+
+/// The problem that a route solves, and what is enough to solve it.
+struct Solved {
+    problem: RouteProblem,
+    enough_s: f64,
+}
+
+impl Solved {
+    fn by(places: &Places, times: &TravelTimes, route: &Route) -> Option<Self> {
+        let problem = RouteProblem::new(places, times, *route.stops.first()?, *route.stops.last()?);
+        Some(Self { problem, enough_s: SOLVES * times.of_route_s(places, route) })
+    }
+
+    fn is_by(&self, places: &Places, times: &TravelTimes, case: &Route) -> bool {
+        let found = best_use(places, times, &self.problem, case, Guidance::USUAL.new_way);
+        found.is_some_and(|found| found.estimate_s <= self.enough_s)
+    }
 }

@@ -13,7 +13,7 @@ mod tests;
 mod travel_times;
 
 pub use adapted::Adapted;
-pub use competence::{Competence, competences, least_competent};
+pub use competence::{Competence, competences, reachability};
 pub use guided::{CaseUse, Guidance, adapt_guided, best_use};
 pub use learning::{learn_route, learn_times, learn_to_make};
 pub use literal::adapt_literally;

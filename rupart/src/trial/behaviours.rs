@@ -3,8 +3,9 @@
 use super::drive::Trial;
 use crate::beginning::{no_cases, open_space, tuned_alone};
 use crate::case::{Case, Content, Kind};
-use crate::control::{BehaviourParameters, CaseDrive, DriveEvent};
-use crate::memory::CaseMemory;
+use crate::control::{BehaviourParameters, CaseDrive, DriveEvent, State};
+use crate::forgetting::{Capacity, forget_beyond};
+use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::{PlaceId, Places};
 use crate::routes::{Route, TravelTimes};
 use crate::situation::Situation;
@@ -93,6 +94,41 @@ pub struct Driven {
     pub contacts: u32,
     /// How good what was retrieved on the way was, if that was asked for.
     pub qualities: Vec<Quality>,
+    /// What the control did.
+    pub course: Vec<CourseMoment>,
+}
+
+/// A moment of a drive, from which on something is other than before.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CourseMoment {
+    /// Since the drive began.
+    pub time_s: f64,
+    /// The state of the control.
+    pub state: State,
+    /// The behaviour case it drives by.
+    pub case: Option<CaseNumber>,
+    /// Whether that was retrieved just then.
+    pub has_retrieved: bool,
+    /// Stops that are not reached yet.
+    pub stops_left: usize,
+}
+
+impl CourseMoment {
+    /// After a step in which this case was retrieved, if any was.
+    fn after(trial: &Trial, begun_us: u64, found: Option<CaseNumber>, before: Option<&CourseMoment>) -> Self {
+        Self {
+            time_s: (trial.state.time_us - begun_us) as f64 / 1e6,
+            state: trial.drive.state,
+            case: found.or(before.and_then(|before| before.case)),
+            has_retrieved: found.is_some(),
+            stops_left: trial.way.len(),
+        }
+    }
+
+    /// Whether all is as it was.
+    fn says_nothing_new(&self, before: &CourseMoment) -> bool {
+        !self.has_retrieved && (self.state, self.stops_left) == (before.state, before.stops_left)
+    }
 }
 
 /// A building to drive in.
@@ -166,7 +202,7 @@ impl DrivingGround<'_> {
             };
             let mut look = 0;
             while !trial.is_over() && trial.state.time_us < until_us {
-                self.drive_on(&mut trial, &memory, LOOK_S);
+                self.drive_on(&mut trial, &memory, LOOK_S, |_, _| ());
                 if trial.is_over() {
                     break;
                 }
@@ -179,7 +215,7 @@ impl DrivingGround<'_> {
 
     pub(super) fn learn(&self, memory: &mut CaseMemory, trial: &Trial, noise: u64) {
         let situation = trial.situation();
-        let Some(retrieved) = retrieved(memory, &situation) else { return };
+        let Some((_, retrieved)) = retrieved(memory, &situation) else { return };
         let gains_m = |noise: u64| {
             let candidates = candidates();
             let gains_m: Vec<f64> =
@@ -196,6 +232,7 @@ impl DrivingGround<'_> {
             |noise: u64| self.gain_m(trial, candidates[best], noise) > self.gain_m(trial, retrieved, noise) + WORTH_M;
         if beats(2 * noise) && beats(2 * noise + 1) {
             memory.retain(Case::new(situation, Content::Behaviour(candidates[best])));
+            forget_beyond(memory, Kind::Behaviour, Capacity::USUAL.behaviours, None);
         }
     }
 
@@ -216,9 +253,14 @@ impl DrivingGround<'_> {
     pub fn drive(&self, memory: &CaseMemory, is_braked: bool, judges: bool, seed: u64) -> Option<Driven> {
         let (mut trial, until_us, length_m) = self.begin(&mut Stream::new(seed, "drives"), seed, is_braked)?;
         let begun_us = trial.state.time_us;
-        let mut qualities = Vec::new();
+        let (mut qualities, mut course) = (Vec::new(), Vec::<CourseMoment>::new());
         while !trial.is_over() && trial.state.time_us < until_us {
-            self.drive_on(&mut trial, memory, LOOK_S);
+            self.drive_on(&mut trial, memory, LOOK_S, |trial, found| {
+                let moment = CourseMoment::after(trial, begun_us, found, course.last());
+                if course.last().is_none_or(|before| !moment.says_nothing_new(before)) {
+                    course.push(moment);
+                }
+            });
             if judges && !trial.is_over() {
                 qualities.extend(self.judged(&trial, memory, seed));
             }
@@ -229,34 +271,46 @@ impl DrivingGround<'_> {
             length_m,
             contacts: trial.state.contacts.caused,
             qualities,
+            course,
         })
     }
 
     fn judged(&self, trial: &Trial, memory: &CaseMemory, noise: u64) -> Option<Quality> {
-        let retrieved = retrieved(memory, &trial.situation())?;
+        let (_, retrieved) = retrieved(memory, &trial.situation())?;
         let gain_m = self.gain_m(trial, retrieved, noise);
         let others = candidates().into_iter().map(|parameters| self.gain_m(trial, parameters, noise));
         Some(Quality::of(gain_m, others.fold(gain_m, f64::max)))
     }
 
-    /// Drives on by what is retrieved, every few seconds and at each new goal.
-    fn drive_on(&self, trial: &mut Trial, memory: &CaseMemory, seconds: f64) {
+    /// Drives on by what is retrieved, every few seconds and at each new goal; `note` hears of each step, and of what was
+    /// retrieved before it.
+    fn drive_on(
+        &self,
+        trial: &mut Trial,
+        memory: &CaseMemory,
+        seconds: f64,
+        mut note: impl FnMut(&Trial, Option<CaseNumber>),
+    ) {
         let until_us = trial.state.time_us + (seconds * 1e6) as u64;
         let mut retrieve_us = trial.state.time_us;
         while !trial.is_over() && trial.state.time_us < until_us {
-            self.step_by(trial, memory, &mut retrieve_us);
+            let found = self.step_by(trial, memory, &mut retrieve_us);
+            note(trial, found);
         }
     }
 
-    /// One step, before which a case is retrieved if that is due.
-    pub(super) fn step_by(&self, trial: &mut Trial, memory: &CaseMemory, retrieve_us: &mut u64) {
-        if trial.state.time_us >= *retrieve_us || trial.event == Some(DriveEvent::GoalReached) {
-            if let Some(parameters) = retrieved(memory, &trial.situation()) {
-                trial.drive.parameters = parameters;
-            }
+    /// One step, before which a case is retrieved if that is due; which one.
+    pub(super) fn step_by(&self, trial: &mut Trial, memory: &CaseMemory, retrieve_us: &mut u64) -> Option<CaseNumber> {
+        let is_due = trial.state.time_us >= *retrieve_us || trial.event == Some(DriveEvent::GoalReached);
+        let found = if is_due { retrieved(memory, &trial.situation()) } else { None };
+        if is_due {
             *retrieve_us = trial.state.time_us + (RETRIEVAL_S * 1e6) as u64;
         }
+        if let Some((_, parameters)) = found {
+            trial.drive.parameters = parameters;
+        }
         trial.step();
+        found.map(|(number, _)| number)
     }
 
     /// A random route from where the robot stands, until when it must be driven, and its length.
@@ -283,13 +337,13 @@ pub(super) fn allowed_us(length_m: f64) -> u64 {
     ((GRACE_S + length_m / SLOWEST_MPS) * 1e6) as u64
 }
 
-/// The parameters of the most similar behaviour case.
-fn retrieved(memory: &CaseMemory, situation: &Situation) -> Option<BehaviourParameters> {
+/// The most similar behaviour case, with its parameters.
+fn retrieved(memory: &CaseMemory, situation: &Situation) -> Option<(CaseNumber, BehaviourParameters)> {
     let found = memory.retrieve(situation)?;
     let mut behaviours = std::iter::once(&found.best).chain(&found.runners_up);
     let best = behaviours.find(|found| found.kind == Kind::Behaviour)?;
     match &memory.get(best.number)?.content {
-        Content::Behaviour(parameters) => Some(*parameters),
+        Content::Behaviour(parameters) => Some((best.number, *parameters)),
         Content::Route(_) | Content::Goal(_) | Content::MetaPlan(_) => None,
     }
 }

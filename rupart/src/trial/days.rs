@@ -3,7 +3,9 @@
 use super::behaviours::{DrivingGround, allowed_us};
 use super::drive::Trial;
 use crate::beginning::{to_be_trained, tuned_alone};
+use crate::case::Kind;
 use crate::control::{BehaviourParameters, CaseDrive, DriveEvent};
+use crate::forgetting::{Capacity, forget_beyond};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::PlaceId;
 use crate::routes::{Guidance, Route, RouteProblem, Stop, TravelTimes, adapt_guided, learn_route, learn_times};
@@ -97,7 +99,7 @@ impl DrivingGround<'_> {
         let until_us = begun_us + allowed_us(points.windows(2).map(|two| distance_m(two[0], two[1])).sum());
         // One moment of the way is remembered, each as likely as any other.
         let (mut retrieve_us, mut left_us, mut step, mut moments) = (begun_us, begun_us, 0, 0);
-        let mut moment = None;
+        let (mut moment, mut used) = (None, None);
         while !trial.is_over() && trial.state.time_us < until_us {
             let is_due = trial.state.time_us >= retrieve_us;
             if is_due {
@@ -106,8 +108,9 @@ impl DrivingGround<'_> {
                     moment = Some(trial.clone());
                 }
             }
-            self.step_by(&mut trial, memory, &mut retrieve_us);
+            used = self.step_by(&mut trial, memory, &mut retrieve_us).or(used);
             if trial.event == Some(DriveEvent::GoalReached) {
+                note_use(memory, used, true);
                 route.times_s[step] = Some((trial.state.time_us - left_us) as f64 / 1e6);
                 (step, left_us) = (step + 1, trial.state.time_us);
             }
@@ -122,6 +125,7 @@ impl DrivingGround<'_> {
         if errand.has_arrived {
             self.keep(memory, route);
         } else {
+            note_use(memory, used, false);
             let number = memory.retain(to_be_trained(trial.situation()));
             evening.stuck.push((trial, number));
         }
@@ -130,11 +134,16 @@ impl DrivingGround<'_> {
 
     /// As a robot makes its routes: of remembered ones, by the times that are known.
     fn route(&self, memory: &CaseMemory, from: PlaceId, to: PlaceId) -> Option<Route> {
-        let speed_mps = DriveLimits::of(self.model.robot()).hallway_mps;
-        let times = TravelTimes::of_routes(self.places, speed_mps, memory.routes().map(|(_, route)| route));
+        let times = self.times(memory);
         let problem = RouteProblem::new(self.places, &times, Stop::Known(from), Stop::Known(to));
         let adapted = adapt_guided(self.places, &times, &problem, memory.routes(), Guidance::USUAL)?;
         Some(Route::new(adapted.route.stops))
+    }
+
+    /// How long stretches take, as far as it remembers.
+    fn times(&self, memory: &CaseMemory) -> TravelTimes {
+        let speed_mps = DriveLimits::of(self.model.robot()).hallway_mps;
+        TravelTimes::of_routes(self.places, speed_mps, memory.routes().map(|(_, route)| route))
     }
 
     /// As a robot keeps its routes.
@@ -142,6 +151,8 @@ impl DrivingGround<'_> {
         learn_times(memory, &driven);
         if memory.routes().all(|(_, known)| driven.steps_beyond(known) > 0) {
             learn_route(memory, self.places, driven);
+            let times = self.times(memory);
+            forget_beyond(memory, Kind::Route, Capacity::USUAL.routes, Some((self.places, &times)));
         }
     }
 
@@ -155,6 +166,13 @@ impl DrivingGround<'_> {
             let trial = moments.swap_remove(stream.index(moments.len()));
             self.learn(memory, &trial, noise(stream));
         }
+    }
+}
+
+/// The behaviour case in use has brought the robot to its short-term goal, or not.
+fn note_use(memory: &mut CaseMemory, used: Option<CaseNumber>, succeeded: bool) {
+    if let Some(number) = used {
+        memory.change(number, |case| case.counts.note(succeeded));
     }
 }
 

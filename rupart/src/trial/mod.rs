@@ -7,7 +7,7 @@ mod drive;
 mod kinds;
 mod routes;
 
-pub use behaviours::{Driven, Driver, DrivingGround, Quality, candidates};
+pub use behaviours::{CourseMoment, Driven, Driver, DrivingGround, Quality, candidates};
 pub use days::{Day, Errand};
 pub use drive::Trial;
 pub use kinds::{KindGround, KindRetrieved, Phase, Reason, Telling};

@@ -1,10 +1,11 @@
 //! Routes asked for one after the other, without the robot: how good they are, and how much work.
 
+use crate::case::Kind;
+use crate::forgetting::forget_beyond;
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::{PlaceId, Places};
 use crate::routes::{
     Adapted, Guidance, Route, RouteProblem, Stop, TravelTimes, adapt_guided, adapt_literally, learn_route, learn_times,
-    least_competent,
 };
 use crate::similarity::{Scales, Similarity};
 use crate::situation::Situation;
@@ -74,6 +75,8 @@ pub struct RouteAsked {
     pub is_first: bool,
     /// Places that a search for the whole route expands, on what is known of times.
     pub from_scratch_expanded: usize,
+    /// Steps of the route it finds.
+    pub from_scratch_steps: usize,
 }
 
 /// Asks for the routes of a seed; goals and first cases are the same whatever the planner. Routes that cannot be
@@ -183,13 +186,14 @@ impl Building<'_> {
         };
         let case = adapted.case.and_then(|number| routes.iter().find(|(known, _)| *known == number));
         let case = case.map(|(_, route)| (*route).clone());
-        let from_scratch_expanded = known.quickest_way(places, start, goal)?.expanded;
+        let from_scratch = known.quickest_way(places, start, goal)?;
+        let (from_scratch_expanded, from_scratch_steps) = (from_scratch.expanded, from_scratch.places.len() - 1);
         let quickest_s = self.truth.quickest_way(places, start, goal)?.cost;
         let ratio = self.truth.of_route_s(places, &untimed(&adapted.route)) / quickest_s;
         if self.trial.is_learning {
             self.learn(&adapted);
         }
-        Some(RouteAsked { adapted, case, ratio, is_first: false, from_scratch_expanded })
+        Some(RouteAsked { adapted, case, ratio, is_first: false, from_scratch_expanded, from_scratch_steps })
     }
 
     /// Drives the route and keeps it, with the times it took, if it has steps the case does not have.
@@ -200,16 +204,17 @@ impl Building<'_> {
             .windows(2)
             .map(|two| Some(self.truth.of_route_s(self.places, &Route::new(two.to_vec()))))
             .collect();
+        if let Some(number) = adapted.case {
+            self.memory.change(number, |case| case.counts.note(true));
+        }
         learn_times(&mut self.memory, &driven);
         if adapted.new_steps > 0 {
             learn_route(&mut self.memory, self.places, driven);
         }
-        if self.trial.cap.is_some_and(|cap| self.memory.len() > cap) {
-            let routes: Vec<(CaseNumber, &Route)> = self.memory.routes().collect();
-            let known = TravelTimes::of_routes(self.places, SPEED_MPS, routes.iter().map(|(_, route)| *route));
-            if let Some(least) = least_competent(self.places, &known, &routes) {
-                self.memory.forget(least);
-            }
+        if let Some(cap) = self.trial.cap {
+            let routes = self.memory.routes().map(|(_, route)| route);
+            let known = TravelTimes::of_routes(self.places, SPEED_MPS, routes);
+            forget_beyond(&mut self.memory, Kind::Route, cap, Some((self.places, &known)));
         }
     }
 }

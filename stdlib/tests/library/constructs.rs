@@ -241,3 +241,35 @@ fn the_library_keeps_its_own_meaning() {
         ),
     ]);
 }
+
+/// r[loop.words]
+#[test]
+fn a_loop_is_left_at_its_first_test_whatever_that_looks_at() {
+    check(&[
+        ("(let ((i 0)) (loop while (and (< i 10) (<= (* i i) 20)) (setq i (+ i 1))) i)", "5"),
+        ("(let ((i 0)) (loop while (and (< i 3) (<= (* i i) 20)) (setq i (+ i 1))) i)", "3"),
+        ("(let ((i 0)) (loop while (< 10 i) (setq i (+ i 1))) i)", "0"),
+        ("(let ((i 9)) (loop while (> i 2) (setq i (- i 3))) i)", "0"),
+        ("(let ((i 9)) (loop while (>= i 3) (setq i (- i 3))) i)", "0"),
+        ("(let ((i 9) (n 4)) (loop while (<= n i) (setq i (- i 1.5))) i)", "3.0"),
+        ("(let ((i 0)) (loop while (/= i 4) (setq i (+ i 1))) i)", "4"),
+        ("(let ((at '(1 2 3)) (sum 0)) (loop while at (setq sum (+ sum (pop at)))) sum)", "6"),
+        ("(let ((is-done nil) (n 0)) (loop while (not is-done) (incf n) (when (> n 3) (setq is-done t))) n)", "4"),
+        ("(let ((n 0) (m 0)) (loop while (< n 5) (incf n) until (= n 3) (incf m)) (list n m))", "(3 2)"),
+        ("(let ((n 0)) (loop while (< n 5) (incf n) (when (= n 2) (return 'early))))", "early"),
+        // A captured variable lives in a cell, and is looked at anew.
+        ("(let ((n 0)) (let ((more (lambda () (incf n)))) (loop while (< n 5) (more))) n)", "5"),
+        ("(let ((n 0) (turns 0)) (loop while (< n (- +inf.0 +inf.0)) (incf turns)) turns)", "0"),
+    ]);
+    check_failures(&[
+        (
+            "(let ((i 0)) (loop while (< i 3) (setq i 'three)))",
+            "an operand of `<` must be a number, and it is the symbol three",
+        ),
+        (
+            "(let ((i 0)) (loop while (/= i 3) (setq i 'three)))",
+            "an operand of `/=` must be a number, and it is the symbol three",
+        ),
+        ("(let ((i 9)) (loop while (>= i 3) (setq i nil)))", "an operand of `>=` must be a number, and it is nil"),
+    ]);
+}

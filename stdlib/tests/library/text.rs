@@ -89,6 +89,47 @@ fn predicates() {
     ]);
 }
 
+/// r[value.tables] r[setf.places]
+#[test]
+fn entries_are_read_and_assigned_by_name_as_by_value() {
+    check(&[
+        // Called by name, and as values: the same.
+        (
+            "(let ((h (make-hash-table))) (setf (gethash '(1 #(2)) h) 'x) (list (gethash (list 1 #(2)) h) (apply gethash (list '(1 #(2)) h nil))))",
+            "(x x)",
+        ),
+        (
+            "(let ((h (make-hash-table)) (key (list 1 2))) (setf (gethash key h) 'old) (setf (car key) 5) (list (gethash '(1 2) h) (gethash key h)))",
+            "(old nil)",
+        ),
+        (
+            "(let ((h (make-hash-table)) (seen nil)) (gethash (progn (push 1 seen) 'k) (progn (push 2 seen) h) (push 3 seen)) seen)",
+            "(3 2 1)",
+        ),
+        (
+            "(let ((h (make-hash-table)) (seen nil)) (setf (gethash (progn (push 1 seen) 'k) (progn (push 2 seen) h) (push 3 seen)) (length seen)) (list seen (gethash 'k h)))",
+            "((3 2 1) 3)",
+        ),
+        ("(let ((h (make-hash-table)) (k 'a)) (setf (gethash k h) (progn (setq k 'b) 1)) (hash-table-keys h))", "(a)"),
+        (
+            "(let ((h (make-hash-table))) (list (setf (gethash \"k\" h) 7) (gethash (string-append \"\" \"k\") h)))",
+            "(7 7)",
+        ),
+        ("(list (mod 7 3) (mod -7 3) (mod 7 -3) (mod 7.5 2) (mod -7 2.0) (apply mod '(-7 3)))", "(1 2 -2 1.5 1.0 2)"),
+    ]);
+    check_failures(&[
+        ("(gethash 'k '(1 2))", "argument 2 of `gethash` must be a hash table, and it is a list"),
+        ("(setf (gethash 'k 3) 1)", "argument 2 of `(setf gethash)` must be a hash table, and it is the integer 3"),
+        ("(mod 'a 3)", "argument 1 of `mod` must be a number, and it is the symbol a"),
+        ("(mod 3 nil)", "argument 2 of `mod` must be a number, and it is nil"),
+        ("(mod 3 0)", "division by zero"),
+        (
+            "(defvar h (make-hash-table)) (defun note () (setf (gethash 1 h) 2) t) (def-fluent f 1) (wait-for (and (note) f))",
+            "an element or entry cannot be assigned while a fluent network",
+        ),
+    ]);
+}
+
 /// r[value.tables]
 #[test]
 fn hash_tables() {

@@ -1,6 +1,6 @@
 //! `behaviours`: how well a robot drives by what it retrieves, and how good that is.
 
-use super::Building;
+use super::{Building, control_figures};
 use crate::experiment::conduct::chosen;
 use crate::experiment::findings::Findings;
 use crate::experiment::kind::{ExperimentKind, Run};
@@ -109,14 +109,14 @@ impl ExperimentKind for Behaviours {
     }
 
     fn lines(&self, series: &str, run: Run, drive: &BehaviourDrive) -> String {
-        let Some(Driven { has_arrived, time_s, length_m, contacts, qualities }) = &drive.driven else {
+        let Some(Driven { has_arrived, time_s, length_m, contacts, qualities, .. }) = &drive.driven else {
             return String::new();
         };
         let (arrived, judged) = (u8::from(*has_arrived), qualities.len());
         format!("\"{series}\",{},{arrived},{time_s:.2},{length_m:.2},{contacts},{judged}\n", run.seed)
     }
 
-    fn findings(&self, tallies: Vec<Vec<BehaviourDrive>>, _: bool) -> Result<Findings> {
+    fn findings(&self, tallies: Vec<Vec<BehaviourDrive>>, wants_drawings: bool) -> Result<Findings> {
         let cases = |drives: &[BehaviourDrive]| drives.first().map_or(0, |drive| drive.cases);
         let driven = |drives: Vec<BehaviourDrive>| drives.into_iter().map(|drive| drive.driven).collect();
         let rows = self.rows.iter().zip(tallies).map(|(row, drives)| (row, cases(&drives), driven(drives)));
@@ -126,7 +126,11 @@ impl ExperimentKind for Behaviours {
         let results: Vec<BehaviourResult> =
             rows.iter().map(|(row, cases, driven)| BehaviourResult::of(row.name, *cases, driven, tuned)).collect();
         let (blocks, figures) = (blocks(&results), json!({ "rows": results }));
-        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings: Vec::new() })
+        let drawings = match rows.first() {
+            Some((row, _, driven)) if wants_drawings => control_figures::files(row.name, driven),
+            _ => Vec::new(),
+        };
+        Ok(Findings { status: Status::Succeeded, blocks, figures, drawings })
     }
 }
 
@@ -145,8 +149,13 @@ pub struct BehaviourResult {
     pub time_s: Option<Summary>,
     /// Seconds more than the tuned parameters alone took, on drives where both arrived.
     pub longer_s: Option<Summary>,
-    /// Shares of the retrievals that were optimal, near-optimal, fair and poor; none were judged if empty.
+    /// The same, as a share of what the tuned parameters took on the average.
+    pub longer: Option<Summary>,
+    /// Shares of the retrievals that were optimal, near-optimal, fair and poor; none were judged if empty. Those of a
+    /// drive hang together.
     pub qualities: Vec<Proportion>,
+    /// Those that were optimal or near-optimal; none if none were judged.
+    pub good: Option<Proportion>,
 }
 
 impl BehaviourResult {
@@ -158,14 +167,23 @@ impl BehaviourResult {
         };
         let times_s: Vec<f64> = all.iter().filter(|driven| driven.has_arrived).map(|driven| driven.time_s).collect();
         let pairs = driven.iter().zip(tuned.unwrap_or_default());
-        let both = pairs.filter_map(|(one, other)| one.as_ref().zip(other.as_ref()));
-        let longer_s: Vec<f64> = both
+        let pairs = pairs.filter_map(|(one, other)| one.as_ref().zip(other.as_ref()));
+        let both: Vec<(f64, f64)> = pairs
             .filter(|(one, other)| one.has_arrived && other.has_arrived)
-            .map(|(one, other)| one.time_s - other.time_s)
+            .map(|(one, other)| (one.time_s, other.time_s))
             .collect();
-        let judged: Vec<Quality> = all.iter().flat_map(|driven| driven.qualities.iter().copied()).collect();
-        let of_quality =
-            |quality: Quality| Proportion::new(judged.iter().filter(|one| **one == quality).count(), judged.len());
+        let tuned_s = both.iter().map(|(_, other_s)| other_s).sum::<f64>() / both.len().max(1) as f64;
+        let longer_s: Vec<f64> = both.iter().map(|(one_s, other_s)| one_s - other_s).collect();
+        let longer: Vec<f64> = longer_s.iter().map(|longer_s| longer_s / tuned_s).collect();
+        let of_quality = |is_meant: &dyn Fn(Quality) -> bool| {
+            let of_drive = |drive: &&Driven| {
+                let meant = drive.qualities.iter().filter(|one| is_meant(**one)).count();
+                (meant, drive.qualities.len())
+            };
+            Proportion::in_groups(&all.iter().map(of_drive).collect::<Vec<_>>())
+        };
+        let is_judged = all.iter().any(|drive| !drive.qualities.is_empty());
+        let qualities = if is_judged { Quality::ALL.as_slice() } else { &[] };
         Self {
             name: name.to_string(),
             cases,
@@ -173,43 +191,61 @@ impl BehaviourResult {
             without_contact: count(&|driven| driven.contacts == 0),
             time_s: Summary::of(&times_s),
             longer_s: Summary::of(&longer_s),
-            qualities: if judged.is_empty() { Vec::new() } else { Quality::ALL.map(of_quality).to_vec() },
+            longer: Summary::of(&longer),
+            qualities: qualities.iter().map(|quality| of_quality(&|one| one == *quality)).collect(),
+            good: is_judged.then(|| of_quality(&|one| one <= Quality::NearOptimal)),
         }
     }
 }
 
-/// A line for each row.
+/// Drives and retrievals: two tables with a line for each row.
 pub fn blocks(rows: &[BehaviourResult]) -> Vec<Block> {
-    let mut table = Table::new(&[
+    let mut drives = Table::new(&[
         "",
         "cases",
         "arrived",
+        "95 % interval",
         "no contact",
+        "95 % interval",
         "time",
         "longer than tuned",
-        "optimal",
-        "near",
-        "fair",
-        "poor",
+        "",
     ]);
+    let mut retrievals = Table::new(&["", "retrievals", "optimal", "near", "fair", "poor", "optimal or near"]);
     let percent = |share: &Proportion| share.rate.map_or(NOTHING.to_string(), |rate| format!("{:.1} %", 100.0 * rate));
-    let seconds = |summary: Option<Summary>| {
-        summary.map_or(NOTHING.to_string(), |summary| format!("{:.1} ± {:.1} s", summary.spread.mean, summary.half_95))
+    let with_interval = |share: &Proportion| format!("{} ({})", percent(share), share.interval());
+    let told = |summary: Option<Summary>, scale: f64, unit: &str| {
+        let told =
+            |summary: Summary| format!("{:.1} ± {:.1} {unit}", scale * summary.spread.mean, scale * summary.half_95);
+        summary.map_or(NOTHING.to_string(), told)
     };
     for row in rows {
-        let quality = |at: usize| row.qualities.get(at).map_or(NOTHING.to_string(), percent);
-        table.row([
+        drives.row([
             row.name.clone(),
             row.cases.to_string(),
             row.arrived.fraction(),
+            row.arrived.interval(),
             row.without_contact.fraction(),
-            seconds(row.time_s),
-            seconds(row.longer_s),
-            quality(0),
-            quality(1),
-            quality(2),
-            quality(3),
+            row.without_contact.interval(),
+            told(row.time_s, 1.0, "s"),
+            told(row.longer_s, 1.0, "s"),
+            told(row.longer, 100.0, "%"),
+        ]);
+        let [optimal, near, fair, poor] = row.qualities.as_slice() else { continue };
+        retrievals.row([
+            row.name.clone(),
+            optimal.of.to_string(),
+            with_interval(optimal),
+            percent(near),
+            percent(fair),
+            percent(poor),
+            row.good.as_ref().map_or(NOTHING.to_string(), with_interval),
         ]);
     }
-    vec![Block::Table(table)]
+    let mut blocks = vec![Block::Table(drives)];
+    if rows.iter().any(|row| row.good.is_some()) {
+        let title = "how good what was retrieved on the way was, beside the best of all candidates";
+        blocks.extend([Block::Lines(String::new()), Block::Lines(title.to_string()), Block::Table(retrievals)]);
+    }
+    blocks
 }

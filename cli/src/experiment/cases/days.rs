@@ -63,19 +63,29 @@ pub struct DayResult {
     pub arrived: Proportion,
     /// Errands without a contact that the robot caused.
     pub without_contact: Proportion,
-    /// Seconds for each metre of the shortest way, of the errands that arrived.
+    /// Of the robots: seconds for each metre of the shortest way, of the errands that arrived.
     pub pace_s: Option<Summary>,
+    /// Of the robots: the same, less that of their first day.
+    pub slower_s: Option<Summary>,
+}
+
+/// Seconds for each metre of the shortest way, of all errands that arrived together; none if none did.
+fn pace_s(day: &Day) -> Option<f64> {
+    let arrived = || day.errands.iter().filter(|errand| errand.has_arrived);
+    let length_m: f64 = arrived().map(|errand| errand.length_m).sum();
+    (length_m > 0.0).then(|| arrived().map(|errand| errand.time_s).sum::<f64>() / length_m)
 }
 
 impl DayResult {
     /// The days of some robots, day by day.
     pub fn of(robots: &[RobotDays]) -> Vec<Self> {
-        let days = robots.iter().map(|robot| robot.days.len()).max().unwrap_or(0);
-        (0..days)
-            .map(|day| {
-                Self::of_day(day + 1, &robots.iter().filter_map(|robot| robot.days.get(day)).collect::<Vec<_>>())
-            })
-            .collect()
+        let count = robots.iter().map(|robot| robot.days.len()).max().unwrap_or(0);
+        let of_day = |day: usize| robots.iter().filter_map(|robot| robot.days.get(day)).collect::<Vec<_>>();
+        let slower_s = |day: usize| {
+            let pair = |robot: &RobotDays| Some(pace_s(robot.days.get(day)?)? - pace_s(robot.days.first()?)?);
+            Summary::of(&robots.iter().filter_map(pair).collect::<Vec<_>>())
+        };
+        (0..count).map(|day| Self { slower_s: slower_s(day), ..Self::of_day(day + 1, &of_day(day)) }).collect()
     }
 
     fn of_day(day: usize, of_robots: &[&Day]) -> Self {
@@ -83,8 +93,8 @@ impl DayResult {
         let count = |is_so: fn(&Errand) -> bool| {
             Proportion::new(errands.iter().filter(|errand| is_so(errand)).count(), errands.len())
         };
-        let arrived = errands.iter().filter(|errand| errand.has_arrived);
-        let pace_s: Vec<f64> = arrived.map(|errand| errand.time_s / errand.length_m).collect();
+        // The errands of a robot hang together by what it knows of the way.
+        let pace_s: Vec<f64> = of_robots.iter().filter_map(|day| pace_s(day)).collect();
         let cases: usize = of_robots.iter().map(|day| day.cases).sum();
         Self {
             day,
@@ -92,23 +102,32 @@ impl DayResult {
             arrived: count(|errand| errand.has_arrived),
             without_contact: count(|errand| errand.contacts == 0),
             pace_s: Summary::of(&pace_s),
+            slower_s: None,
         }
     }
 }
 
 /// A line for each day.
 pub fn blocks(days: &[DayResult]) -> Vec<Block> {
-    let mut table = Table::new(&["day", "cases", "arrived", "95 % interval", "no contact", "for each metre"]);
+    let mut table =
+        Table::new(&["day", "cases", "arrived", "95 % interval", "no contact", "for each metre", "than on the first"]);
+    let seconds = |summary: Option<Summary>| {
+        // One robot tells nothing of how robots differ.
+        let told = |Summary { count, spread, half_95 }: Summary| match count {
+            1 => format!("{:.3} s", spread.mean),
+            _ => format!("{:.3} ± {half_95:.3} s", spread.mean),
+        };
+        summary.map_or(NOTHING.to_string(), told)
+    };
     for day in days {
-        let pace =
-            day.pace_s.map_or(NOTHING.to_string(), |pace| format!("{:.3} ± {:.3} s", pace.spread.mean, pace.half_95));
         table.row([
             day.day.to_string(),
             format!("{:.0}", day.cases),
             day.arrived.fraction(),
             day.arrived.interval(),
             day.without_contact.fraction(),
-            pace,
+            seconds(day.pace_s),
+            seconds(day.slower_s),
         ]);
     }
     vec![Block::Table(table)]

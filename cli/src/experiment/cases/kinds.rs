@@ -112,9 +112,13 @@ pub struct KindResult {
 impl KindResult {
     /// The figures of the retrievals of some seeds.
     pub fn of(name: &str, retrieved: &[Vec<KindRetrieved>]) -> Self {
+        // Those of a seed are from the same memory.
         let share = |is_meant: &dyn Fn(Reason) -> bool| {
-            let meant = || retrieved.iter().flatten().filter(|found| is_meant(found.reason));
-            Proportion::new(meant().filter(|found| found.kind == found.reason.needed()).count(), meant().count())
+            let of_seed = |found: &Vec<KindRetrieved>| {
+                let meant = || found.iter().filter(|found| is_meant(found.reason));
+                (meant().filter(|found| found.kind == found.reason.needed()).count(), meant().count())
+            };
+            Proportion::in_groups(&retrieved.iter().map(of_seed).collect::<Vec<_>>())
         };
         Self {
             name: name.to_string(),
@@ -126,12 +130,12 @@ impl KindResult {
 
 /// A line for each row.
 pub fn blocks(rows: &[KindResult]) -> Vec<Block> {
-    let mut head = vec!["", "right", "95 % interval"];
+    let mut head = vec!["", "retrievals", "right", "95 % interval"];
     head.extend(Reason::ALL.map(Reason::name));
     let mut table = Table::new(&head);
     let percent = |share: &Proportion| share.rate.map_or(NOTHING.to_string(), |rate| format!("{:.1} %", 100.0 * rate));
     for row in rows {
-        let first = [row.name.clone(), percent(&row.right), row.right.interval()];
+        let first = [row.name.clone(), row.right.of.to_string(), percent(&row.right), row.right.interval()];
         table.row(first.into_iter().chain(row.by_reason.iter().map(percent)));
     }
     vec![Block::Table(table)]

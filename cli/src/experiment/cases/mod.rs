@@ -2,6 +2,7 @@
 //! much work, and whether the kind of case comes back that is needed.
 
 mod behaviours;
+mod control_figures;
 pub mod days;
 mod kinds;
 mod pictures;

@@ -6,10 +6,10 @@ use crate::experiment::conduct::chosen;
 use crate::experiment::findings::Findings;
 use crate::experiment::kind::{ExperimentKind, Run};
 use crate::experiment::request::ExperimentRequest;
-use crate::experiment::statistics::Dispersion;
+use crate::experiment::statistics::Summary;
 use crate::status::Status;
 use crate::terminal::page::Block;
-use crate::terminal::table::Table;
+use crate::terminal::table::{NOTHING, Table};
 use anyhow::Result;
 use rpl_rupart::trial::{RouteAsked, run_routes};
 use serde::Serialize;
@@ -87,7 +87,7 @@ impl ExperimentKind for Routes {
     }
 }
 
-/// What came of the routes of a row.
+/// What came of the routes of a row. Shares are those of a run; their mean is over the runs, and so is its interval.
 #[derive(Clone, Debug, Serialize)]
 pub struct RouteResult {
     /// What the row is called.
@@ -98,31 +98,35 @@ pub struct RouteResult {
     pub routes: usize,
     /// Different problems in a run, on the average.
     pub different: f64,
-    /// Of the runs: the share of routes that take at most 1.1 times as long as the quickest.
-    pub near: Option<Dispersion>,
+    /// The share of routes that take at most 1.1 times as long as the quickest.
+    pub near: Option<Summary>,
     /// The share that 95 % of the runs reach.
     pub near_fifth_percentile: f64,
     /// The share of routes that take at most 1.5 times as long.
-    pub not_poor: f64,
+    pub not_poor: Option<Summary>,
     /// How many times as long the worst takes.
     pub worst: f64,
     /// How long the quickest takes for each second of the route, on the average.
     pub efficiency: f64,
-    /// Routes for which the planner generated at most two steps; the same among different problems.
-    pub few_generated: f64,
+    /// Routes for which the planner generated at most two steps.
+    pub few_generated: Option<Summary>,
     /// Of different problems.
     pub few_generated_different: f64,
     /// Routes of which at most two steps are not the case's.
-    pub few_new: f64,
+    pub few_new: Option<Summary>,
     /// Of different problems.
     pub few_new_different: f64,
     /// Steps the planner generated for a route.
     pub generated_steps: f64,
+    /// Those of a run, as a share of the steps of routes made from scratch.
+    pub generated_of_scratch: Option<Summary>,
     /// Steps of a route that are not the case's.
     pub new_steps: f64,
     /// Places the planner expanded for a route.
     pub expanded: f64,
-    /// Places that A* expands for the whole of it.
+    /// Those of a run, as a share of the places that A* expands for all of its routes.
+    pub expanded_of_a_star: Option<Summary>,
+    /// Places that A* expands for the whole of a route.
     pub a_star_expanded: f64,
     /// The share of routes that were poor by the bound, and made anew.
     pub repaired: f64,
@@ -131,36 +135,44 @@ pub struct RouteResult {
 impl RouteResult {
     /// The figures of some runs.
     pub fn of(row: &RouteRow, runs: &[Vec<RouteAsked>]) -> Self {
-        let counted: Vec<&[RouteAsked]> = runs.iter().map(|asked| asked.get(row.learned_on..).unwrap_or(&[])).collect();
-        let all: Vec<&RouteAsked> = counted.iter().copied().flatten().collect();
+        let counted = runs.iter().map(|asked| asked.get(row.learned_on..).unwrap_or(&[]));
+        let counted: Vec<Vec<&RouteAsked>> =
+            counted.filter(|run| !run.is_empty()).map(|run| run.iter().collect()).collect();
+        let all: Vec<&RouteAsked> = counted.iter().flatten().copied().collect();
         let different: Vec<&RouteAsked> = all.iter().copied().filter(|asked| asked.is_first).collect();
-        let is_near = |asked: &&RouteAsked| asked.ratio <= NEAR + 1e-9;
-        let mut near: Vec<f64> = counted
-            .iter()
-            .filter(|run| !run.is_empty())
-            .map(|run| run.iter().filter(|asked| is_near(asked)).count() as f64 / run.len() as f64)
-            .collect();
+        let of_runs = |of: &dyn Fn(&[&RouteAsked]) -> f64| {
+            let shares: Vec<f64> = counted.iter().map(|run| of(run)).collect();
+            Summary::of(&shares)
+        };
+        let is_near = |asked: &RouteAsked| asked.ratio <= NEAR + 1e-9;
+        let mut near: Vec<f64> = counted.iter().map(|run| share(run, is_near)).collect();
         near.sort_by(f64::total_cmp);
         let few_generated = |asked: &RouteAsked| asked.adapted.generated_steps <= FEW_STEPS;
         let few_new = |asked: &RouteAsked| asked.adapted.new_steps <= FEW_STEPS;
+        let generated = |asked: &RouteAsked| asked.adapted.generated_steps as f64;
+        let expanded = |asked: &RouteAsked| asked.adapted.expanded as f64;
+        let of_a_star = |asked: &RouteAsked| asked.from_scratch_expanded as f64;
+        let of_scratch = |asked: &RouteAsked| asked.from_scratch_steps as f64;
         Self {
             name: row.name.to_string(),
             runs: runs.len(),
             routes: all.len(),
             different: different.len() as f64 / runs.len().max(1) as f64,
             near_fifth_percentile: near.get(near.len() / 20).copied().unwrap_or(f64::NAN),
-            near: Dispersion::of(&near),
-            not_poor: share(&all, |asked| asked.ratio <= POOR),
+            near: Summary::of(&near),
+            not_poor: of_runs(&|run| share(run, |asked| asked.ratio <= POOR)),
             worst: all.iter().map(|asked| asked.ratio).fold(1.0, f64::max),
             efficiency: mean(&all, |asked| 1.0 / asked.ratio),
-            few_generated: share(&all, few_generated),
+            few_generated: of_runs(&|run| share(run, few_generated)),
             few_generated_different: share(&different, few_generated),
-            few_new: share(&all, few_new),
+            few_new: of_runs(&|run| share(run, few_new)),
             few_new_different: share(&different, few_new),
-            generated_steps: mean(&all, |asked| asked.adapted.generated_steps as f64),
+            generated_steps: mean(&all, generated),
+            generated_of_scratch: of_runs(&|run| mean(run, generated) / mean(run, of_scratch)),
             new_steps: mean(&all, |asked| asked.adapted.new_steps as f64),
-            expanded: mean(&all, |asked| asked.adapted.expanded as f64),
-            a_star_expanded: mean(&all, |asked| asked.from_scratch_expanded as f64),
+            expanded: mean(&all, expanded),
+            expanded_of_a_star: of_runs(&|run| mean(run, expanded) / mean(run, of_a_star)),
+            a_star_expanded: mean(&all, of_a_star),
             repaired: share(&all, |asked| asked.adapted.is_repaired),
         }
     }
@@ -174,54 +186,56 @@ fn share(asked: &[&RouteAsked], is_so: impl Fn(&RouteAsked) -> bool) -> f64 {
     mean(asked, |asked| f64::from(is_so(asked)))
 }
 
-/// How good, and how much work: two tables with a line for each row.
+/// How good, how much is new, and how much work: three tables with a line for each row.
 pub fn blocks(rows: &[RouteResult]) -> Vec<Block> {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let of_runs = |share: Option<Summary>| {
+        let told = |share: Summary| format!("{:.1} ± {:.1} %", 100.0 * share.spread.mean, 100.0 * share.half_95);
+        share.map_or(NOTHING.to_string(), told)
+    };
     let mut good = Table::new(&["", "routes", "≤ 1.1", "of 95 % of runs", "≤ 1.5", "worst", "efficiency"]);
-    let mut work = Table::new(&[
-        "",
-        "generated",
-        "≤ 2",
-        "≤ 2, different",
-        "new",
-        "≤ 2",
-        "≤ 2, different",
-        "expanded",
-        "A*",
-        "repaired",
-    ]);
+    let mut steps = Table::new(&["", "generated ≤ 2", "different", "new", "new ≤ 2", "different"]);
+    let mut work = Table::new(&["", "generated", "of scratch", "expanded", "A*", "of A*", "repaired"]);
     for row in rows {
         good.row([
             row.name.clone(),
             row.routes.to_string(),
-            percent(row.near.map_or(f64::NAN, |near| near.mean)),
+            of_runs(row.near),
             percent(row.near_fifth_percentile),
-            percent(row.not_poor),
+            of_runs(row.not_poor),
             format!("{:.2}", row.worst),
             percent(row.efficiency),
+        ]);
+        steps.row([
+            row.name.clone(),
+            of_runs(row.few_generated),
+            percent(row.few_generated_different),
+            format!("{:.2}", row.new_steps),
+            of_runs(row.few_new),
+            percent(row.few_new_different),
         ]);
         work.row([
             row.name.clone(),
             format!("{:.2}", row.generated_steps),
-            percent(row.few_generated),
-            percent(row.few_generated_different),
-            format!("{:.2}", row.new_steps),
-            percent(row.few_new),
-            percent(row.few_new_different),
+            of_runs(row.generated_of_scratch),
             format!("{:.1}", row.expanded),
             format!("{:.1}", row.a_star_expanded),
+            of_runs(row.expanded_of_a_star),
             percent(row.repaired),
         ]);
     }
-    vec![
-        Block::Lines("how long routes take, for each second of the quickest there is".to_string()),
-        Block::Table(good),
-        Block::Lines(String::new()),
-        Block::Lines(
-            "work for a route: steps the planner generated, steps the case does not have, places expanded".into(),
-        ),
-        Block::Table(work),
+    let blank = || Block::Lines(String::new());
+    let titled = |title: &str, table: Table| [Block::Lines(title.to_string()), Block::Table(table), blank()];
+    let mut blocks: Vec<Block> = [
+        titled("how long routes take, for each second of the quickest there is; intervals over the runs", good),
+        titled("steps of a route that the planner generated, and that its case does not have", steps),
+        titled("work: steps generated, of those of routes from scratch; places expanded, of those of A*", work),
     ]
+    .into_iter()
+    .flatten()
+    .collect();
+    blocks.pop();
+    blocks
 }
 
 /// The routes of a run as lines of comma-separated values.

@@ -10,55 +10,57 @@ pub(super) struct DayKind {
     pub name: &'static str,
     /// How long after it came an order is due: at least, at most, in seconds.
     due_s: [f64; 2],
-    /// Orders come together, a handful at a time.
-    has_bursts: bool,
+    /// So many orders come together.
+    burst: usize,
     /// The charge at the start.
     battery: f64,
-    /// Two rooms close at some time.
-    has_closings: bool,
+    /// So many rooms close at some time.
+    closings: usize,
     /// How often a thing is not where it should be.
     missing: f64,
+    /// How often a drive is held up.
+    held_up: f64,
 }
 
 const DEADLINES: DayKind = DayKind {
     name: "deadlines",
     due_s: [150.0, 600.0],
-    has_bursts: false,
+    burst: 1,
     battery: 0.9,
-    has_closings: false,
-    missing: 0.01,
+    closings: 0,
+    missing: USUAL.thing_missing,
+    held_up: USUAL.held_up,
 };
+const BURSTS: DayKind = DayKind { name: "bursts", due_s: [150.0, 900.0], burst: 12, ..DEADLINES };
+const CLOSINGS: DayKind = DayKind { name: "closings", due_s: [1200.0, 2400.0], closings: 4, ..DEADLINES };
+const LOW: f64 = 0.06;
+const MISSING: f64 = 0.25;
+const BUSY: f64 = 0.5;
 
 /// The first has no contingency; then each alone, two and three together.
-pub(super) const KINDS: [DayKind; 8] = [
+pub(super) const KINDS: [DayKind; 10] = [
     DayKind { name: "no contingencies", due_s: [1200.0, 2400.0], ..DEADLINES },
     DEADLINES,
-    DayKind { name: "bursts", has_bursts: true, ..DEADLINES },
-    DayKind { name: "low battery", battery: 0.06, ..DEADLINES },
-    DayKind { name: "closings", has_closings: true, ..DEADLINES },
-    DayKind { name: "missing things", missing: 0.25, ..DEADLINES },
-    DayKind { name: "bursts, closings", has_bursts: true, has_closings: true, ..DEADLINES },
-    DayKind {
-        name: "bursts, low battery, missing things",
-        has_bursts: true,
-        battery: 0.06,
-        missing: 0.25,
-        ..DEADLINES
-    },
+    BURSTS,
+    CLOSINGS,
+    DayKind { name: "low battery", battery: LOW, ..DEADLINES },
+    DayKind { name: "missing things", missing: MISSING, ..DEADLINES },
+    DayKind { name: "busy hallways", held_up: BUSY, ..DEADLINES },
+    DayKind { name: "bursts, closings", burst: BURSTS.burst, ..CLOSINGS },
+    DayKind { name: "bursts, closings, busy hallways", burst: BURSTS.burst, held_up: BUSY, ..CLOSINGS },
+    DayKind { name: "bursts, low battery, missing things", battery: LOW, missing: MISSING, ..BURSTS },
 ];
 
 /// Where things are fetched and brought.
 const PLACES: [&str; 6] = ["east-end", "mail-slots", "a-desk", "c-centre", "d-centre", "wolframs-shelf"];
 
-/// Rooms that may close.
+/// Rooms that may close, and how long before nobody orders anything from or to one any more.
 const ROOMS: [&str; 4] = ["a-desk", "c-centre", "d-centre", "wolframs-shelf"];
+const BEFORE_CLOSING_S: f64 = 240.0;
 
 /// Orders come for so long, so many in an hour.
 const DAY_S: f64 = 2400.0;
 const ORDERS_AN_HOUR: [f64; 2] = [30.0, 55.0];
-
-/// Orders of a burst.
-const BURST: usize = 5;
 
 /// What comes between on all days.
 const USUAL: Chances =
@@ -89,34 +91,41 @@ fn microseconds(seconds: f64) -> u64 {
     (seconds * 1e6).round() as u64
 }
 
+/// So many rooms, each with when it closes, in seconds.
+fn drawn_closings(count: usize, stream: &mut Stream) -> Vec<(&'static str, f64)> {
+    let mut left = ROOMS.to_vec();
+    let mut drawn = |_| (left.swap_remove(stream.index(left.len())), stream.uniform_in(0.3, 0.9) * DAY_S);
+    (0..count.min(ROOMS.len())).map(&mut drawn).collect()
+}
+
 impl Day {
     /// One of a kind.
     pub fn drawn(kind: &DayKind, stream: &mut Stream) -> Self {
         let mut messages = Vec::new();
-        if kind.has_closings {
-            let first = stream.index(ROOMS.len());
-            for room in [ROOMS[first], ROOMS[(first + 1 + stream.index(ROOMS.len() - 1)) % ROOMS.len()]] {
-                let closes_s = stream.uniform_in(0.3, 0.9) * DAY_S;
-                messages.push((0, vec!["closes".to_string(), room.to_string(), format!("{closes_s:.0}")]));
-            }
+        let closings = drawn_closings(kind.closings, stream);
+        for (room, closes_s) in &closings {
+            messages.push((0, vec!["closes".to_string(), room.to_string(), format!("{closes_s:.0}")]));
         }
         let count = (stream.uniform_in(ORDERS_AN_HOUR[0], ORDERS_AN_HOUR[1]) * DAY_S / 3600.0).round() as usize;
         let mut comes_s = 0.0;
         let mut orders = Vec::new();
         for number in 0..count {
-            if !kind.has_bursts || number % BURST == 0 {
-                comes_s = stream.uniform_in(0.0, 0.95) * DAY_S;
+            if number % kind.burst == 0 {
+                comes_s = stream.uniform_in(0.0, 0.9) * DAY_S;
             }
-            let from = stream.index(PLACES.len());
-            let to = (from + 1 + stream.index(PLACES.len() - 1)) % PLACES.len();
+            let is_closing =
+                |place: &str| closings.iter().any(|&(room, at_s)| room == place && at_s < comes_s + BEFORE_CLOSING_S);
+            let mut open: Vec<&'static str> = PLACES.into_iter().filter(|place| !is_closing(place)).collect();
+            let from = open.swap_remove(stream.index(open.len()));
+            let to = open[stream.index(open.len())];
             let due_s = comes_s + stream.uniform_in(kind.due_s[0], kind.due_s[1]);
-            let order = Order { thing: format!("thing-{number}"), from: PLACES[from], to: PLACES[to] };
+            let order = Order { thing: format!("thing-{number}"), from, to };
             let words = ["deliver", &order.thing, order.from, order.to, &format!("{due_s:.0}")].map(str::to_string);
             messages.push((microseconds(comes_s), words.to_vec()));
             orders.push(order);
         }
         messages.sort_by_key(|&(at_us, _)| at_us);
-        let chances = Chances { thing_missing: kind.missing, ..USUAL };
+        let chances = Chances { thing_missing: kind.missing, held_up: kind.held_up, ..USUAL };
         Self { chances, battery: kind.battery, messages, orders }
     }
 

@@ -9,8 +9,10 @@ use crate::terminal::table::{NOTHING, Table};
 use serde::Serialize;
 use serde_json::json;
 
-/// Below this gap between reactive plan and truth, in points, nothing can be said of how much of it is closed.
-const LEAST_GAP: f64 = 6.0;
+/// A gap between reactive plan and truth, in points, that is worth closing; and one below which nothing can be said of
+/// how much of it is closed.
+const WIDE_GAP: f64 = 6.0;
+const LEAST_GAP: f64 = 2.0;
 
 /// Days of a kind.
 #[derive(Clone, Debug, Serialize)]
@@ -24,7 +26,9 @@ struct KindOfDays {
     gained_points: Option<Summary>,
     /// Foresight less one look ahead, day by day, in points.
     sampling_points: Option<Summary>,
-    /// The part of the gap between reactive plan and truth that foresight closes; none where the gap is small.
+    /// The truth less the reactive plan, in points.
+    gap_points: f64,
+    /// The part of that gap which foresight closes; none where it is small.
     gap_closed: Option<f64>,
     /// By how much later than with the reactive plan the work was done, in parts of a hundred.
     later_percent: Option<Summary>,
@@ -52,6 +56,7 @@ impl KindOfDays {
             orders,
             gained_points: between(FORESIGHT, REACTIVE),
             sampling_points: between(FORESIGHT, ONE_LOOK),
+            gap_points: gap,
             gap_closed: (gap >= LEAST_GAP).then(|| (kept[FORESIGHT] - kept[REACTIVE]) / gap),
             later_percent: Summary::of(&days.iter().map(later).collect::<Vec<_>>()),
             kept_percent: kept,
@@ -68,16 +73,22 @@ pub(super) fn findings(kinds: &[String], tallies: &[Vec<ForesightDay>]) -> Findi
     let all = tallies.concat();
     let mut rows: Vec<KindOfDays> = kinds.iter().zip(tallies).map(|(kind, days)| KindOfDays::of(kind, days)).collect();
     if rows.len() > 1 {
+        let wide = rows.iter().zip(tallies).filter(|(row, _)| row.gap_points >= WIDE_GAP);
+        let wide: Vec<ForesightDay> = wide.flat_map(|(_, days)| days.iter().cloned()).collect();
+        if !wide.is_empty() {
+            rows.push(KindOfDays::of("those with a gap of six points", &wide));
+        }
         rows.push(KindOfDays::of("all", &all));
     }
     let mut heads = vec!["days", "number", "orders"];
     heads.extend(ROWS.iter().map(|row| row.0));
-    heads.extend(["foresight gains", "sampling gains", "gap closed", "later [%]"]);
+    heads.extend(["foresight gains", "sampling gains", "gap", "gap closed", "later [%]"]);
     let mut table = Table::new(&heads);
     for row in &rows {
         let mut cells = vec![row.row.clone(), row.days.to_string(), row.orders.to_string()];
         cells.extend(row.kept_percent.iter().map(|kept| format!("{kept:.1}")));
         cells.extend([points(&row.gained_points), points(&row.sampling_points)]);
+        cells.push(format!("{:+.1}", row.gap_points));
         cells.push(row.gap_closed.map_or(NOTHING.to_string(), |share| format!("{:.0} %", 100.0 * share)));
         cells.push(points(&row.later_percent));
         table.row(cells);

@@ -2,11 +2,13 @@
 //! and the state set as it moves along the hallway (Figs. 3 to 5).
 
 use super::course::Course;
+use crate::drawing::palette;
+use crate::drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text, wrap};
 use rpl_lola::feature::{Feature, Side};
 use rpl_lola::instruction::Goal;
 use rpl_lola::state_set::{Inference, StateSet};
 use svg::Document;
-use svg::node::element::{Line, Polyline, Rectangle, Text};
+use svg::node::element::{Line, Polyline, Rectangle};
 
 /// Pixels of a metre along the hallway.
 const ALONG_PX: f64 = 20.0;
@@ -50,10 +52,11 @@ fn contour_lines(name: &str, course: &Course) -> String {
     let title = format!("contour lines of a hallway, {name}, seed {}", course.seed);
     let mut document = sheet(course.driven_m, height_px, LEGEND_PX, &title);
     for aside_m in [-2.0, -1.0, 0.0, 1.0, 2.0] {
-        let tick = level(x(0.0) - 5.0, x(0.0), y(aside_m)).set("stroke", "black");
-        document = document.add(tick).add(at_end(&format!("{} m", aside_m.abs()), x(0.0) - 9.0, y(aside_m) + 4.0));
+        let line = level(x(0.0), x(course.driven_m), y(aside_m)).set("stroke", palette::GRID);
+        let said = format!("{} m", aside_m.abs());
+        document = document.add(line).add(ending(&said, x(0.0) - 9.0, y(aside_m) + 4.0, SMALL_PX));
     }
-    let middle = level(x(0.0), x(course.driven_m), y(0.0)).set("stroke", "#a0a0a0").set("stroke-dasharray", "6 4");
+    let middle = level(x(0.0), x(course.driven_m), y(0.0)).set("stroke", palette::QUIET).set("stroke-dasharray", "6 4");
     document = document.add(middle);
     for side in Side::ALL {
         let points = course.contour.iter().filter(|point| point.side == side);
@@ -74,14 +77,15 @@ fn beside(mut document: Document, course: &Course, side: Side, end_m: f64, lines
     let lines: [(&str, Vec<_>); 2] = [("perceived", seen.collect()), ("there", there.collect())];
     for ((what, found), middle_px) in lines.into_iter().zip(lines_px) {
         let label = format!("{}, {what}", side.in_words());
-        document = document.add(at_end(&label, LEFT_PX - 9.0, middle_px + 4.0));
+        document = document.add(ending(&label, LEFT_PX - 9.0, middle_px + 4.0, SMALL_PX));
         for (_, from_m, to_m, is) in found.into_iter().filter(|found| found.0 == side) {
             let (from_m, to_m) = (f64::max(from_m, 0.0), f64::min(to_m, end_m));
             if to_m > from_m {
                 document = document.add(bar(x(from_m), x(to_m), middle_px, colour(is)));
                 // The rest of a bar at the edge of the drawing has no room for it.
                 if x(to_m) - x(from_m) >= BAR_PX {
-                    document = document.add(text(letter(is), (x(from_m) + x(to_m)) / 2.0, middle_px + 4.0));
+                    let middle = (x(from_m) + x(to_m)) / 2.0;
+                    document = document.add(centred(letter(is), middle, middle_px + 4.0, SMALL_PX));
                 }
             }
         }
@@ -100,14 +104,13 @@ fn letter(feature: Feature) -> &'static str {
     }
 }
 
-/// Told apart by who sees no red or no green as well (Okabe and Ito, "Color Universal Design", 2008).
 fn colour(feature: Feature) -> &'static str {
     match feature {
-        Feature::Wall => "white",
-        Feature::ClosedDoor => "#e69f00",
-        Feature::OpenDoor => "#56b4e9",
-        Feature::Hallway => "#7fcfb9",
-        Feature::Foyer => "#cc79a7",
+        Feature::Wall => palette::PAPER,
+        Feature::ClosedDoor => palette::CLOSED_DOOR,
+        Feature::OpenDoor => palette::OPEN_DOOR,
+        Feature::Hallway => palette::HALLWAY,
+        Feature::Foyer => palette::FOYER,
     }
 }
 
@@ -117,9 +120,8 @@ fn legend_of_features(mut document: Document, bottom_px: f64) -> Document {
     for (feature, at) in Feature::ALL.into_iter().filter(|feature| *feature != Feature::Wall).zip(0_u8..) {
         let from_px = LEFT_PX + f64::from(at) * 110.0;
         document = document.add(bar(from_px, from_px + 20.0, middle_px - 4.0, colour(feature)));
-        document = document.add(text(letter(feature), from_px + 10.0, middle_px));
-        document = document
-            .add(text(&feature.name().replace('-', " "), from_px + 26.0, middle_px).set("text-anchor", "start"));
+        document = document.add(centred(letter(feature), from_px + 10.0, middle_px, SMALL_PX));
+        document = document.add(text(&feature.name().replace('-', " "), from_px + 26.0, middle_px, SMALL_PX));
     }
     document
 }
@@ -183,7 +185,8 @@ fn certainties(name: &str, inference: &Inference, course: &Course) -> Option<Str
     let mut document = sheet(end_m, bottom_px - TOP_PX, LEGEND_PX + NODE_PX, &title);
     document = beside(document, course, goal.side, end_m, [TOP_PX + 1.5 * BARS_PX, TOP_PX + 0.5 * BARS_PX]);
     for node in 0..nodes {
-        document = document.add(at_end(&node_name(node, nodes), LEFT_PX - 9.0, y(node) + NODE_PX / 2.0 + 4.0));
+        let name = node_name(node, nodes);
+        document = document.add(ending(&name, LEFT_PX - 9.0, y(node) + NODE_PX / 2.0 + 4.0, SMALL_PX));
     }
     let ends = columns.iter().skip(1).map(|(from_m, _)| *from_m).chain([end_m]);
     for ((from_m, certainties), to_m) in columns.iter().zip(ends) {
@@ -193,12 +196,12 @@ fn certainties(name: &str, inference: &Inference, course: &Course) -> Option<Str
     }
     if let Some(arrived_m) = arrived_m {
         let border = Line::new().set("x1", x(arrived_m)).set("x2", x(arrived_m)).set("y1", top_px - 10.0);
-        document = document.add(border.set("y2", bottom_px).set("stroke", "#d55e00").set("stroke-width", 2.5));
-        document = document.add(text("arrived", x(arrived_m) + 5.0, top_px - 4.0).set("text-anchor", "start"));
+        document = document.add(border.set("y2", bottom_px).set("stroke", palette::TARGET).set("stroke-width", 2.5));
+        document = document.add(text("arrived", x(arrived_m) + 5.0, top_px - 4.0, SMALL_PX));
     }
     document = legend_of_features(document, bottom_px);
     let legend_px = bottom_px + 34.0 + 2.0 * LEGEND_PX;
-    document = document.add(at_end("certainty", LEFT_PX - 9.0, legend_px));
+    document = document.add(ending("certainty", LEFT_PX - 9.0, legend_px, SMALL_PX));
     for at in 0_u8..=4 {
         let from_px = LEFT_PX + f64::from(at) * 50.0;
         document = cell(document, from_px, from_px + 50.0, legend_px - 4.0 - NODE_PX / 2.0, f64::from(at) / 4.0);
@@ -212,13 +215,14 @@ fn cell(document: Document, from_px: f64, to_px: f64, top_px: f64, certainty: f6
     let certainty = certainty.abs();
     let width_px = (to_px - from_px).max(0.0);
     let shade = Rectangle::new().set("x", from_px).set("y", top_px).set("width", rounded(width_px));
-    let shade = shade.set("height", NODE_PX).set("fill", "#0b3c6f").set("fill-opacity", rounded(certainty));
-    let document = document.add(shade.set("stroke", "black").set("stroke-width", 0.5));
+    let shade = shade.set("height", NODE_PX).set("fill", palette::shade(certainty));
+    let document = document.add(shade.set("stroke", palette::GRID).set("stroke-width", 0.5));
     if width_px < 26.0 {
         return document;
     }
-    let ink = if certainty > 0.5 { "white" } else { "black" };
-    let said = text(&format!("{certainty:.2}"), (from_px + to_px) / 2.0, top_px + NODE_PX / 2.0 + 4.0);
+    let ink = if certainty > 0.5 { palette::PAPER } else { palette::INK };
+    let middle_px = (from_px + to_px) / 2.0;
+    let said = centred(&format!("{certainty:.2}"), middle_px, top_px + NODE_PX / 2.0 + 4.0, SMALL_PX);
     document.add(said.set("fill", ink))
 }
 
@@ -231,22 +235,24 @@ fn node_name(node: usize, nodes: usize) -> String {
     }
 }
 
-/// A white sheet with a title, metres below, and room for a legend below them.
+/// A sheet with a title, metres below, and room for a legend below them.
 fn sheet(along_m: f64, height_px: f64, legend_px: f64, title: &str) -> Document {
     let width_px = (LEFT_PX + along_m * ALONG_PX + 30.0).max(LEAST_WIDTH_PX);
-    let whole_px = TOP_PX + height_px + 40.0 + legend_px;
+    let bottom_px = TOP_PX + height_px;
+    let whole_px = bottom_px + 40.0 + legend_px;
     let mut document = Document::new()
         .set("viewBox", (0, 0, rounded(width_px), rounded(whole_px)))
         .set("width", rounded(width_px))
         .set("height", rounded(whole_px))
-        .set("font-family", "sans-serif")
-        .set("font-size", 11)
-        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"))
-        .add(text(title, width_px / 2.0, 24.0).set("font-size", 15));
+        .set("font-family", FAMILY)
+        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", palette::PAPER));
+    for (line, at) in wrap(title, TITLE_PX, width_px - 36.0).iter().zip(0_u8..) {
+        let y = 24.0 + 20.0 * f64::from(at);
+        document = document.add(text(line, 18.0, y, TITLE_PX).set("font-weight", "bold"));
+    }
     let mut along = 0.0;
     while along <= along_m {
-        let bottom_px = TOP_PX + height_px;
-        document = document.add(text(&format!("{along:.0} m"), x(along), bottom_px + 18.0));
+        document = document.add(centred(&format!("{along:.0} m"), x(along), bottom_px + 18.0, TEXT_PX));
         along += 5.0;
     }
     document
@@ -259,13 +265,12 @@ fn x(along_m: f64) -> f64 {
     rounded(LEFT_PX + along_m * ALONG_PX)
 }
 
-/// To the hundredth of a pixel, or of certainty: more digits only make the file longer.
-fn rounded(value: f64) -> f64 {
-    (value * 100.0).round() / 100.0
-}
-
 fn line(points: &[String]) -> Polyline {
-    Polyline::new().set("points", points.join(" ")).set("fill", "none").set("stroke", "black").set("stroke-width", 1.0)
+    Polyline::new()
+        .set("points", points.join(" "))
+        .set("fill", "none")
+        .set("stroke", palette::INK)
+        .set("stroke-width", 1.2)
 }
 
 fn level(from_px: f64, to_px: f64, y_px: f64) -> Line {
@@ -275,14 +280,5 @@ fn level(from_px: f64, to_px: f64, y_px: f64) -> Line {
 fn bar(from_px: f64, to_px: f64, middle_px: f64, fill: &str) -> Rectangle {
     let bar = Rectangle::new().set("x", from_px).set("y", rounded(middle_px - BAR_PX / 2.0));
     let bar = bar.set("width", rounded(to_px - from_px)).set("height", BAR_PX);
-    bar.set("fill", fill).set("stroke", "black").set("stroke-width", 0.6)
-}
-
-fn text(content: &str, x_px: f64, y_px: f64) -> Text {
-    Text::new(content).set("x", rounded(x_px)).set("y", rounded(y_px)).set("text-anchor", "middle")
-}
-
-/// A text that ends there.
-fn at_end(content: &str, x_px: f64, y_px: f64) -> Text {
-    text(content, x_px, y_px).set("text-anchor", "end")
+    bar.set("fill", fill).set("stroke", palette::INK).set("stroke-width", 0.6)
 }

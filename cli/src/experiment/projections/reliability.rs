@@ -6,7 +6,7 @@ use crate::experiment::findings::Findings;
 use crate::experiment::statistics::Proportion;
 use crate::status::Status;
 use crate::terminal::page::Block;
-use crate::terminal::table::Table;
+use crate::terminal::table::{NOTHING, Table};
 use serde::Serialize;
 use serde_json::json;
 
@@ -51,6 +51,8 @@ struct Reliability {
     brier: f64,
     /// By what part that is less than for who always forecasts the share of all that succeed; none where all end alike.
     skill: Option<f64>,
+    /// The part that this is of the skill of who is told the truth, where that one has any.
+    skill_of_truth: Option<f64>,
     bins: Vec<Bin>,
 }
 
@@ -76,9 +78,20 @@ impl Reliability {
             bins_off: bins.iter().filter(|bin| bin.is_off()).count(),
             brier,
             skill: (uncertainty > 0.0).then(|| 1.0 - brier / uncertainty),
+            skill_of_truth: None,
             bins,
         }
     }
+}
+
+/// Each forecaster beside who is told the truth, the last one.
+fn of_all(row: &str, missions: &[ForetoldMission]) -> [Reliability; 3] {
+    let mut all = [0, 1, 2].map(|forecaster| Reliability::of(row, forecaster, missions));
+    let truth = all[2].skill.filter(|&skill| skill > 0.0);
+    for told in &mut all {
+        told.skill_of_truth = told.skill.zip(truth).map(|(skill, truth)| skill / truth);
+    }
+    all
 }
 
 fn bin(foretold: &[(f64, bool)]) -> Bin {
@@ -95,9 +108,8 @@ pub(super) fn findings(kinds: &[&'static str], tallies: &[Vec<ForetoldMission>])
         rows.push(("all", &all));
     }
     rows.retain(|row| !row.1.is_empty());
-    let of_row =
-        |row: &(&str, &[ForetoldMission])| [0, 1, 2].map(|forecaster| Reliability::of(row.0, forecaster, row.1));
-    let told: Vec<Reliability> = rows.iter().flat_map(of_row).collect();
+    let told: Vec<Reliability> = rows.iter().flat_map(|row| of_all(row.0, row.1)).collect();
+    let number = |number: &Option<f64>| number.map_or_else(|| NOTHING.to_string(), |number| format!("{number:.3}"));
     let heads = [
         "missions",
         "forecaster",
@@ -109,9 +121,12 @@ pub(super) fn findings(kinds: &[&'static str], tallies: &[Vec<ForetoldMission>])
         "bins off",
         "Brier",
         "skill",
+        "of the truth's",
     ];
     let mut table = Table::new(&heads);
-    for Reliability { row, forecaster, missions, forecast, succeeded, bin_error, bins_off, brier, skill, .. } in &told {
+    for reliability in &told {
+        let Reliability { row, forecaster, missions, forecast, succeeded, bin_error, bins_off, brier, .. } =
+            reliability;
         table.row([
             row.clone(),
             (*forecaster).to_string(),
@@ -122,7 +137,8 @@ pub(super) fn findings(kinds: &[&'static str], tallies: &[Vec<ForetoldMission>])
             format!("{bin_error:.3}"),
             bins_off.to_string(),
             format!("{brier:.4}"),
-            skill.map_or_else(|| crate::terminal::table::NOTHING.to_string(), |skill| format!("{skill:.3}")),
+            number(&reliability.skill),
+            number(&reliability.skill_of_truth),
         ]);
     }
     let mut blocks = vec![Block::Table(table)];
@@ -152,7 +168,8 @@ mod tests {
     fn who_forecasts_what_happens_has_no_error_and_the_skill_of_the_textbook() {
         // Half of the missions succeed in 1 of 5, half in 4 of 5: Brier 0.16 of an uncertainty of 0.25.
         let of = |share: f64, every: usize| (0..500).map(move |n| (share, (n % 5 < every)));
-        let told = Reliability::of("all", 0, &missions(of(0.2, 1).chain(of(0.8, 4))));
+        let [told, ..] = of_all("all", &missions(of(0.2, 1).chain(of(0.8, 4))));
+        assert_eq!(told.skill_of_truth, Some(1.0), "all forecast alike");
         assert!(told.bin_error < 1e-9 && told.bins_off == 0, "{told:?}");
         assert!((told.brier - 0.16).abs() < 1e-9 && (told.skill.expect("some fail") - 0.36).abs() < 1e-9);
     }

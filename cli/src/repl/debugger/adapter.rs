@@ -314,8 +314,8 @@ fn launch(launch: Launch) -> Result<Debugged> {
     let SiteWords { site: arguments } = SiteWords::try_parse_from(&launch.args).map_err(|error| anyhow!("{error}"))?;
     let plan = plans::plan(&launch.program)?;
     let (site, _, modules) = arguments.build(ModuleVoices::Processes(GoingBack::Session))?;
-    modules.start(&site, arguments.seed, None)?;
-    let mut session = Session::new(&site, site.robot(arguments.seed), arguments.seed)?;
+    modules.start(&site, arguments.seed(), None)?;
+    let mut session = Session::new(&site, site.robot(arguments.seed()), arguments.seed())?;
     session.file = Some(plan.name.clone());
     let forms = HandedIn { name: plan.name, text: plan.text, folder: plan.folder, number: None };
     session.submit(forms).map_err(|rejected| anyhow!("the plan cannot run\n{}", rejected.render(false)))?;

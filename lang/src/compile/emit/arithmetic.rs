@@ -44,35 +44,43 @@ impl Emitter<'_, '_> {
         });
     }
 
-    pub(super) fn compare_and_jump(&mut self, operation: Binary, left: &Ir, right: &Ir) -> usize {
+    /// Emits a jump that is taken where a comparison does not hold; or where it `holds`, if it is of order: an
+    /// instruction tells errors by its own name, and there are none for the opposite of equality.
+    pub(super) fn compare_and_jump(&mut self, holds: bool, operation: Binary, left: &Ir, right: &Ir) -> usize {
         let immediate = |ir: &Ir| match ir.kind {
             IrKind::Int(value) => i16::try_from(value).ok(),
             _ => None,
         };
         if let Some(value) = immediate(right) {
             let left = self.operand(left, &[]);
-            return self.push(match operation {
-                Binary::Less => Op::JumpUnlessLessInt(left, value, 0),
-                Binary::LessEq => Op::JumpUnlessLessEqInt(left, value, 0),
-                Binary::NumDiffer => Op::JumpUnlessNumDifferInt(left, value, 0),
+            return self.push(match (operation, holds) {
+                (Binary::Less, false) => Op::JumpUnlessLessInt(left, value, 0),
+                (Binary::Less, true) => Op::JumpIfLessInt(left, value, 0),
+                (Binary::LessEq, false) => Op::JumpUnlessLessEqInt(left, value, 0),
+                (Binary::LessEq, true) => Op::JumpIfLessEqInt(left, value, 0),
+                (Binary::NumDiffer, _) => Op::JumpUnlessNumDifferInt(left, value, 0),
                 _ => Op::JumpUnlessNumEqInt(left, value, 0),
             });
         }
         if let Some(value) = immediate(left) {
             let right = self.operand(right, &[]);
-            return self.push(match operation {
-                Binary::Less => Op::JumpUnlessGreaterInt(right, value, 0),
-                Binary::LessEq => Op::JumpUnlessGreaterEqInt(right, value, 0),
-                Binary::NumDiffer => Op::JumpUnlessNumDifferInt(right, value, 0),
+            return self.push(match (operation, holds) {
+                (Binary::Less, false) => Op::JumpUnlessGreaterInt(right, value, 0),
+                (Binary::Less, true) => Op::JumpIfGreaterInt(right, value, 0),
+                (Binary::LessEq, false) => Op::JumpUnlessGreaterEqInt(right, value, 0),
+                (Binary::LessEq, true) => Op::JumpIfGreaterEqInt(right, value, 0),
+                (Binary::NumDiffer, _) => Op::JumpUnlessNumDifferInt(right, value, 0),
                 _ => Op::JumpUnlessNumEqInt(right, value, 0),
             });
         }
         let left_reg = self.operand(left, &[right]);
         let right_reg = self.operand(right, &[]);
-        self.push(match operation {
-            Binary::Less => Op::JumpUnlessLess(left_reg, right_reg, 0),
-            Binary::LessEq => Op::JumpUnlessLessEq(left_reg, right_reg, 0),
-            Binary::NumDiffer => Op::JumpUnlessNumDiffer(left_reg, right_reg, 0),
+        self.push(match (operation, holds) {
+            (Binary::Less, false) => Op::JumpUnlessLess(left_reg, right_reg, 0),
+            (Binary::Less, true) => Op::JumpIfLess(left_reg, right_reg, 0),
+            (Binary::LessEq, false) => Op::JumpUnlessLessEq(left_reg, right_reg, 0),
+            (Binary::LessEq, true) => Op::JumpIfLessEq(left_reg, right_reg, 0),
+            (Binary::NumDiffer, _) => Op::JumpUnlessNumDiffer(left_reg, right_reg, 0),
             _ => Op::JumpUnlessNumEq(left_reg, right_reg, 0),
         })
     }

@@ -1,10 +1,13 @@
 //! Branches, loops, and blocks that are left.
 
 use super::emitter::{BlockState, Emitter};
-use super::value_facts::has_no_code;
+use super::value_facts::{has_no_code, is_cheap_test};
 use crate::code::{NO_REG, Op, Reg};
 use crate::compile::ir::{Binary, BlockId, Ir, IrKind, Unary, VarId};
 use crate::stack::deep;
+
+/// Conditions that nest no deeper than this may be emitted twice.
+const MOST_REPEATED: usize = 5;
 
 impl Emitter<'_, '_> {
     /// Emits a jump that is taken when the condition is nil; gives the jumps to land.
@@ -27,7 +30,7 @@ impl Emitter<'_, '_> {
                 left,
                 right,
             ) => {
-                vec![self.compare_and_jump(*operation, left, right)]
+                vec![self.compare_and_jump(false, *operation, left, right)]
             }
             _ => {
                 let reg = self.operand(condition, &[]);
@@ -67,31 +70,71 @@ impl Emitter<'_, '_> {
         self.push(Op::Return(from));
     }
 
-    /// Emits an endless loop. What leaves it at a condition stands behind it, out of the way.
+    /// Emits an endless loop. What leaves it at a condition stands behind it, out of the way. A condition at its
+    /// beginning that takes little stands at its end as well: the jump back is the test.
     pub(super) fn loop_form(&mut self, body: &Ir) {
         let items = match &body.kind {
             IrKind::Seq(items) => items.as_slice(),
             _ => std::slice::from_ref(body),
         };
-        let mut exits = Vec::new();
+        let (mut exits, mut again) = (Vec::new(), None);
         let start = self.ops.len();
-        for item in items {
-            match &item.kind {
-                IrKind::If(condition, then, otherwise)
-                    if has_no_code(then) && matches!(otherwise.kind, IrKind::Leave(..)) =>
-                {
-                    exits.push((self.jump_unless(condition), otherwise));
-                }
-                _ => self.effect(item),
+        for (position, item) in items.iter().enumerate() {
+            let IrKind::If(condition, then, otherwise) = &item.kind else {
+                self.effect(item);
+                continue;
+            };
+            if !has_no_code(then) || !matches!(otherwise.kind, IrKind::Leave(..)) {
+                self.effect(item);
+                continue;
+            }
+            exits.push((self.jump_unless(condition), otherwise));
+            if position == 0 && is_cheap_test(condition, MOST_REPEATED) {
+                again = Some((condition, self.ops.len()));
             }
         }
-        self.jump_back(start);
+        match (again, exits.first_mut()) {
+            (Some((condition, entered)), Some((skips, _))) => skips.extend(self.jump_back_if(condition, entered)),
+            _ => self.jump_back(start),
+        }
         for (skips, leave) in exits {
             for skip in skips {
                 self.land(skip);
             }
             self.effect(leave);
         }
+    }
+
+    /// Emits a jump back that is taken when the condition is not nil; gives the jumps to land that are taken when it is.
+    fn jump_back_if(&mut self, condition: &Ir, target: usize) -> Vec<usize> {
+        let outer = std::mem::replace(&mut self.span, condition.span);
+        let skips = self.temporarily(|emitter| emitter.jump_back_if_here(condition, target));
+        self.span = outer;
+        skips
+    }
+
+    fn jump_back_if_here(&mut self, condition: &Ir, target: usize) -> Vec<usize> {
+        let (mut skips, mut last) = (Vec::new(), condition);
+        while let IrKind::And(items) = &last.kind {
+            let Some((end, before)) = items.split_last() else { break };
+            skips.extend(before.iter().flat_map(|item| self.jump_unless(item)).collect::<Vec<usize>>());
+            last = end;
+        }
+        let jump = match &last.kind {
+            IrKind::Unary(Unary::Not, inner) => {
+                let reg = self.operand(inner, &[]);
+                self.push(Op::JumpIfNil(reg, 0))
+            }
+            IrKind::Binary(operation @ (Binary::Less | Binary::LessEq), left, right) => {
+                self.compare_and_jump(true, *operation, left, right)
+            }
+            _ => {
+                let reg = self.operand(last, &[]);
+                self.push(Op::JumpIfTrue(reg, 0))
+            }
+        };
+        self.land_at(jump, target);
+        skips
     }
 
     pub(super) fn and_or(&mut self, items: &[Ir], into: Reg, tail: bool, and: bool) {

@@ -98,6 +98,13 @@ impl Emitter<'_, '_> {
             | Op::JumpUnlessGreaterEqInt(_, _, to)
             | Op::JumpUnlessNumEqInt(_, _, to)
             | Op::JumpUnlessNumDifferInt(_, _, to)
+            | Op::JumpIfLess(_, _, to)
+            | Op::JumpIfLessEq(_, _, to)
+            | Op::JumpIfLessInt(_, _, to)
+            | Op::JumpIfLessEqInt(_, _, to)
+            | Op::JumpIfGreaterInt(_, _, to)
+            | Op::JumpIfGreaterEqInt(_, _, to)
+            | Op::MergeStep(_, to)
             | Op::PushBlock(_, _, to)
             | Op::PushHandler(_, _, to)
             | Op::PushCleanup(to)
@@ -107,8 +114,13 @@ impl Emitter<'_, '_> {
     }
 
     pub(super) fn jump_back(&mut self, target: usize) {
-        let distance = target as i32 - self.ops.len() as i32 - 1;
-        self.push(Op::Jump(distance));
+        let jump = self.push(Op::Jump(0));
+        self.land_at(jump, target);
+    }
+
+    /// Points the jump at this index to an instruction that is there already.
+    pub(super) fn land_at(&mut self, jump: usize, target: usize) {
+        self.set_distance(jump, target as i32 - jump as i32 - 1);
     }
 
     pub(super) fn take(&mut self, from: Reg, into: Reg) {

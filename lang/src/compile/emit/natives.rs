@@ -2,7 +2,7 @@
 //! [`intrinsics`](crate::compile::intrinsics) they stay calls up to here, for what looks at effects.
 
 use super::emitter::Emitter;
-use crate::code::{Op, Reg};
+use crate::code::{NO_REG, Op, Reg};
 use crate::compile::ir::{Ir, IrKind};
 
 impl Emitter<'_, '_> {
@@ -24,6 +24,24 @@ impl Emitter<'_, '_> {
                 let position = self.operand(position, &[]);
                 self.push(Op::VectorRef(into, vector, position));
             }
+            ("mod", [number, divisor]) => {
+                let number = self.operand(number, &[divisor]);
+                let divisor = self.operand(divisor, &[]);
+                self.push(Op::Mod(into, number, divisor));
+            }
+            ("gethash", [key, table, default @ ..]) => {
+                let behind: Vec<&Ir> = default.iter().collect();
+                let key = self.operand(key, &[&[table][..], &behind].concat());
+                let table = self.operand(table, &behind);
+                let default = default.first().map_or(NO_REG, |default| self.operand(default, &[]));
+                self.push(Op::TableRef(into, key, table, default));
+            }
+            ("%extend", [end, value]) => {
+                let end = self.operand(end, &[value]);
+                let value = self.operand(value, &[]);
+                self.push(Op::Extend(into, end, value));
+            }
+            ("%sort-merge", [state, predicate]) => self.sort(state, predicate),
             _ => {
                 let Some(value) = self.store(native, arguments) else { return false };
                 self.take(value, into);
@@ -50,8 +68,31 @@ impl Emitter<'_, '_> {
                 self.push(Op::SetVectorRef(vector, position, value));
                 Some(value)
             }
+            ("%set-gethash", [key, table, default @ .., value]) => {
+                let behind: Vec<&Ir> = default.iter().chain([value]).collect();
+                let key = self.operand(key, &[&[table][..], &behind].concat());
+                let table = self.operand(table, &behind);
+                // A default, as in `(incf (gethash k h 0))`, is passed over.
+                default.iter().for_each(|default| self.effect(default));
+                let value = self.operand(value, &[]);
+                self.push(Op::SetTableRef(key, table, value));
+                Some(value)
+            }
             _ => None,
         }
+    }
+
+    /// Emits the loop of a sort: the predicate is asked until all is in order.
+    fn sort(&mut self, state: &Ir, predicate: &Ir) {
+        // In a row: a question stands behind its function, and that behind the state.
+        let state = self.kept(state);
+        let function = self.kept(predicate);
+        self.fresh();
+        self.fresh();
+        let start = self.push(Op::MergeStep(state, 0));
+        self.push(Op::CallValue(function, 2));
+        self.jump_back(start);
+        self.land(start);
     }
 }
 

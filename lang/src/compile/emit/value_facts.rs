@@ -1,6 +1,6 @@
 //! What can be seen of a form without running it.
 
-use crate::compile::ir::{Callee, Ir, IrKind};
+use crate::compile::ir::{Binary, Callee, Ir, IrKind, Unary};
 use crate::stack::deep;
 
 /// Whether emitting the form writes its target only with its last instruction.
@@ -38,4 +38,30 @@ pub(super) fn has_no_effect(ir: &Ir) -> bool {
         IrKind::Call(_, arguments) => arguments.iter().all(has_no_effect),
         _ => false,
     })
+}
+
+/// Whether the form is a test of variables and numbers only, nested no deeper than `depth`, that can as well be made to
+/// jump where it holds.
+pub(super) fn is_cheap_test(ir: &Ir, depth: usize) -> bool {
+    match &ir.kind {
+        IrKind::And(items) => {
+            depth > 0 && items.len() <= depth && items.iter().all(|item| is_cheap_test(item, depth - 1))
+        }
+        IrKind::Local(_) => true,
+        IrKind::Unary(Unary::Not, inner) => matches!(inner.kind, IrKind::Local(_)),
+        IrKind::Binary(Binary::Less | Binary::LessEq, left, right) => {
+            is_cheap_number(left, depth) && is_cheap_number(right, depth)
+        }
+        _ => false,
+    }
+}
+
+fn is_cheap_number(ir: &Ir, depth: usize) -> bool {
+    match &ir.kind {
+        IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) | IrKind::Global(_) => true,
+        IrKind::Binary(Binary::Add | Binary::Sub | Binary::Mul, left, right) => {
+            depth > 0 && is_cheap_number(left, depth - 1) && is_cheap_number(right, depth - 1)
+        }
+        _ => false,
+    }
 }

@@ -1,6 +1,6 @@
 //! The loops with the registers of AVX2 and of AVX-512 VBMI.
 
-use super::super::grid::BLOCK;
+use super::super::grid::{BLOCK, TILE};
 use super::super::kernel::{self, Beam, CostSums, Extent, TOGETHER, TilePart};
 use super::super::lanes::{Float, LANES, Lanes};
 use std::arch::is_x86_feature_detected;
@@ -23,12 +23,12 @@ pub(super) fn weigh_avx512(part: TilePart) -> Extent {
 }
 
 #[target_feature(enable = "avx2")]
-pub(super) fn entropy_avx2(cells: &[f32], admissible: &[f32], terms: [f32; 2]) -> f64 {
+pub(super) fn entropy_avx2(cells: &[f32; TILE], admissible: &[f32; TILE], terms: [f32; 2]) -> f64 {
     kernel::entropy(cells, admissible, terms)
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
-pub(super) fn entropy_avx512(cells: &[f32], admissible: &[f32], terms: [f32; 2]) -> f64 {
+pub(super) fn entropy_avx512(cells: &[f32; TILE], admissible: &[f32; TILE], terms: [f32; 2]) -> f64 {
     kernel::entropy(cells, admissible, terms)
 }
 

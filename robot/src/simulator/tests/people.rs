@@ -77,6 +77,29 @@ fn a_robot_that_drives_into_somebody_who_cannot_give_way_caused_it() {
     assert_eq!(state.contacts(), Contacts { caused: 1, ..Contacts::default() });
 }
 
+/// Somebody steps 8 cm before a robot that drives at 0.5 m/s, and cannot give way.
+#[test]
+fn a_person_who_steps_before_a_robot_that_cannot_stop_was_not_touched_by_its_fault() {
+    let end =
+        "[[wall]]\nline = [[8.0, 2.0], [8.0, 4.0]]\n[[person]]\npath = [[7.74, 3.0], [7.74, 3.01]]\nspeed = 0.8\n";
+    let model = hall(SimulatorSettings::default(), &format!("{PASSAGE}{end}"));
+    let touch_m = model.robot().radius_m + PERSON_RADIUS_M;
+    let contacts_when_told = |translation_mps: f64, came_from_m: f64| {
+        let mut state = model.start(1);
+        steps(&model, &mut state, &drive(0.5, 0.0), 20);
+        let person = state.people[0].at_in_map;
+        state.robot_in_map = Pose::new(person.x - touch_m - 0.08, 3.0, 0.0);
+        model.notice_step(&mut state, 0, Point::new(person.x, person.y + came_from_m));
+        steps(&model, &mut state, &drive(translation_mps, 0.0), 40);
+        state.contacts()
+    };
+    let (caused, run_into) =
+        (Contacts { caused: 1, ..Contacts::default() }, Contacts { run_into: 1, ..Contacts::default() });
+    assert_eq!(contacts_when_told(0.0, 0.8), run_into, "it braked, and he came too near");
+    assert_eq!(contacts_when_told(0.5, 0.8), caused, "it had to brake all the same");
+    assert_eq!(contacts_when_told(0.0, 0.01), caused, "he was so near before: it came too fast itself");
+}
+
 #[test]
 fn a_crowd_keeps_moving_and_off_each_other_the_walls_and_the_robot() {
     let model = model("dept-crowded", SimulatorSettings::default());

@@ -1,6 +1,5 @@
-//! Equality by content, of circular data as well, and the keys it makes.
+//! Equality by content, of circular data as well.
 
-use super::key::{Key, KeyPart, MAX_KEY_PARTS};
 use super::store::Heap;
 use crate::state::value::Value;
 use std::collections::BTreeMap;
@@ -129,60 +128,5 @@ impl Heap {
             }
         }
         (true, steps)
-    }
-
-    /// The key a value is found by; none if it has more than [`MAX_KEY_PARTS`].
-    pub fn key(&self, value: Value) -> Option<Key> {
-        if !matches!(value, Value::Cons(_) | Value::Vector(_)) {
-            return Some(Key::Atom(self.key_part(value)));
-        }
-        let (mut parts, mut waiting, mut count) = (Vec::new(), vec![value], 0);
-        while let Some(value) = waiting.pop() {
-            parts.push(self.key_part(value));
-            count += match value {
-                Value::Cons(_) => 1,
-                Value::Vector(vector) => self.vectors[vector].elements().len() + 1,
-                _ => 0,
-            };
-            if count > MAX_KEY_PARTS {
-                return None;
-            }
-            match value {
-                Value::Cons(pair) => {
-                    let (car, cdr) = self.pair(pair);
-                    waiting.extend([cdr, car]);
-                }
-                Value::Vector(vector) => waiting.extend(self.vectors[vector].elements().iter().rev()),
-                _ => {}
-            }
-        }
-        Some(Key::Compound(parts.into()))
-    }
-
-    fn key_part(&self, value: Value) -> KeyPart {
-        match value {
-            Value::Nil | Value::Unbound => KeyPart::Nil,
-            Value::True => KeyPart::True,
-            Value::Int(value) => KeyPart::Int(value),
-            // `equal` takes both zeros for the same, and all that is not a number.
-            Value::Float(0.0) => KeyPart::Float(0),
-            Value::Float(value) if value.is_nan() => KeyPart::Float(f64::NAN.to_bits()),
-            Value::Float(value) => KeyPart::Float(value.to_bits()),
-            Value::Symbol(symbol) => KeyPart::Symbol(symbol),
-            Value::Keyword(symbol) => KeyPart::Keyword(symbol),
-            Value::Str(index) => KeyPart::Str(self.strings[index].clone()),
-            Value::Cons(_) => KeyPart::Pair,
-            Value::Cell(index) => KeyPart::Object(0, index, 0),
-            Value::Function(index) => KeyPart::Object(1, index, 0),
-            Value::Closure(index) => KeyPart::Object(2, index, 0),
-            Value::Native(index) => KeyPart::Object(3, u32::from(index), 0),
-            Value::Fluent(index) => KeyPart::Object(4, index, 0),
-            Value::Task(task) => KeyPart::Object(5, task.index, task.generation),
-            Value::Valve(index) => KeyPart::Object(6, index, 0),
-            Value::Failure(index) => KeyPart::Object(7, index, 0),
-            Value::Table(index) => KeyPart::Object(8, index, 0),
-            Value::Vector(index) => KeyPart::Vector(self.vectors[index].elements().len() as u32),
-            Value::Behaviour(index) => KeyPart::Object(9, u32::from(index), 0),
-        }
     }
 }

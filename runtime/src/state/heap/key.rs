@@ -1,11 +1,12 @@
 //! Keys of hash tables, compared by content.
 
 use crate::state::block::block;
+use crate::state::slab::Slab;
 use crate::state::value::Value;
+use foldhash::fast::FixedState;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
-use std::cmp::Ordering;
-use std::hash::{Hash, Hasher};
+use std::hash::BuildHasher;
 use std::sync::Arc;
 
 /// A part of a key.
@@ -33,64 +34,96 @@ pub enum KeyPart {
     Object(u8, u32, u32),
 }
 
-/// A key of a hash table, compared by content: two keys are the same if they are `equal`. A list or vector is
-/// its parts, each whole before what it is made of: comparing or dropping one costs no Rust stack.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum Key {
-    /// What has no parts.
-    Atom(KeyPart),
-    /// A list or vector.
-    Compound(Box<[KeyPart]>),
+/// What a list or vector consists of when it becomes a key, each part whole before what it is made of: comparing or
+/// dropping one costs no Rust stack. The list may change later, and its key does not.
+pub type KeyParts = Box<[KeyPart]>;
+
+/// A value as the key of a hash table, compared by content: two keys are the same if they are `equal`.
+#[derive(Clone, Debug)]
+pub struct Key {
+    pub(super) value: Value,
+    pub(super) hash: u64,
+    /// Of a list or vector only: what has no parts is its value.
+    pub(super) parts: Option<KeyParts>,
 }
 
 impl Key {
-    /// Its parts, outermost first.
-    pub fn parts(&self) -> &[KeyPart] {
-        match self {
-            Key::Atom(part) => std::slice::from_ref(part),
-            Key::Compound(parts) => parts,
-        }
-    }
-}
-
-impl PartialEq for Key {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Key::Atom(left), Key::Atom(right)) => left == right,
-            (left, right) => left.parts() == right.parts(),
-        }
-    }
-}
-
-impl Hash for Key {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.parts().iter().for_each(|part| part.hash(state));
-    }
-}
-
-impl Eq for Key {}
-
-impl PartialOrd for Key {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Key {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.parts().cmp(other.parts())
+    /// Of how many parts it is.
+    pub fn part_count(&self) -> usize {
+        self.parts.as_ref().map_or(1, |parts| parts.len())
     }
 }
 
 /// Pairs and elements of vectors a key may have. What shares its parts can be far larger than the memory it takes.
 pub const MAX_KEY_PARTS: usize = 100_000;
 
-/// Bytes of an entry of a hash table.
-pub fn table_entry(key: &Key) -> usize {
-    let parts = match key {
-        Key::Atom(_) => 0,
-        Key::Compound(parts) => block(std::mem::size_of_val::<[KeyPart]>(parts)),
-    };
-    // With its hash; a table has room for up to twice its entries, and a place and a byte for each in its index.
-    2 * (size_of::<(u64, Key, (Value, Value))>() + size_of::<usize>() + 1) + parts
+/// Bytes of the parts of a key.
+pub(super) fn key_parts(parts: Option<&[KeyPart]>) -> usize {
+    parts.map_or(0, |parts| block(std::mem::size_of_val::<[KeyPart]>(parts)))
+}
+
+/// The bits of a float as a key: `equal` takes both zeros for the same, and all that is not a number.
+pub(super) fn float_bits(value: f64) -> u64 {
+    match value {
+        0.0 => 0,
+        value if value.is_nan() => f64::NAN.to_bits(),
+        value => value.to_bits(),
+    }
+}
+
+/// Odd, with its bits spread evenly: 2⁶⁴ divided by the golden ratio (Knuth, The Art of Computer Programming 3, 6.4).
+const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// A hash of a number: both halves of a product, so that every bit of the number reaches every bit of the hash.
+#[inline]
+fn spread(number: u64, kind: u64) -> u64 {
+    let product = u128::from(number ^ kind) * u128::from(SPREAD);
+    (product >> 64) as u64 ^ product as u64
+}
+
+/// The hash of a value that has no parts.
+#[inline]
+pub(super) fn atom_hash(strings: &Slab<Arc<str>>, value: &Value) -> u64 {
+    match *value {
+        Value::Int(value) => spread(value as u64, SPREAD.rotate_left(1)),
+        Value::Symbol(symbol) => spread(u64::from(symbol.0), SPREAD.rotate_left(2)),
+        Value::Keyword(symbol) => spread(u64::from(symbol.0), SPREAD.rotate_left(3)),
+        Value::Str(text) => FixedState::default().hash_one(strings[text].as_bytes()),
+        Value::Float(value) => spread(float_bits(value), SPREAD.rotate_left(4)),
+        other => FixedState::default().hash_one(object(other)),
+    }
+}
+
+/// The hash of a list or vector.
+pub(super) fn compound_hash(parts: &[KeyPart]) -> u64 {
+    FixedState::default().hash_one(parts)
+}
+
+/// Whether two values without parts are `equal`.
+#[inline]
+pub(super) fn are_equal_atoms(strings: &Slab<Arc<str>>, left: &Value, right: &Value) -> bool {
+    match (left, right) {
+        (Value::Int(left), Value::Int(right)) => left == right,
+        (&Value::Str(left), &Value::Str(right)) => left == right || strings[left] == strings[right],
+        (&Value::Float(left), &Value::Float(right)) => float_bits(left) == float_bits(right),
+        (left, right) => left == right,
+    }
+}
+
+/// A value that is compared by identity.
+pub(super) fn object(value: Value) -> KeyPart {
+    match value {
+        Value::True => KeyPart::True,
+        Value::Cell(index) => KeyPart::Object(0, index, 0),
+        Value::Function(index) => KeyPart::Object(1, index, 0),
+        Value::Closure(index) => KeyPart::Object(2, index, 0),
+        Value::Native(index) => KeyPart::Object(3, u32::from(index), 0),
+        Value::Fluent(index) => KeyPart::Object(4, index, 0),
+        Value::Task(task) => KeyPart::Object(5, task.index, task.generation),
+        Value::Valve(index) => KeyPart::Object(6, index, 0),
+        Value::Failure(index) => KeyPart::Object(7, index, 0),
+        Value::Table(index) => KeyPart::Object(8, index, 0),
+        Value::Behaviour(index) => KeyPart::Object(9, u32::from(index), 0),
+        _ => KeyPart::Nil,
+    }
 }

@@ -1,15 +1,20 @@
 //! The heap: pairs, strings, cells, closures, hash tables, vectors and failures in slabs of their own.
 
 mod captured;
+mod entries;
 mod equality;
 mod key;
+mod merge;
 mod record;
 mod spine;
 mod store;
+mod table;
 mod vector;
 
 pub use captured::Captured;
-pub use key::{Key, KeyPart, MAX_KEY_PARTS, table_entry};
+pub use key::{Key, KeyPart, MAX_KEY_PARTS};
+pub use merge::{SortStep, sort_state, sort_state_bytes};
 pub use spine::Spine;
-pub use store::{Closure, Heap, HeapMarks, PAIR, Table};
+pub use store::{Closure, Heap, HeapMarks, PAIR};
+pub use table::{Entry, Table, table_entry};
 pub use vector::{Vector, vector_elements};

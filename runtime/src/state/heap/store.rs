@@ -1,15 +1,13 @@
 //! The heap as data: objects in slabs of their own, made and swept.
 
 use super::captured::Captured;
-use super::key::{Key, table_entry};
+use super::table::Table;
 use super::vector::{Vector, vector_elements};
 use crate::state::block::block;
 use crate::state::failure::Failure;
 use crate::state::memory::{self, MIN_THRESHOLD};
 use crate::state::slab::{Marks, Slab, give_back, is_free_list};
 use crate::state::value::Value;
-use foldhash::fast::FixedState;
-use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -20,56 +18,6 @@ pub struct Closure {
     pub code: u32,
     /// Copied behind the parameters at each call.
     pub captured: Captured,
-}
-
-/// A hash table: entries found by the hash of their keys. They stand in the order in which they came, or another
-/// that depends on nothing but what was entered and removed; plans see them in the order of their keys.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Table {
-    entries: IndexMap<Key, (Value, Value), FixedState>,
-}
-
-impl Table {
-    /// How many entries it has.
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Whether it has none.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
-    /// The value of a key.
-    pub fn get(&self, key: &Key) -> Option<Value> {
-        self.entries.get(key).map(|&(_, value)| value)
-    }
-
-    /// Removes the entry of a key; tells whether there was one. Room that is no longer needed is given back.
-    pub fn remove(&mut self, key: &Key) -> bool {
-        let was_there = self.entries.swap_remove(key).is_some();
-        if self.entries.len() < self.entries.capacity() / 4 {
-            self.entries.shrink_to(2 * self.entries.len());
-        }
-        was_there
-    }
-
-    /// Removes all entries.
-    pub fn clear(&mut self) {
-        self.entries = IndexMap::default();
-    }
-
-    /// Keys as they are found, with key and value as the plan gave them, in no order that means anything.
-    pub fn entries(&self) -> impl Iterator<Item = (&Key, (Value, Value))> {
-        self.entries.iter().map(|(key, &entry)| (key, entry))
-    }
-
-    /// Keys and values as the plan gave them, in the order of the keys. O(n log n).
-    pub fn in_order(&self) -> Vec<(Value, Value)> {
-        let mut entries: Vec<(&Key, (Value, Value))> = self.entries().collect();
-        entries.sort_unstable_by_key(|&(key, _)| key);
-        entries.into_iter().map(|(_, entry)| entry).collect()
-    }
 }
 
 /// All heap objects of a system.
@@ -183,6 +131,16 @@ impl Heap {
         }
     }
 
+    /// A new last pair of a list whose last pair was `end`.
+    #[inline]
+    pub fn extend(&mut self, end: &Value, value: Value) -> Value {
+        let pair = self.cons(value, Value::Nil);
+        if let &Value::Cons(end) = end {
+            self.pairs[end as usize].1 = pair;
+        }
+        pair
+    }
+
     /// A new string.
     pub fn string(&mut self, text: &str) -> Value {
         let bytes = text_block(text);
@@ -239,12 +197,6 @@ impl Heap {
     pub(crate) fn failure(&mut self, failure: Failure) -> Value {
         self.allocated += FAILURE + memory::failure(&failure);
         Value::Failure(self.failures.insert(failure))
-    }
-
-    /// Puts an entry into a hash table.
-    pub fn enter(&mut self, table: u32, key: Key, entry: (Value, Value)) {
-        self.allocated += table_entry(&key);
-        self.tables[table].entries.insert(key, entry);
     }
 
     /// A new list.

@@ -23,4 +23,12 @@ impl Machine {
         let culprit = if left.as_f64().is_none() { left } else { right };
         self.wrong_type(&format!("an operand of `{operation}`"), Kind::Number.noun(), culprit)
     }
+
+    /// The error for the argument of a function that is no number.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn wrong_argument(&self, function: &str, left: Value, right: Value) -> Raise {
+        let (at, culprit) = if left.as_f64().is_none() { (1, left) } else { (2, right) };
+        self.wrong_type(&format!("argument {at} of `{function}`"), Kind::Number.noun(), culprit)
+    }
 }

@@ -118,6 +118,28 @@ impl Machine {
         self.scratch.stack[base + from..base + to].fill(Value::Nil);
     }
 
+    /// Calls a native with so many arguments in the registers from one on.
+    #[inline]
+    pub(super) fn call_native_at(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        native: u16,
+        from: usize,
+        count: u8,
+    ) -> Result<Reply, Raise> {
+        let arguments = &self.scratch.stack[from..from + usize::from(count)];
+        match *arguments {
+            [] => self.call_native(around, native, &[]),
+            [first] => self.call_native(around, native, &[first]),
+            [first, second] => self.call_native(around, native, &[first, second]),
+            [first, second, third] => self.call_native(around, native, &[first, second, third]),
+            _ => {
+                let arguments = arguments.to_vec();
+                self.call_native(around, native, &arguments)
+            }
+        }
+    }
+
     pub(crate) fn call_native(
         &mut self,
         around: &mut Surroundings<'_>,
@@ -180,7 +202,7 @@ impl Machine {
         around: &mut Surroundings<'_>,
         place: &mut Cursor,
         to: Reg,
-        first: usize,
+        first: Reg,
         count: u8,
         native: u16,
         reply: Result<Reply, Raise>,
@@ -189,7 +211,7 @@ impl Machine {
         let reply = match reply {
             Ok(reply) => reply,
             Err(raise) => {
-                let from = base + first;
+                let from = base + usize::from(first);
                 let arguments = self.scratch.stack[from..from + usize::from(count)].to_vec();
                 self.call_with_room(around, native, &arguments, raise)?
             }

@@ -2,10 +2,11 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
-use crate::state::quotient::quotient;
+use crate::state::quotient::{quotient, remainder};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
+use crate::step::exec::about_tables::table_instruction;
 use crate::step::exec::arithmetic::{as_floats, overflow};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
@@ -151,17 +152,6 @@ impl Machine {
                     }
                 };
             }
-            // In parts, as in `copied`; what is neither is copied whole.
-            macro_rules! copy {
-                ($to:expr, $from:expr) => {
-                    match &r!($from) {
-                        &Value::Int(value) => r!($to) = Value::Int(black_box(value)),
-                        &Value::Cons(pair) => r!($to) = Value::Cons(black_box(pair)),
-                        &Value::Float(value) => r!($to) = Value::Float(black_box(value)),
-                        whole => r!($to) = *whole,
-                    }
-                };
-            }
             macro_rules! arithmetic {
                 ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
                     match (&r!($a), &r!($b)) {
@@ -232,11 +222,16 @@ impl Machine {
                     continue 'frame;
                 }};
             }
-            macro_rules! jump_unless {
+            macro_rules! jump_if {
                 ($condition:expr, $distance:expr) => {
-                    if !$condition {
+                    if $condition {
                         jump!($distance);
                     }
+                };
+            }
+            macro_rules! jump_unless {
+                ($condition:expr, $distance:expr) => {
+                    jump_if!(!$condition, $distance)
                 };
             }
             macro_rules! jump {
@@ -275,7 +270,7 @@ impl Machine {
                         self.globals[global as usize] = value;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => copy!(a, b),
+                    Op::Move(a, b) => r!(a) = r!(b).copied(),
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b));
                         collect_if_full!();
@@ -288,7 +283,7 @@ impl Machine {
                     }
                     Op::CellSet(a, b) => {
                         if let Value::Cell(cell) = r!(a) {
-                            self.heap.cells[cell] = r!(b);
+                            self.heap.cells[cell] = r!(b).copied();
                         }
                     }
                     Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
@@ -320,6 +315,13 @@ impl Machine {
                     Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
                     Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(b, c, "/=", !=)),
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
+                    Op::Mod(a, b, c) => match (&r!(b), &r!(c)) {
+                        (&Value::Int(x), &Value::Int(y)) if y > 0 => r!(a) = Value::Int(x.rem_euclid(y)),
+                        (&left, &right) => match attempt!(remainder(left, right, true)) {
+                            Some(value) => r!(a) = value,
+                            None => fail!(self.wrong_argument("mod", left, right)),
+                        },
+                    },
                     Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                     Op::Cons(a, b, c) => {
                         r!(a) = self.heap.cons(r!(b).copied(), r!(c).copied());
@@ -339,10 +341,11 @@ impl Machine {
                         &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
                     },
                     Op::Slot(a, b, place, kind) => {
-                        let (record, kind) = (r!(b), self.constants[kind as usize]);
-                        match self.heap.slot(record, kind, place.into()) {
-                            Some(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                        let kind = &self.constants[kind as usize];
+                        match self.heap.slot(&r!(b), kind, place.into()) {
+                            Some(pair) => r!(a) = self.heap.pairs[pair as usize].0.copied(),
                             None => {
+                                let (record, kind) = (r!(b), *kind);
                                 attempt!(self.check_record(program, record, kind));
                                 self.scratch.stack[base + usize::from(a)] = Value::Nil;
                                 continue 'frame;
@@ -351,10 +354,13 @@ impl Machine {
                     }
                     Op::SetSlot(..) if self.current == SCRATCH_TASK => fail!(in_network("a slot cannot be assigned")),
                     Op::SetSlot(a, b, place, kind) => {
-                        let (record, kind) = (r!(a), self.constants[kind as usize]);
-                        match self.heap.slot(record, kind, place.into()) {
-                            Some(pair) => self.heap.pairs[pair as usize].0 = r!(b),
-                            None => fail!(self.no_slot_to_set(program, record, kind, place.into())),
+                        let kind = &self.constants[kind as usize];
+                        match self.heap.slot(&r!(a), kind, place.into()) {
+                            Some(pair) => self.heap.pairs[pair as usize].0 = r!(b).copied(),
+                            None => {
+                                let (record, kind) = (r!(a), *kind);
+                                fail!(self.no_slot_to_set(program, record, kind, place.into()))
+                            }
                         }
                     }
                     Op::VectorRef(a, vector, position) => match self.heap.element(&r!(vector), &r!(position)) {
@@ -364,8 +370,8 @@ impl Machine {
                             fail!(self.no_element("vref", vector, position))
                         }
                     },
-                    Op::SetVectorRef(..) if self.current == SCRATCH_TASK => {
-                        fail!(in_network("an element cannot be assigned"))
+                    Op::SetVectorRef(..) | Op::SetTableRef(..) if self.current == SCRATCH_TASK => {
+                        fail!(in_network("an element or entry cannot be assigned"))
                     }
                     Op::SetVectorRef(vector, position, value) => {
                         match self.heap.element_mut(&r!(vector), &r!(position)) {
@@ -376,30 +382,49 @@ impl Machine {
                             }
                         }
                     }
+                    Op::TableRef(..) | Op::SetTableRef(..) => match table_instruction(&mut self.heap, r, op) {
+                        Some(steps) => {
+                            self.scratch.burned = steps;
+                            spend!();
+                            if self.heap.is_full() {
+                                collect_if_full!();
+                                continue 'frame;
+                            }
+                        }
+                        None => hand_over!(self.plan_instruction(around, place, *op)),
+                    },
+                    Op::Extend(a, end, value) => {
+                        r!(a) = self.heap.extend(&r!(end), r!(value).copied());
+                        if self.heap.is_full() {
+                            collect_if_full!();
+                            continue 'frame;
+                        }
+                    }
+                    Op::MergeStep(state, done) => {
+                        if !self.heap.merge_on(&mut r[usize::from(state)..]) {
+                            hand_over!(self.merge_step(place, state, done))
+                        }
+                    }
                     Op::Jump(distance) => jump!(distance),
                     Op::JumpIfNil(a, distance) => jump_unless!(!matches!(r!(a), Value::Nil), distance),
                     Op::JumpIfTrue(a, distance) => jump_unless!(matches!(r!(a), Value::Nil), distance),
                     Op::JumpIfGiven(a, distance) => jump_unless!(matches!(r!(a), Value::Unbound), distance),
-                    Op::JumpUnlessLess(a, b, distance) => jump_unless!(compare!(a, b, "<", <), distance),
-                    Op::JumpUnlessLessEq(a, b, distance) => jump_unless!(compare!(a, b, "<=", <=), distance),
-                    Op::JumpUnlessNumEq(a, b, distance) => jump_unless!(compare!(a, b, "=", ==), distance),
-                    Op::JumpUnlessNumDiffer(a, b, distance) => jump_unless!(compare!(a, b, "/=", !=), distance),
-                    Op::JumpUnlessLessInt(a, value, distance) => jump_unless!(compare_int!(a, value, "<", <), distance),
-                    Op::JumpUnlessLessEqInt(a, value, distance) => {
-                        jump_unless!(compare_int!(a, value, "<=", <=), distance)
-                    }
-                    Op::JumpUnlessGreaterInt(a, value, distance) => {
-                        jump_unless!(compare_int!(a, value, ">", >), distance)
-                    }
-                    Op::JumpUnlessGreaterEqInt(a, value, distance) => {
-                        jump_unless!(compare_int!(a, value, ">=", >=), distance)
-                    }
-                    Op::JumpUnlessNumEqInt(a, value, distance) => {
-                        jump_unless!(compare_int!(a, value, "=", ==), distance)
-                    }
-                    Op::JumpUnlessNumDifferInt(a, value, distance) => {
-                        jump_unless!(compare_int!(a, value, "/=", !=), distance)
-                    }
+                    Op::JumpUnlessLess(a, b, to) => jump_unless!(compare!(a, b, "<", <), to),
+                    Op::JumpUnlessLessEq(a, b, to) => jump_unless!(compare!(a, b, "<=", <=), to),
+                    Op::JumpUnlessNumEq(a, b, to) => jump_unless!(compare!(a, b, "=", ==), to),
+                    Op::JumpUnlessNumDiffer(a, b, to) => jump_unless!(compare!(a, b, "/=", !=), to),
+                    Op::JumpUnlessLessInt(a, value, to) => jump_unless!(compare_int!(a, value, "<", <), to),
+                    Op::JumpUnlessLessEqInt(a, value, to) => jump_unless!(compare_int!(a, value, "<=", <=), to),
+                    Op::JumpUnlessGreaterInt(a, value, to) => jump_unless!(compare_int!(a, value, ">", >), to),
+                    Op::JumpUnlessGreaterEqInt(a, value, to) => jump_unless!(compare_int!(a, value, ">=", >=), to),
+                    Op::JumpUnlessNumEqInt(a, value, to) => jump_unless!(compare_int!(a, value, "=", ==), to),
+                    Op::JumpUnlessNumDifferInt(a, value, to) => jump_unless!(compare_int!(a, value, "/=", !=), to),
+                    Op::JumpIfLess(a, b, to) => jump_if!(compare!(a, b, "<", <), to),
+                    Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(a, b, "<=", <=), to),
+                    Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(a, value, "<", <), to),
+                    Op::JumpIfLessEqInt(a, value, to) => jump_if!(compare_int!(a, value, "<=", <=), to),
+                    Op::JumpIfGreaterInt(a, value, to) => jump_if!(compare_int!(a, value, ">", >), to),
+                    Op::JumpIfGreaterEqInt(a, value, to) => jump_if!(compare_int!(a, value, ">=", >=), to),
                     Op::Call(first, count, global) => {
                         burn!();
                         match self.globals[global as usize] {
@@ -411,8 +436,8 @@ impl Machine {
                                     && let Some(slot) = callee.slot
                                     && callee.exact_count == u16::from(count)
                                     && !(slot.assigns && self.current == SCRATCH_TASK)
-                                    && let kind = self.constants[slot.kind as usize]
-                                    && let Some(value) = self.heap.access_slot(slot, kind, r!(first), r!(first + 1))
+                                    && let kind = &self.constants[slot.kind as usize]
+                                    && let Some(value) = self.heap.access_slot(slot, kind, &r!(first), &r!(first + 1))
                                 {
                                     r!(first) = value;
                                     continue;
@@ -501,26 +526,7 @@ impl Machine {
                     }
                     Op::CallNative(to, first, count, native) => {
                         save!();
-                        let first = usize::from(first);
-                        let reply = match count {
-                            0 => self.call_native(around, native, &[]),
-                            1 => {
-                                let arguments = [r[first]];
-                                self.call_native(around, native, &arguments)
-                            }
-                            2 => {
-                                let arguments = [r[first], r[first + 1]];
-                                self.call_native(around, native, &arguments)
-                            }
-                            3 => {
-                                let arguments = [r[first], r[first + 1], r[first + 2]];
-                                self.call_native(around, native, &arguments)
-                            }
-                            _ => {
-                                let arguments = r[first..first + usize::from(count)].to_vec();
-                                self.call_native(around, native, &arguments)
-                            }
-                        };
+                        let reply = self.call_native_at(around, native, base + usize::from(first), count);
                         spend!();
                         let Ok(Reply::Value(value)) = reply else {
                             hand_over!(self.take_reply(around, place, to, first, count, native, reply))
@@ -553,7 +559,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        copy!(0u8, a);
+                        r!(0) = r!(a).copied();
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];

@@ -1,6 +1,8 @@
 //! The stepper: executes register code of one task until it blocks, ends or is switched out.
 
 mod about_plans;
+mod about_sorting;
+mod about_tables;
 mod arithmetic;
 pub(crate) mod budget;
 mod calls;

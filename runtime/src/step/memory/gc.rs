@@ -1,7 +1,7 @@
 //! Garbage collection: mark and sweep, at safe points, triggered by allocation counts only.
 
 use crate::state::fluent::{Fluent, Origin};
-use crate::state::heap::{HeapMarks, table_entry, vector_elements};
+use crate::state::heap::{HeapMarks, vector_elements};
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::{Marks, NONE};
@@ -308,10 +308,10 @@ impl Machine {
             }
             Value::Table(table) => {
                 if let Some(table) = self.heap.tables.get(table) {
-                    for (key, (of, content)) in table.entries() {
-                        marker.bytes += table_entry(key);
-                        marker.push(of);
-                        marker.push(content);
+                    for entry in table.entries() {
+                        marker.bytes += entry.bytes();
+                        marker.push(entry.key);
+                        marker.push(entry.value);
                     }
                 }
             }

@@ -7,6 +7,7 @@ use rpl_robot::world::World;
 use rpl_runtime::run::system::{Progress, System};
 use rpl_runtime::state::trace::Event;
 use rpl_rupart::case::Kind;
+use rpl_rupart::forgetting::Capacity;
 use rpl_tests::mission::{Mission, Run, lines, model};
 use std::sync::{Arc, OnceLock};
 
@@ -241,6 +242,18 @@ fn a_goal_that_is_put_off_stays_remembered_as_it_is_while_the_others_are_reached
 }
 
 #[test]
+fn as_many_goals_wait_as_a_robot_remembers() {
+    let most = Capacity::USUAL.goals;
+    let plan = format!(
+        "(seq
+           (dotimes (i {most}) (retain-goal 'in-south))
+           (with-failure-handling ((too-many-goals (f) (list 'told (length (cases-of 'goal)))))
+             (retain-goal 'in-north)))"
+    );
+    assert_value(&plan, &format!("(told {most})"));
+}
+
+#[test]
 fn goals_that_are_none_are_told() {
     let told = |plan: &str, message: &str| assert!(run(plan).outcome().contains(message), "{}", run(plan).outcome());
     told("(retain-goal 'nowhere)", "place `nowhere` is not in world `hall-and-rooms`");
@@ -248,11 +261,15 @@ fn goals_that_are_none_are_told() {
     assert_value("(list (case-goal 0) (case-plan 0))", "(nil nil)");
 }
 
-/// The wheels are taken at twenty moments, each in a run of its own.
+/// Twenty moments, each for a run of its own.
+fn moments_s() -> impl Iterator<Item = f64> {
+    (0..20).map(|moment| 0.3 + f64::from(moment))
+}
+
+/// The wheels are taken.
 #[test]
 fn interrupted_at_any_moment_it_arrives_all_the_same() {
-    for moment in 0..20 {
-        let wait_s = 0.3 + f64::from(moment);
+    for wait_s in moments_s() {
         let plan = format!(
             "(with-policy (seq (wait-time {wait_s}) (with-valve wheels (wait-time 1)))
                (go-by-cases 'in-south)
@@ -262,11 +279,39 @@ fn interrupted_at_any_moment_it_arrives_all_the_same() {
     }
 }
 
+/// Turned by hand, it loses its position and finds it again under the policy. Turned less than a metre or two before its
+/// goal it has no way left to notice on: where it really is then is counted by the experiment `rupart`.
+#[test]
+fn turned_at_any_moment_it_arrives_all_the_same() {
+    let plan = "(seq (go-by-cases 'in-south) (at-destination? 'in-south))";
+    for wait_s in moments_s() {
+        let scenario = format!("(wait-time {wait_s}) (rotate-robot! 70deg)");
+        let run = mission(plan).with_scenario(&scenario).run(SEED, 600.0);
+        assert_eq!(run.outcome(), "=> t", "turned after {wait_s} s");
+    }
+}
+
+/// Whoever drives by cases is ended; nothing of it is left, and the next one arrives.
+#[test]
+fn evaporated_at_any_moment_it_leaves_nothing_behind() {
+    for wait_s in moments_s() {
+        let plan = format!(
+            "(seq
+               (pursue (go-by-cases 'in-south) (wait-time {wait_s}))
+               (wait-time 0.2)
+               (let ((left (list (value short-term-goal*) (with-valve wheels 'free))))
+                 (go-by-cases 'in-south)
+                 (append left (list (at-destination? 'in-south)))))"
+        );
+        assert_value(&plan, "(nil free t)");
+    }
+}
+
 #[test]
 fn a_fork_goes_on_as_the_run_does() {
     let mission = mission("(seq (go-by-cases 'in-south) (go-by-cases 'in-north))");
     let whole = mission.run(SEED, 300.0).trace();
-    for instants in (0..=600).step_by(150) {
+    for instants in (0..600).step_by(30) {
         let mut system = mission.start(SEED);
         let mut events = Vec::new();
         for _ in 0..instants {

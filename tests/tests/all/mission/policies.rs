@@ -141,7 +141,7 @@ fn an_unknown_place_is_a_failure_with_a_suggestion() {
 #[test]
 fn a_door_closed_on_the_way_is_a_failure_a_plan_can_handle() {
     let plan = "(with-failure-handling (((blocked unreachable) (f) (failure-class f))) (go-to 'corner))";
-    let run = Mission::new(test_room(), plan).with_scenario("(wait-time 1.5) (close-door! 'east)").run(1, 300.0);
+    let run = Mission::new(test_room(), plan).with_scenario("(wait-time 1.5) (close-door! 'east)").run(1, 600.0);
     assert_eq!(run.outcome(), "=> blocked", "{}", run.trace());
     assert_eq!(run.system.outside.contacts().caused, 0);
     assert!(wheels_are_free(&run.system));

@@ -68,9 +68,14 @@ fn each_decision_is_told_with_its_figures() {
         .collect();
     assert_eq!(
         told,
-        [(EventKind::Decided, "better"), (EventKind::Decided, "takes another plan"), (EventKind::Swapped, "")]
+        [
+            (EventKind::Decided, "looks ahead"),
+            (EventKind::Decided, "better"),
+            (EventKind::Decided, "takes another plan"),
+            (EventKind::Swapped, "")
+        ]
     );
-    let better = events.iter().find(|event| event.kind == EventKind::Decided).expect("something is decided");
+    let better = events.iter().find(|event| detail(event, "what") == "better").expect("a plan is better");
     let share = |name| detail(better, name).parse::<f64>().expect("a share");
     assert!(share("success") < 0.5 && share("would-succeed") > 0.5, "{better}");
 }

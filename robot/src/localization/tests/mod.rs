@@ -1,5 +1,8 @@
 //! Facts about the whole filter, on maps small enough to compute everything by hand.
 
+mod sleeping;
+
+use super::grid::{Place, TILE, TILE_EDGE};
 use super::sensor::mixture;
 use super::*;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
@@ -140,14 +143,14 @@ fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
     let mut belief = Belief::around(&model, Pose::new(2.25, 2.25, 0.0), point);
     belief.advance(&model, Pose::new(1.0, 0.0, 0.0));
     let plane = &belief.planes()[0];
-    let columns = model.grid.columns;
-    let position = |cell: usize| {
-        let centre = model.grid.centre(cell % columns, cell / columns);
-        (centre.x + plane.offset_cells[0] * 0.3 - 3.25, centre.y + plane.offset_cells[1] * 0.3 - 2.25)
-    };
     let moment = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-        let cells = plane.cells.iter().take(model.grid.cells()).enumerate();
-        cells.map(|(cell, &value)| f64::from(value) * of(position(cell).0, position(cell).1)).sum()
+        let part = |state: &State| {
+            let (column, row) = plane.position_cells(&model.grid, model.grid.place(state.column, state.row));
+            let origin = model.grid.origin_in_map;
+            let value = belief.probability(&model, *state);
+            value * of(origin.x + column * 0.3 - 3.25, origin.y + row * 0.3 - 2.25)
+        };
+        states(&model).iter().filter(|state| state.heading == 0).map(part).sum()
     };
     let mass = moment(&|_, _| 1.0);
     assert!((moment(&|x, _| x) / mass).abs() < 1e-5 && (moment(&|_, y| y) / mass).abs() < 1e-5);
@@ -182,9 +185,13 @@ fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
         .collect();
     let rest = |heading: usize| moved[heading][0].map(|cells| cells - libm::round(cells));
     let taps = |spread: f64| [(-1i64, spread), (0, 1.0 - 2.0 * spread), (1, spread)];
-    let on_grid =
-        |column: i64, row: i64| (0..grid.columns as i64).contains(&column) && (0..grid.rows as i64).contains(&row);
-    let mut exact = vec![vec![0.0; grid.cells()]; headings];
+    // The room lies in one tile, which is larger than the map.
+    assert_eq!(grid.tiles(), 1);
+    let [west, south] = grid.column_and_row(Place { tile: 0, cell: 0 });
+    let on_tile = |column: i64, row: i64| {
+        (0..TILE_EDGE as i64).contains(&(column - west)) && (0..TILE_EDGE as i64).contains(&(row - south))
+    };
+    let mut exact = vec![vec![0.0; TILE]; headings];
     for state in states(&model) {
         let [by, variance] = moved[state.heading];
         let from = before.probability(&model, state);
@@ -196,8 +203,9 @@ fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
                     let beside = (state.heading as i64 + turn).rem_euclid(headings as i64) as usize;
                     let aligned = [0, 1].map(|axis| libm::round(rest(state.heading)[axis] - rest(beside)[axis]) as i64);
                     let (c, r) = (column + dx + aligned[0], row + dy + aligned[1]);
-                    if on_grid(column, row) && on_grid(column + dx, row + dy) && on_grid(c, r) {
-                        let to = &mut exact[(beside + turned) % headings][r as usize * grid.columns + c as usize];
+                    if on_tile(column, row) && on_tile(column + dx, row + dy) && on_tile(c, r) {
+                        let cell = (r - south) as usize * TILE_EDGE + (c - west) as usize;
+                        let to = &mut exact[(beside + turned) % headings][cell];
                         *to += from * x_share * y_share * turn_share;
                     }
                 }
@@ -206,8 +214,9 @@ fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
     }
     assert!(forward > 0.04 && turn_spread > 0.1 && turned > 0);
     for (plane, exact) in belief.planes().iter().zip(&exact) {
-        for (cell, exact) in exact.iter().enumerate() {
-            assert!((plane.value(cell) - exact).abs() < 1e-6 * exact.max(1e-4), "{} {exact}", plane.value(cell));
+        for (stored, exact) in plane.tiles[0].cells.iter().zip(exact) {
+            let found = belief.value(*stored);
+            assert!((found - exact).abs() < 1e-6 * exact.max(1e-4), "{found} {exact}");
         }
     }
 }
@@ -242,7 +251,8 @@ fn a_full_update_is_bayes_rule_up_to_the_rounding_of_its_bytes() {
 
 #[test]
 fn a_belief_made_anew_has_the_densities_of_the_coarse_one() {
-    let model = model(fine());
+    let selective = model(fine());
+    let model = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
     let coarse = model.watch.as_ref().expect("a coarse belief watches");
     let spread = Spread { position_m: 0.8, heading_rad: 0.6 };
     let other = Belief::around(coarse, Pose::new(2.53, 2.01, 0.77), spread);
@@ -252,11 +262,12 @@ fn a_belief_made_anew_has_the_densities_of_the_coarse_one() {
         let (x, y) = coarse.grid.fractional(point);
         // The likeliest of the cells whose middles are within so many cells along x and y.
         let likeliest = |across: f64, up: f64| -> f64 {
-            let cells = (0..coarse.grid.cells()).filter(|&cell| {
-                let (column, row) = other.planes[plane].position_cells(&coarse.grid, cell);
-                coarse.admissible[cell] > 0.0 && (column - x).abs() < across && (row - y).abs() < up
+            let cells = states(coarse).into_iter().filter(|state| state.heading == plane).filter(|state| {
+                let place = coarse.grid.place(state.column, state.row);
+                let (column, row) = other.planes[plane].position_cells(&coarse.grid, place);
+                (column - x).abs() < across && (row - y).abs() < up
             });
-            cells.map(|cell| other.planes[plane].value(cell)).fold(0.0, f64::max)
+            cells.map(|state| other.probability(coarse, state)).fold(0.0, f64::max)
         };
         let here = likeliest(0.5, 0.5);
         if here > 0.0 { here } else { likeliest(1.5, 0.5).max(likeliest(0.5, 1.5)) }
@@ -273,68 +284,11 @@ fn a_belief_made_anew_has_the_densities_of_the_coarse_one() {
     let due: Vec<f64> = due.into_iter().map(|density| density / sum).collect();
     let found = probabilities(&model, &Belief::resampled(&model, &other, coarse));
     assert!(total_variation(&found, &due) < 1e-6, "{}", total_variation(&found, &due));
-}
-
-#[test]
-fn a_selective_update_stays_close_to_the_full_one() {
-    let selective = model(fine());
-    let full = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
-    let mut belief = Belief::uniform(&selective);
-    let (mut before, mut slept) = (Pose::default(), 0);
-    for (odometry, scan_m) in drive(&selective, 10_001, 60) {
-        let mut other = belief.clone();
-        for plane in &mut other.planes {
-            plane.activate(&full);
-        }
-        for (model, belief) in [(&selective, &mut belief), (&full, &mut other)] {
-            belief.advance(model, odometry.relative_to(before));
-            belief.sense_ranges(model, &[Some(&scan_m)]);
-        }
-        let apart = total_variation(&probabilities(&selective, &belief), &probabilities(&full, &other));
-        assert!(apart < 1e-3, "{apart}");
-        assert_eq!(other.active_planes(), full.grid.headings);
-        slept += full.grid.headings - belief.active_planes();
-        before = odometry;
-    }
-    assert!(slept > 0);
-}
-
-#[test]
-fn what_is_left_of_a_motion_does_not_depend_on_when_a_plane_slept() {
-    let selective = model(fine());
-    let full = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
-    let around = |model| Belief::around(model, Pose::new(2.0, 2.0, 0.0), Spread::default());
-    let (mut belief, mut always) = (around(&selective), around(&full));
-    let (mut before, mut forgotten) = (Pose::default(), 0);
-    for (odometry, scan_m) in drive(&selective, 10_003, 60) {
-        for (model, belief) in [(&selective, &mut belief), (&full, &mut always)] {
-            belief.advance(model, odometry.relative_to(before));
-            belief.sense_ranges(model, &[Some(&scan_m)]);
-        }
-        for (plane, other) in belief.planes().iter().zip(always.planes()) {
-            assert_eq!((plane.offset_cells, plane.variance_cells), (other.offset_cells, other.variance_cells));
-            forgotten += usize::from(plane.cells.is_empty());
-        }
-        before = odometry;
-    }
-    assert!(forgotten > 0);
-}
-
-#[test]
-fn planes_that_slept_come_back_when_the_robot_was_turned() {
-    let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
-    let mut localization = Localization::start_at(&model, Pose::new(8.0, 1.5, 0.0), Spread::default());
-    assert!(localization.belief().active_planes() < 15);
-    // Turned by hand: odometry goes on as if nothing had happened.
-    let mut truth = Pose::new(8.0, 1.5, FRAC_PI_2);
-    let mut odometry = Pose::default();
-    for step in 0..30 {
-        let motion = if step < 10 { Pose::new(0.0, 0.0, FRAC_PI_2 / 10.0) } else { Pose::new(0.15, 0.0, 0.0) };
-        (truth, odometry) = (truth.compose(motion), odometry.compose(motion));
-        localization.observe(&model, odometry, &[Some(&scan_at(&model, truth))]);
-    }
-    let estimate = localization.estimate(&model);
-    assert!(estimate.pose_in_map.distance_m(truth) < 0.5 && estimate.certainty > 0.8, "{estimate:?} {truth:?}");
+    let slept = Belief::resampled(&selective, &other, coarse);
+    let found = probabilities(&selective, &slept);
+    // What sleeps is at most θ, 0.3 % of the prior.
+    assert!(total_variation(&found, &due) < 3e-3, "{}", total_variation(&found, &due));
+    assert!(slept.active_planes() < selective.grid.headings);
 }
 
 #[test]
@@ -476,22 +430,6 @@ fn a_saved_filter_goes_on_like_the_one_it_was_saved_from() {
         loaded.observe(&model, odometry, &[Some(&scan_m)]);
         assert_eq!(postcard::to_allocvec(&loaded), postcard::to_allocvec(&localization));
     }
-}
-
-#[test]
-fn forks_share_planes_until_one_writes() {
-    let model = model(parameters());
-    let mut localization = Localization::start_at(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
-    let fork = localization.clone();
-    let shared = |a: &Localization, b: &Localization| {
-        let pairs = a.belief().planes().iter().zip(b.belief().planes());
-        pairs.filter(|(a, b)| Arc::ptr_eq(a.shared_cells(), b.shared_cells())).count()
-    };
-    assert_eq!(shared(&localization, &fork), model.grid.headings);
-    let before = fork.clone();
-    localization.observe(&model, Pose::default(), &[Some(&scan_at(&model, Pose::new(2.0, 2.0, 0.0)))]);
-    assert!(shared(&localization, &fork) < model.grid.headings);
-    assert_eq!(fork, before);
 }
 
 #[test]

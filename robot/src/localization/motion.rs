@@ -1,0 +1,354 @@
+//! How the tiles of a plane move, spread, and get a share of other planes: each is made anew of what lies around it.
+
+use super::grid::{BeliefGrid, TILE_EDGE};
+use super::ground::{Cells, Ground};
+use super::plane::Plane;
+use super::tile::Tile;
+use std::sync::Arc;
+
+/// Pending noise is applied once it reaches this variance, in cells².
+const BLUR_AT: f64 = 0.04;
+
+/// Largest variance one pass of the three-point blur adds without overshooting.
+const BLUR_MOST: f64 = 0.5;
+
+const EDGE: i64 = TILE_EDGE as i64;
+
+/// A tile and one cell around it.
+const WIDER: usize = TILE_EDGE + 2;
+
+/// What lies around the tiles that are awake.
+pub(super) struct Surroundings<'m> {
+    pub grid: &'m BeliefGrid,
+    pub ground: &'m Ground,
+    /// What a cell that sleeps would be stored as.
+    pub quiet: f32,
+    /// What θ would be stored as: a tile wakes when a cell that can be stood in reaches it.
+    pub loud: f32,
+}
+
+/// What a plane gets from another one.
+pub(super) struct Share<'a> {
+    /// The other plane.
+    pub plane: &'a Plane,
+    /// By how many columns and rows it is moved.
+    pub by_cells: [i64; 2],
+}
+
+/// A square of cells, `[row][column]`. Those that an operation works with are made once for a plane: to clear one takes
+/// as long as to work with it.
+type Square<const SIDE: usize> = [[f32; SIDE]; SIDE];
+
+impl Surroundings<'_> {
+    /// Brings motion into the cells of a plane: whole cells of the offset, and noise once there is enough.
+    pub(super) fn apply_motion(&self, plane: &mut Plane) {
+        let whole = plane.offset_cells.map(libm::round);
+        if whole != [0.0; 2] {
+            if plane.is_active() {
+                plane.tiles = self.shifted(plane, whole.map(|cells| cells as i64));
+            }
+            plane.offset_cells[0] -= whole[0];
+            plane.offset_cells[1] -= whole[1];
+        }
+        while plane.variance_cells[0].max(plane.variance_cells[1]) >= BLUR_AT {
+            let [x, y] = plane.variance_cells.map(|variance| variance.min(BLUR_MOST));
+            if plane.is_active() {
+                plane.tiles = self.blurred(plane, [x, y].map(|variance| (variance / 2.0) as f32));
+            }
+            plane.variance_cells[0] -= x;
+            plane.variance_cells[1] -= y;
+        }
+    }
+
+    /// The tiles of a plane moved by whole cells. What leaves the tiles in which somebody can stand is lost, and so is
+    /// what comes into a tile that sleeps without waking it.
+    fn shifted(&self, plane: &Plane, by_cells: [i64; 2]) -> Arc<Vec<Tile>> {
+        let reached = self.reached(plane, by_cells, 0);
+        self.rebuilt(plane, reached, |[column, row], is_awake, cells| {
+            self.copy_square(plane, [column - by_cells[0], row - by_cells[1]], cells);
+            is_awake || self.can_wake(cells, 1.0)
+        })
+    }
+
+    /// Every cell of a plane spread by `[g, 1 − 2g, g]` along each axis: mean 0, variance 2g cells².
+    fn blurred(&self, plane: &Plane, spread: [f32; 2]) -> Arc<Vec<Tile>> {
+        let reached = self.reached(plane, [0, 0], 1);
+        let mut wider = [[0.0; WIDER]; WIDER];
+        let mut along_x = [[0.0; TILE_EDGE]; WIDER];
+        self.rebuilt(plane, reached, |[column, row], is_awake, cells| {
+            self.copy_square(plane, [column - 1, row - 1], &mut wider);
+            let is_due = is_awake || self.can_wake(&wider, spread[0] + spread[1]);
+            if is_due {
+                spread_out(&wider, spread, &mut along_x, cells);
+            }
+            is_due
+        })
+    }
+
+    /// 1 − 2g of a plane and g of each of two others.
+    pub(super) fn blended(&self, own: &Plane, others: &[Share; 2], spread: f32) -> Arc<Vec<Tile>> {
+        let mut reached = self.reached(own, [0, 0], 0);
+        others.iter().for_each(|other| reached.extend(self.reached(other.plane, other.by_cells, 0)));
+        reached.sort_unstable();
+        reached.dedup();
+        let keep = 1.0 - 2.0 * spread;
+        let mut moved = [[[0.0; TILE_EDGE]; TILE_EDGE]; 2];
+        self.rebuilt(own, reached, |[column, row], is_awake, cells| {
+            for (other, moved) in others.iter().zip(&mut moved) {
+                self.copy_square(other.plane, [column - other.by_cells[0], row - other.by_cells[1]], moved);
+            }
+            let [before, after] = &moved;
+            if !(is_awake || self.can_wake(before, 2.0 * spread) || self.can_wake(after, 2.0 * spread)) {
+                return false;
+            }
+            self.copy_square(own, [column, row], cells);
+            let cells = cells.as_flattened_mut();
+            cells.iter_mut().for_each(|cell| *cell *= keep);
+            for other in [before, after] {
+                cells.iter_mut().zip(other.as_flattened()).for_each(|(cell, value)| *cell += spread * value);
+            }
+            true
+        })
+    }
+
+    /// The tiles that were awake, and those that wake: `make` writes the cells of the tile at a corner, and says whether
+    /// it was awake or may wake.
+    fn rebuilt(
+        &self,
+        plane: &Plane,
+        reached: Vec<u32>,
+        mut make: impl FnMut([i64; 2], bool, &mut Square<TILE_EDGE>) -> bool,
+    ) -> Arc<Vec<Tile>> {
+        let [across, _] = self.grid.tiles_along().map(|count| count as i64);
+        let mut made = [[0.0; TILE_EDGE]; TILE_EDGE];
+        let tile = |number: u32| {
+            let ground = self.ground.tile(number)?;
+            let corner = [i64::from(number) % across * EDGE, i64::from(number) / across * EDGE];
+            let is_awake = plane.tile(number).is_some();
+            if !make(corner, is_awake, &mut made) {
+                return None;
+            }
+            let cells: &Cells = made.as_flattened().as_array()?;
+            let mut free = cells.iter().zip(&ground.admissible);
+            let stays = is_awake || free.any(|(cell, admissible)| cell * admissible >= self.loud);
+            stays.then(|| Tile::to_be_weighed(number, *cells))
+        };
+        Arc::new(reached.into_iter().filter_map(tile).collect())
+    }
+
+    /// Numbers of the tiles that the tiles of a plane get into when they are moved and spread to so many cells
+    /// around, growing.
+    fn reached(&self, plane: &Plane, by_cells: [i64; 2], around: i64) -> Vec<u32> {
+        if plane.tiles.len() == self.ground.numbers().len() {
+            return self.ground.numbers().to_vec();
+        }
+        let [across, up] = self.grid.tiles_along().map(|count| count as i64);
+        let [columns, rows] =
+            by_cells.map(|by| (by - around).div_euclid(EDGE)..=(by + around + EDGE - 1).div_euclid(EDGE));
+        let mut reached = Vec::new();
+        for tile in plane.tiles.iter() {
+            let (column, row) = (i64::from(tile.number) % across, i64::from(tile.number) / across);
+            for row in rows.clone().map(|by| row + by).filter(|row| (0..up).contains(row)) {
+                let columns = columns.clone().map(|by| column + by).filter(|column| (0..across).contains(column));
+                reached.extend(columns.map(|column| (row * across + column) as u32));
+            }
+        }
+        reached.sort_unstable();
+        reached.dedup();
+        reached
+    }
+
+    /// Whether a share of some cells, beside ones that sleep, may reach θ.
+    fn can_wake<const SIDE: usize>(&self, cells: &Square<SIDE>, share: f32) -> bool {
+        let bound = (self.loud - self.quiet) / share;
+        cells.as_flattened().iter().fold(false, |any, &cell| any | (cell >= bound))
+    }
+
+    /// Writes the cells of a plane in a square whose first column and row are counted from the first tile.
+    fn copy_square<const SIDE: usize>(&self, plane: &Plane, [column, row]: [i64; 2], square: &mut Square<SIDE>) {
+        let [across, up] = self.grid.tiles_along().map(|count| count as i64);
+        let last = SIDE as i64 - 1;
+        let tiles = |first: i64| first.div_euclid(EDGE)..=(first + last).div_euclid(EDGE);
+        // The part of the square in a tile, and where it begins there.
+        let part = |tile: i64, first: i64| {
+            let begin = (tile * EDGE - first).max(0);
+            let end = ((tile + 1) * EDGE - first).min(SIDE as i64);
+            (begin as usize..end as usize, (begin + first - tile * EDGE) as usize)
+        };
+        for tile_row in tiles(row) {
+            let (rows, from_row) = part(tile_row, row);
+            for tile_column in tiles(column) {
+                let (columns, from_column) = part(tile_column, column);
+                let is_inside = (0..up).contains(&tile_row) && (0..across).contains(&tile_column);
+                let number = (tile_row * across + tile_column) as u32;
+                let to = square[rows.clone()].iter_mut().map(|row| &mut row[columns.clone()]);
+                let Some(ground) = self.ground.tile(number).filter(|_| is_inside) else {
+                    to.for_each(|to| to.fill(0.0));
+                    continue;
+                };
+                let beginning = from_row * TILE_EDGE + from_column;
+                match plane.tile(number) {
+                    Some(tile) => {
+                        let rows = tile.cells[beginning..].chunks(TILE_EDGE);
+                        to.zip(rows).for_each(|(to, row)| to.copy_from_slice(&row[..to.len()]));
+                    }
+                    None => {
+                        for (to, row) in to.zip(ground.admissible[beginning..].chunks(TILE_EDGE)) {
+                            to.iter_mut().zip(row).for_each(|(to, admissible)| *to = self.quiet * admissible);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Writes the tile in the middle, spread along x and then along y.
+fn spread_out(
+    wider: &Square<WIDER>,
+    [spread_x, spread_y]: [f32; 2],
+    along_x: &mut [[f32; TILE_EDGE]; WIDER],
+    cells: &mut Square<TILE_EDGE>,
+) {
+    for (out, row) in along_x.iter_mut().zip(wider) {
+        let (left, middle, right) = (&row[..TILE_EDGE], &row[1..=TILE_EDGE], &row[2..]);
+        for (cell, ((left, middle), right)) in out.iter_mut().zip(left.iter().zip(middle).zip(right)) {
+            *cell = (1.0 - 2.0 * spread_x) * middle + spread_x * (left + right);
+        }
+    }
+    for (out, rows) in cells.iter_mut().zip(along_x.windows(3)) {
+        for (cell, ((below, middle), above)) in out.iter_mut().zip(rows[0].iter().zip(&rows[1]).zip(&rows[2])) {
+            *cell = (1.0 - 2.0 * spread_y) * middle + spread_y * below + spread_y * above;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::occupancy::{Cell, OccupancyGrid};
+    use rpl_random::Stream;
+
+    /// A grid of some tiles, with walls in it and a tile in which nobody can stand.
+    fn grid_and_ground() -> (BeliefGrid, Ground) {
+        let map = OccupancyGrid::filled(Point::origin(), 0.1, 107, 78, Cell::Free);
+        let grid = BeliefGrid::over(&map, 0.1, 90, true);
+        let ground = Ground::new(&grid, |column, row| (column > 35 || row > 40) && column % 13 != 0 && row % 17 != 3);
+        assert!(ground.numbers().len() < grid.tiles());
+        (grid, ground)
+    }
+
+    /// What one cell of a plane is stored as, also outside the map.
+    fn stored(around: &Surroundings, plane: &Plane, [column, row]: [i64; 2]) -> f32 {
+        let [across, up] = around.grid.tiles_along().map(|count| count as i64 * EDGE);
+        if !(0..across).contains(&column) || !(0..up).contains(&row) {
+            return 0.0;
+        }
+        let tile = (row / EDGE * (across / EDGE) + column / EDGE) as u32;
+        let cell = (row % EDGE * EDGE + column % EDGE) as usize;
+        let asleep = around.ground.tile(tile).map_or(0.0, |ground| ground.admissible[cell] * around.quiet);
+        plane.tile(tile).map_or(asleep, |tile| tile.cells[cell])
+    }
+
+    /// Some tiles awake, with cells above θ and below it.
+    fn plane(ground: &Ground, stream: &mut Stream) -> Plane {
+        let awake = ground.tiles().filter(|_| stream.uniform() < 0.4).map(|(number, tile)| (number, tile.admissible));
+        let awake: Vec<(u32, Cells)> = awake.collect();
+        let value =
+            |stream: &mut Stream| if stream.uniform() < 0.1 { stream.uniform() } else { 1e-4 * stream.uniform() };
+        let tiles =
+            awake.into_iter().map(|(number, cells)| Tile::new(number, cells.map(|cell| cell * value(stream) as f32)));
+        Plane::of(tiles.collect())
+    }
+
+    /// Compares tiles with what each of their cells is to be; one that sleeps may have none at θ. Tells how many woke, and
+    /// how many sleep.
+    fn check(
+        around: &Surroundings,
+        before: &Plane,
+        after: Arc<Vec<Tile>>,
+        due: impl Fn([i64; 2]) -> f32,
+    ) -> [usize; 2] {
+        let after = Plane { tiles: after, ..Plane::default() };
+        let (mut woken, mut slept) = (0, 0);
+        for (number, ground) in around.ground.tiles() {
+            let across = around.grid.tiles_along()[0] as u32;
+            let corner = [number % across, number / across].map(|at| i64::from(at) * EDGE);
+            let due = |cell: usize| due([corner[0] + cell as i64 % EDGE, corner[1] + cell as i64 / EDGE]);
+            match after.tile(number) {
+                Some(tile) => {
+                    woken += usize::from(before.tile(number).is_none());
+                    for (cell, found) in tile.cells.iter().enumerate() {
+                        assert!(
+                            (found - due(cell)).abs() <= 1e-6 * due(cell),
+                            "{number} {cell}: {found} {}",
+                            due(cell)
+                        );
+                    }
+                }
+                None => {
+                    slept += 1;
+                    ground.free().for_each(|cell| assert!(due(cell) < 1.000_001 * around.loud, "{number} {cell}"));
+                }
+            }
+        }
+        [woken, slept]
+    }
+
+    #[test]
+    fn tiles_are_moved_spread_and_blended_like_a_plane_of_single_cells_and_wake_where_a_cell_reaches_the_threshold() {
+        let (grid, ground) = grid_and_ground();
+        let around = Surroundings { grid: &grid, ground: &ground, quiet: 1e-5, loud: 1e-2 };
+        let mut stream = Stream::new(10_320, "tiles");
+        let mut counts = [0, 0];
+        let mut count = |more: [usize; 2]| counts = [counts[0] + more[0], counts[1] + more[1]];
+        for by in [[1, 0], [-2, 3], [31, -33], [-40, 0], [0, 65]] {
+            let [own, before, after] = [0; 3].map(|_| plane(&ground, &mut stream));
+            let at = |plane: &Plane, [column, row]: [i64; 2], by: [i64; 2]| {
+                stored(&around, plane, [column - by[0], row - by[1]])
+            };
+            count(check(&around, &own, around.shifted(&own, by), |place| at(&own, place, by)));
+            let spread = [0.1, 0.2];
+            count(check(&around, &own, around.blurred(&own, spread), |place| {
+                let along_x = |dy: i64| {
+                    let [left, middle, right] = [-1, 0, 1].map(|dx| at(&own, place, [-dx, -dy]));
+                    (1.0 - 2.0 * spread[0]) * middle + spread[0] * (left + right)
+                };
+                (1.0 - 2.0 * spread[1]) * along_x(0) + spread[1] * (along_x(-1) + along_x(1))
+            }));
+            let back = by.map(|cells| -cells);
+            let shares = [Share { plane: &before, by_cells: by }, Share { plane: &after, by_cells: back }];
+            count(check(&around, &own, around.blended(&own, &shares, 0.2), |place| {
+                0.6 * at(&own, place, [0, 0]) + 0.2 * (at(&before, place, by) + at(&after, place, back))
+            }));
+        }
+        assert!(counts[0] > 10 && counts[1] > 10, "{counts:?} woke and sleep");
+    }
+
+    #[test]
+    fn a_blur_keeps_mass_and_mean_and_adds_its_variance() {
+        let (grid, ground) = grid_and_ground();
+        let around = Surroundings { grid: &grid, ground: &ground, quiet: 0.0, loud: 1e-9 };
+        // In the corner of a tile, so that it spreads over four.
+        let mut cells = [0.0; TILE_EDGE * TILE_EDGE];
+        cells[0] = 1.0;
+        let across = grid.tiles_along()[0];
+        let plane = Plane::of(vec![Tile::new(across as u32 + 2, cells)]);
+        let blurred = around.blurred(&plane, [0.1, 0.2]);
+        assert_eq!(blurred.len(), 4);
+        let moment = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+            let of_tile = |tile: &Tile| -> f64 {
+                let corner = [tile.number as usize % across, tile.number as usize / across];
+                let [x, y] = [0, 1].map(|axis| (corner[axis] as f64 - [2.0, 1.0][axis]) * EDGE as f64);
+                let cells = tile.cells.iter().enumerate();
+                let at = |cell: usize| (x + (cell % TILE_EDGE) as f64, y + (cell / TILE_EDGE) as f64);
+                cells.map(|(cell, &value)| f64::from(value) * of(at(cell).0, at(cell).1)).sum()
+            };
+            blurred.iter().map(of_tile).sum()
+        };
+        assert!((moment(&|_, _| 1.0) - 1.0).abs() < 1e-6);
+        assert!(moment(&|x, _| x).abs() < 1e-6 && moment(&|_, y| y).abs() < 1e-6);
+        assert!((moment(&|x, _| x * x) - 0.2).abs() < 1e-6 && (moment(&|_, y| y * y) - 0.4).abs() < 1e-6);
+    }
+}

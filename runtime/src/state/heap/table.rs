@@ -1,0 +1,162 @@
+//! Hash tables: entries found by the hash of their keys.
+
+use super::key::{Key, KeyPart, KeyParts, are_equal_atoms, atom_hash, compound_hash, key_parts};
+use crate::state::slab::Slab;
+use crate::state::value::Value;
+use hashbrown::HashTable;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::sync::Arc;
+
+/// The texts of a heap, by which keys that are strings are told apart.
+type Strings = Slab<Arc<str>>;
+
+/// An entry of a hash table, with key and value as the plan gave them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    pub(super) hash: u64,
+    /// The key.
+    pub key: Value,
+    /// The value.
+    pub value: Value,
+    /// What a list or vector was when it became the key. In a box of its own, for the sake of the others.
+    #[allow(clippy::redundant_allocation, reason = "half as large in the entry, and few entries have one")]
+    pub(super) parts: Option<Box<KeyParts>>,
+}
+
+impl Entry {
+    /// Whether it is found by a key.
+    #[inline]
+    fn is_of(&self, strings: &Strings, key: &Key) -> bool {
+        match (&self.parts, &key.parts) {
+            (None, None) => are_equal_atoms(strings, &self.key, &key.value),
+            (Some(own), Some(other)) => ***own == **other,
+            _ => false,
+        }
+    }
+
+    /// Bytes it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        entry_bytes(self.parts.as_deref().map(|parts| &**parts))
+    }
+
+    /// Whether it can be found where its key says, as can be doubted of one that was read from a file.
+    pub(crate) fn is_whole(&self, strings: &Strings) -> bool {
+        match (self.key, &self.parts) {
+            (Value::Cons(_) | Value::Vector(_), Some(parts)) => compound_hash(parts) == self.hash,
+            (Value::Cons(_) | Value::Vector(_), None) | (_, Some(_)) => false,
+            (atom, None) => atom_hash(strings, &atom) == self.hash,
+        }
+    }
+}
+
+fn entry_bytes(parts: Option<&[KeyPart]>) -> usize {
+    // A table has room for up to twice its entries, and as many places and bytes in its index, seven eighths of them used.
+    2 * (size_of::<Entry>() + size_of::<u32>() + 2) + key_parts(parts)
+}
+
+/// Bytes of an entry of a hash table.
+pub fn table_entry(key: &Key) -> usize {
+    entry_bytes(key.parts.as_deref())
+}
+
+/// A hash table. Its entries stand in the order in which they came, or another that depends on nothing but what was
+/// entered and removed; plans see them in the order of their keys.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    entries: Vec<Entry>,
+    /// Where entries stand, by their hash.
+    index: HashTable<u32>,
+}
+
+impl Table {
+    /// How many entries it has.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Its entries, in no order that means anything.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    #[inline]
+    fn place(&self, strings: &Strings, key: &Key) -> Option<usize> {
+        let is_there = |&place: &u32| self.entries[place as usize].is_of(strings, key);
+        self.index.find(key.hash, is_there).map(|&place| place as usize)
+    }
+
+    /// The value of a key.
+    #[inline]
+    pub fn get(&self, strings: &Strings, key: &Key) -> Option<Value> {
+        self.place(strings, key).map(|place| self.entries[place].value.copied())
+    }
+
+    /// Sets the value of a key; tells whether that is a new entry.
+    #[inline]
+    pub fn insert(&mut self, strings: &Strings, key: Key, value: Value) -> bool {
+        if let Some(place) = self.place(strings, &key) {
+            let entry = &mut self.entries[place];
+            (entry.key, entry.value) = (key.value, value);
+            return false;
+        }
+        let Key { value: of, hash, parts } = key;
+        let place = self.entries.len() as u32;
+        self.entries.push(Entry { hash, key: of, value, parts: parts.map(Box::new) });
+        self.index.insert_unique(hash, place, |&place| self.entries[place as usize].hash);
+        true
+    }
+
+    /// Removes the entry of a key; tells whether there was one. The last entry takes its place, and room that is no longer
+    /// needed is given back.
+    pub fn remove(&mut self, strings: &Strings, key: &Key) -> bool {
+        let Some(place) = self.place(strings, key) else { return false };
+        if let Ok(found) = self.index.find_entry(key.hash, |&at| at as usize == place) {
+            found.remove();
+        }
+        self.entries.swap_remove(place);
+        let last = self.entries.len();
+        if let Some(moved) = self.entries.get(place)
+            && let Some(at) = self.index.find_mut(moved.hash, |&at| at as usize == last)
+        {
+            *at = place as u32;
+        }
+        if last < self.entries.capacity() / 4 {
+            self.entries.shrink_to(2 * last);
+            self.index.shrink_to(2 * last, |&place| self.entries[place as usize].hash);
+        }
+        true
+    }
+
+    /// Removes all entries.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl PartialEq for Table {
+    fn eq(&self, other: &Self) -> bool {
+        self.entries == other.entries
+    }
+}
+
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.entries.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Table {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let entries = Vec::<Entry>::deserialize(deserializer)?;
+        let mut index = HashTable::new();
+        for (place, entry) in entries.iter().enumerate() {
+            index.insert_unique(entry.hash, place as u32, |&place| entries[place as usize].hash);
+        }
+        Ok(Self { entries, index })
+    }
+}
