@@ -22,18 +22,22 @@ class CommandError(Exception):
     """Something cannot be done: what the command says of it."""
 
 
-def output_of(words: Sequence[str], folder: str | None = None) -> str:
+def output_of(words: Sequence[str], folder: str | None = None, threads: int | None = None) -> str:
     """What the command writes to standard output.
 
     It ends when this process does, however that ends: it holds the other end of a pipe.
 
+    One run has as many threads as there are cores, or as many as are given.
+
     Raises CommandError with what it says of what is wrong.
     """
+    environment = os.environ if threads is None else {**os.environ, "RAYON_NUM_THREADS": str(threads)}
     theirs, ours = os.pipe()
     try:
         ended = subprocess.run(
             [sys.executable, "-m", __name__, *words],
             cwd=folder,
+            env=environment,
             stdin=theirs,
             capture_output=True,
             text=True,

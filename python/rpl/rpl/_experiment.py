@@ -204,14 +204,16 @@ def _on_ray(ray: Any, words: list[str], files: _Files, count: int) -> Iterator[b
             ray.cancel(reference, force=True)
 
 
-def _part(build: str, words: list[str], files: _Files, number: int, of: int, jobs: int | None) -> bytes:
-    """Does a shard in a folder of its own, and gives its part."""
+def _part(build: str, words: list[str], files: _Files, number: int, of: int, cores: int | None) -> bytes:
+    """Does a shard in a folder of its own, on so many cores or on all, and gives its part."""
     if build != BUILD:
         raise CommandError(
             f"{platform.node()} has rpl {BUILD}, and the experiment is one of rpl {build}; install the same on both"
         )
     with tempfile.TemporaryDirectory(prefix="rpl-shard-") as folder:
         files.put(folder)
-        at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
-        output_of(["experiment", *words, *at_a_time, "--shard", f"{number}/{of}", "--out", ".part"], folder)
+        at_a_time = [] if cores is None else ["--jobs", str(cores)]
+        # The threads of a run would have the cores of other workers.
+        threads = None if cores is None else 1
+        output_of(["experiment", *words, *at_a_time, "--shard", f"{number}/{of}", "--out", ".part"], folder, threads)
         return Path(folder, ".part").read_bytes()
