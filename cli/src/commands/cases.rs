@@ -1,7 +1,7 @@
 //! `rpl cases FILE`: a case memory of a robot, what it would retrieve, and what is wrong with it.
 
 use crate::arguments::completion;
-use crate::files::case_files::{self, CaseGround};
+use crate::files::case_files::{self, CaseGround, faulty};
 use crate::files::outputs::OutputFile;
 use crate::files::{robot_files, world_files};
 use crate::show::place_figures;
@@ -59,8 +59,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let name = arguments.file.display().to_string();
     let text = case_files::read(&arguments.file)?;
     let robot = robot_files::named(Some(arguments.robot.as_deref().unwrap_or(ROBOT)))?;
-    let Some(world) = arguments.world.clone().or_else(|| world_of(&text)) else {
-        bail!("`{name}` names no world in its first line; add `--world W`, or correct the line");
+    let world = match &arguments.world {
+        Some(world) => world.clone(),
+        None => world_of(&text, &name).map_err(|faults| faulty(&arguments.file, &faults))?,
     };
     let world = world_files::for_all_seeds(&world, &robot)?;
     let ground = CaseGround::new(&world, &robot);

@@ -9,8 +9,10 @@ use crate::files::inputs;
 use crate::files::maps;
 use crate::files::maps::MapFile;
 use crate::files::outputs::{OutputFile, OutputFolder};
+use crate::interrupt;
 use crate::status::Status;
 use crate::terminal::console::Console;
+use crate::terminal::page::Block;
 use crate::terminal::progress;
 use anyhow::{Context, Result, anyhow, bail};
 pub use arguments::Arguments;
@@ -18,6 +20,7 @@ use rpl_robot::geometry::Vector;
 use rpl_robot::localization::{LocalizationModel, LocalizationParameters};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::recording::{BeamChoice, Recording, Trial, TrialStart, Window, fit_odometry, fit_sensor, localize};
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// A log belongs to a map if this share of its poses lies on free space.
@@ -66,7 +69,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let figures = arguments.figures.as_deref();
     let figures = figures.map(|path| OutputFolder::open_for(path, "localize", &[PATHS, ERRORS])).transpose()?;
     let model = LocalizationModel::new(&map, parameters)?;
-    let trials = all_trials(arguments, console, &model, &recording, &beams, windows);
+    let wanted = windows.len();
+    let trials = all_trials(arguments, console, &model, &recording, &beams, windows)?;
     if let Some(mut folder) = figures {
         folder.draw(PATHS, &figure::paths(&map, &trials))?;
         folder.draw(ERRORS, &figure::errors(&trials))?;
@@ -74,7 +78,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if arguments.json {
         console.print(&table::json(&trials))?;
     } else {
-        table::blocks(&trials, start(arguments)).iter().try_for_each(|block| console.block(block))?;
+        console.block(&Block::Lines(table::summary(&trials, start(arguments))))?;
+    }
+    if trials.len() < wanted {
+        console.note(&format!("interrupted: {} of {wanted} windows are done", trials.len()));
+        return Ok(Status::Interrupted);
     }
     let all_found = trials.iter().all(|timed| timed.trial.succeeded);
     Ok(if all_found { Status::Succeeded } else { Status::Failed })
@@ -91,10 +99,9 @@ fn read_log(arguments: &Arguments) -> Result<Recording> {
         let bytes = bytes.map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
         return mcap_log::read(&bytes, arguments.mount).with_context(|| format!("the log `{name}` has a fault"));
     }
-    let text = inputs::read_text(&arguments.log).map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
-    let field_of_view_rad = arguments.field_of_view.to_radians();
-    Recording::parse_carmen(&text, field_of_view_rad, arguments.mount)
-        .map_err(|error| anyhow!("the log `{name}` has a fault: {error}"))
+    let text = inputs::packed_text(&arguments.log);
+    let text = text.map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
+    Recording::parse_carmen(&text, &arguments.laser()).map_err(|error| anyhow!("the log `{name}` has a fault: {error}"))
 }
 
 fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Arguments) -> Result<()> {
@@ -169,22 +176,33 @@ fn fit(
     Ok(Status::Succeeded)
 }
 
+/// The trials in all windows, each told as soon as it is done. A signal leaves out the one under way and those after it.
 fn all_trials(
     arguments: &Arguments,
-    console: &Console,
+    console: &mut Console,
     model: &LocalizationModel,
     recording: &Recording,
     beams: &BeamChoice,
     windows: Vec<Window>,
-) -> Vec<Timed> {
+) -> Result<Vec<Timed>> {
+    let _ends_with_this = interrupt::ends_experiment();
     let scans: usize = windows.iter().map(|window| window.scans.len()).sum();
     let bar = progress::bar(scans as u64, "{bar:30} {pos}/{len} scans {eta}", console);
-    let one = |window: Window| {
+    let table = table::table();
+    let mut tell = |line: String| if arguments.json { Ok(()) } else { bar.suspend(|| console.say(&line)) };
+    tell(table.head_text())?;
+    let mut trials = Vec::with_capacity(windows.len());
+    for (index, window) in windows.into_iter().enumerate() {
         let began = Instant::now();
-        let trial = localize(model, recording, beams, &window, start(arguments), || bar.inc(1));
-        Timed { window, trial, wall_s: began.elapsed().as_secs_f64() }
-    };
-    let trials = windows.into_iter().map(one).collect();
+        let after_scan = || {
+            bar.inc(1);
+            if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let Some(trial) = localize(model, recording, beams, &window, start(arguments), after_scan) else { break };
+        let timed = Timed { window, trial, wall_s: began.elapsed().as_secs_f64() };
+        tell(table.row_text(&table::row(index, &timed)))?;
+        trials.push(timed);
+    }
     bar.finish_and_clear();
-    trials
+    Ok(trials)
 }

@@ -46,13 +46,17 @@ pub struct Errands {
 }
 
 impl Errands {
-    /// What is asked for, with the rows that are missions.
+    /// What is asked for, with the rows that are missions; without a name all of these, and no days.
     ///
     /// # Errors
     /// No row has the name.
     pub fn new(request: ExperimentRequest, missions: &'static [Row]) -> Result<Self> {
         let all = ErrandRow::all(missions);
-        let rows: Vec<ErrandRow> = chosen(&request, &all, ErrandRow::name)?.into_iter().copied().collect();
+        let mut rows: Vec<ErrandRow> = chosen(&request, &all, ErrandRow::name)?.into_iter().copied().collect();
+        if request.row.is_none() {
+            // A robot's days take as long as a hundred errands of the other rows.
+            rows.retain(|row| matches!(row, ErrandRow::Mission(_)));
+        }
         if request.cases.is_some() && matches!(rows[..], [ErrandRow::Days]) {
             bail!("a robot of `ten days` begins with nothing learned; leave `--cases` away, or take another row");
         }

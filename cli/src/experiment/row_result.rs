@@ -307,7 +307,7 @@ mod tests {
         let trials = [trial(1, None, Some(10.0)), trial(2, blocked, Some(30.0)), trial(3, None, None)];
         let text = text(&row("rotated", trials).blocks());
         assert!(text.contains("succeeded 2 of 3: 66.7 %"), "{text}");
-        assert!(text.contains("time [s]     2  20.00   19.60"), "{text}");
+        assert!(text.contains("time [s]     2  20.00  127.06"), "{text}");
         assert!(text.ends_with("failed with seed 2 (blocked)"), "{text}");
     }
 }

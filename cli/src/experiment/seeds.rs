@@ -2,8 +2,9 @@
 
 use super::kind::Run;
 use crate::interrupt;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use crossbeam::channel::{self, RecvTimeoutError};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -32,10 +33,10 @@ impl Seeds {
 
 /// Runs all of them, so many at a time, and hands the results on in their order however the threads were scheduled.
 /// Answers whether all were done: after a signal only those are handed on that had ended before it, and what still runs
-/// is left to the end of the process.
+/// is left to the end of the process. Runs at the same time share out the threads that one alone would have.
 ///
 /// # Errors
-/// The first error of `take`; nothing is taken after it.
+/// The first error of `take`, nothing is taken after it; threads cannot be had.
 pub fn run_in_order<T: Send + 'static>(
     seeds: &Seeds,
     jobs: usize,
@@ -47,8 +48,11 @@ pub fn run_in_order<T: Send + 'static>(
     let _ends_with_this = EndsRuns(is_over.clone());
     let (sender, receiver) = channel::unbounded();
     let most = usize::try_from(seeds.numbers.end - seeds.numbers.start).unwrap_or(usize::MAX);
-    let threads: Vec<JoinHandle<()>> = (0..jobs.clamp(1, most.max(1)))
-        .map(|_| {
+    let jobs = jobs.clamp(1, most.max(1));
+    let pools: Vec<Option<ThreadPool>> = (0..jobs).map(|_| pool_of_one(jobs)).collect::<Result<_>>()?;
+    let threads: Vec<JoinHandle<()>> = pools
+        .into_iter()
+        .map(|pool| {
             let (one, next, is_over, sender, seeds) =
                 (one.clone(), next.clone(), is_over.clone(), sender.clone(), seeds.clone());
             std::thread::spawn(move || {
@@ -57,7 +61,10 @@ pub fn run_in_order<T: Send + 'static>(
                     if run.number >= seeds.numbers.end || is_over.0.load(Ordering::Relaxed) {
                         return;
                     }
-                    let result = one(run);
+                    let result = match &pool {
+                        Some(pool) => pool.install(|| one(run)),
+                        None => one(run),
+                    };
                     // A run that was told to stop has not come to its own end.
                     if interrupt::is_asked() || sender.send((run.number, result)).is_err() {
                         return;
@@ -95,6 +102,15 @@ pub fn run_in_order<T: Send + 'static>(
         }
     }
     Ok(due == seeds.numbers.end)
+}
+
+/// The threads of one of so many runs at the same time; none if it may have all.
+fn pool_of_one(jobs: usize) -> Result<Option<ThreadPool>> {
+    if jobs == 1 {
+        return Ok(None);
+    }
+    let share = (rayon::current_num_threads() / jobs).max(1);
+    ThreadPoolBuilder::new().num_threads(share).build().map(Some).context("cannot have the threads of a run")
 }
 
 /// Whether no further run is to begin.

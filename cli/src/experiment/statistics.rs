@@ -124,6 +124,14 @@ impl Summary {
         let spread = Dispersion::of(numbers)?;
         Some(Self { count: numbers.len(), spread, half_95: mean_95(spread.deviation, numbers.len()) })
     }
+
+    /// `12.3 ± 0.4`: the mean and half its interval, both so many times as large; one number tells nothing of how others
+    /// differ, and has none.
+    pub fn told(&self, scale: f64, decimals: usize) -> String {
+        let Self { count, spread: Dispersion { mean, .. }, half_95 } = *self;
+        let mean = format!("{:.decimals$}", scale * mean);
+        if count < 2 { mean } else { format!("{mean} ± {:.decimals$}", scale * half_95) }
+    }
 }
 
 /// The 0.975 quantile of the normal distribution.
@@ -161,10 +169,30 @@ fn independent(groups: &[(usize, usize)], count: usize, of: usize) -> f64 {
     (rate * (1.0 - rate) / variance).clamp(1.0, of)
 }
 
-/// Half the 95 % interval of a mean of so many numbers with this deviation, for more than a few of
-/// them (normal approximation).
+/// Half the 95 % interval of a mean of so many numbers with this deviation (Student, "The probable error of a mean",
+/// 1908).
 pub fn mean_95(deviation: f64, count: usize) -> f64 {
-    if count == 0 { 0.0 } else { Z_95 * deviation / (count as f64).sqrt() }
+    if count < 2 { 0.0 } else { student_95(count - 1) * deviation / (count as f64).sqrt() }
+}
+
+/// The 0.975 quantile of Student's distribution with so many degrees of freedom, at least one: exactly for one and two,
+/// beyond by its expansion around the normal one (Abramowitz and Stegun 1964, 26.7.5), which is 0.1 % too small for
+/// three and less so for more.
+fn student_95(freedom: usize) -> f64 {
+    let z2 = Z_95 * Z_95;
+    match freedom {
+        0 | 1 => 12.706_204_736_174_7,
+        2 => 4.302_652_729_749_46,
+        _ => {
+            let terms = [
+                (z2 + 1.0) / 4.0,
+                ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0,
+                (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
+                ((((79.0 * z2 + 776.0) * z2 + 1_482.0) * z2 - 1_920.0) * z2 - 945.0) / 92_160.0,
+            ];
+            Z_95 * (1.0 + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom as f64))
+        }
+    }
 }
 
 /// The interval that covers the mean of a Poisson distribution with 95 %, given one count: the means
@@ -244,6 +272,21 @@ mod tests {
         assert_eq!(Proportion::new(19, 20).sentence(), "19 of 20: 95.0 %, 95 % interval 76.4 to 99.1 % (Wilson)");
         assert_eq!(PerKm::new(3, 0.0), None);
         assert_eq!(PerKm::new(3, 2.0).map(|alarms| alarms.rate), Some(1.5));
+    }
+
+    #[test]
+    fn few_numbers_have_students_interval() {
+        // Table 26.10 of Abramowitz and Stegun.
+        for (freedom, quantile) in
+            [(1, 12.706), (2, 4.303), (3, 3.182), (5, 2.571), (9, 2.262), (30, 2.042), (120, 1.980)]
+        {
+            assert!((student_95(freedom) / quantile - 1.0).abs() < 1.5e-3, "{freedom}: {}", student_95(freedom));
+        }
+        assert!((student_95(1_000_000) - Z_95).abs() < 1e-5);
+        let summary = Summary::of(&[1.0, 2.0, 3.0]).expect("there are numbers");
+        assert!((summary.half_95 - 4.303 / 3.0_f64.sqrt()).abs() < 1e-3, "{summary:?}");
+        assert_eq!(summary.told(10.0, 1), "20.0 ± 24.8");
+        assert_eq!(Summary::of(&[2.0]).map(|one| one.told(1.0, 2)).as_deref(), Some("2.00"));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 use super::inputs;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_robot::description::RobotDescription;
+use rpl_robot::file_text::FileFaults;
 use rpl_robot::world::World;
 use rpl_rupart::beginning::no_cases;
 use rpl_rupart::file::{memory_text, read_memory};
@@ -35,8 +36,7 @@ impl<'w> CaseGround<'w> {
     pub fn memory(&self, text: &str, path: &Path) -> Result<CaseMemory> {
         let name = path.display().to_string();
         let similarity = no_cases(self.world, &self.robot.range_sensors()).similarity().clone();
-        read_memory(text, &name, self.places.as_ref(), similarity)
-            .map_err(|faults| anyhow!("the case file `{name}` has faults\n{faults}"))
+        read_memory(text, &name, self.places.as_ref(), similarity).map_err(|faults| faulty(path, &faults))
     }
 
     /// The memory in a file.
@@ -46,6 +46,11 @@ impl<'w> CaseGround<'w> {
     pub fn read(&self, path: &Path) -> Result<CaseMemory> {
         self.memory(&read(path)?, path)
     }
+}
+
+/// That a case file has faults, and which.
+pub fn faulty(path: &Path, faults: &FileFaults) -> anyhow::Error {
+    anyhow!("the case file `{}` has faults\n{faults}", path.display())
 }
 
 /// The text of a case file.

@@ -2,6 +2,7 @@
 //! over it.
 
 use anyhow::{Context, Result, anyhow, bail};
+use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -26,6 +27,24 @@ pub const STANDARD_INPUT: &str = "-";
 /// One clause that says why not.
 pub fn read_text(path: &Path) -> Result<String, String> {
     text_of(read_bytes(path, MAX_BYTES)?)
+}
+
+/// How a file begins that is packed by gzip.
+const GZIP: &[u8] = &[0x1f, 0x8b];
+
+/// A file as text, also one that is packed by gzip.
+///
+/// # Errors
+/// One clause that says why not.
+pub fn packed_text(path: &Path) -> Result<String, String> {
+    let bytes = read_bytes(path, MAX_BYTES)?;
+    if !bytes.starts_with(GZIP) {
+        return text_of(bytes);
+    }
+    let mut text = Vec::new();
+    let unpacked = MultiGzDecoder::new(&bytes[..]).take(MAX_BYTES + 1).read_to_end(&mut text);
+    unpacked.map_err(|error| format!("it is packed by gzip, and damaged ({error})"))?;
+    within_limit(text, MAX_BYTES).map_err(|reason| format!("unpacked, {reason}")).and_then(text_of)
 }
 
 /// What makes a file the same under whatever name.
@@ -145,7 +164,7 @@ pub fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
-        format!("it is not a text in UTF-8 (byte {at}, line {line}); a plan is a text file")
+        format!("it is not a text in UTF-8 (byte {at}, line {line})")
     })
 }
 
@@ -166,6 +185,6 @@ mod tests {
     #[test]
     fn a_binary_text_is_refused_with_its_place() {
         let found = text_of(b"(print 1)\n\xff".to_vec());
-        assert_eq!(found, Err("it is not a text in UTF-8 (byte 10, line 2); a plan is a text file".to_string()));
+        assert_eq!(found, Err("it is not a text in UTF-8 (byte 10, line 2)".to_string()));
     }
 }

@@ -116,6 +116,15 @@ impl Console {
         }
     }
 
+    /// A line on standard output that is handed over at once: one of many with a long time between them.
+    ///
+    /// # Errors
+    /// The pipe is closed, or the disk is full.
+    pub fn say(&mut self, text: &str) -> io::Result<()> {
+        self.print(text)?;
+        self.flush()
+    }
+
     /// Lines that explain, on standard output; a terminal gets them laid out for its width.
     ///
     /// # Errors

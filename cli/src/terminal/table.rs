@@ -39,6 +39,18 @@ impl Table {
         texts.join("\n\n")
     }
 
+    /// The head by itself, of a table whose rows come one by one.
+    pub fn head_text(&self) -> String {
+        self.row_text(&self.head)
+    }
+
+    /// A row by itself, as wide as the head is.
+    pub fn row_text(&self, cells: &[String]) -> String {
+        let widths: Vec<usize> = self.head.iter().map(|name| measure_text_width(name)).collect();
+        let all: Vec<usize> = (0..cells.len()).collect();
+        line(cells, &all, &widths)
+    }
+
     fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
         std::iter::once(&self.head).chain(&self.rows)
     }
@@ -48,20 +60,22 @@ impl Table {
     }
 
     fn part(&self, columns: &[usize], widths: &[usize]) -> String {
-        let line = |cells: &Vec<String>| {
-            let mut line = String::new();
-            for &column in columns {
-                let cell = &cells[column];
-                let room = " ".repeat(widths[column] - measure_text_width(cell));
-                match column {
-                    0 => line += &format!("{cell}{room}"),
-                    _ => line += &format!("{:GAP$}{room}{cell}", ""),
-                }
-            }
-            line.trim_end().to_string()
-        };
-        self.lines().map(line).collect::<Vec<_>>().join("\n")
+        self.lines().map(|cells| line(cells, columns, widths)).collect::<Vec<_>>().join("\n")
     }
+}
+
+/// Some cells of a row; one that is wider than its column pushes the others to the right.
+fn line(cells: &[String], columns: &[usize], widths: &[usize]) -> String {
+    let mut line = String::new();
+    for &column in columns {
+        let cell = &cells[column];
+        let room = " ".repeat(widths[column].saturating_sub(measure_text_width(cell)));
+        match column {
+            0 => line += &format!("{cell}{room}"),
+            _ => line += &format!("{:GAP$}{room}{cell}", ""),
+        }
+    }
+    line.trim_end().to_string()
 }
 
 /// The columns of each part: the first one, and as many others as fit.

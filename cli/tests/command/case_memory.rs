@@ -49,7 +49,7 @@ fn what_is_wrong_with_a_memory_is_told_with_its_place() {
     put(&folder, "robot.cases", of_the_book().replace("\"rpl_cases\":1", "\"rpl_cases\":9"));
     assert!(cases(&folder, &[]).errors.contains("the file is of version 9, and this reads version 1"));
     put(&folder, "robot.cases", "nonsense");
-    assert!(cases(&folder, &[]).errors.contains("names no world in its first line; add `--world W`"));
+    assert!(cases(&folder, &[]).errors.contains("robot.cases:1:1: this is no case file"));
     put(&folder, "robot.cases", of_the_book());
     let unknown = cases(&folder, &["--explain", "{\"plaice\":[1,2]}"]);
     assert!(unknown.status == 2 && unknown.errors.contains("unknown field `plaice`"), "{}", unknown.errors);

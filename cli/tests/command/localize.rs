@@ -3,9 +3,12 @@
 use crate::folder::{folder, put, text_in};
 use crate::keys;
 use crate::rpl::run_in;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 
 const WIDTH: usize = 60;
@@ -81,12 +84,49 @@ fn a_recorded_drive_is_found_fitted_and_drawn() {
     assert_eq!((&results["found"], &results["of"]), (&2.into(), &2.into()));
     assert!(results["while_found"]["position_m"]["mean"].as_f64().is_some_and(|mean_m| mean_m < 0.1), "{results}");
     assert_eq!(keys::found(&results), keys::documented("rpl localize"));
-    for (name, part) in [("paths.svg", "true-path"), ("errors.svg", "error of the heading")] {
+    for (name, part) in [("paths.svg", "true-path"), ("errors.svg", "heading off [°]")] {
         let drawing = text_in(&folder.join("figures"), name);
         assert!(drawing.contains(part), "{name}");
     }
     let kept = run_in(&folder, &[&DRIVE[..], &["--from-truth"]].concat());
     assert!(kept.out.contains("kept 1 of 1"), "{}", kept.out);
+    assert!(kept.out.contains("certainty of 0.9 and above: "), "{}", kept.out);
+}
+
+#[test]
+fn a_log_may_be_packed_and_begin_at_the_left() {
+    let folder = folder_of_drive("localize-packed");
+    let pack = |text: &str| {
+        let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+        packed.write_all(text.as_bytes()).expect("it is in memory");
+        packed.finish().expect("it is in memory")
+    };
+    let plain = log();
+    put(&folder, "drive.log.gz", pack(&plain));
+    let mirrored = plain.lines().map(|line| {
+        let mut fields: Vec<&str> = line.split(' ').collect();
+        fields[2..63].reverse();
+        fields.join(" ") + "\n"
+    });
+    put(&folder, "left.log.gz", pack(&mirrored.collect::<String>()));
+    let tracked = |name: &str, more: &[&str]| {
+        let found = run_in(&folder, &[&["localize", "--map", ".", "--log", name, "--from-truth"], more].concat());
+        assert_eq!(found.status, 0, "{name} {}{}", found.out, found.errors);
+        let without_time = |line: &str| line.rsplit_once(' ').map_or(String::new(), |(cells, _)| cells.to_string());
+        found.out.lines().map(without_time).collect::<Vec<_>>()
+    };
+    let told = tracked("drive.log", &[]);
+    assert_eq!(tracked("drive.log.gz", &[]), told);
+    assert_eq!(tracked("left.log.gz", &["--first-reading", "left"]), told);
+    let cut = pack(&log());
+    put(&folder, "cut.log.gz", &cut[..cut.len() / 2]);
+    let damaged = run_in(&folder, &["localize", "--map", ".", "--log", "cut.log.gz"]);
+    assert_eq!(damaged.status, 2);
+    assert!(
+        damaged.errors.contains("cannot read the log `cut.log.gz`: it is packed by gzip, and damaged"),
+        "{}",
+        damaged.errors
+    );
 }
 
 #[test]

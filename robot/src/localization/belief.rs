@@ -26,7 +26,8 @@ const LEAST_EVIDENCE: f64 = 1e-15;
 /// [`Belief::advance`], which a normalizing one must follow.
 ///
 /// A tile sleeps while all its cells are below θ (Beetz et al. §2.1); all cells that sleep are worth the same. It
-/// wakes when motion or noise brings a cell of it above θ, and all wake when what sleeps comes to be worth θ.
+/// wakes when motion or noise brings a cell of it above θ, and all wake when what sleeps comes to be worth θ, unless
+/// a coarse belief watches over this one, which looks at what sleeps.
 ///
 /// # Deviation
 /// The paper keeps the cells of a part that sleeps, with a factor α_π for all normalizations since, and brings it back
@@ -54,7 +55,7 @@ impl Belief {
     pub fn uniform(model: &LocalizationModel) -> Self {
         let mut belief = Self::asleep(model);
         belief.asleep = model.prior();
-        belief.wake_all(model);
+        belief.wake_what_must(model);
         belief
     }
 
@@ -287,7 +288,7 @@ impl Belief {
     /// The sum of the belief, 1 but for rounding. Reads what the last update summed.
     pub fn mass(&self, model: &LocalizationModel) -> f64 {
         let awake: f64 = self.tiles().map(|tile| self.mass_of(model, tile)).sum();
-        awake + self.asleep * self.cells_asleep(model) as f64
+        awake + self.mass_asleep(model)
     }
 
     /// Heading of a plane, with the rotation not yet applied.
@@ -390,6 +391,16 @@ impl Belief {
     /// # Deviation
     /// After the scans a share of the uniform distribution is mixed in.
     pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) {
+        self.sense_tempered(model, scans, |_| 1.0);
+    }
+
+    /// The same with a power of the likelihood of a scan of each sensor, beyond its tempering.
+    pub(super) fn sense_tempered(
+        &mut self,
+        model: &LocalizationModel,
+        scans: &[BinnedScan],
+        power: impl Fn(usize) -> f64,
+    ) {
         let readings = |scan: &BinnedScan| -> Vec<(usize, u8)> {
             scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect()
         };
@@ -397,19 +408,26 @@ impl Belief {
         let mut heard: Vec<(usize, Vec<(usize, u8)>)> = sensors.zip(scans.iter().map(readings)).collect();
         heard.retain(|(_, readings)| !readings.is_empty());
         let Some((last, readings)) = heard.pop() else {
-            return self.sense_scan(model, 0, &[], 0.0);
+            return self.sense_scan(model, 0, &[], 1.0, 0.0);
         };
         for (sensor, readings) in heard {
-            self.sense_scan(model, sensor, &readings, 0.0);
+            self.sense_scan(model, sensor, &readings, power(sensor), 0.0);
         }
-        self.sense_scan(model, last, &readings, model.parameters.mixing);
+        self.sense_scan(model, last, &readings, power(last), model.parameters.mixing);
     }
 
     /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.
-    fn sense_scan(&mut self, model: &LocalizationModel, sensor: usize, readings: &[(usize, u8)], mixed: f64) {
-        let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings) };
+    fn sense_scan(
+        &mut self,
+        model: &LocalizationModel,
+        sensor: usize,
+        readings: &[(usize, u8)],
+        power: f64,
+        mixed: f64,
+    ) {
+        let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings, power) };
         let terms = self.terms();
-        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, terms, average);
+        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, power, terms, average);
         self.weighed(model, average, f64::from(LIFT), mixed);
     }
 
@@ -419,7 +437,7 @@ impl Belief {
         (self.factor, self.floor) = (1.0, 0.0);
         self.asleep *= average * lift;
         let awake: f64 = self.tiles().map(|tile| tile.mass).sum();
-        let evidence = awake + self.asleep * self.cells_asleep(model) as f64;
+        let evidence = awake + self.mass_asleep(model);
         if evidence > LEAST_EVIDENCE {
             self.normalize(model, evidence, mixed);
         } else {
@@ -439,7 +457,7 @@ impl Belief {
             *self = Self::uniform(model);
             return;
         }
-        self.sense_scan(model, 0, &[], share);
+        self.sense_scan(model, 0, &[], 1.0, share);
     }
 
     /// Divides by the evidence, mixes, and lets tiles fall asleep or wake up.
@@ -449,14 +467,20 @@ impl Belief {
         self.factor *= scale;
         self.floor = self.floor * scale + add;
         self.asleep = self.asleep * scale + add;
-        if self.asleep >= model.threshold() {
-            self.wake_all(model);
-        }
+        self.wake_what_must(model);
         self.put_to_sleep(model);
     }
 
-    /// Brings every tile in which somebody can stand back.
-    fn wake_all(&mut self, model: &LocalizationModel) {
+    /// Whether what sleeps is worth θ, and is to be looked at somehow.
+    pub(super) fn is_adrift(&self, model: &LocalizationModel) -> bool {
+        model.sleeps() && self.asleep >= model.threshold()
+    }
+
+    /// Brings back every tile in which somebody can stand, if what sleeps is worth θ and nobody else looks at it.
+    fn wake_what_must(&mut self, model: &LocalizationModel) {
+        if self.asleep < model.threshold() || model.watch.is_some() && model.sleeps() {
+            return;
+        }
         let quiet = self.surroundings(model).quiet;
         let missing = |plane: &Plane| plane.tiles.len() < model.ground.numbers().len();
         if !self.planes.iter().any(missing) {
@@ -468,6 +492,44 @@ impl Belief {
             let tiles = fresh.iter().map(|fresh| plane.tile(fresh.number).unwrap_or(fresh).clone());
             plane.tiles = Arc::new(tiles.collect());
         }
+    }
+
+    /// Brings back the tiles within a distance and an angle of a pose, if what sleeps is worth θ.
+    pub(super) fn wake_near(&mut self, model: &LocalizationModel, pose_in_map: Pose, radius_m: f64, angle_rad: f64) {
+        if !self.is_adrift(model) {
+            return;
+        }
+        let quiet = self.surroundings(model).quiet;
+        let (column, row) = model.grid.fractional(pose_in_map.point());
+        let reach = radius_m / model.grid.cell_m;
+        let [columns, rows] =
+            [column, row].map(|middle| libm::floor(middle - reach) as i64..=libm::ceil(middle + reach) as i64);
+        let near = |number: &u32| model.grid.meets(*number, &columns, &rows);
+        let numbers: Vec<u32> = model.ground.numbers().iter().copied().filter(near).collect();
+        for heading in 0..self.planes.len() {
+            let away_rad = wrap_angle_rad(self.heading_rad(model, heading) - pose_in_map.heading_rad);
+            let plane = &mut self.planes[heading];
+            if libm::fabs(away_rad) > angle_rad || numbers.iter().all(|&number| plane.tile(number).is_some()) {
+                continue;
+            }
+            let missing = numbers.iter().filter(|&&number| plane.tile(number).is_none());
+            let fresh = missing.filter_map(|&number| Some(Tile::new(number, model.ground.tile(number)?.filled(quiet))));
+            let fresh: Vec<Tile> = fresh.collect();
+            let tiles = plane.tiles_mut();
+            tiles.extend(fresh);
+            tiles.sort_by_key(|tile| tile.number);
+        }
+    }
+
+    /// How many states are worth at least so much.
+    pub(super) fn states_above(&self, bound: f64) -> usize {
+        let above = |cell: &&f32| self.value(**cell) >= bound;
+        self.tiles().map(|tile| tile.cells.iter().filter(above).count()).sum()
+    }
+
+    /// How much of the belief sleeps.
+    pub(super) fn mass_asleep(&self, model: &LocalizationModel) -> f64 {
+        self.asleep * self.cells_asleep(model) as f64
     }
 
     /// Puts tiles whose cells are all below θ together with what sleeps.

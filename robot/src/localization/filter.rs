@@ -1,6 +1,7 @@
 //! The state of localization: belief, odometry, and what was last concluded from them.
 
 use super::belief::Belief;
+use super::beliefs::Beliefs;
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
@@ -56,16 +57,13 @@ fn gate(gating: &Gating, sensor: &ScanModel, expected: &[u8], ranges_m: &[f32], 
     }
 }
 
-/// The coarse belief takes in every so many-th beam, beginning with the next one at each update.
-const WATCH_BEAM_STRIDE: u64 = 3;
-
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
 /// The state of the filter. Cloning it shares the tiles of the belief until one is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Localization {
-    belief: Belief,
+    beliefs: Beliefs,
     /// Odometry at the last update; none before the first observation.
     updated_at_in_odom: Option<Pose>,
     /// Odometry at the last observation.
@@ -73,14 +71,8 @@ pub struct Localization {
     /// The last scan of each sensor that was used.
     last_scans_m: Vec<Option<Vec<f32>>>,
     rest: Rest,
-    /// The coarse belief that watches over the fine one, if there is one.
-    watch: Option<Belief>,
-    /// The mode at the last update; where it was found by its scans, their pose.
-    mode: Maximum,
     /// The pose found by the last scans, if one was.
     fix: Option<Fix>,
-    /// What the coarse belief gave it; 1 if none watches.
-    agreed: f64,
     /// Updates so far.
     updates: u64,
     /// How many of them there were when landmarks were seen last.
@@ -100,35 +92,19 @@ impl Localization {
 
     /// With fine and coarse belief made alike.
     fn of(model: &LocalizationModel, make: impl Fn(&LocalizationModel) -> Belief) -> Self {
-        Self::from_beliefs(model, make(model), model.watch.as_ref().map(|coarse| make(coarse)))
+        Self::from_beliefs(model, Beliefs::new(model, make))
     }
 
-    fn from_beliefs(model: &LocalizationModel, belief: Belief, watch: Option<Belief>) -> Self {
-        let mode = belief.mode(model);
-        let mut localization = Self {
-            belief,
+    fn from_beliefs(model: &LocalizationModel, beliefs: Beliefs) -> Self {
+        Self {
+            beliefs,
             updated_at_in_odom: None,
             observed_at_in_odom: None,
             last_scans_m: vec![None; model.sensors.len()],
             rest: Rest::default(),
-            watch,
-            mode,
             fix: None,
-            agreed: 1.0,
             updates: 0,
             seen_at: None,
-        };
-        localization.agreed = localization.agreement(model);
-        localization
-    }
-
-    /// What the coarse belief gives the mode.
-    fn agreement(&self, model: &LocalizationModel) -> f64 {
-        match (&self.watch, &model.watch, &model.parameters.watch) {
-            (Some(watch), Some(coarse), Some(parameters)) => {
-                watch.mass_within(coarse, self.mode.pose_in_map, parameters.near_m, parameters.near_rad)
-            }
-            _ => 1.0,
         }
     }
 
@@ -145,22 +121,13 @@ impl Localization {
     }
 
     fn mix(&mut self, model: &LocalizationModel, share: f64) {
-        if let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) {
-            watch.mix(coarse, share);
-        }
-        self.belief.mix(model, share);
-        self.mode = self.belief.mode(model);
-        self.agreed = self.agreement(model);
+        self.beliefs.mix(model, share);
         self.rest = Rest::default();
     }
 
     /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
-        let watch = match (&self.watch, &other.watch, &model.watch) {
-            (Some(one), Some(other), Some(coarse)) => Some(one.merged(coarse, other)),
-            _ => None,
-        };
-        Self::from_beliefs(model, self.belief.merged(model, &other.belief), watch)
+        Self::from_beliefs(model, self.beliefs.merged(model, &other.beliefs))
     }
 
     /// Takes in odometry and what each sensor of the model has read, a reading for each of its beams; none
@@ -181,14 +148,11 @@ impl Localization {
         if !is_due {
             return false;
         }
-        self.belief.advance(model, since);
-        let scans = self.scans(model, self.mode.pose_in_map.compose(since), scans_m);
-        self.belief.sense(model, &scans);
-        self.mode = self.belief.mode(model);
-        self.watch_over(model, since, &scans);
+        let scans = self.scans(model, self.beliefs.mode.pose_in_map.compose(since), scans_m);
+        self.beliefs.update(model, since, &scans, self.updates);
         let last = self.fix.map(|fix| fix.advanced(since, &model.parameters.odometry));
-        self.fix = model.matched(self.mode.pose_in_map, last, scans_m);
-        self.mode.pose_in_map = self.fix.map_or(self.mode.pose_in_map, |fix| fix.pose_in_map);
+        self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m);
+        self.take_fix();
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.updates += 1;
         if moved {
@@ -216,28 +180,10 @@ impl Localization {
             || self.rest.waited >= parameters.standing_observations && self.rest.scans < parameters.standing_updates
     }
 
-    /// Updates the coarse belief, and makes the fine one anew if they disagree.
-    fn watch_over(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan]) {
-        let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) else { return };
-        // Beams far apart in turn: their evidence overlaps less, and they cost less.
-        let turn = (self.updates % WATCH_BEAM_STRIDE) as usize;
-        let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
-        let scans: Vec<BinnedScan> = scans.iter().map(|scan| scan.iter().enumerate().map(beam).collect()).collect();
-        watch.advance(coarse, motion);
-        watch.sense(coarse, &scans);
-        self.bring_into_agreement(model);
-    }
-
-    /// Makes the fine belief anew if the coarse one disagrees.
-    fn bring_into_agreement(&mut self, model: &LocalizationModel) {
-        self.agreed = self.agreement(model);
-        let (Some(watch), Some(coarse), Some(parameters)) = (&self.watch, &model.watch, &model.parameters.watch) else {
-            return;
-        };
-        if self.agreed < parameters.agreement * self.mode.mass {
-            self.belief = Belief::resampled(model, watch, coarse);
-            self.mode = self.belief.mode(model);
-            self.agreed = self.agreement(model);
+    /// Where the scans have found the mode, it is their pose.
+    fn take_fix(&mut self) {
+        if let Some(fix) = &self.fix {
+            self.beliefs.mode.pose_in_map = fix.pose_in_map;
         }
     }
 
@@ -255,15 +201,11 @@ impl Localization {
         for sighting in sightings {
             let at_in_base = since.transform(sighting.at_in_base);
             let sighting = LandmarkSighting { at_in_base, ..sighting.clone() };
-            self.belief.see(model, &sighting);
-            if let (Some(watch), Some(coarse)) = (&mut self.watch, &model.watch) {
-                watch.see(coarse, &sighting);
-            }
+            self.beliefs.see(model, &sighting);
         }
-        self.mode = self.belief.mode(model);
-        self.bring_into_agreement(model);
-        self.fix = self.fix.filter(|fix| fix.is_near(self.mode.pose_in_map));
-        self.mode.pose_in_map = self.fix.map_or(self.mode.pose_in_map, |fix| fix.pose_in_map);
+        self.beliefs.settle(model);
+        self.fix = self.fix.filter(|fix| fix.is_near(self.beliefs.mode.pose_in_map));
+        self.take_fix();
         true
     }
 
@@ -282,7 +224,7 @@ impl Localization {
         let Some(state) = state else { return scans };
         for (sensor, (scan, ranges_m)) in scans.iter_mut().zip(scans_m).enumerate() {
             let gating = model.sensors[sensor].parameters.gating.as_ref();
-            let gating = gating.filter(|gating| self.mode.mass >= gating.min_certainty);
+            let gating = gating.filter(|gating| self.beliefs.mode.mass >= gating.min_certainty);
             if let (Some(gating), Some(ranges_m)) = (gating, ranges_m) {
                 let expected = model.expected_scan(sensor, state);
                 gate(gating, &model.sensors[sensor], &expected, ranges_m, scan);
@@ -293,8 +235,8 @@ impl Localization {
 
     /// Where the robot is; costs nothing, the mode is found at each update.
     pub fn estimate(&self, model: &LocalizationModel) -> Estimate {
-        let pose_in_map = self.mode.pose_in_map.compose(self.since_update());
-        let share = self.mode.mass.min(self.agreed);
+        let pose_in_map = self.beliefs.mode.pose_in_map.compose(self.since_update());
+        let share = self.beliefs.mode.mass.min(self.beliefs.agreed);
         let calibration = model.parameters.calibration.as_ref();
         Estimate { pose_in_map, certainty: calibration.map_or(share, |calibration| calibration.certainty(share)) }
     }
@@ -307,7 +249,8 @@ impl Localization {
     /// The local maxima, the heaviest first, as of the last update and carried on by odometry.
     pub fn maxima(&self, model: &LocalizationModel, max_count: usize, min_mass: f64) -> Vec<Maximum> {
         let since = self.since_update();
-        let mut maxima = self.belief.maxima(model, max_count, min_mass);
+        let (belief, leading) = self.beliefs.leading(model);
+        let mut maxima = belief.maxima(leading, max_count, min_mass);
         for maximum in &mut maxima {
             maximum.pose_in_map = maximum.pose_in_map.compose(since);
         }
@@ -317,35 +260,33 @@ impl Localization {
     /// The likeliest states that together hold a share of the belief, the likeliest first, as of the
     /// last update.
     pub fn likely_states(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
-        self.belief.likely_states(model, share)
+        let (belief, leading) = self.beliefs.leading(model);
+        belief.likely_states(leading, share)
     }
 
     /// Entropy of the belief, in nats. O(states that are not known to be uniform).
     pub fn entropy(&self, model: &LocalizationModel) -> f64 {
-        self.belief.entropy(model)
+        self.beliefs.entropy(model)
     }
 
     /// Probability of each cell of (x, y), `[row][column]`, for pictures.
     pub fn belief_xy(&self, model: &LocalizationModel) -> Vec<f64> {
-        self.belief.xy(model)
+        self.beliefs.xy(model)
     }
 
     /// The sum of the belief, 1 but for rounding.
     pub fn mass(&self, model: &LocalizationModel) -> f64 {
-        self.belief.mass(model)
+        let (belief, leading) = self.beliefs.leading(model);
+        belief.mass(leading)
     }
 
     /// Bytes of tiles that an earlier state does not share.
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
-        let watch = match (&self.watch, &earlier.watch) {
-            (Some(watch), Some(earlier)) => watch.bytes_apart(earlier),
-            (Some(_) | None, _) => 0,
-        };
-        self.belief.bytes_apart(&earlier.belief) + watch
+        self.beliefs.bytes_apart(&earlier.beliefs)
     }
 
-    /// The belief itself.
-    pub fn belief(&self) -> &Belief {
-        &self.belief
+    /// The belief that leads, and the model of its grid: the coarse one while the robot is lost.
+    pub fn belief<'a>(&'a self, model: &'a LocalizationModel) -> (&'a Belief, &'a LocalizationModel) {
+        self.beliefs.leading(model)
     }
 }

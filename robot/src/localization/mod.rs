@@ -9,9 +9,10 @@
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
 //! never changes), then `tile`, `plane`, `motion`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark`
 //! (what was seen), `calibration`,
-//! `filter` (the state others use), and `reading` (a belief read beam by beam).
+//! `beliefs` (fine and coarse), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
+mod beliefs;
 mod calibration;
 mod error;
 mod expected;

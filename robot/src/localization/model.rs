@@ -1,7 +1,7 @@
 //! Everything about localization that never changes during a mission.
 
 use super::error::ModelError;
-use super::grid::{BeliefGrid, State};
+use super::grid::{BeliefGrid, State, TILE};
 use super::ground::Ground;
 use super::kernel::MAX_BEAMS;
 use super::parameters::LocalizationParameters;
@@ -11,6 +11,9 @@ use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use std::sync::Arc;
+
+/// The fine belief is made of the coarse one that watches as soon as so few of its states would be above θ.
+pub(super) const FEW_STATES: f64 = 40_000.0;
 
 /// The map as localization needs it: cells that can be stood in, and what each sensor is expected to
 /// measure there. Shared by `Arc`; never part of a saved state.
@@ -103,14 +106,17 @@ impl LocalizationModel {
     }
 
     /// Memory that the tables and a belief over a map of this size take at the most, without building them:
-    /// two copies of the belief, because noise is spread from one into the other.
+    /// two copies of the belief, because noise is spread from one into the other. Where a coarse belief watches, the fine
+    /// one begins with few states, in as many tiles at the most.
     pub fn needed_bytes(size_m: Vector, parameters: &LocalizationParameters) -> u64 {
         let along = |length_m: f64| libm::ceil(length_m / parameters.cell_m).max(1.0);
         let cells = along(size_m.x) * along(size_m.y);
         let headings = 360.0 / f64::from(parameters.angle_step_deg.max(1));
         // Whole degrees are the finest table of directions.
         let tables = 360.0 * parameters.sensors.len() as f64;
-        let own = (cells * (headings * 2.0 * size_of::<f32>() as f64 + tables)) as u64;
+        let begun_with = parameters.watch.as_ref().map_or(f64::INFINITY, |_| FEW_STATES * TILE as f64);
+        let states = (cells * headings).min(begun_with);
+        let own = (states * 2.0 * size_of::<f32>() as f64 + cells * tables) as u64;
         let watch = parameters.of_watch().map_or(0, |coarse| Self::needed_bytes(size_m, &coarse));
         own.saturating_add(watch)
     }
@@ -135,6 +141,11 @@ impl LocalizationModel {
         self.parameters.activity_threshold * self.prior()
     }
 
+    /// Whether anything of a belief ever sleeps.
+    pub(super) fn sleeps(&self) -> bool {
+        self.parameters.activity_threshold > 0.0
+    }
+
     /// The same model with its loops run by these instructions: slower or faster, with the same bits.
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         let watch = self.watch.map(|coarse| Box::new(coarse.with_instructions(instructions)));
@@ -148,9 +159,9 @@ impl LocalizationModel {
 
     /// The average weight of a scan of a sensor; sampled where the coarse belief has its cells, if one watches: it
     /// looks everywhere anyway.
-    pub(super) fn average_weight(&self, sensor: usize, readings: &[(usize, u8)]) -> f64 {
+    pub(super) fn average_weight(&self, sensor: usize, readings: &[(usize, u8)], power: f64) -> f64 {
         let sampled = self.watch.as_ref().map_or(&self.sensors[sensor], |coarse| &coarse.sensors[sensor]);
-        self.sensors[sensor].average_weight(sampled, readings, self.instructions)
+        self.sensors[sensor].average_weight(sampled, readings, power, self.instructions)
     }
 
     /// The bins of a scan of each sensor in metres; empty for one that is missing.

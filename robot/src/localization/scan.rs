@@ -94,7 +94,13 @@ impl ScanModel {
     /// Beetz et al. leave open how this average is found. The product of the average likelihoods of
     /// the single readings is far too low, because neighbouring beams see the same wall; a lost
     /// robot would still look likelier than that. Here it is the average over a sample of states.
-    pub(super) fn average_weight(&self, sampled: &Self, readings: &[(usize, u8)], instructions: Instructions) -> f64 {
+    pub(super) fn average_weight(
+        &self,
+        sampled: &Self,
+        readings: &[(usize, u8)],
+        power: f64,
+        instructions: Instructions,
+    ) -> f64 {
         let samples = sampled.samples.get_or_init(|| sampled.draw_samples());
         let ones = [1.0; TILE];
         let masses = samples.chunks_exact(self.bearings.beams()).map(|expected| {
@@ -105,7 +111,7 @@ impl ScanModel {
                 admissible: &ones,
                 terms: [1.0, 0.0],
                 beams: &Beam::together(readings.iter().map(beam)),
-                log2_per_cost: self.likelihood.log2_per_cost(),
+                log2_per_cost: self.likelihood.log2_per_cost(power),
                 average: 1.0,
                 threshold: 0.0,
             };

@@ -64,9 +64,9 @@ impl SensorModel {
         &self.costs[usize::from(measured)]
     }
 
-    /// Binary logarithm of the weight a unit of cost amounts to.
-    pub(super) fn log2_per_cost(&self) -> f32 {
-        self.log2_per_cost
+    /// Binary logarithm of the weight a unit of cost amounts to, if weights are raised to a power.
+    pub(super) fn log2_per_cost(&self, power: f64) -> f32 {
+        (f64::from(self.log2_per_cost) * power) as f32
     }
 
     /// Tempered weight of a scan whose costs have this sum.

@@ -17,6 +17,8 @@ struct Evidence<'m> {
     sensor: &'m ScanModel,
     /// Costs of each reading, by expected bin.
     costs: Vec<&'m [u8; 256]>,
+    /// Binary logarithm of the weight a unit of cost amounts to.
+    log2_per_cost: f32,
     /// Factor and floor by which cells are read.
     terms: [f32; 2],
     /// The average weight of such a scan.
@@ -41,11 +43,13 @@ pub(super) fn weigh_planes(
     model: &LocalizationModel,
     sensor: &ScanModel,
     readings: &[(usize, u8)],
+    power: f64,
     terms: [f32; 2],
     average: f64,
 ) {
     let costs = readings.iter().map(|&(_, bin)| sensor.likelihood.costs(bin)).collect();
-    let evidence = Evidence { model, sensor, costs, terms, average };
+    let log2_per_cost = sensor.likelihood.log2_per_cost(power);
+    let evidence = Evidence { model, sensor, costs, log2_per_cost, terms, average };
     let mut parts: Vec<Part> = Vec::new();
     for (heading, plane) in planes.iter_mut().enumerate().filter(|(_, plane)| plane.is_active()) {
         let directions: Arc<[usize]> =
@@ -78,7 +82,7 @@ impl Evidence<'_> {
                 cells: Arc::make_mut(&mut tile.cells),
                 terms: self.terms,
                 beams: &beams,
-                log2_per_cost: self.sensor.likelihood.log2_per_cost(),
+                log2_per_cost: self.log2_per_cost,
                 average: self.average as f32,
                 threshold: self.model.threshold() as f32,
             });

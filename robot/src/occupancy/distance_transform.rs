@@ -2,9 +2,10 @@
 
 /// For each cell of a row-major grid the squared distance, in cells, from its centre to the centre
 /// of the nearest obstacle cell: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing
-/// Distance Transforms in Linear Time". Integer arithmetic, hence exact; O(cells). A grid without
-/// obstacles gives `(columns + rows)²` everywhere, which is more than any distance in it.
-pub fn squared_distances_cells(columns: usize, rows: usize, is_obstacle: &[bool]) -> Vec<i64> {
+/// Distance Transforms in Linear Time". Integer arithmetic, hence exact; O(cells), 4 bytes each. A grid without
+/// obstacles gives `(columns + rows)²` everywhere, which is more than any distance in it. What does not fit is cut to
+/// `u32::MAX`, the square of 65,536 cells.
+pub fn squared_distances_cells(columns: usize, rows: usize, is_obstacle: &[bool]) -> Vec<u32> {
     let mut distances = vertical_distances(columns, rows, is_obstacle);
     let mut envelope = Envelope::of(columns);
     for row in distances.chunks_exact_mut(columns.max(1)) {
@@ -14,8 +15,8 @@ pub fn squared_distances_cells(columns: usize, rows: usize, is_obstacle: &[bool]
 }
 
 /// Per cell the distance along its column to the nearest obstacle of that column.
-fn vertical_distances(columns: usize, rows: usize, is_obstacle: &[bool]) -> Vec<i64> {
-    let far = (columns + rows) as i64;
+fn vertical_distances(columns: usize, rows: usize, is_obstacle: &[bool]) -> Vec<u32> {
+    let far = u32::try_from(columns + rows).unwrap_or(u32::MAX - 1);
     let mut vertical = vec![far; columns * rows];
     let mut above = vec![far; columns];
     for row in 0..rows {
@@ -50,8 +51,8 @@ impl Envelope {
     }
 
     /// Replaces the vertical distances of a row by squared distances.
-    fn transform(&mut self, row: &mut [i64]) {
-        self.heights.copy_from_slice(row);
+    fn transform(&mut self, row: &mut [u32]) {
+        self.heights.iter_mut().zip(&*row).for_each(|(height, &distance)| *height = i64::from(distance));
         let (heights, columns) = (&self.heights, row.len() as i64);
         let parabola = |x: i64, site: i64| (x - site) * (x - site) + heights[site as usize] * heights[site as usize];
         let mut last = 0;
@@ -75,7 +76,7 @@ impl Envelope {
             }
         }
         for x in (0..columns).rev() {
-            row[x as usize] = parabola(x, self.sites[last]);
+            row[x as usize] = u32::try_from(parabola(x, self.sites[last])).unwrap_or(u32::MAX);
             if x == self.starts[last] && last > 0 {
                 last -= 1;
             }
@@ -113,7 +114,7 @@ mod tests {
                         dx * dx + dy * dy
                     })
                     .min();
-                prop_assert_eq!(Some(found), nearest);
+                prop_assert_eq!(Some(i64::from(found)), nearest);
             }
         }
     }

@@ -92,8 +92,8 @@ impl CostGrid {
             }
         }
         let distances_m: Vec<f32> = squared_distances_cells(stride, map.rows + 2, &is_obstacle)
-            .iter()
-            .map(|&squared| ((libm::sqrt(squared as f64) - 0.5).max(0.0) * map.resolution_m) as f32)
+            .into_iter()
+            .map(|squared| ((libm::sqrt(f64::from(squared)) - 0.5).max(0.0) * map.resolution_m) as f32)
             .collect();
         let prices = distances_m
             .iter()

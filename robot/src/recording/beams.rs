@@ -1,6 +1,6 @@
 //! Which readings of a scan the filter is given.
 
-use super::carmen::{Scan, ScanGeometry};
+use super::drive::{Scan, ScanGeometry};
 
 /// Why there is no such choice of beams.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,5 +1,7 @@
 //! CARMEN logs: one message a line, fields apart by spaces, metres and radians.
 
+use super::dead_reckoning::{DeadReckoning, Reckoned};
+use super::drive::{FirstReading, LogError, Recording, ScanGeometry};
 use crate::geometry::Pose;
 
 /// Fields of a pose.
@@ -8,92 +10,52 @@ const POSE: usize = 3;
 /// Messages with a scan but without the pose it was taken at.
 const WITHOUT_ODOMETRY: [&str; 5] = ["RAWLASER1", "RAWLASER2", "RAWLASER3", "RAWLASER4", "LASER"];
 
-/// A way this short is a robot at rest.
-const MOVED_M: f64 = 0.1;
+/// Fields of `ODOM` between its pose and its time: two speeds and an acceleration.
+const ODOM_RATES: usize = 3;
 
-/// What is wrong with a log, and where.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{message}", self.place())]
-pub struct LogError {
-    /// The line, from 1; none if it is about the whole log.
-    pub line: Option<usize>,
-    /// What was found, and what would be right.
-    pub message: String,
-}
+/// Fields of `ROBOTLASER1` between odometry and its time: two speeds, two safety distances and an axis.
+const ROBOTLASER_STATES: usize = 5;
 
-impl LogError {
-    fn place(&self) -> String {
-        self.line.map_or(String::new(), |line| format!("line {line}: "))
-    }
-}
-
-/// Where the readings of a scan point: reading `i` at `first_rad + i · step_rad`, to the left of
-/// straight ahead.
+/// What a `FLASER` message does not say about its laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScanGeometry {
-    /// Readings of a scan.
-    pub readings: usize,
-    /// Bearing of the first one.
-    pub first_rad: f64,
-    /// Between two of them.
-    pub step_rad: f64,
-}
-
-impl ScanGeometry {
-    /// Readings over a field of view, from right to left. With an odd number both ends are read, as
-    /// 181 readings over 180°; with an even one, as 180 over 180°, the last is a step short of it.
-    pub fn symmetric(readings: usize, field_of_view_rad: f64) -> Self {
-        let steps = if readings.is_multiple_of(2) { readings } else { readings - 1 };
-        Self { readings, first_rad: -field_of_view_rad / 2.0, step_rad: field_of_view_rad / steps.max(1) as f64 }
-    }
-
-    /// Bearing of a reading.
-    pub fn bearing_rad(&self, reading: usize) -> f64 {
-        self.first_rad + reading as f64 * self.step_rad
-    }
-}
-
-/// One scan and where it was taken.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scan {
-    /// Its line in the log, from 1.
-    pub line: usize,
-    /// Readings, from right to left.
-    pub ranges_m: Vec<f32>,
-    /// Where the laser was: the log's corrected pose.
-    pub laser_in_map: Pose,
-    /// Where it was by dead reckoning.
-    pub laser_in_odom: Pose,
-}
-
-/// A recorded drive.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recording {
-    /// Where the readings point; the same for all scans.
-    pub geometry: ScanGeometry,
-    /// In order of time.
-    pub scans: Vec<Scan>,
+pub struct LaserMount {
+    /// Its readings spread over this.
+    pub field_of_view_rad: f64,
+    /// Where the first of them is.
+    pub first: FirstReading,
+    /// Where the laser is mounted.
+    pub laser_in_base: Pose,
 }
 
 impl Recording {
     /// Reads the `FLASER` and `ROBOTLASER1` messages of a log; other messages are skipped. The first
     /// pose of a message is taken as the corrected pose of the laser and the second one as the
-    /// robot's odometry. `FLASER` does not say where its readings point: they spread over
-    /// `field_of_view_rad`. `laser_in_base` is where the laser is mounted.
+    /// robot's odometry. Where both are the same throughout, odometry is that of the `ODOM` messages,
+    /// carried on to the time of each scan; scans before the first and after the last of them are left out.
+    /// `FLASER` does not say where its readings point, `mount` does.
     ///
     /// # Errors
     /// A line that is truncated, a number that is none, a range that is negative or not finite,
     /// scans of different kinds, and a log without scans, without odometry or without motion.
-    pub fn parse_carmen(text: &str, field_of_view_rad: f64, laser_in_base: Pose) -> Result<Self, LogError> {
-        let mut recording: Option<Recording> = None;
+    pub fn parse_carmen(text: &str, mount: &LaserMount) -> Result<Self, LogError> {
+        let mut read: Option<(ScanGeometry, Vec<Reckoned>)> = None;
+        let mut reckoning = DeadReckoning::default();
         let mut skipped: Option<(usize, &str)> = None;
         for (index, text) in text.lines().enumerate() {
             let mut fields = Fields { line: index + 1, left: text.split_ascii_whitespace(), message: "" };
             let Some(message) = fields.left.next() else { continue };
             fields.message = message;
             let geometry = match message {
-                "FLASER" => ScanGeometry::symmetric(fields.count("the number of readings")?, field_of_view_rad),
+                "FLASER" => {
+                    let readings = fields.count("the number of readings")?;
+                    ScanGeometry::symmetric(readings, mount.field_of_view_rad, mount.first)
+                }
                 "ROBOTLASER1" => robotlaser_geometry(&mut fields)?,
+                "ODOM" => {
+                    let in_odom = fields.pose("the odometry")?;
+                    reckoning.add(fields.stamp_s(ODOM_RATES), in_odom);
+                    continue;
+                }
                 _ => {
                     if WITHOUT_ODOMETRY.contains(&message) {
                         skipped.get_or_insert((index + 1, message));
@@ -101,53 +63,19 @@ impl Recording {
                     continue;
                 }
             };
-            let scan = read_scan(&mut fields, geometry.readings, laser_in_base)?;
-            let recording = recording.get_or_insert_with(|| Recording { geometry, scans: Vec::new() });
-            if recording.geometry != geometry {
+            let scan = read_scan(&mut fields, geometry.readings, mount)?;
+            let (earlier, scans) = read.get_or_insert_with(|| (geometry, Vec::new()));
+            if *earlier != geometry {
                 return Err(fields.wrong(format!(
                     "{} readings where earlier scans have {}, or another field of view; a log has one laser",
-                    geometry.readings, recording.geometry.readings
+                    geometry.readings, earlier.readings
                 )));
             }
-            recording.scans.push(scan);
+            scans.push(scan);
         }
-        recording.ok_or_else(|| no_scans(skipped))?.with_odometry()
-    }
-
-    /// A drive from scans that were read elsewhere.
-    ///
-    /// # Errors
-    /// There are none, or no odometry or no motion in them.
-    pub fn new(geometry: ScanGeometry, scans: Vec<Scan>) -> Result<Self, LogError> {
-        if scans.is_empty() {
-            return Err(LogError { line: None, message: "there are no scans".to_string() });
-        }
+        let (geometry, scans) = read.ok_or_else(|| no_scans(skipped))?;
+        let scans = reckoning.scans(scans, mount.laser_in_base)?;
         Self { geometry, scans }.with_odometry()
-    }
-
-    /// Length of the corrected path up to each scan.
-    pub fn travelled_m(&self) -> Vec<f64> {
-        let mut travelled_m = 0.0;
-        let mut last = self.scans.first().map(|scan| scan.laser_in_map);
-        let along = self.scans.iter().map(|scan| {
-            travelled_m += last.replace(scan.laser_in_map).map_or(0.0, |last| last.distance_m(scan.laser_in_map));
-            travelled_m
-        });
-        along.collect()
-    }
-
-    fn with_odometry(self) -> Result<Self, LogError> {
-        let first = &self.scans[0];
-        let moves =
-            |pose: fn(&Scan) -> Pose| self.scans.iter().any(|scan| pose(scan).distance_m(pose(first)) > MOVED_M);
-        let whole = |message: &str| Err(LogError { line: None, message: message.to_string() });
-        match (moves(|scan| scan.laser_in_map), moves(|scan| scan.laser_in_odom)) {
-            (true, true) => Ok(self),
-            (true, false) => whole(
-                "the log has no odometry: its second poses (odom_x odom_y odom_theta) never change while the robot moves",
-            ),
-            (false, _) => whole("the robot never moves in this log: all corrected poses (x y theta) are the same"),
-        }
     }
 }
 
@@ -201,6 +129,11 @@ impl Fields<'_> {
         Err(self.wrong(format!("{what} must be a whole number from 1 to 100000, found {number}")))
     }
 
+    /// The time of the message, after so many other fields; none if no number stands there.
+    fn stamp_s(&mut self, after: usize) -> Option<f64> {
+        self.left.nth(after)?.parse().ok().filter(|stamp_s: &f64| stamp_s.is_finite())
+    }
+
     fn pose(&mut self, what: &str) -> Result<Pose, LogError> {
         let mut values = [0.0; POSE];
         for (value, axis) in values.iter_mut().zip(["x", "y", "theta"]) {
@@ -228,7 +161,7 @@ fn robotlaser_geometry(fields: &mut Fields<'_>) -> Result<ScanGeometry, LogError
     Ok(ScanGeometry { readings, first_rad, step_rad })
 }
 
-fn read_scan(fields: &mut Fields<'_>, readings: usize, laser_in_base: Pose) -> Result<Scan, LogError> {
+fn read_scan(fields: &mut Fields<'_>, readings: usize, mount: &LaserMount) -> Result<Reckoned, LogError> {
     let mut ranges_m = Vec::with_capacity(readings);
     for reading in 1..=readings {
         let range_m = fields.number(&format!("reading {reading} of {readings}"))?;
@@ -239,13 +172,17 @@ fn read_scan(fields: &mut Fields<'_>, readings: usize, laser_in_base: Pose) -> R
         }
         ranges_m.push(range_m as f32);
     }
-    if fields.message == "ROBOTLASER1" {
+    let is_robotlaser = fields.message == "ROBOTLASER1";
+    if is_robotlaser {
         let remissions = fields.finite("the number of remission values")?;
         for _ in 0..(remissions.clamp(0.0, 100_000.0) as usize) {
             fields.number("a remission value")?;
         }
+    } else if mount.first == FirstReading::Left {
+        ranges_m.reverse();
     }
     let laser_in_map = fields.pose("the corrected pose")?;
     let robot_in_odom = fields.pose("the odometry")?;
-    Ok(Scan { line: fields.line, ranges_m, laser_in_map, laser_in_odom: robot_in_odom.compose(laser_in_base) })
+    let stamp_s = fields.stamp_s(if is_robotlaser { ROBOTLASER_STATES } else { 0 });
+    Ok(Reckoned { line: fields.line, ranges_m, laser_in_map, robot_in_odom, stamp_s })
 }

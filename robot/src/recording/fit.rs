@@ -2,7 +2,7 @@
 //! are known.
 
 use super::beams::BeamChoice;
-use super::carmen::Recording;
+use super::drive::Recording;
 use crate::geometry::{Pose, wrap_angle_rad};
 use crate::localization::{BINS, BeamParameters, LocalizationModel, NO_ECHO, OdometryError, ScanModel, components};
 

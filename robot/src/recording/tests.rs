@@ -6,6 +6,7 @@ use crate::localization::{LocalizationModel, LocalizationParameters};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use rpl_random::Stream;
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
 /// 8 m by 5 m with a pillar and a niche, so that no pose looks like another one.
 fn room() -> OccupancyGrid {
@@ -34,7 +35,7 @@ fn pose_after(way_m: f64) -> Pose {
 fn log(readings: usize, sigma_m: f64) -> String {
     let field = DistanceField::new(&room());
     let mut noise = Stream::new(10_001, "log");
-    let geometry = ScanGeometry::symmetric(readings, PI);
+    let geometry = ScanGeometry::symmetric(readings, PI, FirstReading::Right);
     let mut odometry = Pose::new(50.0, -20.0, 1.0);
     let mut last = pose_after(0.0);
     let mut text = "# a comment\nPARAM robot_width 0.5\n".to_string();
@@ -58,7 +59,16 @@ fn log(readings: usize, sigma_m: f64) -> String {
 }
 
 fn read(text: &str) -> Result<Recording, LogError> {
-    Recording::parse_carmen(text, PI, Pose::default())
+    Recording::parse_carmen(text, &mount(FirstReading::Right))
+}
+
+fn mount(first: FirstReading) -> LaserMount {
+    LaserMount { field_of_view_rad: PI, first, laser_in_base: Pose::default() }
+}
+
+/// A line of a scan with two readings: the corrected pose and the odometry are this far along x, at a time.
+fn scan(corrected_m: f64, odometry_m: f64, time_s: f64) -> String {
+    format!("FLASER 2 1 2 {corrected_m} 0 0 {odometry_m} 0 0 {time_s} host {time_s}\n")
 }
 
 fn model(recording: &Recording, beams: usize) -> (LocalizationModel, BeamChoice) {
@@ -78,8 +88,38 @@ fn a_log_gives_scans_with_the_lines_they_stand_in() {
     assert_eq!(recording.scans[0].line, 3);
     assert_eq!(recording.geometry.bearing_rad(0), -PI / 2.0);
     assert!((recording.geometry.bearing_rad(18) - PI / 2.0).abs() < 1e-12);
-    let even = ScanGeometry::symmetric(180, PI);
+    let even = ScanGeometry::symmetric(180, PI, FirstReading::Right);
     assert!((even.bearing_rad(179) - 89f64.to_radians()).abs() < 1e-12);
+}
+
+#[test]
+fn a_laser_that_begins_at_the_left_sees_the_same() {
+    let text = scan(0.0, 5.0, 0.0) + &scan(1.0, 6.0, 1.0);
+    let recording = Recording::parse_carmen(&text, &mount(FirstReading::Left)).expect("a fine log");
+    assert_eq!(recording.scans[0].ranges_m, [2.0, 1.0]);
+    // The first of two readings over 180° is at the left end, the second a step of 90° from it.
+    assert!(recording.geometry.bearing_rad(0).abs() < 1e-12);
+    assert!((recording.geometry.bearing_rad(1) - PI / 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn odometry_that_is_the_corrected_pose_is_that_of_the_messages_between() {
+    let scans = scan(0.0, 0.0, 0.5) + &scan(1.0, 1.0, 1.25) + &scan(2.0, 2.0, 9.0);
+    let error = read(&scans).expect_err("told what it is to find").to_string();
+    assert!(error.starts_with("line 1: the odometry of this scan, as of all others, is the corrected pose"), "{error}");
+    let odom = |x_m: f64, heading_rad: f64, time_s: f64| format!("ODOM {x_m} 7 {heading_rad} 0 0 0 {time_s} host 0\n");
+    // The heading goes through ±π; the last scan was taken when no message came any more.
+    let recording = read(&(scans.clone() + &odom(40.0, 3.1, 0.5) + &odom(42.0, -3.1, 1.5))).expect("a fine log");
+    assert_eq!(recording.scans.iter().map(|scan| scan.line).collect::<Vec<_>>(), [1, 2]);
+    assert_eq!(recording.scans[0].laser_in_odom, Pose::new(40.0, 7.0, 3.1));
+    let between = recording.scans[1].laser_in_odom;
+    assert!((between.x_m - 41.5).abs() < 1e-12);
+    assert!((wrap_angle_rad(between.heading_rad - 3.1) - 0.75 * (TAU - 6.2)).abs() < 1e-12);
+    let late = read(&(scans + &odom(40.0, 0.0, 100.0))).expect_err("no message in time").to_string();
+    assert!(late.contains("the ODOM messages were not sent while they were taken"), "{late}");
+    // A scan's own odometry is that of its very moment.
+    let own = scan(0.0, 5.0, 0.0) + &scan(1.0, 6.0, 1.0) + &odom(40.0, 0.0, 0.0) + &odom(42.0, 0.0, 2.0);
+    assert_eq!(read(&own).expect("a fine log").scans[1].laser_in_odom.x_m, 6.0);
 }
 
 #[test]
@@ -92,7 +132,8 @@ fn the_newer_message_says_where_its_readings_point() {
     };
     let mounted = Pose::new(0.2, 0.0, 0.0);
     let text = line(0.0) + &line(1.0);
-    let recording = Recording::parse_carmen(&text, PI, mounted).expect("a fine log");
+    let mount = LaserMount { laser_in_base: mounted, ..mount(FirstReading::Right) };
+    let recording = Recording::parse_carmen(&text, &mount).expect("a fine log");
     assert_eq!(recording.geometry, ScanGeometry { readings: 3, first_rad: -2.0, step_rad: 0.5 });
     assert_eq!(recording.scans[1].laser_in_map.x_m, 1.0);
     let odometry = recording.scans[1].laser_in_odom;
@@ -130,7 +171,7 @@ fn faults_of_a_log_are_told_with_their_line() {
 #[test]
 fn beams_are_readings_at_whole_degrees_from_end_to_end() {
     for (readings, beams) in [(361, 24), (180, 24), (181, 1), (541, 180), (19, 19)] {
-        let geometry = ScanGeometry::symmetric(readings, PI);
+        let geometry = ScanGeometry::symmetric(readings, PI, FirstReading::Right);
         let choice = BeamChoice::spread(&geometry, beams).expect("there are enough");
         assert_eq!(choice.readings.len(), beams);
         for (&reading, &bearing_deg) in choice.readings.iter().zip(&choice.bearings_deg) {
@@ -140,7 +181,7 @@ fn beams_are_readings_at_whole_degrees_from_end_to_end() {
         assert!(choice.readings.windows(2).all(|pair| pair[0] < pair[1]));
         assert!(beams == 1 || (choice.readings[0], choice.readings[beams - 1]) == (0, readings - 1));
     }
-    let geometry = ScanGeometry::symmetric(19, PI);
+    let geometry = ScanGeometry::symmetric(19, PI, FirstReading::Right);
     assert_eq!(BeamChoice::spread(&geometry, 0), Err(BeamError::None));
     assert_eq!(BeamChoice::spread(&geometry, 20), Err(BeamError::TooMany { wanted: 20, most: 19 }));
 }
@@ -167,7 +208,11 @@ fn a_robot_that_knows_nothing_is_found_and_one_that_is_known_is_kept() {
     for (start, length_m) in [(TrialStart::Uniform, 10.0), (TrialStart::FromTruth, 10.0)] {
         for window in Window::spread(&recording, 2, length_m, 0.5).expect("it fits") {
             let mut scans = 0;
-            let trial = localize(&model, &recording, &beams, &window, start, || scans += 1);
+            let count = || {
+                scans += 1;
+                ControlFlow::Continue(())
+            };
+            let trial = localize(&model, &recording, &beams, &window, start, count).expect("it goes to its end");
             assert_eq!(scans, window.scans.len());
             assert!(trial.succeeded, "{start:?} {:?}", trial.found_after_m);
             let found = trial.errors_once_found();
@@ -175,6 +220,18 @@ fn a_robot_that_knows_nothing_is_found_and_one_that_is_known_is_kept() {
             assert!(mean_m < 0.1, "{start:?} {mean_m}");
         }
     }
+}
+
+fn go_on() -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+#[test]
+fn a_trial_that_is_broken_off_is_none() {
+    let recording = read(&log(91, 0.02)).expect("a fine log");
+    let (model, beams) = model(&recording, 24);
+    let stop = || ControlFlow::Break(());
+    assert_eq!(localize(&model, &recording, &beams, &Window::whole(&recording), TrialStart::FromTruth, stop), None);
 }
 
 #[test]
@@ -186,11 +243,11 @@ fn a_robot_that_is_right_too_late_or_not_at_the_end_was_not_found() {
     let mut moved = recording.clone();
     let last = moved.scans.len() - 1;
     moved.scans[last].laser_in_map = Pose::new(6.0, 6.0, 0.0);
-    let trial = localize(&model, &moved, &beams, &window, TrialStart::FromTruth, || ());
+    let trial = localize(&model, &moved, &beams, &window, TrialStart::FromTruth, go_on).expect("it goes to its end");
     assert_eq!((trial.found_after_m, trial.succeeded), (None, false));
     let mut late = recording.clone();
     late.scans[last - 3].laser_in_map.heading_rad = wrap_angle_rad(late.scans[last - 3].laser_in_map.heading_rad + 0.3);
-    let trial = localize(&model, &late, &beams, &window, TrialStart::FromTruth, || ());
+    let trial = localize(&model, &late, &beams, &window, TrialStart::FromTruth, go_on).expect("it goes to its end");
     assert!(trial.found_after_m.is_some() && !trial.succeeded);
 }
 

@@ -1,16 +1,20 @@
 //! One trial: the filter goes through a window and is compared with the corrected poses.
 
 use super::beams::BeamChoice;
-use super::carmen::Recording;
+use super::drive::Recording;
 use super::window::Window;
 use crate::geometry::{Pose, wrap_angle_rad};
 use crate::localization::{Localization, LocalizationModel, Spread};
+use std::ops::ControlFlow;
 
 /// An estimate this near to the corrected pose is right.
-const RIGHT_M: f64 = 0.5;
+pub const RIGHT_M: f64 = 0.5;
 
-/// See [`RIGHT_M`].
-const RIGHT_RAD: f64 = 10.0 / 180.0 * std::f64::consts::PI;
+/// An estimate turned by no more than this is.
+pub const RIGHT_RAD: f64 = 10.0 / 180.0 * std::f64::consts::PI;
+
+/// A filter that is so certain is sure: what it says then should be right.
+pub const SURE: f64 = 0.9;
 
 /// The share of a window by the end of which the robot must be found.
 const FOUND_WITHIN: f64 = 0.9;
@@ -48,7 +52,13 @@ impl PoseError {
         libm::fabs(wrap_angle_rad(self.estimate_in_map.heading_rad - self.true_in_map.heading_rad))
     }
 
-    fn is_right(&self) -> bool {
+    /// Whether the filter is certain of it, to nine tenths.
+    pub fn is_sure(&self) -> bool {
+        self.certainty >= SURE
+    }
+
+    /// Whether it is within 0.5 m and 10° of the corrected pose.
+    pub fn is_right(&self) -> bool {
         self.position_m() <= RIGHT_M && self.heading_rad() <= RIGHT_RAD
     }
 }
@@ -70,17 +80,23 @@ impl Trial {
         let found = self.errors.iter().rposition(|error| !error.is_right()).map_or(0, |last| last + 1);
         &self.errors[found..]
     }
+
+    /// After how many scans the filter was sure, and after how many of these it was wrong.
+    pub fn sure_and_wrong(&self) -> (usize, usize) {
+        let sure = || self.errors.iter().filter(|error| error.is_sure());
+        (sure().count(), sure().filter(|error| !error.is_right()).count())
+    }
 }
 
-/// Runs the filter over a window; `after_scan` is called after each scan.
+/// Runs the filter over a window. `after_scan` is called after each scan; there is no trial if it breaks off.
 pub fn localize(
     model: &LocalizationModel,
     recording: &Recording,
     beams: &BeamChoice,
     window: &Window,
     start: TrialStart,
-    mut after_scan: impl FnMut(),
-) -> Trial {
+    mut after_scan: impl FnMut() -> ControlFlow<()>,
+) -> Option<Trial> {
     let scans = &recording.scans[window.scans.clone()];
     let mut localization = match (start, scans.first()) {
         (TrialStart::FromTruth, Some(first)) => Localization::start_at(model, first.laser_in_map, Spread::default()),
@@ -100,10 +116,12 @@ pub fn localize(
             estimate_in_map: estimate.pose_in_map,
             certainty: estimate.certainty,
         });
-        after_scan();
+        if after_scan().is_break() {
+            return None;
+        }
     }
     let mut trial = Trial { errors, found_after_m: None, succeeded: false };
     trial.found_after_m = trial.errors_once_found().first().map(|error| error.travelled_m);
     trial.succeeded = trial.found_after_m.is_some_and(|found_m| found_m <= FOUND_WITHIN * window.length_m);
-    trial
+    Some(trial)
 }

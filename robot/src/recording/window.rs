@@ -1,6 +1,6 @@
 //! Trials cut out of a recording.
 
-use super::carmen::Recording;
+use super::drive::Recording;
 use std::ops::Range;
 
 /// Why there are no windows.

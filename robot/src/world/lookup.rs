@@ -25,7 +25,7 @@ impl UnknownName {
     fn advice(&self) -> String {
         match &self.suggestion {
             Some(suggestion) => format!("; did you mean `{suggestion}`?"),
-            None if self.known.is_empty() => String::new(),
+            None if self.known.is_empty() => format!("; it has no {}s: add [[{}]] to the world", self.kind, self.kind),
             None => format!("; it has {}", self.known.join(", ")),
         }
     }

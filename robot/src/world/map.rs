@@ -96,13 +96,26 @@ impl World {
         for room in &self.rooms {
             open.extend(cells_within(grid, room.rect));
         }
+        // Row by row: of the cells beside a run only the first of each run is kept in mind.
         while let Some((column, row)) = open.pop() {
-            let index = row * grid.columns + column;
-            if known[index] || grid.cells[index] != Cell::Free {
+            let is_open = |known: &[bool], row: usize, column: usize| {
+                let index = row * grid.columns + column;
+                !known[index] && grid.cells[index] == Cell::Free
+            };
+            if !is_open(&known, row, column) {
                 continue;
             }
-            known[index] = true;
-            open.extend(grid.beside(column, row));
+            let first = (0..column).rev().take_while(|&west| is_open(&known, row, west)).last().unwrap_or(column);
+            let last = (column + 1..grid.columns).take_while(|&east| is_open(&known, row, east)).last();
+            let run = first..last.unwrap_or(column) + 1;
+            known[row * grid.columns + run.start..row * grid.columns + run.end].fill(true);
+            for beside in [row.checked_sub(1), Some(row + 1).filter(|&north| north < grid.rows)].into_iter().flatten() {
+                let begins = |&at: &usize| {
+                    let goes_on = at > run.start && is_open(&known, beside, at - 1);
+                    is_open(&known, beside, at) && !goes_on
+                };
+                open.extend(run.clone().filter(begins).map(|at| (at, beside)));
+            }
         }
         for (cell, known) in grid.cells.iter_mut().zip(known) {
             if *cell == Cell::Free && !known {

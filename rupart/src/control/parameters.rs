@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The parameters of the state Wander: velocities, and how much each of its behaviours weighs (Fox and
 /// Anderson-Sprecher, Behavior-based control in RUPART).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BehaviourParameters {
     /// How fast Avoid drives ahead where nothing is near.
     pub translation_mps: f64,
@@ -33,6 +34,25 @@ impl BehaviourParameters {
         escape_weight: 0.4,
         to_goal_weight: 0.8,
     };
+
+    /// The parameters that are outside their domain, and what that is: speeds and distances are finite and not negative,
+    /// weights are from 0 to 1.
+    pub fn faults(&self) -> Vec<(&'static str, &'static str)> {
+        let Self { translation_mps, rotation_radps, avoid_distance_m, gap_distance_m, .. } = *self;
+        let Self { avoid_weight, escape_weight, to_goal_weight, .. } = *self;
+        let sizes = [
+            ("translation_mps", translation_mps),
+            ("rotation_radps", rotation_radps),
+            ("avoid_distance_m", avoid_distance_m),
+            ("gap_distance_m", gap_distance_m),
+        ];
+        let weights =
+            [("avoid_weight", avoid_weight), ("escape_weight", escape_weight), ("to_goal_weight", to_goal_weight)];
+        let sizes = sizes.into_iter().filter(|(_, size)| !(0.0..f64::INFINITY).contains(size));
+        let weights = weights.into_iter().filter(|(_, weight)| !(0.0..=1.0).contains(weight));
+        let sizes = sizes.map(|(name, _)| (name, "finite and not negative"));
+        sizes.chain(weights.map(|(name, _)| (name, "a number from 0 to 1"))).collect()
+    }
 }
 
 impl Default for BehaviourParameters {

@@ -12,6 +12,9 @@ pub const VERSION: u32 = 1;
 /// More cases are no memory of a robot.
 pub const MOST_CASES: usize = 100_000;
 
+/// The largest number of a case: a robot learns as many again before it runs out of them.
+pub(super) const LARGEST_NUMBER: u32 = u32::MAX / 2;
+
 /// The first line.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -59,10 +62,4 @@ pub(super) struct LineRoute {
 pub(super) enum LineStop {
     Known(String),
     At(Point),
-}
-
-/// The world that the first line of a case file names, if it is one.
-pub fn world_of(text: &str) -> Option<String> {
-    let head: Head = serde_json::from_str(text.lines().next()?).ok()?;
-    Some(head.world)
 }

@@ -7,6 +7,6 @@ mod read;
 mod tests;
 mod write;
 
-pub use lines::{MOST_CASES, VERSION, world_of};
-pub use read::{read_memory, read_situation};
+pub use lines::{MOST_CASES, VERSION};
+pub use read::{read_memory, read_situation, world_of};
 pub use write::memory_text;

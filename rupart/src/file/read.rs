@@ -1,11 +1,12 @@
 //! Reading a case file: all its faults at once, each with its place and what to type.
 
-use super::lines::{Head, Line, LineContent, LineRoute, LineStop, MOST_CASES, VERSION};
+use super::lines::{Head, LARGEST_NUMBER, Line, LineContent, LineRoute, LineStop, MOST_CASES, VERSION};
 use crate::case::{Case, Content, Kind};
+use crate::control::BehaviourParameters;
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
 use crate::routes::{Route, Stop};
-use crate::similarity::{Comparison, Similarity};
+use crate::similarity::{Comparison, Scales, Similarity};
 use crate::situation::{Feature, Situation, Value};
 use rpl_lang::suggest::suggest;
 use rpl_robot::file_text::{FileFaults, Finding, Findings};
@@ -24,9 +25,9 @@ const LINE: &str = "a case is a line like {\"case\":0,\"index\":{\"place_in_map\
 /// cannot be read.
 ///
 /// # Errors
-/// All faults: another version, too many cases, a line that is no case, a number used twice, a place there is
-/// not, a feature that is no number or outside its domain, an index that its kind is not compared by, a route
-/// that leads nowhere.
+/// All faults: another version, too many cases, a line that is no case, a number used twice or too large, a place there
+/// is not, a feature or parameter that is no number or outside its domain, an index that its kind is not compared by, a
+/// route that leads nowhere.
 pub fn read_memory(
     text: &str,
     file: &str,
@@ -35,14 +36,15 @@ pub fn read_memory(
 ) -> Result<CaseMemory, FileFaults> {
     let mut reader = CaseReader { file, text, places, similarity: &similarity, findings: Findings::default() };
     let lines = spans(text);
-    let next = lines.first().cloned().and_then(|first| reader.head(first));
-    if lines.is_empty() {
-        reader.note(0..0, "the file is empty", HEAD);
-    }
+    let next = reader.first_line(&lines).map(|head| head.next);
     if lines.len() > MOST_CASES + 1 {
         let found = lines.len() - 1;
         let span = lines[MOST_CASES + 1].clone();
-        reader.note(span, format!("a case memory has at most {MOST_CASES} cases, found {found}"), "forget some");
+        reader.note(
+            span,
+            format!("a case memory has at most {MOST_CASES} cases, found {found}"),
+            "keep the best of them",
+        );
     }
     let mut cases: Vec<(CaseNumber, Arc<Case>)> = Vec::new();
     let mut numbers = BTreeSet::new();
@@ -60,6 +62,22 @@ pub fn read_memory(
     findings.or_value(next.map(|next| CaseMemory::with_cases(similarity, CaseNumber(next), cases)))
 }
 
+/// The world that the first line of a case file names; `file` is for messages only.
+///
+/// # Errors
+/// The text is empty, of another version, or no case file.
+pub fn world_of(text: &str, file: &str) -> Result<String, FileFaults> {
+    let mut reader = CaseReader {
+        file,
+        text,
+        places: None,
+        similarity: &Similarity::new(Scales::default()),
+        findings: Findings::default(),
+    };
+    let head = reader.first_line(&spans(text));
+    reader.findings.or_value(head.map(|head| head.world))
+}
+
 /// A situation from the text of a JSON object, such as a user types.
 ///
 /// # Errors
@@ -70,12 +88,14 @@ pub fn read_situation(text: &str, file: &str) -> Result<Situation, FileFaults> {
     let situation = match serde_json::from_str::<Situation>(text) {
         Ok(situation) => Some(situation),
         Err(error) => {
-            findings.add(|| Finding::new(file, text, span_of(&error, text, 0..text.len()), "", message(&error), help));
+            let span = span_of(&error, text, 0..text.len());
+            let message = message(&error, &text[span.start..]);
+            findings.add(|| Finding::new(file, text, span, "", message, help));
             None
         }
     };
     for feature in situation.iter().flat_map(Situation::unusable_features) {
-        findings.add(|| Finding::new(file, text, 0..0, feature.name(), unusable(feature), help));
+        findings.add(|| Finding::new(file, text, 0..0, feature.key(), unusable(feature), help));
     }
     findings.or_value(situation)
 }
@@ -105,32 +125,52 @@ impl CaseReader<'_> {
         self.findings.add(|| Finding::new(file, text, span, "", message, help));
     }
 
-    /// The number of the next case.
-    fn head(&mut self, span: Range<usize>) -> Option<u32> {
+    /// What the first of these lines says, if there is one.
+    fn first_line(&mut self, lines: &[Range<usize>]) -> Option<Head> {
+        let Some(span) = lines.first().cloned() else {
+            self.note(0..0, "the file is empty", HEAD);
+            return None;
+        };
         let version = serde_json::from_str::<serde_json::Value>(&self.text[span.clone()]).ok();
-        let version = version.as_ref().and_then(|head| head.get("rpl_cases")).and_then(serde_json::Value::as_u64);
-        if let Some(version) = version.filter(|&version| version != u64::from(VERSION)) {
+        let Some(version) = version.as_ref().and_then(|head| head.get("rpl_cases")) else {
+            self.note(span, "this is no case file", HEAD);
+            return None;
+        };
+        if let Some(version) = version.as_u64().filter(|&version| version != u64::from(VERSION)) {
             let message = format!("the file is of version {version}, and this reads version {VERSION}");
             self.note(span, message, "learn the cases anew, or use the program that wrote the file");
             return None;
         }
-        self.parsed::<Head>(span, HEAD).map(|head| head.next)
+        let head: Head = self.parsed(span.clone(), HEAD)?;
+        self.number("next", head.next, span).map(|()| head)
     }
 
     fn parsed<T: serde::de::DeserializeOwned>(&mut self, span: Range<usize>, help: &str) -> Option<T> {
         match serde_json::from_str(&self.text[span.clone()]) {
             Ok(read) => Some(read),
             Err(error) => {
-                self.note(span_of(&error, self.text, span), message(&error), help);
+                let span = span_of(&error, self.text, span);
+                self.note(span.clone(), message(&error, &self.text[span.start..]), help);
                 None
             }
         }
     }
 
+    /// Whether there are numbers left for the cases that a robot learns.
+    fn number(&mut self, key: &str, number: u32, span: Range<usize>) -> Option<()> {
+        let is_left = number <= LARGEST_NUMBER;
+        if !is_left {
+            let message = format!("`{key}` is at most {LARGEST_NUMBER}, found {number}");
+            self.note(span, message, "number the cases from 0 on");
+        }
+        is_left.then_some(())
+    }
+
     fn case(&mut self, span: Range<usize>) -> Option<(CaseNumber, Case)> {
         let line: Line = self.parsed(span.clone(), LINE)?;
+        self.number("case", line.case, span.clone())?;
         let content = match line.content {
-            LineContent::Behaviour(parameters) => Content::Behaviour(parameters),
+            LineContent::Behaviour(parameters) => self.behaviour(parameters, line.case, span.clone())?,
             LineContent::Route(route) => Content::Route(self.route(route, span.clone())?),
             LineContent::Goal(goal) => Content::Goal(goal),
             LineContent::MetaPlan(plan) => Content::MetaPlan(plan),
@@ -150,15 +190,24 @@ impl CaseReader<'_> {
             // Only that a short-term goal is missing tells nothing of a route.
             self.similarity.comparison(kind, feature) == Comparison::Distance
         });
-        let names: Vec<&str> = compared.clone().map(Feature::name).collect();
+        let keys: Vec<&str> = compared.clone().map(Feature::key).collect();
         let is_indexed = compared.into_iter().any(|feature| index.value(feature) != Value::Missing);
         // A meta-plan may be for when everything is missing.
         if !is_indexed && kind != Kind::MetaPlan {
             let message = format!("case {number}: its index has no feature that a {} is retrieved by", kind.name());
-            self.note(span, message, format!("give it one of {}", names.join(", ")));
+            self.note(span, message, format!("give it one of `{}`", keys.join("`, `")));
             return None;
         }
         unusable_features.is_empty().then_some(())
+    }
+
+    fn behaviour(&mut self, parameters: BehaviourParameters, number: u32, span: Range<usize>) -> Option<Content> {
+        let faults = parameters.faults();
+        for (name, domain) in &faults {
+            let message = format!("case {number}: the parameter `{name}` must be {domain}");
+            self.note(span.clone(), message, "correct it, or leave the case away");
+        }
+        faults.is_empty().then_some(Content::Behaviour(parameters))
     }
 
     fn route(&mut self, route: LineRoute, span: Range<usize>) -> Option<Route> {
@@ -227,8 +276,13 @@ fn span_of(error: &serde_json::Error, text: &str, line: Range<usize>) -> Range<u
     at..at + 1
 }
 
-/// What an error says, without its place.
-fn message(error: &serde_json::Error) -> String {
+/// What an error says, without its place; `rest` is the text from there on.
+fn message(error: &serde_json::Error, rest: &str) -> String {
+    if let Some(word) =
+        ["NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"].iter().find(|word| rest.starts_with(**word))
+    {
+        return format!("`{word}` is no number; leave away what is not known");
+    }
     let whole = error.to_string();
     whole.rfind(" at line ").map_or(whole.clone(), |end| whole[..end].to_string())
 }
@@ -246,5 +300,5 @@ fn unusable(feature: Feature) -> String {
         | Feature::ShortTermGoalBearing
         | Feature::Time => "finite",
     };
-    format!("the feature `{}` must be {domain}", feature.name())
+    format!("the feature `{}` must be {domain}", feature.key())
 }

@@ -42,7 +42,7 @@ fn what_is_written_is_read_again() {
     let places = places();
     let memory = memory(&places);
     let text = memory_text(&memory, "dept", Some(&places));
-    assert_eq!(world_of(&text).as_deref(), Some("dept"));
+    assert_eq!(world_of(&text, "m.cases").ok().as_deref(), Some("dept"));
     assert!(!text.contains("null,\"place"), "what is missing is left out: {text}");
     assert!(text.contains("\"stops\":[[1.5,2.25],\"p0\",\"p1\"],\"times_s\":[null,16.125]"), "{text}");
     let read = read_memory(&text, "m.cases", Some(&places), similarity()).expect("no faults");
@@ -73,11 +73,19 @@ fn each_fault_is_told_with_its_place() {
     assert!(told.contains("did you mean `p0`?"), "{told}");
     assert!(told.contains("a route has a start and a goal, found 1 stops"), "{told}");
     let told = said(&["{\"case\":0,\"index\":{\"place_in_map\":[NaN,2]},\"content\":{\"meta-plan\":\"make-route\"}}"]);
-    assert!(told.contains("m.cases:2:36: expected value"), "{told}");
+    assert!(told.contains("m.cases:2:36: `NaN` is no number; leave away what is not known"), "{told}");
     let told = said(&["{\"case\":0,\"index\":{\"priority\":2},\"content\":{\"goal\":{\"place_in_map\":[1,2]}}}"]);
     assert!(told.contains("case 0: the feature `priority` must be a number from 0 to 1"), "{told}");
+    let slow = "{\"behaviour\":{\"translation_mps\":-0.5,\"rotation_radps\":0.8,\"avoid_distance_m\":0.5,\"gap_distance_m\":1,\
+                \"avoid_weight\":0.6,\"escape_weight\":4,\"to_goal_weight\":0.8}}";
+    let told = said(&[&format!("{{\"case\":2,\"index\":{{\"sonars_m\":[1]}},\"content\":{slow}}}")]);
+    assert!(told.contains("case 2: the parameter `translation_mps` must be finite and not negative"), "{told}");
+    assert!(told.contains("case 2: the parameter `escape_weight` must be a number from 0 to 1"), "{told}");
+    let told = said(&["{\"case\":4294967295,\"index\":{},\"content\":{\"meta-plan\":\"make-route\"}}"]);
+    assert!(told.contains("m.cases:2:1: `case` is at most 2147483647, found 4294967295"), "{told}");
     let told = said(&["{\"case\":3,\"index\":{},\"content\":{\"goal\":{\"place_in_map\":[1,2]}}}"]);
     assert!(told.contains("case 3: its index has no feature that a goal is retrieved by"), "{told}");
+    assert!(told.contains("`place_in_map`, `priority`, `time_s`"), "what to type: {told}");
     let told = said(&["{\"case\":3,\"content\":{\"meta-plan\":\"make-route\"}}"]);
     assert!(told.contains("missing field `index`"), "{told}");
     let told = said(&["{\"case\":0,\"index\":{\"sonar\":[1]},\"content\":{\"meta-plan\":\"make-route\"}}"]);
@@ -96,6 +104,14 @@ fn files_of_other_versions_sizes_and_worlds_are_refused() {
     assert!(told.starts_with("m.cases:1:1: the file is of version 7, and this reads version 1"), "{told}");
     assert!(!told.contains("m.cases:2"), "{told}");
     assert!(read("", None).contains("the file is empty"));
+    for (text, fault) in
+        [("", "the file is empty"), ("hello", "this is no case file"), ("{\"rpl_cases\":2}", "is of version 2")]
+    {
+        let told = world_of(text, "m.cases").expect_err("it names no world").to_string();
+        assert!(told.contains(fault) && told.contains("m.cases:1:1"), "{told}");
+    }
+    let told = read("{\"rpl_cases\":1,\"world\":\"dept\",\"next\":4294967295}", None);
+    assert!(told.contains("`next` is at most 2147483647"), "{told}");
     assert!(read("[1]", None).contains("the first line of a case file is like"));
     let case = "{\"case\":0,\"index\":{},\"content\":{\"meta-plan\":\"make-route\"}}\n";
     let many = format!("{{\"rpl_cases\":1,\"world\":\"dept\",\"next\":0}}\n{}", case.repeat(MOST_CASES + 5));
@@ -111,5 +127,5 @@ fn a_situation_is_read_as_users_type_it() {
     let told = read_situation("{\"place\":[1,2]}", "--explain").expect_err("it is wrong").to_string();
     assert!(told.contains("unknown field `place`") && told.contains("write a situation like"), "{told}");
     let told = read_situation("{\"sonars_m\":[-1]}", "--explain").expect_err("it is wrong").to_string();
-    assert!(told.contains("the feature `sonars` must be ranges"), "{told}");
+    assert!(told.contains("the feature `sonars_m` must be ranges"), "{told}");
 }

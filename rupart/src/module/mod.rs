@@ -80,7 +80,7 @@ pub struct Rupart {
     blockage: Blockage,
     /// The route that was made last.
     made: Option<Made>,
-    /// The last route that was driven to its end, with the times it took.
+    /// The route that was driven last, with the times it took, if it was driven to its end.
     driven: Option<Driven>,
     /// The behaviour case it drives by, since a plan has said so.
     used: Option<CaseNumber>,
@@ -336,6 +336,7 @@ impl Module for Rupart {
         };
         let made = self.made.take().filter(|made| made.stops == stops);
         self.errand = Some(Errand::begin(Route::new(stops), made, &places, patience_s));
+        self.driven = None;
         self.drive.begin_goal();
         self.has_news = true;
         Ok(())

@@ -67,6 +67,23 @@ impl Feature {
         }
     }
 
+    /// As the field of a situation is called in a file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Sonars => "sonars_m",
+            Self::MeanSonars => "mean_sonars_m",
+            Self::Translation => "translation_mps",
+            Self::Rotation => "rotation_radps",
+            Self::Place => "place_in_map",
+            Self::ShortTermGoal => "short_term_goal_in_map",
+            Self::LongTermGoal => "long_term_goal_in_map",
+            Self::ShortTermGoalDistance => "short_term_goal_distance_m",
+            Self::ShortTermGoalBearing => "short_term_goal_bearing_rad",
+            Self::Priority => "priority",
+            Self::Time => "time_s",
+        }
+    }
+
     /// Whether cases can be compared by a value of it: missing, or finite and in its domain.
     pub(super) fn is_usable(self, value: Value) -> bool {
         let is_range = |metres: f64| metres.is_finite() && metres >= 0.0;

@@ -5,6 +5,7 @@ use crate::arguments::numbers::{number, positive};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::geometry::Pose;
+use rpl_robot::recording::{FirstReading, LaserMount};
 use std::path::PathBuf;
 
 /// Windows, if nobody says how many.
@@ -16,8 +17,8 @@ pub struct Arguments {
     /// A map of the ROS map_server: its YAML file, or a folder with a map.yaml
     #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps))]
     pub map: PathBuf,
-    /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses; or an MCAP recording with /scan, /odom, and
-    /// /ground_truth or /pose
+    /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses, also packed as .gz; or an MCAP recording
+    /// with /scan, /odom, and /ground_truth or /pose
     #[arg(long, value_name = "LOG", value_hint = ValueHint::FilePath)]
     pub log: PathBuf,
     /// How many beams of each scan are used, equally spaced
@@ -43,6 +44,9 @@ pub struct Arguments {
     /// What the laser of FLASER messages sees, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = angle)]
     pub field_of_view: f64,
+    /// At which end of a FLASER message its first reading is
+    #[arg(long, value_name = "END", value_enum, default_value_t = End::Right)]
+    pub first_reading: End,
     /// Where the laser is mounted: metres to the front and to the left, degrees to the left
     #[arg(long, value_name = "X,Y,DEG", default_value = "0,0,0", value_parser = mount, allow_hyphen_values = true)]
     pub mount: Pose,
@@ -61,6 +65,26 @@ pub struct Arguments {
     /// The memory that tables and belief may take, in GiB
     #[arg(long, value_name = "GIB", default_value_t = 4.0, value_parser = positive)]
     pub memory: f64,
+}
+
+/// An end of a scan.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The right one.
+    Right,
+    /// The left one.
+    Left,
+}
+
+impl Arguments {
+    /// What a log does not say about its laser.
+    pub fn laser(&self) -> LaserMount {
+        let first = match self.first_reading {
+            End::Right => FirstReading::Right,
+            End::Left => FirstReading::Left,
+        };
+        LaserMount { field_of_view_rad: self.field_of_view.to_radians(), first, laser_in_base: self.mount }
+    }
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -1,21 +1,26 @@
-//! Map, paths and errors of the trials as SVG, readable in black and white.
+//! Map, paths and errors of the trials as SVG.
 
 use super::Timed;
+use crate::drawing::palette::{self, SERIES};
+use crate::drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text};
 use crate::drawing::{Figure, FloorPlan, TrackKind};
 use rpl_robot::geometry::Point;
 use rpl_robot::occupancy::OccupancyGrid;
-use rpl_robot::recording::PoseError;
+use rpl_robot::recording::{PoseError, RIGHT_M, RIGHT_RAD, SURE};
 use svg::Document;
-use svg::node::element::{Group, Line, Polyline, Rectangle, Text};
+use svg::node::element::{Group, Line, Polyline, Rectangle};
 
 /// Errors are drawn up to this; a lost robot is somewhere above.
 const MOST_M: f64 = 2.0;
 const MOST_DEG: f64 = 20.0;
 
-const PLOT_WIDTH: f64 = 900.0;
-const PLOT_HEIGHT: f64 = 160.0;
+const PLOT_WIDTH: f64 = 860.0;
+const PLOT_HEIGHT: f64 = 150.0;
 const LEFT: f64 = 70.0;
-const ROW: f64 = 215.0;
+/// Title and legend.
+const TOP: f64 = 92.0;
+/// From one plot to the next.
+const ROW: f64 = 190.0;
 
 /// The map with the paths.
 pub fn paths(map: &OccupancyGrid, trials: &[Timed]) -> String {
@@ -29,55 +34,82 @@ pub fn paths(map: &OccupancyGrid, trials: &[Timed]) -> String {
     figure.draw()
 }
 
-/// The errors over the way, a line for each window.
+/// What is drawn of each scan, over the way.
+struct Plot {
+    title: &'static str,
+    most: f64,
+    /// On the near side of this an estimate is right, or the filter is sure.
+    bound: f64,
+    of: fn(&PoseError) -> f64,
+}
+
+/// The errors over the way and how certain the filter was, a line for each window.
 pub fn errors(trials: &[Timed]) -> String {
     let length_m = trials.iter().map(|timed| timed.window.length_m).fold(0.0, f64::max);
-    let positions = plot("error of the position [m]", MOST_M, length_m, trials, PoseError::position_m);
-    let headings =
-        plot("error of the heading [°]", MOST_DEG, length_m, trials, |error| error.heading_rad().to_degrees());
-    let (width, height) = (LEFT + PLOT_WIDTH + 20.0, 2.0 * ROW + 20.0);
-    Document::new()
+    let plots = [
+        Plot { title: "position off [m]", most: MOST_M, bound: RIGHT_M, of: PoseError::position_m },
+        Plot {
+            title: "heading off [°]",
+            most: MOST_DEG,
+            bound: RIGHT_RAD.to_degrees(),
+            of: |error| error.heading_rad().to_degrees(),
+        },
+        Plot { title: "certainty", most: 1.0, bound: SURE, of: |error| error.certainty },
+    ];
+    let (width, height) = (LEFT + PLOT_WIDTH + 24.0, TOP + plots.len() as f64 * ROW + 14.0);
+    let mut document = Document::new()
         .set("viewBox", (0, 0, width, height))
         .set("width", width)
         .set("height", height)
-        .set("font-family", "sans-serif")
-        .set("font-size", 14)
-        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"))
-        .add(positions.set("transform", format!("translate({LEFT} 30)")))
-        .add(headings.set("transform", format!("translate({LEFT} {})", ROW + 30.0)))
-        .to_string()
+        .set("font-family", FAMILY)
+        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", palette::PAPER))
+        .add(text("How far off the estimate was, and how certain", 18.0, 28.0, TITLE_PX).set("font-weight", "bold"))
+        .add(legend(trials.len()));
+    for (row, plot) in plots.iter().enumerate() {
+        let at = format!("translate({LEFT} {})", TOP + row as f64 * ROW);
+        document = document.add(plot.drawn(length_m, trials).set("transform", at));
+    }
+    document.add(centred("way in the window [m]", LEFT + PLOT_WIDTH / 2.0, height - 10.0, TEXT_PX)).to_string()
 }
 
-fn plot(title: &str, most: f64, length_m: f64, trials: &[Timed], error: fn(&PoseError) -> f64) -> Group {
-    let x = |travelled_m: f64| (travelled_m / length_m.max(1e-9)).min(1.0) * PLOT_WIDTH;
-    let y = |value: f64| PLOT_HEIGHT * (1.0 - value.min(most) / most);
-    let frame = Rectangle::new().set("width", PLOT_WIDTH).set("height", PLOT_HEIGHT).set("fill", "none");
-    let mut group = Group::new()
-        .add(frame.set("stroke", "black"))
-        .add(Text::new(title).set("y", -8.0))
-        .add(label("0", -8.0, PLOT_HEIGHT, "end"))
-        .add(label(&format!("≥ {most}"), -8.0, 12.0, "end"))
-        .add(label("0 m", 0.0, PLOT_HEIGHT + 18.0, "middle"))
-        .add(label(&format!("{length_m:.0} m"), PLOT_WIDTH, PLOT_HEIGHT + 18.0, "end"));
-    for quarter in [0.25, 0.5, 0.75] {
-        let at = y(quarter * most);
-        let line = Line::new().set("x1", 0).set("x2", PLOT_WIDTH).set("y1", at).set("y2", at);
-        group = group.add(line.set("stroke", "#bbb").set("stroke-dasharray", "2 4")).add(label(
-            &format!("{}", quarter * most),
-            -8.0,
-            at + 5.0,
-            "end",
-        ));
-    }
-    for timed in trials {
-        let points: Vec<String> =
-            (timed.trial.errors.iter()).map(|at| format!("{:.1},{:.1}", x(at.travelled_m), y(error(at)))).collect();
-        let line = Polyline::new().set("points", points.join(" ")).set("fill", "none").set("class", "window");
-        group = group.add(line.set("stroke", "black").set("stroke-opacity", 0.5));
-    }
-    group
+fn legend(windows: usize) -> Group {
+    let stroke = |from: f64| Line::new().set("x1", from).set("x2", from + 34.0).set("y1", 48).set("y2", 48);
+    let windows = if windows == 1 { "the window".to_string() } else { format!("one of {windows} windows") };
+    Group::new()
+        .add(stroke(18.0).set("stroke", SERIES[0]).set("stroke-width", 1.5))
+        .add(text(&windows, 60.0, 52.0, SMALL_PX))
+        .add(stroke(240.0).set("stroke", palette::INK).set("stroke-dasharray", "5 4"))
+        .add(text("below it the estimate counts as right; above it, in the last plot, as sure", 282.0, 52.0, SMALL_PX))
 }
 
-fn label(content: &str, x: f64, y: f64, anchor: &str) -> Text {
-    Text::new(content).set("x", x).set("y", y).set("text-anchor", anchor)
+impl Plot {
+    fn drawn(&self, length_m: f64, trials: &[Timed]) -> Group {
+        let x = |travelled_m: f64| rounded((travelled_m / length_m.max(1e-9)).min(1.0) * PLOT_WIDTH);
+        let y = |value: f64| rounded(PLOT_HEIGHT * (1.0 - value.min(self.most) / self.most));
+        let across =
+            |value: f64| Line::new().set("x1", 0).set("x2", PLOT_WIDTH).set("y1", y(value)).set("y2", y(value));
+        let mut group = Group::new().add(text(self.title, 0.0, -8.0, TEXT_PX));
+        for quarter in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let value = quarter * self.most;
+            let from = if quarter == 1.0 && self.most > 1.0 { "≥ " } else { "" };
+            group = group.add(across(value).set("stroke", palette::GRID)).add(ending(
+                &format!("{from}{value}"),
+                -8.0,
+                y(value) + 4.0,
+                SMALL_PX,
+            ));
+        }
+        for fifth in 0..=5 {
+            let at_m = length_m * f64::from(fifth) / 5.0;
+            let written = format!("{at_m:.1}").trim_end_matches(".0").to_string();
+            group = group.add(centred(&written, x(at_m), PLOT_HEIGHT + 16.0, SMALL_PX));
+        }
+        for timed in trials {
+            let at = |error: &PoseError| format!("{},{}", x(error.travelled_m), y((self.of)(error)));
+            let points: Vec<String> = timed.trial.errors.iter().map(at).collect();
+            let line = Polyline::new().set("points", points.join(" ")).set("fill", "none").set("class", "window");
+            group = group.add(line.set("stroke", SERIES[0]).set("stroke-opacity", 0.55));
+        }
+        group.add(across(self.bound).set("stroke", palette::INK).set("stroke-dasharray", "5 4"))
+    }
 }

@@ -2,30 +2,35 @@
 
 use super::Timed;
 use crate::experiment::statistics::{Dispersion, Proportion};
-use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use rpl_robot::localization::{BeamParameters, OdometryError};
 use rpl_robot::recording::{PoseError, TrialStart};
 use serde_json::{Value, json};
 
-/// One line for each window, and what they have in common.
-pub fn blocks(trials: &[Timed], start: TrialStart) -> Vec<Block> {
-    let mut table =
-        Table::new(&["window", "start [m]", "scans", "found", "after [m]", "error [m]", "error [°]", "time [s]"]);
-    for (index, timed) in trials.iter().enumerate() {
-        let last = timed.trial.errors.last();
-        let one = |number: f64| format!("{number:.1}");
-        table.row([
-            (index + 1).to_string(),
-            one(timed.window.start_m),
-            timed.window.scans.len().to_string(),
-            if timed.trial.succeeded { "yes" } else { "no" }.to_string(),
-            timed.trial.found_after_m.map_or(NOTHING.to_string(), one),
-            last.map_or(NOTHING.to_string(), |error| format!("{:.2}", error.position_m())),
-            last.map_or(NOTHING.to_string(), |error| one(error.heading_rad().to_degrees())),
-            format!("{:.2}", timed.wall_s),
-        ]);
-    }
+/// The table of windows, without its rows.
+pub fn table() -> Table {
+    Table::new(&["window", "start [m]", "found", "after [m]", "error [m]", "error [°]", "sure, wrong", "time [s]"])
+}
+
+/// The row of a window.
+pub fn row(index: usize, timed: &Timed) -> [String; 8] {
+    let last = timed.trial.errors.last();
+    let one = |number: f64| format!("{number:.1}");
+    let (_, wrong) = timed.trial.sure_and_wrong();
+    [
+        (index + 1).to_string(),
+        one(timed.window.start_m),
+        if timed.trial.succeeded { "yes" } else { "no" }.to_string(),
+        timed.trial.found_after_m.map_or(NOTHING.to_string(), one),
+        last.map_or(NOTHING.to_string(), |error| format!("{:.2}", error.position_m())),
+        last.map_or(NOTHING.to_string(), |error| one(error.heading_rad().to_degrees())),
+        wrong.to_string(),
+        format!("{:.2}", timed.wall_s),
+    ]
+}
+
+/// What the windows have in common.
+pub fn summary(trials: &[Timed], start: TrialStart) -> String {
     let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
     let what = match start {
         TrialStart::Uniform => "found",
@@ -42,7 +47,30 @@ pub fn blocks(trials: &[Timed], start: TrialStart) -> Vec<Block> {
             errors.scans
         )
     }));
-    vec![Block::Table(table), Block::Lines(lines.join("\n"))]
+    let wrong = wrong_while_sure(trials);
+    let interval = wrong.interval();
+    lines.push(match wrong.rate {
+        Some(rate) => format!(
+            "certainty of 0.9 and above: {} of {} scans, wrong after {} of them: {:.2} %, 95 % interval {interval} by \
+             windows",
+            wrong.of,
+            scans(trials),
+            wrong.count,
+            100.0 * rate
+        ),
+        None => "certainty of 0.9 and above: never".to_string(),
+    });
+    lines.join("\n")
+}
+
+fn scans(trials: &[Timed]) -> usize {
+    trials.iter().map(|timed| timed.trial.errors.len()).sum()
+}
+
+/// How often the filter was wrong when it was sure; scans of a window are wrong together.
+fn wrong_while_sure(trials: &[Timed]) -> Proportion {
+    let windows = trials.iter().map(|timed| timed.trial.sure_and_wrong()).filter(|(sure, _)| *sure > 0);
+    Proportion::in_groups(&windows.map(|(sure, wrong)| (wrong, sure)).collect::<Vec<_>>())
 }
 
 /// The errors while the estimate was right.
@@ -66,6 +94,7 @@ pub fn json(trials: &[Timed]) -> String {
         .iter()
         .map(|timed| {
             let last = timed.trial.errors.last();
+            let (sure, wrong) = timed.trial.sure_and_wrong();
             json!({
                 "start_m": timed.window.start_m,
                 "length_m": timed.window.length_m,
@@ -74,6 +103,9 @@ pub fn json(trials: &[Timed]) -> String {
                 "found_after_m": timed.trial.found_after_m,
                 "final_error_m": last.map(PoseError::position_m),
                 "final_error_rad": last.map(PoseError::heading_rad),
+                "final_certainty": last.map(|error| error.certainty),
+                "sure": sure,
+                "sure_and_wrong": wrong,
                 "time_s": timed.wall_s,
             })
         })
@@ -87,7 +119,14 @@ pub fn json(trials: &[Timed]) -> String {
         })
     });
     let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
-    json!({ "windows": windows, "found": found, "of": trials.len(), "while_found": while_found }).to_string()
+    json!({
+        "windows": windows,
+        "found": found,
+        "of": trials.len(),
+        "while_found": while_found,
+        "wrong_while_sure": wrong_while_sure(trials),
+    })
+    .to_string()
 }
 
 /// Fitted parameters.

@@ -215,9 +215,7 @@ pub fn blocks(rows: &[BehaviourResult]) -> Vec<Block> {
     let percent = |share: &Proportion| share.rate.map_or(NOTHING.to_string(), |rate| format!("{:.1} %", 100.0 * rate));
     let with_interval = |share: &Proportion| format!("{} ({})", percent(share), share.interval());
     let told = |summary: Option<Summary>, scale: f64, unit: &str| {
-        let told =
-            |summary: Summary| format!("{:.1} ± {:.1} {unit}", scale * summary.spread.mean, scale * summary.half_95);
-        summary.map_or(NOTHING.to_string(), told)
+        summary.map_or(NOTHING.to_string(), |summary| format!("{} {unit}", summary.told(scale, 1)))
     };
     for row in rows {
         drives.row([

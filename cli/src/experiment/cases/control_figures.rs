@@ -22,6 +22,10 @@ const BAND_PX: f64 = 26.0;
 const BANDS_PX: f64 = 44.0;
 const TOP_PX: f64 = 56.0;
 
+/// Ticks of the time are one of these apart, so that there are no more than so many.
+const TICKS_S: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 60.0, 120.0, 300.0];
+const MOST_TICKS: f64 = 10.0;
+
 /// The states stand on an ellipse around this point, with these half axes.
 const MIDDLE_PX: (f64, f64) = (480.0, 330.0);
 const AXES_PX: (f64, f64) = (350.0, 215.0);
@@ -113,8 +117,9 @@ fn course(row: &str, driven: &Driven) -> String {
         document = document.add(tick.set("stroke", palette::INK).set("stroke-width", 1.5));
     }
     let axis_px = top_px(3.0) + 2.0;
-    for tick in 0..=5 {
-        let time_s = driven.time_s * f64::from(tick) / 5.0;
+    let apart_s = TICKS_S.into_iter().find(|apart_s| driven.time_s <= MOST_TICKS * apart_s).unwrap_or(driven.time_s);
+    for tick in 0..=(driven.time_s / apart_s) as u32 {
+        let time_s = apart_s * f64::from(tick);
         document = document.add(centred(&format!("{time_s:.0} s"), x(time_s), axis_px, SMALL_PX));
     }
     let says = "a tick below the case is a retrieval: at each new short-term goal, and every three seconds";
@@ -149,7 +154,8 @@ fn states(row: &str, driven: &[&Driven]) -> String {
             let stretches = stretches(drive, |moment| moment.state);
             stretches.iter().filter(|stretch| stretch.2 == state).map(|(from_s, to_s, _)| to_s - from_s).sum()
         };
-        driven.iter().map(of_drive).sum()
+        // The sum of nothing is −0.
+        driven.iter().map(of_drive).fold(0.0, |sum, time_s| sum + time_s)
     };
     let title = format!("{row}: states of the control, and their share of the time of {} drives", driven.len());
     let mut document = sheet(&title, 620.0);

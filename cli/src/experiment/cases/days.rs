@@ -59,8 +59,10 @@ pub struct DayResult {
     pub day: usize,
     /// Cases at its end, on the average.
     pub cases: f64,
-    /// Errands that came to their end.
+    /// Errands that came to their end; the interval is that of errands that have nothing to do with each other.
     pub arrived: Proportion,
+    /// Of the robots: the share of their errands that came to their end, less that of their first day.
+    pub more_arrived: Option<Summary>,
     /// Errands without a contact that the robot caused.
     pub without_contact: Proportion,
     /// Of the robots: seconds for each metre of the shortest way, of the errands that arrived.
@@ -76,16 +78,27 @@ fn pace_s(day: &Day) -> Option<f64> {
     (length_m > 0.0).then(|| arrived().map(|errand| errand.time_s).sum::<f64>() / length_m)
 }
 
+/// The share of errands that came to their end; none without errands.
+fn arrived_share(day: &Day) -> Option<f64> {
+    let arrived = day.errands.iter().filter(|errand| errand.has_arrived).count();
+    Proportion::new(arrived, day.errands.len()).rate
+}
+
 impl DayResult {
     /// The days of some robots, day by day.
     pub fn of(robots: &[RobotDays]) -> Vec<Self> {
         let count = robots.iter().map(|robot| robot.days.len()).max().unwrap_or(0);
         let of_day = |day: usize| robots.iter().filter_map(|robot| robot.days.get(day)).collect::<Vec<_>>();
-        let slower_s = |day: usize| {
-            let pair = |robot: &RobotDays| Some(pace_s(robot.days.get(day)?)? - pace_s(robot.days.first()?)?);
+        let more = |day: usize, of: fn(&Day) -> Option<f64>| {
+            let pair = |robot: &RobotDays| Some(of(robot.days.get(day)?)? - of(robot.days.first()?)?);
             Summary::of(&robots.iter().filter_map(pair).collect::<Vec<_>>())
         };
-        (0..count).map(|day| Self { slower_s: slower_s(day), ..Self::of_day(day + 1, &of_day(day)) }).collect()
+        let compared = |day: usize| Self {
+            more_arrived: more(day, arrived_share),
+            slower_s: more(day, pace_s),
+            ..Self::of_day(day + 1, &of_day(day))
+        };
+        (0..count).map(compared).collect()
     }
 
     fn of_day(day: usize, of_robots: &[&Day]) -> Self {
@@ -100,6 +113,7 @@ impl DayResult {
             day,
             cases: cases as f64 / of_robots.len().max(1) as f64,
             arrived: count(|errand| errand.has_arrived),
+            more_arrived: None,
             without_contact: count(|errand| errand.contacts == 0),
             pace_s: Summary::of(&pace_s),
             slower_s: None,
@@ -109,15 +123,18 @@ impl DayResult {
 
 /// A line for each day.
 pub fn blocks(days: &[DayResult]) -> Vec<Block> {
-    let mut table =
-        Table::new(&["day", "cases", "arrived", "95 % interval", "no contact", "for each metre", "than on the first"]);
-    let seconds = |summary: Option<Summary>| {
-        // One robot tells nothing of how robots differ.
-        let told = |Summary { count, spread, half_95 }: Summary| match count {
-            1 => format!("{:.3} s", spread.mean),
-            _ => format!("{:.3} ± {half_95:.3} s", spread.mean),
-        };
-        summary.map_or(NOTHING.to_string(), told)
+    let mut table = Table::new(&[
+        "day",
+        "cases",
+        "arrived",
+        "95 % interval",
+        "than first",
+        "no contact",
+        "each metre",
+        "than first",
+    ]);
+    let told = |summary: Option<Summary>, scale: f64, decimals: usize, unit: &str| {
+        summary.map_or(NOTHING.to_string(), |summary| format!("{} {unit}", summary.told(scale, decimals)))
     };
     for day in days {
         table.row([
@@ -125,9 +142,10 @@ pub fn blocks(days: &[DayResult]) -> Vec<Block> {
             format!("{:.0}", day.cases),
             day.arrived.fraction(),
             day.arrived.interval(),
+            told(day.more_arrived, 100.0, 1, "%"),
             day.without_contact.fraction(),
-            seconds(day.pace_s),
-            seconds(day.slower_s),
+            told(day.pace_s, 1.0, 3, "s"),
+            told(day.slower_s, 1.0, 3, "s"),
         ]);
     }
     vec![Block::Table(table)]

@@ -190,7 +190,7 @@ fn share(asked: &[&RouteAsked], is_so: impl Fn(&RouteAsked) -> bool) -> f64 {
 pub fn blocks(rows: &[RouteResult]) -> Vec<Block> {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let of_runs = |share: Option<Summary>| {
-        let told = |share: Summary| format!("{:.1} ± {:.1} %", 100.0 * share.spread.mean, 100.0 * share.half_95);
+        let told = |share: Summary| format!("{} %", share.told(100.0, 1));
         share.map_or(NOTHING.to_string(), told)
     };
     let mut good = Table::new(&["", "routes", "≤ 1.1", "of 95 % of runs", "≤ 1.5", "worst", "efficiency"]);

@@ -4,8 +4,8 @@ use super::*;
 
 #[test]
 fn a_selective_update_stays_close_to_the_full_one() {
-    let selective = model(fine());
-    let full = model(LocalizationParameters { activity_threshold: 0.0, ..fine() });
+    let selective = model(LocalizationParameters { watch: None, ..fine() });
+    let full = model(LocalizationParameters { activity_threshold: 0.0, watch: None, ..fine() });
     let mut belief = Belief::uniform(&selective);
     let (mut before, mut slept) = (Pose::default(), 0);
     for (odometry, scan_m) in drive(&selective, 10_001, 60) {
@@ -74,7 +74,7 @@ fn what_a_localized_belief_keeps_does_not_grow_with_the_map() {
 fn planes_that_slept_come_back_when_the_robot_was_turned() {
     let model = LocalizationModel::new(&corridor(), fine()).expect("the corridor is a map");
     let mut localization = Localization::start_at(&model, Pose::new(8.0, 1.5, 0.0), Spread::default());
-    assert!(localization.belief().active_planes() < 15);
+    assert!(localization.belief(&model).0.active_planes() < 15);
     // Turned by hand: odometry goes on as if nothing had happened.
     let mut truth = Pose::new(8.0, 1.5, FRAC_PI_2);
     let mut odometry = Pose::default();
@@ -93,10 +93,10 @@ fn forks_share_tiles_until_one_writes() {
     let mut localization = Localization::start_at(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
     let fork = localization.clone();
     let shared = |a: &Localization, b: &Localization| {
-        let pairs = a.belief().planes().iter().zip(b.belief().planes());
+        let pairs = a.belief(&model).0.planes().iter().zip(b.belief(&model).0.planes());
         pairs.map(|(a, b)| a.shared_tiles(b)).sum::<usize>()
     };
-    let tiles = localization.belief().tiles().count();
+    let tiles = localization.belief(&model).0.tiles().count();
     assert!(tiles > 0 && shared(&localization, &fork) == tiles);
     let before = fork.clone();
     localization.observe(&model, Pose::default(), &[Some(&scan_at(&model, Pose::new(2.0, 2.0, 0.0)))]);

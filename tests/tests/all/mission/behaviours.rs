@@ -320,17 +320,21 @@ fn a_search_for_the_position_that_loses_the_wheels_goes_on_when_they_come_back()
         test_room(),
         "(with-policy
              (seq (wait-for (<= pos-certainty* 0.8))
-                  (wait-time 0.2)
+                  (wait-time 0.05)
                   (with-valve wheels
                     (log (format \"taken ~a\" (<= (value pos-certainty*) 0.8)))
-                    (wait-time 1)))
+                    (wait-time 1)
+                    (doubt-position)))
            (with-policy (relocalize-when-necessary)
              (doubt-position)
              (wait-for (<= pos-certainty* 0.8))
-             (wait-for (> pos-certainty* 0.9))
+             (wait-time 1.2)
+             (wait-for (> pos-certainty* 0.8))
              'found))",
     );
     assert_eq!(run.output, ["log: taken t"], "{}", run.trace());
     assert_eq!(run.outcome(), "=> found", "{}", run.trace());
     assert!(run.trace().contains("interrupted"), "{}", run.trace());
+    let begun = run.trace().matches("behaviour=active-localization  what=activated").count();
+    assert_eq!(begun, 2, "{}", run.trace());
 }

@@ -280,7 +280,7 @@ fn interrupted_at_any_moment_it_arrives_all_the_same() {
 }
 
 /// Turned by hand, it loses its position and finds it again under the policy. Turned less than a metre or two before its
-/// goal it has no way left to notice on: where it really is then is counted by the experiment `rupart`.
+/// goal it has no way left to notice on, and looks around before it says that it is there.
 #[test]
 fn turned_at_any_moment_it_arrives_all_the_same() {
     let plan = "(seq (go-by-cases 'in-south) (at-destination? 'in-south))";
@@ -288,6 +288,8 @@ fn turned_at_any_moment_it_arrives_all_the_same() {
         let scenario = format!("(wait-time {wait_s}) (rotate-robot! 70deg)");
         let run = mission(plan).with_scenario(&scenario).run(SEED, 600.0);
         assert_eq!(run.outcome(), "=> t", "turned after {wait_s} s");
+        let (truth, estimate) = (run.system.outside.true_pose_in_map(), run.system.outside.estimate().pose_in_map);
+        assert!(truth.distance_m(estimate) < 0.5, "turned after {wait_s} s it takes {truth:?} for {estimate:?}");
     }
 }
 

@@ -1,0 +1,181 @@
+//! The fine belief, the coarse one that watches over it, and which of the two leads.
+
+use super::belief::Belief;
+use super::landmark::LandmarkSighting;
+use super::model::{FEW_STATES, LocalizationModel};
+use super::sensor::BinnedScan;
+use super::summary::Maximum;
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+
+/// While the fine belief explains the scans, the coarse one takes in every so many-th beam, beginning with the next
+/// one at each update: beams far apart in turn, whose evidence overlaps less.
+const WATCH_BEAM_STRIDE: u64 = 3;
+
+/// With more of the fine belief asleep than this, it knows too little to lead.
+const MOST_ASLEEP: f64 = 0.5;
+
+/// What is believed: on one grid or, where a coarse belief watches, on two.
+///
+/// # Deviation
+/// The papers update all states when the robot is lost. Where a coarse belief watches, it leads then and takes in all
+/// beams, until so little may be true that the fine belief can be made of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Beliefs {
+    /// Asleep while the coarse one leads.
+    fine: Belief,
+    /// None if none watches.
+    coarse: Option<Belief>,
+    is_led_by_coarse: bool,
+    /// The mode of the one that leads.
+    pub mode: Maximum,
+    /// What the coarse one gives the mode of the fine one; 1 if the coarse one leads, or none watches.
+    pub agreed: f64,
+}
+
+impl Beliefs {
+    /// Fine and coarse belief made alike.
+    pub(super) fn new(model: &LocalizationModel, make: impl Fn(&LocalizationModel) -> Belief) -> Self {
+        Self::of(model, make(model), model.watch.as_ref().map(|coarse| make(coarse)))
+    }
+
+    fn of(model: &LocalizationModel, fine: Belief, coarse: Option<Belief>) -> Self {
+        let mode = fine.mode(model);
+        let mut beliefs = Self { fine, coarse, is_led_by_coarse: false, mode, agreed: 1.0 };
+        beliefs.settle(model);
+        beliefs
+    }
+
+    /// Half of these and half of others, to half a cell.
+    pub(super) fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
+        let coarse = match (&self.coarse, &other.coarse, &model.watch) {
+            (Some(one), Some(other), Some(coarse)) => Some(one.merged(coarse, other)),
+            _ => None,
+        };
+        Self::of(model, self.fine.merged(model, &other.fine), coarse)
+    }
+
+    /// The belief that leads, and the model of its grid.
+    pub(super) fn leading<'a>(&'a self, model: &'a LocalizationModel) -> (&'a Belief, &'a LocalizationModel) {
+        match (&self.coarse, &model.watch) {
+            (Some(coarse), Some(coarse_model)) if self.is_led_by_coarse => (coarse, coarse_model),
+            _ => (&self.fine, model),
+        }
+    }
+
+    /// Bytes of tiles that earlier ones do not share.
+    pub(super) fn bytes_apart(&self, earlier: &Self) -> usize {
+        let coarse = match (&self.coarse, &earlier.coarse) {
+            (Some(coarse), Some(earlier)) => coarse.bytes_apart(earlier),
+            (Some(_) | None, _) => 0,
+        };
+        self.fine.bytes_apart(&earlier.fine) + coarse
+    }
+
+    /// Probability of each cell of (x, y) of the fine grid, `[row][column]`.
+    pub(super) fn xy(&self, model: &LocalizationModel) -> Vec<f64> {
+        let (belief, leading) = self.leading(model);
+        let (xy, grid) = (belief.xy(leading), &model.grid);
+        if !self.is_led_by_coarse {
+            return xy;
+        }
+        // A coarse cell is spread over the fine ones in it.
+        let at = |cell: usize| {
+            let (column, row) = (cell % grid.columns, cell / grid.columns);
+            let here = leading.grid.cell_at(grid.centre(column, row)).filter(|_| model.is_admissible(column, row));
+            here.map_or(0.0, |(column, row)| xy[row * leading.grid.columns + column])
+        };
+        let spread: Vec<f64> = (0..grid.cells()).map(at).collect();
+        let total: f64 = spread.iter().sum();
+        spread.into_iter().map(|mass| mass / total.max(f64::MIN_POSITIVE)).collect()
+    }
+
+    /// Entropy in nats, of states of the fine grid: a coarse one stands for several that are alike.
+    pub(super) fn entropy(&self, model: &LocalizationModel) -> f64 {
+        let (belief, leading) = self.leading(model);
+        belief.entropy(leading) + libm::log(leading.prior() / model.prior())
+    }
+
+    /// Eqs. (1) and (2) for a motion and a scan of each sensor; so many updates have been before.
+    pub(super) fn update(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan], updates: u64) {
+        if !self.is_led_by_coarse {
+            self.fine.advance(model, motion);
+            self.fine.sense(model, scans);
+        }
+        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
+            coarse.advance(coarse_model, motion);
+            if self.is_led_by_coarse || self.fine.is_adrift(model) {
+                // What the fine belief would count a scan for.
+                let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
+                let power = |sensor| tempering(model, sensor) / tempering(coarse_model, sensor);
+                coarse.sense_tempered(coarse_model, scans, power);
+            } else {
+                coarse.sense(coarse_model, &in_turn(scans, updates));
+            }
+        }
+        self.settle(model);
+    }
+
+    /// Takes in a landmark that was seen at the last update; [`Beliefs::settle`] must follow.
+    pub(super) fn see(&mut self, model: &LocalizationModel, sighting: &LandmarkSighting) {
+        if !self.is_led_by_coarse {
+            self.fine.see(model, sighting);
+        }
+        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
+            coarse.see(coarse_model, sighting);
+        }
+    }
+
+    /// Mixes a share of the uniform distribution into both.
+    pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
+        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
+            coarse.mix(coarse_model, share);
+        }
+        self.fine.mix(model, share);
+        self.settle(model);
+    }
+
+    /// Finds the mode, and who leads: the fine belief, unless much of it sleeps or the coarse one disagrees. As soon
+    /// as little enough may be true, the fine belief is made of the coarse one.
+    pub(super) fn settle(&mut self, model: &LocalizationModel) {
+        if !self.is_led_by_coarse {
+            self.mode = self.fine.mode(model);
+        }
+        let (Some(coarse), Some(coarse_model), Some(watch)) = (&self.coarse, &model.watch, &model.parameters.watch)
+        else {
+            return;
+        };
+        let agreement =
+            |mode: &Maximum| coarse.mass_within(coarse_model, mode.pose_in_map, watch.near_m, watch.near_rad);
+        if !self.is_led_by_coarse {
+            self.agreed = agreement(&self.mode);
+            let agrees = self.agreed >= watch.agreement * self.mode.mass;
+            if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
+                self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
+                return;
+            }
+        }
+        self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
+        if self.is_led_by_coarse {
+            self.fine = Belief::uniform(model);
+            (self.mode, self.agreed) = (coarse.mode(coarse_model), 1.0);
+        } else {
+            self.fine = Belief::resampled(model, coarse, coarse_model);
+            self.mode = self.fine.mode(model);
+            self.agreed = agreement(&self.mode);
+        }
+    }
+}
+
+/// So many states of the fine grid are above θ, by the coarse belief.
+fn likely_states(model: &LocalizationModel, coarse: &Belief, coarse_model: &LocalizationModel) -> f64 {
+    let ratio = coarse_model.prior() / model.prior();
+    coarse.states_above(model.threshold() * ratio) as f64 * ratio
+}
+
+/// Every so many-th beam of a scan.
+fn in_turn(scans: &[BinnedScan], updates: u64) -> Vec<BinnedScan> {
+    let turn = (updates % WATCH_BEAM_STRIDE) as usize;
+    let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
+    scans.iter().map(|scan| scan.iter().enumerate().map(beam).collect()).collect()
+}
