@@ -44,10 +44,8 @@ pub struct Question {
     pub target: f64,
     /// The best figures measured elsewhere, as text.
     pub peers: &'static str,
-    /// Scripts `anchors/STEM.*` do the same work.
+    /// Scripts `anchors/STEM.*` do the same work, and print their figure in the unit of the row.
     pub anchors: Option<&'static str>,
-    /// Milliseconds of a script, divided by this, are in the row's unit.
-    pub anchor_scale: f64,
 }
 
 impl Question {
@@ -60,7 +58,7 @@ impl Question {
         target: f64,
         peers: &'static str,
     ) -> Self {
-        Self { name, what, unit, target, peers, anchors: None, anchor_scale: 1.0 }
+        Self { name, what, unit, target, peers, anchors: None }
     }
 }
 
@@ -90,8 +88,7 @@ impl Report {
         println!("{:<12} measured elsewhere: {peers}", "");
         let Some(stem) = question.anchors.filter(|_| !self.alone) else { return };
         for interpreter in INTERPRETERS {
-            if let Some(ms) = anchor(interpreter, stem) {
-                let here = ms / question.anchor_scale;
+            if let Some(here) = anchor(interpreter, stem) {
                 println!("{:<12} {:<13} {here:>9.1} {unit}: {:.2} times ours", "", interpreter.name, here / figure);
             }
         }

@@ -1,7 +1,7 @@
 //! The language beside other interpreters without a compiler to machine code: the same programs, in `rpl` and `anchors`,
 //! run in turn.
 //!
-//! Arguments after `--` choose programs by their names; `--page` writes `docs/speed.md`.
+//! Arguments after `--` choose programs by their names, and `start` how long the command takes to begin; `--page` writes `docs/speed.md`.
 
 use rpl_benches::{Comparison, compared, median_ms};
 use rpl_mission::libraries::library_without_robot;
@@ -11,6 +11,7 @@ use rpl_runtime::run::system::{Outcome, Progress, System};
 use rpl_runtime::state::value::Value;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 
 /// How often each program is run.
@@ -54,7 +55,15 @@ const PROGRAMS: &[Program] = &[
     program!("table", "a hash table with integers as keys", 44_999_850_000, 1.0),
     program!("words", "a hash table with strings as keys", 300_000, 1.5),
     program!("build", "200,000 strings made and joined", 1_488_889, 1.2),
+    program!("text", "50,000 lines formatted, joined and split", 50_000, 1.2),
     program!("handler", "200,000 failures, each handled", 200_000, 1.0),
+    program!("deep", "a hundred times 10,000 calls inside one another", 1_000_000, 1.0),
+    program!("spawn", "100,000 tasks begun, run and joined", 100_000, 1.0),
+    program!("switch", "200,000 times a token handed to and fro by two tasks", 200_000, 1.0),
+    program!("timers", "100,000 tasks that wait for a time each", 100_000, 1.0),
+    program!("pulse", "a pulse that wakes 100,000 tasks, which end", 100_000, 1.0),
+    program!("monitors", "1,000 monitors over a fluent that takes 1,000 values", 1_000, 2.0),
+    program!("conditions", "1,000 tasks that wait for conditions of such a fluent", 1_000, 2.0),
 ];
 
 /// Milliseconds from the first wait to the end.
@@ -88,7 +97,7 @@ fn show(program: &Program, comparison: &Comparison) {
 }
 
 /// The page of the book.
-fn page(rows: &[(&Program, Comparison)]) -> String {
+fn page(rows: &[(&Program, Comparison)], started: Option<&Comparison>) -> String {
     let mut text = String::from(
         "# Speed of the language\n\nThe same programs here and in other interpreters, none of which compiles to machine code while it runs. Milliseconds of processor time without starting up: medians of runs in turn. \"Ratio\" is our time by that of the fastest peer, so less is better.\n\n| program | ours | peers | ratio | goal |\n| --- | ---: | --- | ---: | ---: |\n",
     );
@@ -100,6 +109,15 @@ fn page(rows: &[(&Program, Comparison)]) -> String {
         assert!(written.is_ok(), "writing into a string cannot fail");
     }
     let (machine, load) = (machine(), load());
+    if let Some(started) = started {
+        let peers: Vec<String> = started.peers.iter().map(|(name, ms)| format!("{name} {ms:.1}")).collect();
+        let (ours, peers) = (started.ours_ms, peers.join(", "));
+        let written = writeln!(
+            text,
+            "\nTo start, evaluate one form, print its value and end, `rpl eval 1` takes {ours:.1} ms of processor time (goal {START_GOAL_MS}); {peers}."
+        );
+        assert!(written.is_ok(), "writing into a string cannot fail");
+    }
     text + &format!(
         "\nMeasured on {machine}, with a load of {load}, by `cargo bench -p rpl-benches --bench language -- --page`. The programs are `benches/rpl/*.rpl`, and `benches/anchors` has the peers'.\n"
     )
@@ -119,21 +137,78 @@ fn load() -> String {
     load.split_whitespace().next().unwrap_or("unknown").to_string()
 }
 
+/// The name that chooses how long the command takes to start.
+const START: &str = "start";
+
+/// The milliseconds that may take.
+const START_GOAL_MS: f64 = 4.0;
+
+/// How often a command is started.
+const STARTS: u32 = 100;
+
+/// Other interpreters that print a one.
+const STARTED: &[(&str, &[&str])] = &[
+    ("Lua 5.4", &["lua5.4", "-e", "print(1)"]),
+    ("LuaJIT, no JIT", &["luajit", "-joff", "-e", "print(1)"]),
+    ("Guile", &["guile", "-c", "(display 1)"]),
+    ("Node, no JIT", &["node", "--jitless", "-e", "console.log(1)"]),
+];
+
+/// What starting the command takes that was built beside this bench, and other interpreters.
+fn started() -> Option<Comparison> {
+    let bench = std::env::current_exe().ok()?;
+    let command = bench.parent()?.parent()?.join("rpl");
+    let ours_ms = started_ms(&[command.to_str()?, "eval", "1"])?;
+    let mut peers: Vec<(&str, f64)> =
+        STARTED.iter().filter_map(|&(name, command)| Some((name, started_ms(command)?))).collect();
+    peers.sort_by(|left, right| left.1.total_cmp(&right.1));
+    Some(Comparison { ours_ms, peers })
+}
+
+/// Milliseconds of processor time of a command, the mean of many runs; none if it cannot be run.
+fn started_ms(command: &[&str]) -> Option<f64> {
+    let (program, arguments) = command.split_first()?;
+    let before = ticks_of_children()?;
+    for _ in 0..STARTS {
+        let output = Command::new(program).args(arguments).output().ok()?;
+        output.status.success().then_some(())?;
+    }
+    Some((ticks_of_children()? - before) * MS_PER_TICK / f64::from(STARTS))
+}
+
+/// Linux tells times of processes in hundredths of a second.
+const MS_PER_TICK: f64 = 10.0;
+
+/// Ticks of processor time of all processes that this one has begun and waited for.
+fn ticks_of_children() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // Behind the name, which may have spaces, in user mode and in the kernel (proc(5)).
+    let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
+    Some(fields.get(13)?.parse::<f64>().ok()? + fields.get(14)?.parse::<f64>().ok()?)
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let is_wanted = |program: &&Program| {
-        let mut names = arguments.iter().filter(|argument| !argument.starts_with('-')).peekable();
-        names.peek().is_none() || names.any(|name| name == program.name)
-    };
+    let names: Vec<&String> = arguments.iter().filter(|argument| !argument.starts_with('-')).collect();
+    let is_wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| *wanted == name);
     let library = library_without_robot(Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     let mut rows = Vec::new();
-    for program in PROGRAMS.iter().filter(is_wanted) {
+    for program in PROGRAMS.iter().filter(|program| is_wanted(program.name)) {
         let comparison = compared(program.name, ROUNDS, || once_ms(&library, program));
         show(program, &comparison);
         rows.push((program, comparison));
     }
+    let started = is_wanted(START).then(started);
+    match &started {
+        Some(Some(Comparison { ours_ms, peers })) => {
+            println!("{START:<12} {ours_ms:>8.1} ms  {peers:?} (goal {START_GOAL_MS} ms)");
+        }
+        Some(None) => println!("{START:<12} not measured: build the command first, `cargo build --release -p rpl`"),
+        None => {}
+    }
     if arguments.iter().any(|argument| argument == "--page") {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/speed.md");
-        std::fs::write(&path, page(&rows)).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        std::fs::write(&path, page(&rows, started.flatten().as_ref()))
+            .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     }
 }

@@ -14,25 +14,7 @@ use std::sync::Arc;
 
 const RUNS: usize = 9;
 
-const SPAWN: &str = "(defvar numbers (let ((l nil)) (dotimes (i COUNT) (push i l)) l))
-    (defvar done 0)
-    (wait-time 1)
-    (par-map (n numbers) (setq done (+ done 1)))
-    done";
-
-const SWITCH: &str = "(def-fluent ping nil)
-    (def-fluent pong nil)
-    (wait-time 1)
-    (par (n-times 200000 (wait-for ping) (setf (value ping) nil) (setf (value pong) t))
-         (n-times 200000 (setf (value ping) t) (wait-for pong) (setf (value pong) nil)))
-    'done";
-
-const WAITERS: &str = "(defvar numbers (let ((l nil)) (dotimes (i 100000) (push i l)) l))
-    (defvar woken 0)
-    (def-fluent go nil)
-    (def-fluent never nil)
-    (pursue (par-map (n numbers) (wait-for go) (setq woken (+ woken 1)) (wait-for never))
-            (seq (wait-time 1) (pulse go) (wait-time 1) woken))";
+const SPAWN: &str = include_str!("../rpl/spawn.rpl");
 
 const BLOCKED: &str = "(defvar numbers (let ((l nil)) (dotimes (i COUNT) (push i l)) l))
     (def-fluent never nil)
@@ -40,12 +22,6 @@ const BLOCKED: &str = "(defvar numbers (let ((l nil)) (dotimes (i COUNT) (push i
     (pursue (par-map (n numbers) (wait-for never))
             (n-times 1000 (wait-time 1)))
     'done";
-
-const TIMERS: &str = "(defvar numbers (let ((l nil)) (dotimes (i 100000) (push i l)) l))
-    (defvar done 0)
-    (wait-time 1)
-    (par-map (n numbers) (wait-time (* n 0.001)) (setq done (+ done 1)))
-    done";
 
 const MONITORS: &str = "(defvar fluents (let ((l nil)) (dotimes (i 1000) (push (create-fluent 0) l)) l))
     (defvar reactions 0)
@@ -133,12 +109,6 @@ fn with_blocked(library: &Arc<Library>, count: usize) -> System<NoRobot> {
     system
 }
 
-fn anchored(mut question: Question, stem: &'static str, scale: f64) -> Question {
-    question.anchors = Some(stem);
-    question.anchor_scale = scale;
-    question
-}
-
 fn main() {
     let report = Report::from_arguments();
     let library = library();
@@ -179,52 +149,14 @@ fn texts(report: &Report, library: &Arc<Library>) {
 }
 
 fn tasks(report: &Report, library: &Arc<Library>) {
-    let spawn = Question::new(
-        "spawn",
-        "spawn, run and join 100,000 tasks",
+    let million = Question::new(
+        "million",
+        "spawn, run and join a million tasks",
         "ms",
-        15.0,
-        "tokio 42, Wren 52, Erlang 125, Lua 156",
+        150.0,
+        "ten times what `--bench language` has",
     );
-    report.row(anchored(spawn, "spawn", 1.0), || run_ms(library, &with_count(SPAWN, 100_000), 100_000));
-    let million = Question::new("million", "spawn, run and join a million tasks", "ms", 150.0, "ten times the above");
-    report.row(million, || run_ms(library, &with_count(SPAWN, 1_000_000), 1_000_000));
-    let switch = Question::new(
-        "switch",
-        "switch between two tasks through two fluents, a dispatch",
-        "ns",
-        40.0,
-        "Janet 123; CRAM 14,000 a round trip",
-    );
-    report.row(anchored(switch, "switch", 400_000e-6), || {
-        let system = settled(library, SWITCH);
-        let ms = median_ms(
-            RUNS,
-            || system.fork(),
-            |system| {
-                let system = to_the_end(system);
-                assert!(matches!(system.outcome(), Some(Outcome::Succeeded(_))), "{}", describe(&system));
-                system
-            },
-        );
-        ms * 1e6 / 400_000.0
-    });
-    let pulse = Question::new("pulse", "one pulse wakes 100,000 waiters", "ms", 5.0, "Lua 16; CRAM 45 for 1,000");
-    report.row(anchored(pulse, "pulse", 1.0), || {
-        let system = settled(library, WAITERS);
-        median_ms(
-            RUNS,
-            || system.fork(),
-            |mut system| {
-                system.advance();
-                let woken = system.machine.tasks.iter().filter(|(_, task)| task.steps > 0).count();
-                assert!(woken > 100_000);
-                system
-            },
-        )
-    });
-    let timers = Question::new("timers", "100,000 timers", "ms", 60.0, "LuaJIT 404");
-    report.row(anchored(timers, "timers", 1.0), || run_ms(library, TIMERS, 100_000));
+    report.row(million, || run_ms(library, &SPAWN.replace("100000", "1000000"), 1_000_000));
     let react = Question::new(
         "react",
         "react to one changed fluent in a plan of 1,000 monitors",
@@ -249,7 +181,8 @@ fn tasks(report: &Report, library: &Arc<Library>) {
 
 fn state(report: &Report, library: &Arc<Library>) {
     let bytes = Question::new("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
-    report.row(anchored(bytes, "bytes", 1.0), || {
+    let bytes = Question { anchors: Some("bytes"), ..bytes };
+    report.row(bytes, || {
         const COUNT: usize = 200_000;
         in_fresh_process("bytes", || {
             let mut system = settled(library, &with_count(BLOCKED, COUNT));

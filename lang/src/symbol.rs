@@ -1,8 +1,10 @@
 //! Interned names.
 
+use foldhash::fast::FixedState;
+use hashbrown::HashTable;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::hash::BuildHasher;
 use std::sync::Arc;
 
 /// A name, by its number in [`Symbols`].
@@ -10,11 +12,11 @@ use std::sync::Arc;
 pub struct Symbol(pub u32);
 
 /// The table of names of one program; append-only.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct Symbols {
     names: Vec<Arc<str>>,
-    /// Interned names only: an uninterned symbol is in `names` and not here.
-    by_name: BTreeMap<Arc<str>, Symbol>,
+    /// Interned names only, by the hash of the name: an uninterned symbol is in `names` and not here.
+    by_name: HashTable<Symbol>,
     /// Bytes of all names.
     bytes: usize,
 }
@@ -26,13 +28,22 @@ impl Symbols {
     /// The symbol of this name, made if need be. The name is taken as it is: folding to lower
     /// case is the reader's work.
     pub fn intern(&mut self, name: &str) -> Symbol {
-        if let Some(&symbol) = self.by_name.get(name) {
+        let hash = hash(name);
+        if let Some(symbol) = self.find_hashed(hash, name) {
             return symbol;
         }
-        let name: Arc<str> = name.into();
-        let symbol = self.add(name.clone());
-        self.by_name.insert(name, symbol);
+        let symbol = self.add(name.into());
+        self.enter(hash, symbol);
         symbol
+    }
+
+    fn find_hashed(&self, hash: u64, name: &str) -> Option<Symbol> {
+        self.by_name.find(hash, |symbol| *self.names[symbol.0 as usize] == *name).copied()
+    }
+
+    fn enter(&mut self, of_name: u64, symbol: Symbol) {
+        let names = &self.names;
+        self.by_name.insert_unique(of_name, symbol, |symbol| hash(&names[symbol.0 as usize]));
     }
 
     fn add(&mut self, name: Arc<str>) -> Symbol {
@@ -48,7 +59,7 @@ impl Symbols {
 
     /// The symbol of this name, if there is one.
     pub fn find(&self, name: &str) -> Option<Symbol> {
-        self.by_name.get(name).copied()
+        self.find_hashed(hash(name), name)
     }
 
     /// A new symbol that no text can name, printed as `#:stem12`.
@@ -86,15 +97,26 @@ impl Serialize for Symbols {
 impl<'de> Deserialize<'de> for Symbols {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let names = Vec::<Arc<str>>::deserialize(deserializer)?;
-        let by_name = names
-            .iter()
-            .enumerate()
-            .filter(|(_, name)| !name.starts_with("#:"))
-            .map(|(index, name)| (name.clone(), Symbol(index as u32)))
-            .collect();
         let bytes = names.iter().map(|name| BYTES_A_NAME + name.len()).sum();
-        Ok(Self { names, by_name, bytes })
+        let interned = names.iter().enumerate().filter(|(_, name)| !name.starts_with("#:"));
+        let interned: Vec<(u64, Symbol)> = interned.map(|(index, name)| (hash(name), Symbol(index as u32))).collect();
+        let mut symbols = Self { names, by_name: HashTable::with_capacity(interned.len()), bytes };
+        interned.into_iter().for_each(|(hash, symbol)| symbols.enter(hash, symbol));
+        Ok(symbols)
     }
+}
+
+/// The same names under the same numbers.
+impl PartialEq for Symbols {
+    fn eq(&self, other: &Self) -> bool {
+        self.names == other.names
+    }
+}
+
+impl Eq for Symbols {}
+
+fn hash(name: &str) -> u64 {
+    FixedState::default().hash_one(name.as_bytes())
 }
 
 /// The name a symbol's text stands for: lower case, and `≤ ≥ ≠` written out.

@@ -19,11 +19,10 @@ fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> NativeResult {
         });
     };
     let new = call.argument(1);
-    let pair = &mut call.machine.heap.pairs[index as usize];
     if letter == b'a' {
-        pair.0 = new;
+        *call.machine.heap.pairs.car_mut(index) = new;
     } else {
-        pair.1 = new;
+        call.machine.heap.set_cdr(index, new);
     }
     value(new)
 }
@@ -35,7 +34,7 @@ fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value
     let length = spine.passed();
     call.burn_walk(length);
     if let Some((pair, _)) = found {
-        call.machine.heap.pairs[pair as usize].0 = new;
+        *call.machine.heap.pairs.car_mut(pair) = new;
         return value(new);
     }
     Err(match call.argument(list) {

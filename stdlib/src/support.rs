@@ -8,15 +8,17 @@ use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::{Call, Native};
+use rpl_runtime::step::native::{Call, Effect, Native, NativeCode};
 
 /// Turns a list round in place. The prelude does so only with lists nobody else has seen.
 fn reverse_in_place(call: &mut Call<'_, '_>) -> NativeResult {
     let (mut turned, mut passed) = (Value::Nil, 0);
     let mut at = call.argument(0);
     while let Value::Cons(index) = at {
-        let pair = &mut call.machine.heap.pairs[index as usize];
-        (at, pair.1, turned) = (pair.1, turned, at);
+        let heap = &mut call.machine.heap;
+        let next = heap.pairs.cdr(index);
+        heap.set_cdr(index, turned);
+        (at, turned) = (next, at);
         passed += 1;
     }
     call.burn_walk(passed);
@@ -26,6 +28,11 @@ fn reverse_in_place(call: &mut Call<'_, '_>) -> NativeResult {
 /// A new last pair; has an instruction. Only for lists nobody else has seen.
 fn extend(call: &mut Call<'_, '_>) -> NativeResult {
     value(call.machine.heap.extend(&call.argument(0), call.argument(1)))
+}
+
+/// What has an instruction only.
+fn no_call(_: &mut Call<'_, '_>) -> NativeResult {
+    Err(Raise::type_error("this is no function, but a loop"))
 }
 
 /// The first elements of all lists, then the second ones, up to the end of the shortest.
@@ -141,7 +148,7 @@ fn assign_slot(call: &mut Call<'_, '_>) -> NativeResult {
     let Some(pair) = call.machine.heap.slot(&record, &kind, place) else {
         return Err(call.machine.no_slot_to_set(call.around.program, record, kind, place));
     };
-    call.machine.heap.pairs[pair as usize].0 = call.argument(3);
+    *call.machine.heap.pairs.car_mut(pair) = call.argument(3);
     value(call.argument(3))
 }
 
@@ -154,6 +161,13 @@ fn malformed(call: &mut Call<'_, '_>) -> NativeResult {
 pub(super) const NATIVES: &[Native] = &[
     pure("%nreverse", "list", "The pairs of a new list in the opposite order.", reverse_in_place),
     pure("%extend", "list value", "A new pair behind the last pair of a new list.", extend),
+    Native {
+        name: "%each",
+        parameters: "function list value form &optional item",
+        doc: "Calls the function with each element; in the form, evaluated each time, variables stand for its value and the item. Has an instruction, and is nothing but its name.",
+        effect: Effect::Calls,
+        code: NativeCode::Plain(no_call),
+    },
     pure("%transpose", "columns", "Rows of columns.", transpose),
     pure(
         "%elements",

@@ -35,6 +35,8 @@ pub struct Global {
     pub doc: Option<Arc<str>>,
     /// Where it is defined; none for what the library or the robot brings.
     pub span: Option<Span>,
+    /// The constant that is its value when a run begins, if it is a variable or a fluent of the library.
+    pub initial: Option<u32>,
 }
 
 /// A class of failure.

@@ -232,10 +232,10 @@ impl<'a> Compiler<'a> {
                 || self.purpose == Purpose::Library
                 || !self.is_library(existing))
         {
-            self.program.globals[existing as usize] = Global { name, kind, doc, span };
+            self.program.globals[existing as usize] = Global { name, kind, doc, span, initial: None };
             return existing;
         }
-        self.program.globals.push(Global { name, kind, doc, span });
+        self.program.globals.push(Global { name, kind, doc, span, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
         global

@@ -36,7 +36,7 @@ impl Compiler<'_> {
             )
             .help = Some(format!("wrap it: `(lambda (x) ({text} x))`"));
         }
-        self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None });
+        self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
         let locals = self.bindings.iter().map(|&(local, _)| local).collect();

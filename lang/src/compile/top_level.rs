@@ -130,7 +130,7 @@ impl Compiler<'_> {
         let span = self.tree.span(node);
         let items = self.tree.items(node).to_vec();
         let Some(head) = self.tree.head(node) else {
-            return bodies.push(TopLevel::Form(self.top_level_form(node)));
+            return self.form_that_runs(node, bodies);
         };
         if let Some(&code) = self.program.macros.get(&head) {
             if let Some(expansion) = self.expand(code, node) {
@@ -140,7 +140,7 @@ impl Compiler<'_> {
             return;
         }
         let Some(form) = self.special_form(head) else {
-            return bodies.push(TopLevel::Form(self.top_level_form(node)));
+            return self.form_that_runs(node, bodies);
         };
         match form.role {
             Role::Sequence(_) if items[1..].iter().any(|&item| self.is_definition_form(item)) => {
@@ -152,9 +152,20 @@ impl Compiler<'_> {
                 define(self, &Written { form, items: &items, span }, bodies);
             }
             Role::Plain(_) | Role::Sequence(_) | Role::Effect(_) => {
-                bodies.push(TopLevel::Form(self.top_level_form(node)));
+                self.form_that_runs(node, bodies);
             }
         }
+    }
+
+    /// Nothing of a library runs by itself.
+    fn form_that_runs(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
+        if self.purpose == Purpose::Library {
+            let span = self.tree.span(node);
+            let label = "this would never run: put it into a `def-plan`";
+            self.error("library-form", span, "a library consists of definitions", label);
+            return;
+        }
+        bodies.push(TopLevel::Form(self.top_level_form(node)));
     }
 
     fn is_definition_form(&self, node: NodeId) -> bool {

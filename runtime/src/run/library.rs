@@ -275,7 +275,7 @@ impl Library {
 /// Adds a global of the robot; gives its number.
 fn define(program: &mut Program, symbols: &mut Symbols, name: &str, kind: GlobalKind, doc: &str) -> u32 {
     let name = symbols.intern(name);
-    program.globals.push(Global { name, kind, doc: Some(doc.into()), span: None });
+    program.globals.push(Global { name, kind, doc: Some(doc.into()), span: None, initial: None });
     let global = program.globals.len() as u32 - 1;
     program.names.insert(name, global);
     global

@@ -94,7 +94,7 @@ impl Machine {
         match value {
             Value::Nil | Value::True | Value::Int(_) | Value::Float(_) | Value::Unbound => Ok(()),
             Value::Symbol(symbol) | Value::Keyword(symbol) => self.symbol(symbol),
-            Value::Cons(pair) => ensure((pair as usize) < heap.pairs.len(), "a pair is not in the heap"),
+            Value::Cons(pair) => ensure((pair as usize) < heap.pairs.places(), "a pair is not in the heap"),
             Value::Str(text) => ensure(heap.strings.get(text).is_some(), "a string is not in the heap"),
             Value::Cell(cell) => ensure(heap.cells.get(cell).is_some(), "a cell is not in the heap"),
             Value::Function(code) => bounds.code(code),
@@ -124,7 +124,7 @@ impl Machine {
     }
 
     fn validate_heap(&self, bounds: &Bounds<'_>) -> Result<(), String> {
-        for &(car, cdr) in &self.heap.pairs {
+        for (car, cdr) in self.heap.pairs.iter() {
             self.validate_value(bounds, car)?;
             self.validate_value(bounds, cdr)?;
         }

@@ -79,8 +79,9 @@ impl Fluent {
     }
 
     /// What is read now: in the propagation of its pulse, a fluent that is nil reads as t.
-    pub fn reading(&self) -> Value {
-        if self.is_pulsed && self.value == Value::Nil { Value::True } else { self.value }
+    #[inline]
+    pub fn reading(&self) -> &Value {
+        if self.is_pulsed && matches!(self.value, Value::Nil) { &Value::True } else { &self.value }
     }
 
     /// Whether what is read now is true.

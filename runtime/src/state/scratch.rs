@@ -45,6 +45,8 @@ pub struct Scratch {
     pub(crate) top: usize,
     /// Fluents the network under evaluation has read.
     pub(crate) reads: Option<Vec<u32>>,
+    /// Room for them, when nothing is in it.
+    pub(crate) spare_reads: Vec<u32>,
     /// Whether it has asked for a pulse or a change.
     pub(crate) reads_event: bool,
     /// Networks that asked for a pulse or a change in this propagation.

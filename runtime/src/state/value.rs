@@ -2,7 +2,6 @@
 
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
-use std::hint::black_box;
 
 /// Names one run of a task; a dead task's slot can be used again under a new generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -12,6 +11,22 @@ pub struct TaskRef {
     /// Counts the uses of the slot.
     pub generation: u32,
 }
+
+/// Assigns a value in the parts it was written in: reading the whole of a value whose parts have just been written stalls
+/// the processor, and reading parts of what was written whole does not. The casts, which change nothing, keep the compiler
+/// from making one copy of it.
+macro_rules! assign {
+    ($to:expr, $from:expr) => {
+        match $from {
+            Value::Int(value) => $to = Value::Int(value as u64 as i64),
+            Value::Cons(pair) => $to = Value::Cons(pair as i32 as u32),
+            Value::Float(value) => $to = Value::Float(f64::from_bits(value.to_bits())),
+            other => $to = other,
+        }
+    };
+}
+
+pub(crate) use assign;
 
 /// A value. `PartialEq` is bitwise sameness of handles, not `equal`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,17 +86,18 @@ impl Value {
         }
     }
 
-    /// A copy made of the parts it was written in: reading the whole of a value whose parts have just
-    /// been written stalls the processor, and reading parts of what was written whole does not. The black box keeps the
-    /// parts apart.
+    /// A copy made of the parts it was written in, as in `assign!`.
     #[inline(always)]
     pub fn copied(&self) -> Self {
-        match *self {
-            Value::Int(value) => Value::Int(black_box(value)),
-            Value::Cons(pair) => Value::Cons(black_box(pair)),
-            Value::Float(value) => Value::Float(black_box(value)),
-            other => other,
-        }
+        let copy;
+        assign!(copy, *self);
+        copy
+    }
+
+    /// Becomes another value, as by `assign!`.
+    #[inline(always)]
+    pub fn set(&mut self, from: &Self) {
+        assign!(*self, *from);
     }
 
     /// Whether it counts as true: everything but `nil`.

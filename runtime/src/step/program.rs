@@ -30,8 +30,22 @@ impl Machine {
                     }
                 },
                 GlobalKind::Behaviour(number) => Value::Behaviour(number),
-                _ => known,
+                _ => match global.initial {
+                    Some(constant) if matches!(known, Value::Unbound) => {
+                        self.initial(&global.kind, global.name, constant)
+                    }
+                    _ => known,
+                },
             };
+        }
+    }
+
+    /// What a variable or a fluent of the library is when a run begins.
+    fn initial(&mut self, kind: &GlobalKind, name: Symbol, constant: u32) -> Value {
+        let value = self.constants[constant as usize];
+        match kind {
+            GlobalKind::Fluent => Value::Fluent(self.fluents.insert(Fluent::new(Some(name), value, Origin::Plan))),
+            _ => value,
         }
     }
 

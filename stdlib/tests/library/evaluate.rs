@@ -5,19 +5,24 @@ use rpl_runtime::run::library::Library;
 use rpl_runtime::run::system::{Progress, System};
 use std::sync::{Arc, LazyLock};
 
-static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| {
-    let mut natives = rpl_stdlib::natives();
-    natives.extend(rpl_runtime::step::natives::natives());
-    let preludes = [("prelude.rpl", rpl_stdlib::PRELUDE)];
-    match Library::new(natives, &preludes, RobotTables::EMPTY, &[]) {
-        Ok(library) => Arc::new(library),
-        Err(rejected) => panic!("{}", rejected.render(false)),
-    }
-});
+static LIBRARY: LazyLock<Arc<Library>> =
+    LazyLock::new(|| library_with(&[]).unwrap_or_else(|faults| panic!("{faults}")));
 
 /// The library under test.
 pub fn library() -> &'static Arc<Library> {
     &LIBRARY
+}
+
+/// The same with further texts behind it.
+///
+/// # Errors
+/// The drawn errors of the texts.
+pub fn library_with(texts: &[(&str, &str)]) -> Result<Arc<Library>, String> {
+    let mut natives = rpl_stdlib::natives();
+    natives.extend(rpl_runtime::step::natives::natives());
+    let preludes = [&[("prelude.rpl", rpl_stdlib::PRELUDE)], texts].concat();
+    let library = Library::new(natives, &preludes, RobotTables::EMPTY, &[]);
+    library.map(Arc::new).map_err(|rejected| rejected.render(false))
 }
 
 /// The value of a text as it could be read, or its failure as `class: message`.
@@ -25,7 +30,15 @@ pub fn library() -> &'static Arc<Library> {
 /// # Errors
 /// The failure, or the drawn errors of the text.
 pub fn evaluate(text: &str) -> Result<String, String> {
-    let mut system = System::without_robot(library(), "test", text, 0).map_err(|rejected| rejected.render(false))?;
+    evaluate_in(library(), text)
+}
+
+/// The same in another library.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_in(library: &Arc<Library>, text: &str) -> Result<String, String> {
+    let mut system = System::without_robot(library, "test", text, 0).map_err(|rejected| rejected.render(false))?;
     while system.advance() == Progress::Running {}
     system.with_machine(|machine, around| match machine.tasks[machine.main].state() {
         rpl_runtime::state::task::State::Succeeded => {

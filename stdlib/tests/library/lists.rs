@@ -3,6 +3,28 @@
 use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
 
+/// r[def.struct]
+#[test]
+fn a_record_that_is_changed_as_a_list_has_the_slots_of_that_list() {
+    let with_point = |body: &str| {
+        let slots = "(list p (point-x p) (point-y p) (point-z p))";
+        evaluate(&format!("(defstruct point x y z) (let ((p (make-point :x 1 :y 2 :z 3))) {body} {slots})"))
+    };
+    for (body, value) in [
+        ("nil", "((point 1 2 3) 1 2 3)"),
+        ("(setf (third p) 9)", "((point 1 9 3) 1 9 3)"),
+        ("(setf (cddr p) (list 9))", "((point 1 9) 1 9 nil)"),
+        ("(setf (rest p) '(7 8))", "((point 7 8) 7 8 nil)"),
+        ("(setf (cdr (last p)) (list 4))", "((point 1 2 3 4) 1 2 3)"),
+        ("(setf (cdr (cddr p)) (cdr p)) (setf (cdr (cddr p)) nil)", "((point 1 2) 1 2 nil)"),
+        ("(setf (cddr p) (list 9 8)) (setf (point-z p) 7)", "((point 1 9 7) 1 9 7)"),
+        ("(setq p (append p '(5)))", "((point 1 2 3 5) 1 2 3)"),
+        ("(setq p '(point 4 5 6))", "((point 4 5 6) 4 5 6)"),
+    ] {
+        assert_eq!(with_point(body).as_deref(), Ok(value), "{body}");
+    }
+}
+
 /// r[value.lists]
 #[test]
 fn building_and_taking_apart() {

@@ -7,5 +7,6 @@ mod evaluate;
 mod foresight;
 mod lists;
 mod numbers;
+mod own_texts;
 mod text;
 mod vectors;

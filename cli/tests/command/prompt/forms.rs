@@ -104,7 +104,7 @@ fn what_a_form_costs_is_told() {
     let (_, plan_s, line) = cost("(wait-time 2.5)");
     assert!((plan_s - 2.5).abs() < 1e-9 && line.contains(" s of computing, ") && line.contains(" made, "), "{line}");
     let made = cost("(length (let ((l nil)) (dotimes (i 100000) (push i l)) l))").2;
-    assert!(made.contains("3.2 MB made"), "{made}");
+    assert!(made.contains("2.0 MB made"), "{made}");
     assert!(session(&["repl"], ":time\n").errors.contains("`:time FORM`: a form is expected"));
 }
 

@@ -104,6 +104,7 @@ impl Emitter<'_, '_> {
             | Op::JumpIfLessEqInt(_, _, to)
             | Op::JumpIfGreaterInt(_, _, to)
             | Op::JumpIfGreaterEqInt(_, _, to)
+            | Op::NextElement(_, _, to)
             | Op::MergeStep(_, to)
             | Op::PushBlock(_, _, to)
             | Op::PushHandler(_, _, to)

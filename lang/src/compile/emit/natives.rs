@@ -41,6 +41,9 @@ impl Emitter<'_, '_> {
                 let value = self.operand(value, &[]);
                 self.push(Op::Extend(into, end, value));
             }
+            ("%each", [function, list, value, body, element @ ..]) => {
+                self.each(function, list, value, body, element.first());
+            }
             ("%sort-merge", [state, predicate]) => self.sort(state, predicate),
             _ => {
                 let Some(value) = self.store(native, arguments) else { return false };
@@ -80,6 +83,35 @@ impl Emitter<'_, '_> {
             }
             _ => None,
         }
+    }
+
+    /// Emits a loop that calls a function with each element of a list. In the body one variable stands for what that has
+    /// given, and perhaps another for the element.
+    fn each(&mut self, function: &Ir, list: &Ir, value: &Ir, body: &Ir, element: Option<&Ir>) {
+        let kept = element.and_then(|element| self.rename(element));
+        // In a row: the argument stands behind its function, and becomes what that gives.
+        let list = self.kept(list);
+        let function = self.kept(function);
+        let Some(argument) = self.rename(value) else { return };
+        self.push(Op::NextElement(list, argument, 1));
+        let exit = self.push(Op::Jump(0));
+        let start = self.ops.len();
+        if let Some(kept) = kept {
+            self.push(Op::Move(kept, argument));
+        }
+        self.push(Op::CallValue(function, 1));
+        self.effect(body);
+        let again = self.push(Op::NextElement(list, argument, 0));
+        self.land_at(again, start);
+        self.land(exit);
+    }
+
+    /// Gives a variable a fresh register from here on; none if it is no variable.
+    fn rename(&mut self, variable: &Ir) -> Option<Reg> {
+        let IrKind::Local(variable) = variable.kind else { return None };
+        let register = self.fresh();
+        self.place(variable, register);
+        Some(register)
     }
 
     /// Emits the loop of a sort: the predicate is asked until all is in order.

@@ -1,7 +1,7 @@
 //! Definitions, which stand at top level, and loaded files.
 
 use super::special_form::{Role, SpecialForm, Written};
-use crate::code::{CodeKind, FailureClass, GlobalKind};
+use crate::code::{Atom, CodeKind, FailureClass, GlobalKind};
 use crate::compile::compilation::Purpose;
 use crate::compile::compiler::{Compiler, thunk};
 use crate::compile::emit;
@@ -234,6 +234,10 @@ impl Compiler<'_> {
             }
             None => compiler.nil(span),
         });
+        if self.purpose == Purpose::Library {
+            self.begins_as(global, &value);
+            return;
+        }
         let value = Box::new(value);
         let kind = match is_fluent {
             true => IrKind::DefFluent(global, value),
@@ -241,6 +245,22 @@ impl Compiler<'_> {
         };
         let body = thunk(body_name, CodeKind::Function, Ir { span, kind }, scope, span);
         bodies.push(TopLevel::Definition(body));
+    }
+
+    /// The constant that a variable or fluent of the library is when a run begins: no code of a library runs then.
+    fn begins_as(&mut self, global: u32, value: &Ir) {
+        let constant = match value.kind {
+            IrKind::Nil => self.constant(Atom::Nil),
+            IrKind::True => self.constant(Atom::True),
+            IrKind::Int(number) => self.constant(Atom::Int(number)),
+            IrKind::Const(constant) => constant,
+            _ => {
+                let label = "a number, a text, a symbol or a quoted list is expected";
+                self.error("library-form", value.span, "what a library defines begins as a constant", label);
+                return;
+            }
+        };
+        self.program.globals[global as usize].initial = Some(constant);
     }
 
     fn define_valve(&mut self, rest: &[NodeId], span: Span) {

@@ -74,7 +74,7 @@ impl Heap {
     fn compared_by_content(&self, left: Value, right: Value) -> (bool, usize) {
         let mut waiting = vec![ToCompare::Values(left, right)];
         let mut steps = 0usize;
-        let plain = (self.pairs.len() + self.vectors.slots()).min(MAX_PLAIN_STEPS);
+        let plain = (self.pairs.places() + self.vectors.slots()).min(MAX_PLAIN_STEPS);
         let mut wholes = 0;
         let mut alike = Alike::default();
         let mut is_new = |left, right| {

@@ -262,7 +262,7 @@ impl Heap {
 
     fn first_half(&self, item: Value) -> Value {
         match item {
-            Value::Cons(pair) => self.pairs[pair as usize].0,
+            Value::Cons(pair) => *self.pairs.car(pair),
             other => other,
         }
     }

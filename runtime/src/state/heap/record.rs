@@ -9,24 +9,17 @@ impl Heap {
     /// no record of the kind, or shorter.
     #[inline]
     pub fn slot(&self, record: &Value, kind: &Value, place: usize) -> Option<u32> {
-        let &Value::Cons(mut pair) = record else { return None };
-        if !self.is_record(record, kind) {
-            return None;
-        }
-        for _ in 0..place {
-            let &Value::Cons(next) = &self.pairs[pair as usize].1 else { return None };
-            pair = next;
-        }
-        Some(pair)
+        let &Value::Cons(pair) = record else { return None };
+        if self.is_record(record, kind) { self.pairs.behind(pair, place) } else { None }
     }
 
     /// What a function that reads or assigns a slot gives for a record; none where [`Self::slot`] finds none.
     #[inline]
     pub fn access_slot(&mut self, slot: SlotAccess, kind: &Value, record: &Value, assigned: &Value) -> Option<Value> {
         let pair = self.slot(record, kind, slot.place.into())?;
-        let place = &mut self.pairs[pair as usize].0;
+        let place = self.pairs.car_mut(pair);
         if slot.assigns {
-            *place = assigned.copied();
+            place.set(assigned);
         }
         Some(place.copied())
     }
@@ -36,7 +29,7 @@ impl Heap {
     pub fn is_record(&self, value: &Value, kind: &Value) -> bool {
         match (value, kind) {
             (&Value::Cons(pair), Value::Symbol(kind)) => {
-                matches!(&self.pairs[pair as usize].0, Value::Symbol(name) if name == kind)
+                matches!(self.pairs.car(pair), Value::Symbol(name) if name == kind)
             }
             _ => false,
         }

@@ -1,12 +1,13 @@
 //! The heap as data: objects in slabs of their own, made and swept.
 
 use super::captured::Captured;
+use super::pairs::{PAIR, Pairs};
 use super::table::Table;
 use super::vector::{Vector, vector_elements};
 use crate::state::block::block;
 use crate::state::failure::Failure;
 use crate::state::memory::{self, MIN_THRESHOLD};
-use crate::state::slab::{Marks, Slab, give_back, is_free_list};
+use crate::state::slab::{Marks, Slab};
 use crate::state::value::Value;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -23,9 +24,8 @@ pub struct Closure {
 /// All heap objects of a system.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Heap {
-    /// Pairs; a free one has [`Value::Unbound`] as its first half.
-    pub pairs: Vec<(Value, Value)>,
-    free_pairs: Vec<u32>,
+    /// Pairs.
+    pub pairs: Pairs,
     /// Strings.
     pub strings: Slab<Arc<str>>,
     /// Cells.
@@ -49,9 +49,6 @@ pub struct Heap {
     /// Bytes of the texts of strings.
     pub text_bytes: usize,
 }
-
-/// Bytes of a pair.
-pub const PAIR: usize = size_of::<(Value, Value)>();
 
 /// Bytes of a string, its text not counted.
 const STRING: usize = size_of::<Option<Arc<str>>>();
@@ -99,7 +96,7 @@ impl HeapMarks {
     /// Nothing marked.
     pub fn new(heap: &Heap) -> Self {
         Self {
-            pairs: Marks::new(heap.pairs.len()),
+            pairs: Marks::new(heap.pairs.places()),
             strings: Marks::new(heap.strings.slots()),
             cells: Marks::new(heap.cells.slots()),
             closures: Marks::new(heap.closures.slots()),
@@ -117,28 +114,25 @@ impl Heap {
     }
 
     /// A new pair.
+    #[inline]
     pub fn cons(&mut self, car: Value, cdr: Value) -> Value {
-        self.allocated += PAIR;
-        match self.free_pairs.pop() {
-            Some(index) => {
-                self.pairs[index as usize] = (car, cdr);
-                Value::Cons(index)
-            }
-            None => {
-                self.pairs.push((car, cdr));
-                Value::Cons(self.pairs.len() as u32 - 1)
-            }
-        }
+        let (pair, bytes) = self.pairs.cons(car, cdr);
+        self.allocated += bytes;
+        Value::Cons(pair)
+    }
+
+    /// Lets something else follow a pair.
+    #[inline]
+    pub fn set_cdr(&mut self, pair: u32, cdr: Value) {
+        self.allocated += self.pairs.set_cdr(pair, cdr);
     }
 
     /// A new last pair of a list whose last pair was `end`.
     #[inline]
     pub fn extend(&mut self, end: &Value, value: Value) -> Value {
-        let pair = self.cons(value, Value::Nil);
-        if let &Value::Cons(end) = end {
-            self.pairs[end as usize].1 = pair;
-        }
-        pair
+        let &Value::Cons(end) = end else { return self.cons(value, Value::Nil) };
+        self.allocated += PAIR;
+        Value::Cons(self.pairs.extend(end, value))
     }
 
     /// A new string.
@@ -206,21 +200,22 @@ impl Heap {
 
     /// A new list that ends in `tail`.
     pub fn list_with_tail(&mut self, items: &[Value], tail: Value) -> Value {
-        items.iter().rev().fold(tail, |tail, &item| self.cons(item, tail))
+        let (list, bytes) = self.pairs.list(items, tail);
+        self.allocated += bytes;
+        list
     }
 
     /// The halves of a pair.
     pub fn pair(&self, index: u32) -> (Value, Value) {
-        self.pairs[index as usize]
+        (*self.pairs.car(index), self.pairs.cdr(index))
     }
 
     /// Whether each table knows which of its places are free.
     pub(crate) fn is_whole(&self) -> bool {
-        let pairs = is_free_list(&self.free_pairs, self.pairs.len(), |index| self.pairs[index].0 == Value::Unbound);
-        let slabs = [self.strings.is_whole(), self.cells.is_whole(), self.closures.is_whole()];
+        let slabs = [self.pairs.is_whole(), self.strings.is_whole(), self.cells.is_whole(), self.closures.is_whole()];
         let counts = [self.allocated, self.live, self.text_bytes].iter().all(|&count| count <= usize::MAX / 8);
         let others = [self.tables.is_whole(), self.vectors.is_whole(), self.failures.is_whole()];
-        pairs && slabs == [true; 3] && others == [true; 3] && counts
+        slabs == [true; 4] && others == [true; 3] && counts
     }
 
     /// Whether a collection is due.
@@ -230,7 +225,7 @@ impl Heap {
 
     /// Frees what is not marked. A table keeps so many bytes of free room.
     pub fn sweep(&mut self, marks: &HeapMarks, slack: usize) {
-        self.sweep_pairs(&marks.pairs, slack);
+        self.pairs.sweep(&marks.pairs, slack);
         let mut freed = 0;
         self.strings.sweep(&marks.strings, slack, |text| freed += text_block(&text));
         self.text_bytes = self.text_bytes.saturating_sub(freed);
@@ -241,28 +236,6 @@ impl Heap {
         self.failures.sweep(&marks.failures, slack, drop);
     }
 
-    /// The free pairs are used again from the first on, so that those at the end can be given back.
-    fn sweep_pairs(&mut self, marks: &Marks, slack: usize) {
-        let used = marks.last().map_or(0, |last| last as usize + 1);
-        self.pairs.truncate(used);
-        give_back(&mut self.pairs, slack);
-        self.free_pairs.clear();
-        for (group, pairs) in self.pairs.chunks_mut(64).enumerate().rev() {
-            let first = group * 64;
-            if marks.are_all_set(first) {
-                continue;
-            }
-            for (offset, pair) in pairs.iter_mut().enumerate().rev() {
-                let index = (first + offset) as u32;
-                if !marks.is_set(index) {
-                    *pair = (Value::Unbound, Value::Nil);
-                    self.free_pairs.push(index);
-                }
-            }
-        }
-        give_back(&mut self.free_pairs, slack);
-    }
-
     /// Bytes ever made.
     pub fn made_bytes(&self) -> u64 {
         self.allocated_before + self.allocated as u64
@@ -270,8 +243,7 @@ impl Heap {
 
     /// Bytes of all tables, free places included, and of texts.
     pub(crate) fn bytes(&self) -> usize {
-        self.pairs.len() * PAIR
-            + self.free_pairs.len() * size_of::<u32>()
+        self.pairs.bytes()
             + self.strings.slots() * STRING
             + self.text_bytes
             + self.cells.slots() * CELL

@@ -8,7 +8,8 @@ use crate::step::native::Surroundings;
 use rpl_lang::code::Op;
 
 impl Machine {
-    /// Does an instruction about plans, tasks or scopes, or about a table where its key has parts. Apart from the loop, so that it has one place for all of them.
+    /// Does an instruction about plans, tasks or scopes, about a table where its key has parts, or about a slot that is
+    /// not there. Apart from the loop, so that it has one place for all of them.
     pub(super) fn plan_instruction(
         &mut self,
         around: &mut Surroundings<'_>,
@@ -40,6 +41,8 @@ impl Machine {
             Op::WatchDone => self.end_event_service(),
             Op::PopScopes(count) => self.pop_scopes(around, count),
             Op::LeaveScopes(count, distance) => self.leave_scopes(place, count, distance),
+            Op::Slot(a, record, _, kind) => self.absent_slot(program, place, a, record, kind),
+            Op::SetSlot(record, _, slot, kind) => self.set_absent_slot(program, place, record, slot, kind),
             Op::TableRef(a, key, table, default) => self.table_ref(place, [a, key, table, default]),
             Op::SetTableRef(key, table, value) => self.set_table_ref(place, [key, table, value]),
             Op::Network(a, code) => self.make_network(around, place, a, code),

@@ -5,11 +5,12 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::quotient::{quotient, remainder};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
-use crate::state::value::Value;
+use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::table_instruction;
 use crate::step::exec::arithmetic::{as_floats, overflow};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
+use crate::step::fluents::read;
 use crate::step::native::{Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
 use rpl_lang::kind::Kind;
@@ -193,6 +194,14 @@ impl Machine {
                     }
                 };
             }
+            macro_rules! collect_in_frame {
+                () => {
+                    if self.heap.is_full() {
+                        collect_if_full!();
+                        continue 'frame;
+                    }
+                };
+            }
             // What is not done here is handed over to a function, which says how to go on.
             macro_rules! hand_over {
                 ($instruction:expr) => {{
@@ -227,11 +236,6 @@ impl Machine {
                     if $condition {
                         jump!($distance);
                     }
-                };
-            }
-            macro_rules! jump_unless {
-                ($condition:expr, $distance:expr) => {
-                    jump_if!(!$condition, $distance)
                 };
             }
             macro_rules! jump {
@@ -270,20 +274,19 @@ impl Machine {
                         self.globals[global as usize] = value;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => r!(a) = r!(b).copied(),
+                    Op::Move(a, b) => assign!(r!(a), r!(b)),
                     Op::CellNew(a, b) => {
-                        r!(a) = self.heap.cell(r!(b));
-                        collect_if_full!();
-                        continue 'frame;
+                        r!(a) = self.heap.cell(r!(b).copied());
+                        collect_in_frame!();
                     }
                     Op::CellGet(a, b) => {
                         if let Value::Cell(cell) = r!(b) {
-                            r!(a) = self.heap.cells[cell];
+                            assign!(r!(a), self.heap.cells[cell]);
                         }
                     }
                     Op::CellSet(a, b) => {
                         if let Value::Cell(cell) = r!(a) {
-                            self.heap.cells[cell] = r!(b).copied();
+                            self.heap.cells[cell].set(&r!(b));
                         }
                     }
                     Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
@@ -325,42 +328,31 @@ impl Machine {
                     Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                     Op::Cons(a, b, c) => {
                         r!(a) = self.heap.cons(r!(b).copied(), r!(c).copied());
-                        if self.heap.is_full() {
-                            collect_if_full!();
-                            continue 'frame;
-                        }
+                        collect_in_frame!();
                     }
                     Op::Car(a, b) => match &r!(b) {
-                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].0,
+                        &Value::Cons(pair) => r!(a) = *self.heap.pairs.car(pair),
                         Value::Nil => r!(a) = Value::Nil,
                         &other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
                     },
                     Op::Cdr(a, b) => match &r!(b) {
-                        &Value::Cons(pair) => r!(a) = self.heap.pairs[pair as usize].1,
+                        &Value::Cons(pair) => r!(a) = self.heap.pairs.cdr(pair),
                         Value::Nil => r!(a) = Value::Nil,
                         &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
                     },
-                    Op::Slot(a, b, place, kind) => {
+                    Op::Slot(a, b, slot, kind) => {
                         let kind = &self.constants[kind as usize];
-                        match self.heap.slot(&r!(b), kind, place.into()) {
-                            Some(pair) => r!(a) = self.heap.pairs[pair as usize].0.copied(),
-                            None => {
-                                let (record, kind) = (r!(b), *kind);
-                                attempt!(self.check_record(program, record, kind));
-                                self.scratch.stack[base + usize::from(a)] = Value::Nil;
-                                continue 'frame;
-                            }
+                        match self.heap.slot(&r!(b), kind, slot.into()) {
+                            Some(pair) => assign!(r!(a), *self.heap.pairs.car(pair)),
+                            None => hand_over!(self.plan_instruction(around, place, *op)),
                         }
                     }
                     Op::SetSlot(..) if self.current == SCRATCH_TASK => fail!(in_network("a slot cannot be assigned")),
-                    Op::SetSlot(a, b, place, kind) => {
+                    Op::SetSlot(a, b, slot, kind) => {
                         let kind = &self.constants[kind as usize];
-                        match self.heap.slot(&r!(a), kind, place.into()) {
-                            Some(pair) => self.heap.pairs[pair as usize].0 = r!(b).copied(),
-                            None => {
-                                let (record, kind) = (r!(a), *kind);
-                                fail!(self.no_slot_to_set(program, record, kind, place.into()))
-                            }
+                        match self.heap.slot(&r!(a), kind, slot.into()) {
+                            Some(pair) => self.heap.pairs.car_mut(pair).set(&r!(b)),
+                            None => hand_over!(self.plan_instruction(around, place, *op)),
                         }
                     }
                     Op::VectorRef(a, vector, position) => match self.heap.element(&r!(vector), &r!(position)) {
@@ -386,39 +378,42 @@ impl Machine {
                         Some(steps) => {
                             self.scratch.burned = steps;
                             spend!();
-                            if self.heap.is_full() {
-                                collect_if_full!();
-                                continue 'frame;
-                            }
+                            collect_in_frame!();
                         }
                         None => hand_over!(self.plan_instruction(around, place, *op)),
                     },
                     Op::Extend(a, end, value) => {
                         r!(a) = self.heap.extend(&r!(end), r!(value).copied());
-                        if self.heap.is_full() {
-                            collect_if_full!();
-                            continue 'frame;
-                        }
+                        collect_in_frame!();
                     }
+                    Op::NextElement(at, to, distance) => match r!(at) {
+                        Value::Cons(pair) => {
+                            jump!(distance);
+                            assign!(r!(to), *self.heap.pairs.car(pair));
+                            r!(at) = self.heap.pairs.cdr(pair);
+                        }
+                        Value::Nil => {}
+                        other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
+                    },
                     Op::MergeStep(state, done) => {
                         if !self.heap.merge_on(&mut r[usize::from(state)..]) {
                             hand_over!(self.merge_step(place, state, done))
                         }
                     }
                     Op::Jump(distance) => jump!(distance),
-                    Op::JumpIfNil(a, distance) => jump_unless!(!matches!(r!(a), Value::Nil), distance),
-                    Op::JumpIfTrue(a, distance) => jump_unless!(matches!(r!(a), Value::Nil), distance),
-                    Op::JumpIfGiven(a, distance) => jump_unless!(matches!(r!(a), Value::Unbound), distance),
-                    Op::JumpUnlessLess(a, b, to) => jump_unless!(compare!(a, b, "<", <), to),
-                    Op::JumpUnlessLessEq(a, b, to) => jump_unless!(compare!(a, b, "<=", <=), to),
-                    Op::JumpUnlessNumEq(a, b, to) => jump_unless!(compare!(a, b, "=", ==), to),
-                    Op::JumpUnlessNumDiffer(a, b, to) => jump_unless!(compare!(a, b, "/=", !=), to),
-                    Op::JumpUnlessLessInt(a, value, to) => jump_unless!(compare_int!(a, value, "<", <), to),
-                    Op::JumpUnlessLessEqInt(a, value, to) => jump_unless!(compare_int!(a, value, "<=", <=), to),
-                    Op::JumpUnlessGreaterInt(a, value, to) => jump_unless!(compare_int!(a, value, ">", >), to),
-                    Op::JumpUnlessGreaterEqInt(a, value, to) => jump_unless!(compare_int!(a, value, ">=", >=), to),
-                    Op::JumpUnlessNumEqInt(a, value, to) => jump_unless!(compare_int!(a, value, "=", ==), to),
-                    Op::JumpUnlessNumDifferInt(a, value, to) => jump_unless!(compare_int!(a, value, "/=", !=), to),
+                    Op::JumpIfNil(a, distance) => jump_if!(matches!(r!(a), Value::Nil), distance),
+                    Op::JumpIfTrue(a, distance) => jump_if!(!matches!(r!(a), Value::Nil), distance),
+                    Op::JumpIfGiven(a, distance) => jump_if!(!matches!(r!(a), Value::Unbound), distance),
+                    Op::JumpUnlessLess(a, b, to) => jump_if!(!compare!(a, b, "<", <), to),
+                    Op::JumpUnlessLessEq(a, b, to) => jump_if!(!compare!(a, b, "<=", <=), to),
+                    Op::JumpUnlessNumEq(a, b, to) => jump_if!(!compare!(a, b, "=", ==), to),
+                    Op::JumpUnlessNumDiffer(a, b, to) => jump_if!(!compare!(a, b, "/=", !=), to),
+                    Op::JumpUnlessLessInt(a, value, to) => jump_if!(!compare_int!(a, value, "<", <), to),
+                    Op::JumpUnlessLessEqInt(a, value, to) => jump_if!(!compare_int!(a, value, "<=", <=), to),
+                    Op::JumpUnlessGreaterInt(a, value, to) => jump_if!(!compare_int!(a, value, ">", >), to),
+                    Op::JumpUnlessGreaterEqInt(a, value, to) => jump_if!(!compare_int!(a, value, ">=", >=), to),
+                    Op::JumpUnlessNumEqInt(a, value, to) => jump_if!(!compare_int!(a, value, "=", ==), to),
+                    Op::JumpUnlessNumDifferInt(a, value, to) => jump_if!(!compare_int!(a, value, "/=", !=), to),
                     Op::JumpIfLess(a, b, to) => jump_if!(compare!(a, b, "<", <), to),
                     Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(a, b, "<=", <=), to),
                     Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(a, value, "<", <), to),
@@ -507,8 +502,8 @@ impl Machine {
                                 self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
                             }
                             clear!(callee, start, count);
-                            if !captured.is_empty() {
-                                r[start + count..][..captured.len()].copy_from_slice(captured);
+                            for (place, value) in r[start + count..].iter_mut().zip(captured) {
+                                place.set(value);
                             }
                             (code, code_number, pc, base) = (callee, number, 0, base + start);
                             continue 'frame;
@@ -544,11 +539,10 @@ impl Machine {
                         r!(a) = if inner.captures.is_empty() {
                             Value::Function(number)
                         } else {
-                            let captured = inner.captures.iter().map(|&register| r!(register)).collect();
-                            self.heap.closure(number, captured)
+                            let captured = inner.captures.iter().map(|&register| r!(register).copied()).collect();
+                            self.heap.closure(number, captured).copied()
                         };
-                        collect_if_full!();
-                        continue 'frame;
+                        collect_in_frame!();
                     }
                     Op::Return(a) => {
                         if self.scratch.frames.len() == entry {
@@ -559,7 +553,7 @@ impl Machine {
                             }
                             return Ok(Exit::Returned(value));
                         }
-                        r!(0) = r!(a).copied();
+                        assign!(r!(0), r!(a));
                         if let Some(frame) = self.scratch.frames.pop() {
                             (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
                             code = &program.codes[code_number as usize];
@@ -572,7 +566,10 @@ impl Machine {
                         hand_over!(self.wait_for(place, a, condition, seconds, owned))
                     }
                     Op::Deref(a, b) => match r!(b) {
-                        Value::Fluent(fluent) => hand_over!(self.dereference(place, a, fluent)),
+                        Value::Fluent(fluent) => match read(&self.fluents, &mut self.scratch.reads, fluent) {
+                            Ok(value) => assign!(r!(a), *value),
+                            Err(failure) => fail!(Raise::Again(failure)),
+                        },
                         value => r!(a) = value,
                     },
                     Op::Assign(a, fluent, value) => {

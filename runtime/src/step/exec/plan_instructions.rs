@@ -471,7 +471,7 @@ impl Machine {
             return Err(Raise::Again(failure));
         }
         if entry.is_true() {
-            let value = entry.reading();
+            let value = *entry.reading();
             if owned {
                 self.free_network(fluent);
             }
@@ -490,11 +490,31 @@ impl Machine {
         Ok(Proceed::Blocked)
     }
 
-    /// The value of a fluent.
-    pub(super) fn dereference(&mut self, place: &Cursor, to: Reg, fluent: u32) -> Result<Proceed, Raise> {
-        let value = self.read_fluent(fluent)?;
-        self.set_register(place, to, value);
+    /// Reads a slot of what is no record of the kind, or ends before the slot.
+    pub(super) fn absent_slot(
+        &mut self,
+        program: &Program,
+        place: &Cursor,
+        to: Reg,
+        record: Reg,
+        kind: u32,
+    ) -> Result<Proceed, Raise> {
+        self.check_record(program, self.register(place, record), self.constants[kind as usize])?;
+        self.set_register(place, to, Value::Nil);
         Ok(Proceed::On)
+    }
+
+    /// Assigns one.
+    pub(super) fn set_absent_slot(
+        &self,
+        program: &Program,
+        place: &Cursor,
+        record: Reg,
+        slot: u8,
+        kind: u32,
+    ) -> Result<Proceed, Raise> {
+        let (record, kind) = (self.register(place, record), self.constants[kind as usize]);
+        Err(self.no_slot_to_set(program, record, kind, slot.into()))
     }
 
     /// Assigns a fluent.

@@ -4,11 +4,25 @@ use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::Machine;
 use crate::state::memory;
-use crate::state::slab::NONE;
+use crate::state::slab::{NONE, Slab};
 use crate::state::task::{Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
 use rpl_lang::kind::Kind;
+
+/// The value of a fluent as code reads it, or its failure; noted as an input of the network under evaluation.
+#[inline]
+pub(crate) fn read<'f>(
+    fluents: &'f Slab<Fluent>,
+    reads: &mut Option<Vec<u32>>,
+    fluent: u32,
+) -> Result<&'f Value, Value> {
+    if let Some(reads) = reads {
+        reads.push(fluent);
+    }
+    let fluent = &fluents[fluent];
+    fluent.failure.map_or(Ok(fluent.reading()), Err)
+}
 
 impl Machine {
     /// Makes a fluent.
@@ -38,7 +52,7 @@ impl Machine {
         let value = if origin == Origin::Count { Value::Int(0) } else { Value::Nil };
         let fluent = self.create_fluent(Fluent::new(None, value, origin));
         if let Value::Fluent(index) = fluent {
-            self.set_inputs(index, vec![input]);
+            self.set_inputs(index, &[input]);
         }
         fluent
     }
@@ -118,14 +132,7 @@ impl Machine {
 
     /// The value of a fluent as code reads it, noted as an input of the network under evaluation.
     pub fn read_fluent(&mut self, fluent: u32) -> Result<Value, Raise> {
-        if let Some(reads) = &mut self.scratch.reads {
-            reads.push(fluent);
-        }
-        let fluent = &self.fluents[fluent];
-        match fluent.failure {
-            Some(failure) => Err(Raise::Again(failure)),
-            None => Ok(fluent.reading()),
-        }
+        read(&self.fluents, &mut self.scratch.reads, fluent).copied().map_err(Raise::Again)
     }
 
     /// Wakes all waiters of a fluent, in the order of their waiting.

@@ -5,6 +5,9 @@
 //! now are served. A pulse makes its fluent true for one propagation; when it is over, what read
 //! it is brought up to date once more, and that is no event.
 
+mod agenda;
 mod assignment;
 mod networks;
 mod watches;
+
+pub(crate) use assignment::read;

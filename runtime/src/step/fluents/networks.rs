@@ -1,17 +1,14 @@
 //! Networks brought up to date in the order of dependency; then waiters are served.
 
 use crate::state::failure::Raise;
-use crate::state::fluent::{Fluent, Origin};
+use crate::state::fluent::Origin;
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::NONE;
 use crate::state::task::Wake;
 use crate::state::value::Value;
+use crate::step::fluents::agenda::{Agenda, Turn};
 use crate::step::native::Surroundings;
-use std::collections::BTreeSet;
-
-/// When a network is brought up to date: its height, its number; and its slot.
-type EvaluationOrder = (u32, u64, u32);
 
 /// After so many evaluations for one change, or so many for each fluent if there are more of these,
 /// networks count as computed from themselves.
@@ -26,21 +23,19 @@ impl Machine {
         self.scratch.rereading.clear();
         let is_pulse = roots.iter().any(|&root| self.fluents[root].is_pulsed);
         let mut touched = roots;
-        let mut dirty: BTreeSet<EvaluationOrder> = BTreeSet::new();
-        for &root in &touched {
-            self.mark_dependents(root, &mut dirty);
-        }
+        let mut dirty = self.dependents_of(&touched);
         let mut evaluations_left = self.most_evaluations();
         while let Some((_, _, network)) = dirty.pop_first() {
             if evaluations_left == 0 {
-                let circle = std::iter::once(network).chain(dirty.iter().map(|&(_, _, network)| network)).collect();
+                let circle = std::iter::once(network).chain(dirty.networks()).collect();
                 touched.extend(self.fail_circle(around, circle));
                 break;
             }
             evaluations_left -= 1;
             let before = (self.fluents[network].value, self.fluents[network].failure);
             self.evaluate(around, network);
-            let inputs_wait = self.fluents[network].inputs.iter().any(|&input| dirty.contains(&self.turn(input)));
+            let waits = |&input: &u32| self.fluents[input].is_computed() && dirty.contains(self.turn(input));
+            let inputs_wait = self.fluents[network].inputs.iter().any(waits);
             if inputs_wait {
                 dirty.insert(self.turn(network));
                 continue;
@@ -79,12 +74,22 @@ impl Machine {
         circle
     }
 
-    fn turn(&self, network: u32) -> EvaluationOrder {
+    fn turn(&self, network: u32) -> Turn {
         let fluent = &self.fluents[network];
         (fluent.height, fluent.number, network)
     }
 
-    fn mark_dependents(&mut self, fluent: u32, dirty: &mut BTreeSet<EvaluationOrder>) {
+    /// The networks that read one of some fluents.
+    fn dependents_of(&mut self, fluents: &[u32]) -> Agenda {
+        let mut turns = Vec::with_capacity(fluents.iter().map(|&fluent| self.fluents[fluent].dependents.len()).sum());
+        for &fluent in fluents {
+            self.fluents[fluent].dependents.for_each(|dependent| turns.push(self.turn(dependent)));
+        }
+        self.scratch.work += turns.len() as u64;
+        Agenda::new(turns)
+    }
+
+    fn mark_dependents(&mut self, fluent: u32, dirty: &mut Agenda) {
         self.scratch.work += self.fluents[fluent].dependents.len() as u64;
         self.fluents[fluent].dependents.for_each(|dependent| {
             dirty.insert(self.turn(dependent));
@@ -107,7 +112,7 @@ impl Machine {
 
     /// Notes who is released by one fluent, with the number of its wait, and counts events.
     fn release(&mut self, fluent: u32, is_pulse: bool, released: &mut Vec<(u32, u32, Wake)>) {
-        let reading = self.fluents[fluent].reading();
+        let reading = *self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
         let is_true = reading.is_true() || failure.is_some();
         self.fluents[fluent].watches.for_each(|(_, watch)| {
@@ -141,7 +146,7 @@ impl Machine {
 
     /// Ends pulses and changes: what read them is evaluated again, silently.
     fn settle(&mut self, around: &mut Surroundings<'_>, touched: Vec<u32>) {
-        let mut again: BTreeSet<EvaluationOrder> = BTreeSet::new();
+        let mut again = Vec::new();
         for &fluent in &touched {
             let Some(entry) = self.fluents.get_mut(fluent) else { continue };
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
@@ -151,14 +156,15 @@ impl Machine {
                 let reads_events = matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
                     || self.scratch.event_readers.contains(&dependent);
                 if pulsed || (changed && reads_events) {
-                    again.insert(self.turn(dependent));
+                    again.push(self.turn(dependent));
                 }
             });
         }
+        let mut again = Agenda::new(again);
         let mut evaluations_left = self.most_evaluations();
         while let Some((_, _, network)) = again.pop_first() {
             if evaluations_left == 0 {
-                let circle = std::iter::once(network).chain(again.iter().map(|&(_, _, network)| network)).collect();
+                let circle = std::iter::once(network).chain(again.networks()).collect();
                 self.fail_circle(around, circle);
                 break;
             }
@@ -180,48 +186,59 @@ impl Machine {
     /// Brings one network up to date.
     pub(crate) fn evaluate(&mut self, around: &mut Surroundings<'_>, network: u32) {
         self.scratch.work += 1;
-        let input = self.fluents[network].inputs.first().copied();
-        let input_is = |machine: &Machine, test: fn(&Fluent) -> bool| {
-            input.and_then(|input| machine.fluents.get(input)).is_some_and(test)
-        };
-        let value = match self.fluents[network].origin.clone() {
-            Origin::Plan | Origin::System => return,
-            Origin::Pulsed => Value::truth(input_is(self, |fluent| fluent.is_pulsed)),
-            Origin::Changed => Value::truth(input_is(self, |fluent| fluent.is_changed)),
-            Origin::Count => match (self.fluents[network].value, input_is(self, |fluent| fluent.is_pulsed)) {
-                (Value::Int(count), true) => Value::Int(count + 1),
-                (value, _) => value,
-            },
-            Origin::Network { code, captured } => {
-                let outer = self.scratch.reads.replace(Vec::new());
-                let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
-                let result = self.evaluate_code(around, code, &captured);
-                let mut reads = std::mem::replace(&mut self.scratch.reads, outer).unwrap_or_default();
-                if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
-                    self.scratch.event_readers.insert(network);
-                }
-                reads.sort_unstable();
-                reads.dedup();
-                if self.trace.enabled && self.fluents[network].inputs != reads {
-                    self.scratch.rereading.push(network);
-                }
-                self.set_inputs(network, reads);
-                match result {
-                    Ok(value) => {
-                        self.fluents[network].failure = None;
-                        value
-                    }
-                    Err(failure) => {
-                        self.fluents[network].failure = Some(failure);
-                        Value::Nil
-                    }
-                }
+        let fluent = &mut self.fluents[network];
+        if let Origin::Network { code, captured } = &mut fluent.origin {
+            // Nobody else looks at the values meanwhile.
+            let (code, lent) = (*code, std::mem::take(captured));
+            let value = self.evaluate_network(around, network, code, &lent);
+            let fluent = &mut self.fluents[network];
+            fluent.value = value;
+            if let Origin::Network { captured, .. } = &mut fluent.origin {
+                *captured = lent;
             }
+            return;
+        }
+        let (value, input) = (fluent.value, fluent.inputs.first().copied());
+        let input = input.and_then(|input| self.fluents.get(input));
+        let is_pulsed = input.is_some_and(|input| input.is_pulsed);
+        self.fluents[network].value = match (&self.fluents[network].origin, value) {
+            (Origin::Plan | Origin::System | Origin::Network { .. }, value) => value,
+            (Origin::Pulsed, _) => Value::truth(is_pulsed),
+            (Origin::Changed, _) => Value::truth(input.is_some_and(|input| input.is_changed)),
+            (Origin::Count, Value::Int(count)) => Value::Int(count + i64::from(is_pulsed)),
+            (Origin::Count, value) => value,
         };
-        self.fluents[network].value = value;
     }
 
-    pub(crate) fn set_inputs(&mut self, network: u32, inputs: Vec<u32>) {
+    /// The value of a network that is code; notes what it read, and how it failed.
+    fn evaluate_network(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        network: u32,
+        code: u32,
+        captured: &[Value],
+    ) -> Value {
+        let empty = std::mem::take(&mut self.scratch.spare_reads);
+        let outer = self.scratch.reads.replace(empty);
+        let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
+        let result = self.evaluate_code(around, code, captured);
+        let mut reads = std::mem::replace(&mut self.scratch.reads, outer).unwrap_or_default();
+        if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
+            self.scratch.event_readers.insert(network);
+        }
+        reads.sort_unstable();
+        reads.dedup();
+        if self.trace.enabled && self.fluents[network].inputs != reads {
+            self.scratch.rereading.push(network);
+        }
+        self.set_inputs(network, &reads);
+        reads.clear();
+        self.scratch.spare_reads = reads;
+        self.fluents[network].failure = result.err();
+        result.unwrap_or(Value::Nil)
+    }
+
+    pub(crate) fn set_inputs(&mut self, network: u32, inputs: &[u32]) {
         let height = inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0);
         if self.fluents[network].inputs != inputs {
             for input in std::mem::take(&mut self.fluents[network].inputs) {
@@ -230,10 +247,10 @@ impl Machine {
                 }
             }
             self.heap.allocated += 2 * memory::EDGE * inputs.len();
-            for &input in &inputs {
+            for &input in inputs {
                 self.fluents[input].dependents.insert(network);
             }
-            self.fluents[network].inputs = inputs;
+            self.fluents[network].inputs = inputs.to_vec();
         }
         self.fluents[network].height = height;
     }
@@ -247,7 +264,7 @@ impl Machine {
                 && fluent.dependents.is_empty()
         });
         if is_network {
-            self.set_inputs(network, Vec::new());
+            self.set_inputs(network, &[]);
             self.fluents.remove(network);
         }
     }

@@ -282,7 +282,7 @@ impl Machine {
     fn mark_list(&self, marker: &mut Marker, first: u32) {
         let mut at = first;
         loop {
-            let &(car, cdr) = &self.heap.pairs[at as usize];
+            let (car, cdr) = self.heap.pair(at);
             marker.push(car);
             match cdr {
                 Value::Cons(next) if marker.heap.pairs.set(next) => at = next,

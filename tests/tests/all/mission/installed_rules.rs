@@ -141,6 +141,15 @@ fn rules_of_battery_position_and_giving_up_are_taken_where_they_pay() {
            (seq (:tag wait (wait-time 1)) (:tag cup (pick-up 'cup))))
          (eq (value holding*) 'cup)",
     );
+    // Half of the things that it looked for so far were not there; whether people bring one is even.
+    let mut experience = Experience::default();
+    (0..20).for_each(|thing| experience.grasps.note(if thing % 2 == 0 { 3 } else { 0 }, thing % 2 != 0));
+    is_installed(
+        "ask-somebody",
+        AbstractSetting { forecast: Forecast::Learned(experience), ..quiet() },
+        "(with-foresight (:rules (ask-somebody) :horizon 20min :margin 0.02) (fetch 'cup 'a-desk))
+         (eq (value holding*) 'cup)",
+    );
     is_installed(
         "give-up-in-time",
         quiet(),

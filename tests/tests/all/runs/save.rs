@@ -272,12 +272,12 @@ fn a_difference_names_the_part() {
     assert_eq!(told(&|other| other.machine.now_us += 1).as_deref(), Some("machine.now_us"));
     assert_eq!(told(&|other| other.machine.tasks[1].wait_number += 1).as_deref(), Some("machine.tasks[1].wait_number"));
     assert_eq!(told(&|other| other.machine.fluents[0].height = 7).as_deref(), Some("machine.fluents[0].height"));
-    let place = system.machine.heap.pairs.len();
+    let place = system.machine.heap.pairs.places();
     let longer = told(&|other| {
         let value = other.machine.globals[0];
         other.machine.globals[0] = other.machine.heap.cons(value, value);
     });
-    assert_eq!(longer.as_deref(), Some("machine.heap.pairs"), "{place} pairs");
+    assert_eq!(longer.as_deref(), Some("machine.heap.pairs.cars"), "{place} pairs");
 }
 
 #[test]

@@ -1,0 +1,6 @@
+(define (depth n) (if (= n 0) 0 (+ 1 (depth (- n 1)))))
+(define start (get-internal-run-time))
+(define sum 0)
+(do ((turn 0 (+ turn 1))) ((= turn 100)) (set! sum (+ sum (depth 10000))))
+(unless (= sum 1000000) (exit 1))
+(display (/ (- (get-internal-run-time) start) (/ internal-time-units-per-second 1000.0)))
