@@ -250,7 +250,7 @@ fn what_is_done_of_an_interrupted_experiment_is_kept() {
         terminal.shows("of 5000000 runs are done");
         terminal.until("an end", |terminal| {
             let contents = terminal.contents();
-            contents.contains("failed with seed") || contents.contains("runs written to")
+            contents.contains("failed with seed") || contents.contains(" written to ")
         });
         let contents = terminal.contents();
         assert_eq!(terminal.end(), 130, "{contents}");
@@ -262,7 +262,7 @@ fn what_is_done_of_an_interrupted_experiment_is_kept() {
     let done = interrupted(&["--out", &part]);
     let merged = merge(&[&part], &[]);
     assert_eq!(merged.status, 1);
-    assert!(merged.out.contains(&format!("{done} runs")), "{}", merged.out);
+    assert!(merged.out.contains(&format!("{done} run")), "{}", merged.out);
     assert!(merged.errors.contains("missing: ") && merged.errors.contains(" to 5000002"), "{}", merged.errors);
 }
 
