@@ -1,6 +1,6 @@
 //! `rupart`: errands by cases as missions, and the days of a robot that learns.
 
-use super::cases::days::{self, DayGround, DayResult, RobotDays};
+use super::cases::days::{self, DayBuilding, DayResult, RobotDays};
 use super::catalogue::Row;
 use super::conduct::chosen;
 use super::findings::Findings;
@@ -69,7 +69,7 @@ pub enum ErrandGround {
     /// One in each run.
     Mission(Box<Mission>),
     /// Days full of them.
-    Days(DayGround),
+    Days(DayBuilding),
 }
 
 /// An errand, or days of them.
@@ -115,7 +115,7 @@ impl ExperimentKind for Errands {
     fn ground(&self, series: usize) -> Result<ErrandGround> {
         Ok(match self.rows[series] {
             ErrandRow::Mission(row) => ErrandGround::Mission(Box::new(Mission::of(&self.request, row)?)),
-            ErrandRow::Days => ErrandGround::Days(DayGround::of(&self.request)?),
+            ErrandRow::Days => ErrandGround::Days(DayBuilding::of(&self.request)?),
         })
     }
 

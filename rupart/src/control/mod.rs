@@ -14,7 +14,7 @@ mod wander;
 
 pub use drive::{ARRIVAL_M, CaseDrive, DriveEvent, DriveGoal, DriveStep, PASSING_M};
 pub use parameters::BehaviourParameters;
-pub use progress::Progress;
+pub use progress::{BLOCKED_S, Progress};
 pub use state::{State, TRANSITIONS, Trigger};
 pub use surroundings::Surroundings;
 pub use wander::{Advice, blend};

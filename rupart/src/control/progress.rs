@@ -8,6 +8,9 @@ const PROGRESS_M: f64 = 0.2;
 /// Without any for so long, the robot does not progress.
 const PATIENCE_S: f64 = 4.0;
 
+/// Without any for so long, it is blocked, unless it is to have another patience.
+pub const BLOCKED_S: f64 = 30.0;
+
 /// How near the robot has come to a goal, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {

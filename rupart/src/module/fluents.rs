@@ -52,6 +52,7 @@ fn short_term_goal(errand: &Errand) -> Reading {
     if let Some(name) = errand.next_name() {
         return Reading::Symbol(fold_name(name).into_owned());
     }
-    let point = errand.next_in_map().and_then(|at| ReadingList::new([at.x, at.y].map(Reading::Float).to_vec()).ok());
+    let point =
+        errand.underway.next_in_map().and_then(|at| ReadingList::new([at.x, at.y].map(Reading::Float).to_vec()).ok());
     point.map_or(NIL, Reading::List)
 }

@@ -7,7 +7,7 @@ use super::{Driven, Rupart, Seen};
 use crate::case::{Case, Content, Kind};
 use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
-use crate::routes::{Adapted, Guidance, Route, RouteProblem, Stop, adapt_guided, learn_to_make};
+use crate::routes::{Adapted, Guidance, RouteProblem, Stop, adapt_guided, learn_to_make};
 use crate::situation::Situation;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::geometry::{Point, distance_m};
@@ -129,21 +129,10 @@ fn adapt_route(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let cases = rupart.memory.routes().filter(|_| !is_anew);
     let adapted = adapt_guided(&places, &times, &problem, cases, Guidance::USUAL);
     let Adapted { route, case, is_repaired, .. } = adapted.ok_or_else(|| unreachable(&places, near, goal))?;
-    let route = without_start(route);
+    let route = route.from_here();
     let stops = route.stops.clone();
     rupart.made = Some(Made { stops, case, is_repaired, to_keep: None, start_in_map: here, goal_in_map });
     Ok(Reply::Value(route_data(call.machine, &route, &places)))
-}
-
-/// The robot is at the start of its route.
-fn without_start(route: Route) -> Route {
-    match route.stops.len() {
-        0 | 1 => route,
-        count => match route.stops[0] {
-            Stop::At(_) => route.part(1, count - 1),
-            Stop::Known(_) => route,
-        },
-    }
 }
 
 fn no_place(found: &Result<&rpl_robot::world::Place, rpl_robot::world::UnknownName>) -> Raise {

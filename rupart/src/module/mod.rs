@@ -1,10 +1,9 @@
 //! What plans see of it: the only part of this crate that knows the runtime.
 //!
-//! Read in this order: `errand` (a route that is driven), `detour` (the way round what blocks it), `landmarks` (what is seen on the way), `data` (routes as
+//! Read in this order: `errand` (a route that is driven), `landmarks` (what is seen on the way), `data` (routes as
 //! plans have them), `fluents`, `functions` and `goals` (what plans have of all that).
 
 mod data;
-mod detour;
 mod errand;
 mod fluents;
 mod functions;
@@ -13,14 +12,13 @@ mod landmarks;
 
 use crate::beginning::{first_cases, to_be_trained};
 use crate::case::Kind;
-use crate::control::{BehaviourParameters, CaseDrive, DriveEvent};
+use crate::control::{BLOCKED_S, BehaviourParameters, CaseDrive, DriveEvent};
 use crate::forgetting::{Capacity, forget_beyond};
 use crate::memory::{CaseMemory, CaseNumber, Retrieval};
 use crate::places::Places;
-use crate::routes::{Route, TravelTimes, learn_route, learn_times};
+use crate::routes::{Blockage, BlockedAt, Route, TravelTimes, learn_route, learn_times};
 use crate::situation::{RecentSonars, Situation};
 use data::stops_of;
-use detour::{Blockage, BlockedAt};
 use errand::{Errand, ErrandStep, Made};
 use landmarks::{Looking, can_look};
 use rpl_robot::geometry::{Pose, Velocity};
@@ -37,9 +35,6 @@ use std::sync::Arc;
 
 /// The plans that belong to it.
 pub const PLANS: &str = include_str!("../../plans/cases.rpl");
-
-/// Without getting nearer to its short-term goal for so long, it gives up, if it is told nothing else.
-const PATIENCE_S: f64 = 30.0;
 
 /// What can be set about it before a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,7 +141,7 @@ impl Rupart {
         }
         if has_arrived == Some(true) {
             self.blockage = Blockage::default();
-            self.driven = Some(Driven { route: errand.route, made: errand.made });
+            self.driven = Some(Driven { route: errand.underway.route, made: errand.made });
         }
         self.has_news = true;
         tell.end(CASE_NAVIGATION, ending);
@@ -206,8 +201,8 @@ impl Rupart {
     fn situation_on_the_way(&self, seen: &Seen) -> Situation {
         let errand = self.errand.as_ref();
         let whole = Situation {
-            short_term_goal_in_map: errand.and_then(Errand::next_in_map),
-            long_term_goal_in_map: errand.and_then(Errand::last_in_map),
+            short_term_goal_in_map: errand.and_then(|errand| errand.underway.next_in_map()),
+            long_term_goal_in_map: errand.and_then(|errand| errand.underway.last_in_map()),
             ..self.situation(seen)
         };
         // How the short-term goal lies counts even where the robot doubts where both are.
@@ -228,7 +223,7 @@ impl Rupart {
                 robot_in_map: seen.robot_in_map.point(),
                 heard_in_map: heard_in_base.into_iter().map(|at| seen.robot_in_map.transform(at)).collect(),
             };
-            if let Some(driven) = self.blockage.note(errand, at) {
+            if let Some(driven) = self.blockage.note(&errand.underway, at) {
                 self.keep(now.model, places, driven, None);
             }
         }
@@ -329,7 +324,7 @@ impl Module for Rupart {
         let places = self.places(start.model)?;
         let stops = stops_of(start.machine, start.argument("route").unwrap_or(Value::Nil), &places)?;
         let patience_s = match start.argument("patience").unwrap_or(Value::Nil) {
-            Value::Nil => PATIENCE_S,
+            Value::Nil => BLOCKED_S,
             value => value.as_f64().filter(|patience_s| *patience_s >= 0.0).ok_or_else(|| {
                 Raise::type_error("`:patience` takes a time in seconds, at least 0, such as `:patience 2min`")
             })?,

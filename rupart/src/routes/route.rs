@@ -108,6 +108,15 @@ impl Route {
         part
     }
 
+    /// As a robot drives it that stands where it begins: from its first known place.
+    #[must_use]
+    pub fn from_here(self) -> Self {
+        match self.stops[..] {
+            [Stop::At(_), _, ..] => self.part(1, self.stops.len() - 1),
+            _ => self,
+        }
+    }
+
     /// Goes on with another route, which begins where this one ends.
     pub fn go_on(&mut self, mut other: Route) {
         if self.stops.is_empty() {

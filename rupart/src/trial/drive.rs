@@ -5,7 +5,7 @@ use crate::control::{BehaviourParameters, CaseDrive, DriveEvent, DriveGoal};
 use crate::routes::Waypoint;
 use crate::situation::{RecentSonars, Situation};
 use rpl_robot::avoidance::DriveLimits;
-use rpl_robot::geometry::{Pose, Velocity, distance_m};
+use rpl_robot::geometry::{Point, Pose, Velocity, distance_m};
 use rpl_robot::navigation::NavigationInput;
 use rpl_robot::sensors::SonarScan;
 use rpl_robot::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
@@ -87,6 +87,18 @@ impl Trial {
                 self.drive.begin_goal();
             }
         }
+    }
+
+    /// Goes on along another route.
+    pub fn go_on_along(&mut self, way: Vec<Waypoint>) {
+        self.way = way;
+        self.drive.begin_goal();
+    }
+
+    /// What the robot has heard lately.
+    pub fn heard_in_map(&self) -> Vec<Point> {
+        let heard_in_base = self.drive.heard_in_base(self.percept.odometry_in_odom);
+        heard_in_base.into_iter().map(|at| self.state.robot_in_map.transform(at)).collect()
     }
 
     fn goal(&self) -> Option<DriveGoal> {

@@ -8,7 +8,7 @@ mod kinds;
 mod routes;
 
 pub use behaviours::{CourseMoment, Driven, Driver, DrivingGround, Quality, candidates};
-pub use days::{Day, Errand};
+pub use days::{Day, DayGround, Errand, ErrandEnding};
 pub use drive::Trial;
 pub use kinds::{KindGround, KindRetrieved, Phase, Reason, Telling};
 pub use routes::{Planner, RouteAsked, RouteStart, RouteTrial, SLOW, run_routes};

@@ -6,9 +6,11 @@ use crate::experiment::statistics::{Proportion, Summary};
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use anyhow::Result;
+use rpl_robot::avoidance::DriveLimits;
+use rpl_robot::navigation::NavigationModel;
 use rpl_robot::simulator::{SimulatorModel, SimulatorSettings};
 use rpl_rupart::places::Places;
-use rpl_rupart::trial::{Day, DrivingGround, Errand};
+use rpl_rupart::trial::{Day, DayGround, DrivingGround, Errand, ErrandEnding};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -22,25 +24,28 @@ const DAYS: u32 = 10;
 const WORLD: &str = "olin-rice-crowded";
 
 /// Where the days are spent.
-pub struct DayGround {
+pub struct DayBuilding {
     model: Arc<SimulatorModel>,
     places: Places,
+    navigation: NavigationModel,
 }
 
-impl DayGround {
+impl DayBuilding {
     /// The world that is asked for, or that with people.
     ///
     /// # Errors
     /// There is no such world.
     pub fn of(request: &ExperimentRequest) -> Result<Self> {
         let Building { world, robot, places } = Building::or(request, WORLD)?;
+        let navigation = NavigationModel::new(&world, DriveLimits::of(&robot));
         let model = Arc::new(SimulatorModel::new(Arc::new(world), SimulatorSettings::of(robot)));
-        Ok(Self { model, places })
+        Ok(Self { model, places, navigation })
     }
 
     /// The days of the robot of a seed.
     pub fn days(&self, seed: u64) -> RobotDays {
-        let days = DrivingGround { model: &self.model, places: &self.places }.days(DAYS, seed);
+        let driving = DrivingGround { model: &self.model, places: &self.places };
+        let days = DayGround { driving, navigation: &self.navigation }.days(DAYS, seed);
         RobotDays { seed, days }
     }
 }
@@ -61,8 +66,8 @@ pub struct DayResult {
     pub cases: f64,
     /// Errands that came to their end; the interval is that of errands that have nothing to do with each other.
     pub arrived: Proportion,
-    /// Of the robots: the share of their errands that came to their end, less that of their first day.
-    pub more_arrived: Option<Summary>,
+    /// Errands on which the robot nowhere got no further.
+    pub never_blocked: Proportion,
     /// Errands without a contact that the robot caused.
     pub without_contact: Proportion,
     /// Of the robots: seconds for each metre of the shortest way, of the errands that arrived.
@@ -73,15 +78,9 @@ pub struct DayResult {
 
 /// Seconds for each metre of the shortest way, of all errands that arrived together; none if none did.
 fn pace_s(day: &Day) -> Option<f64> {
-    let arrived = || day.errands.iter().filter(|errand| errand.has_arrived);
+    let arrived = || day.errands.iter().filter(|errand| errand.has_arrived());
     let length_m: f64 = arrived().map(|errand| errand.length_m).sum();
     (length_m > 0.0).then(|| arrived().map(|errand| errand.time_s).sum::<f64>() / length_m)
-}
-
-/// The share of errands that came to their end; none without errands.
-fn arrived_share(day: &Day) -> Option<f64> {
-    let arrived = day.errands.iter().filter(|errand| errand.has_arrived).count();
-    Proportion::new(arrived, day.errands.len()).rate
 }
 
 impl DayResult {
@@ -93,11 +92,7 @@ impl DayResult {
             let pair = |robot: &RobotDays| Some(of(robot.days.get(day)?)? - of(robot.days.first()?)?);
             Summary::of(&robots.iter().filter_map(pair).collect::<Vec<_>>())
         };
-        let compared = |day: usize| Self {
-            more_arrived: more(day, arrived_share),
-            slower_s: more(day, pace_s),
-            ..Self::of_day(day + 1, &of_day(day))
-        };
+        let compared = |day: usize| Self { slower_s: more(day, pace_s), ..Self::of_day(day + 1, &of_day(day)) };
         (0..count).map(compared).collect()
     }
 
@@ -112,8 +107,8 @@ impl DayResult {
         Self {
             day,
             cases: cases as f64 / of_robots.len().max(1) as f64,
-            arrived: count(|errand| errand.has_arrived),
-            more_arrived: None,
+            arrived: count(|errand| errand.has_arrived()),
+            never_blocked: count(|errand| errand.blocked == 0),
             without_contact: count(|errand| errand.contacts == 0),
             pace_s: Summary::of(&pace_s),
             slower_s: None,
@@ -128,7 +123,8 @@ pub fn blocks(days: &[DayResult]) -> Vec<Block> {
         "cases",
         "arrived",
         "95 % interval",
-        "than first",
+        "never blocked",
+        "95 % interval",
         "no contact",
         "each metre",
         "than first",
@@ -142,7 +138,8 @@ pub fn blocks(days: &[DayResult]) -> Vec<Block> {
             format!("{:.0}", day.cases),
             day.arrived.fraction(),
             day.arrived.interval(),
-            told(day.more_arrived, 100.0, 1, "%"),
+            day.never_blocked.fraction(),
+            day.never_blocked.interval(),
             day.without_contact.fraction(),
             told(day.pace_s, 1.0, 3, "s"),
             told(day.slower_s, 1.0, 3, "s"),
@@ -153,15 +150,24 @@ pub fn blocks(days: &[DayResult]) -> Vec<Block> {
 
 /// Every errand as a line of comma-separated values.
 pub fn lines(robots: &[RobotDays]) -> String {
-    let mut text = String::from("seed,day,errand,arrived,time_s,length_m,contacts\n");
+    let mut text = String::from("seed,day,errand,ending,blocked,time_s,length_m,contacts\n");
     for RobotDays { seed, days } in robots {
         for (day, number, errand) in (1..)
             .zip(days)
             .flat_map(|(day, of_day)| (1..).zip(&of_day.errands).map(move |(number, one)| (day, number, one)))
         {
-            let Errand { has_arrived, time_s, length_m, contacts } = errand;
-            text += &format!("{seed},{day},{number},{},{time_s:.2},{length_m:.2},{contacts}\n", u8::from(*has_arrived));
+            let Errand { ending, blocked, time_s, length_m, contacts } = errand;
+            let ended = told_ending(*ending);
+            text += &format!("{seed},{day},{number},{ended},{blocked},{time_s:.2},{length_m:.2},{contacts}\n");
         }
     }
     text
+}
+
+fn told_ending(ending: ErrandEnding) -> &'static str {
+    match ending {
+        ErrandEnding::Arrived => "arrived",
+        ErrandEnding::Blocked => "blocked",
+        ErrandEnding::TooLate => "too late",
+    }
 }

@@ -1,8 +1,9 @@
 //! The way round what blocks a route and is in no map.
 
-use super::errand::Errand;
+use super::route::{Route, Stop};
+use super::travel_times::TravelTimes;
+use super::underway::Underway;
 use crate::places::{PlaceId, Places};
-use crate::routes::{Route, Stop, TravelTimes};
 use rpl_robot::geometry::{Point, Vector, distance_m};
 use rpl_robot::planning::PlannerModel;
 use serde::{Deserialize, Serialize};
@@ -23,14 +24,14 @@ const STILL_THERE_M: f64 = 1.0;
 
 /// What the robot was blocked by since it last came to the end of a route, and how it gets on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Blockage {
+pub struct Blockage {
     heard_in_map: Vec<Point>,
     detour: Option<Detour>,
 }
 
 /// A way on the map around all that.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Detour {
+pub struct Detour {
     from_in_map: Point,
     goal: PlaceId,
     /// From where the robot was blocked to the goal.
@@ -40,19 +41,25 @@ pub(super) struct Detour {
 }
 
 /// Where the robot gets no further.
-pub(super) struct BlockedAt<'a> {
+pub struct BlockedAt<'a> {
+    /// For ways on the map.
     pub planner: &'a PlannerModel,
+    /// The places of the route.
     pub places: &'a Places,
+    /// How long stretches take.
     pub times: &'a TravelTimes,
+    /// Of the circle that holds the robot.
     pub robot_radius_m: f64,
+    /// Where the robot stands.
     pub robot_in_map: Point,
+    /// What it has heard lately.
     pub heard_in_map: Vec<Point>,
 }
 
 impl BlockedAt<'_> {
     /// A bar across the way to the short-term goal.
-    fn shut_in_map(&self, errand: &Errand) -> Vec<Point> {
-        let ahead = errand.next_in_map().and_then(|goal| (goal - self.robot_in_map).try_normalize(f64::EPSILON));
+    fn shut_in_map(&self, underway: &Underway) -> Vec<Point> {
+        let ahead = underway.next_in_map().and_then(|goal| (goal - self.robot_in_map).try_normalize(f64::EPSILON));
         let Some(ahead) = ahead else { return Vec::new() };
         let middle_in_map = self.robot_in_map + ahead * (self.robot_radius_m + BEFORE_RIM_M);
         let left = Vector::new(-ahead.y, ahead.x);
@@ -61,8 +68,8 @@ impl BlockedAt<'_> {
     }
 
     /// Round all that, from here, or from the known place before where the robot stands too near to it.
-    fn detour(&self, errand: &Errand, heard_in_map: &[Point]) -> Option<Detour> {
-        let goal = errand.route.stops.last()?.known()?;
+    fn detour(&self, underway: &Underway, heard_in_map: &[Point]) -> Option<Detour> {
+        let goal = underway.route.stops.last()?.known()?;
         let round = self.planner.cost_to_go_around(self.places.at_in_map(goal), heard_in_map);
         let way = |from_in_map: Point| {
             round.cost_m(from_in_map)?;
@@ -70,7 +77,7 @@ impl BlockedAt<'_> {
             let inner = corners.get(1..corners.len().checked_sub(1)?).unwrap_or(&[]);
             Some(inner.iter().map(|&corner| Stop::At(corner)).chain([Stop::Known(goal)]).collect::<Vec<_>>())
         };
-        let from_before = errand.before().and_then(|before| {
+        let from_before = underway.before().and_then(|before| {
             let stops = way(self.places.at_in_map(before))?;
             Some(Route::new(std::iter::once(Stop::Known(before)).chain(stops).collect()))
         });
@@ -80,20 +87,20 @@ impl BlockedAt<'_> {
 }
 
 impl Blockage {
-    /// The errand got no further here. What came of it: the part that was driven, in which the stretch it was given
+    /// A route got the robot no further here. What came of it: the part that was driven, in which the stretch it was given
     /// up on counts what was spent on it and what going round takes longer. None if that is not one between known
     /// places. Cost: a pass over the cells of the map.
-    pub fn note(&mut self, errand: &Errand, at: BlockedAt<'_>) -> Option<Route> {
-        self.heard_in_map.extend(at.shut_in_map(errand));
+    pub fn note(&mut self, underway: &Underway, at: BlockedAt<'_>) -> Option<Route> {
+        self.heard_in_map.extend(at.shut_in_map(underway));
         self.heard_in_map.extend(&at.heard_in_map);
         self.heard_in_map.drain(..self.heard_in_map.len().saturating_sub(MOST_HEARD));
-        self.detour = at.detour(errand, &self.heard_in_map);
+        self.detour = at.detour(underway, &self.heard_in_map);
         let longer_s = self.detour.as_ref().map_or(0.0, |detour| {
             let first_m = distance_m(detour.route.stops[0].at_in_map(at.places), at.robot_in_map);
             let round_s = at.times.expected_s(first_m) + at.times.of_route_s(at.places, &detour.route);
-            (round_s - at.times.of_route_s(at.places, &errand.rest())).max(0.0)
+            (round_s - at.times.of_route_s(at.places, &underway.rest())).max(0.0)
         });
-        errand.given_up(longer_s)
+        underway.given_up(longer_s)
     }
 
     /// The way round to a goal, if the robot was blocked here on its way there.
