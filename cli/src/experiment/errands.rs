@@ -69,7 +69,7 @@ pub enum ErrandGround {
     /// One in each run.
     Mission(Box<Mission>),
     /// Days full of them.
-    Days(DayBuilding),
+    Days(Box<DayBuilding>),
 }
 
 /// An errand, or days of them.
@@ -115,7 +115,7 @@ impl ExperimentKind for Errands {
     fn ground(&self, series: usize) -> Result<ErrandGround> {
         Ok(match self.rows[series] {
             ErrandRow::Mission(row) => ErrandGround::Mission(Box::new(Mission::of(&self.request, row)?)),
-            ErrandRow::Days => ErrandGround::Days(DayBuilding::of(&self.request)?),
+            ErrandRow::Days => ErrandGround::Days(Box::new(DayBuilding::of(&self.request)?)),
         })
     }
 

@@ -3,7 +3,7 @@
 use super::behaviours::{DrivingGround, allowed_us};
 use super::drive::Trial;
 use crate::beginning::{to_be_trained, tuned_alone};
-use crate::case::{Case, Content, Kind};
+use crate::case::Kind;
 use crate::control::{BLOCKED_S, BehaviourParameters, CaseDrive, DriveEvent};
 use crate::forgetting::{Capacity, forget_beyond};
 use crate::memory::{CaseMemory, CaseNumber};
@@ -27,14 +27,6 @@ const TRAINED_MOMENTS: usize = 12;
 
 /// So often it is given another route, as `go-by-cases` does, before it counts as failed.
 const OTHER_ROUTES: u32 = 2;
-
-/// A robot that got no nearer for so long will get stuck: where it was at the last retrieval before is where another
-/// behaviour might have helped.
-const ON_THE_WAY_S: f64 = 1.0;
-
-/// A behaviour case by which the robot got no further is forgotten at night, unless it succeeds in this share of its
-/// uses: what gains way for some seconds may end before a wall.
-const WORTH_KEEPING: f64 = 0.9;
 
 /// An errand, and how it went.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -83,12 +75,8 @@ pub struct Day {
 struct Evening {
     /// Moments on the way.
     moments: Vec<Trial>,
-    /// Where the robot got no further, and what was its last moment on the way there.
-    stuck: Vec<Trial>,
-    /// The meta-plans that say so.
-    to_be_trained: Vec<CaseNumber>,
-    /// The behaviour cases that the robot drove by there.
-    blamed: Vec<CaseNumber>,
+    /// Where the robot got no further, with the meta-plan that says so.
+    stuck: Vec<(Trial, CaseNumber)>,
 }
 
 /// An errand that is driven.
@@ -100,8 +88,6 @@ struct Driving {
     blocked: u32,
     /// The behaviour case in use.
     used: Option<CaseNumber>,
-    /// The last moment at which it came nearer to its short-term goal.
-    on_the_way: Option<Trial>,
 }
 
 /// What is where the days are spent.
@@ -175,9 +161,6 @@ impl DayGround<'_> {
                 if stream.index(moments) == 0 {
                     moment = Some(trial.clone());
                 }
-                if trial.drive.progress.idle_s() < ON_THE_WAY_S {
-                    driving.on_the_way = Some(trial.clone());
-                }
             }
             driving.used = self.driving.step_by(&mut trial, memory, &mut retrieve_us).or(driving.used);
             driving.underway.note_time(DriveLimits::of(model.robot()).step_s);
@@ -223,10 +206,8 @@ impl DayGround<'_> {
         if let Some(driven) = driving.blockage.note(&driving.underway, at) {
             self.keep(memory, driven, None);
         }
-        evening.to_be_trained.push(memory.retain(to_be_trained(trial.situation())));
-        evening.stuck.push(trial.clone());
-        evening.stuck.extend(driving.on_the_way.take());
-        evening.blamed.extend(driving.used);
+        let number = memory.retain(to_be_trained(trial.situation()));
+        evening.stuck.push((trial.clone(), number));
     }
 
     /// As `adapt-route` makes one for a robot that was blocked: round what blocks it, or from where it stands. Whether
@@ -271,15 +252,9 @@ impl DayGround<'_> {
     }
 
     fn train(&self, memory: &mut CaseMemory, evening: Evening, stream: &mut Stream) {
-        let Evening { mut moments, stuck, to_be_trained, blamed } = evening;
-        let is_no_good = |number: &CaseNumber| {
-            memory.get(*number).is_some_and(|case| !is_tuned(case) && case.counts.success_rate() < WORTH_KEEPING)
-        };
-        let no_good: Vec<CaseNumber> = blamed.into_iter().filter(is_no_good).collect();
-        for number in to_be_trained.into_iter().chain(no_good) {
+        let Evening { mut moments, stuck } = evening;
+        for (trial, number) in stuck {
             memory.forget(number);
-        }
-        for trial in stuck {
             self.driving.learn(memory, &trial, noise(stream));
         }
         for _ in 0..TRAINED_MOMENTS.min(moments.len()) {
@@ -297,14 +272,8 @@ impl Driving {
             blockage: Blockage::default(),
             blocked: 0,
             used: None,
-            on_the_way: None,
         }
     }
-}
-
-/// Whether it is what the robot began with: where nothing else is better, there must be something.
-fn is_tuned(case: &Case) -> bool {
-    case.content == Content::Behaviour(BehaviourParameters::TUNED)
 }
 
 /// The behaviour case in use has brought the robot to its short-term goal, or not.
@@ -360,6 +329,6 @@ mod tests {
         let (first, second) = (errand(1), errand(2));
         assert_eq!((first.ending, first.blocked), (ErrandEnding::Arrived, 1));
         assert_eq!((second.ending, second.blocked), (ErrandEnding::Arrived, 0), "it knows the way round");
-        assert_eq!(evening.to_be_trained.len(), 1, "a behaviour is to be trained where it was blocked");
+        assert_eq!(evening.stuck.len(), 1, "a behaviour is to be trained where it was blocked");
     }
 }
