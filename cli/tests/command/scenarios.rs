@@ -73,6 +73,15 @@ fn a_run_whose_scenario_fails_is_not_measured() {
 }
 
 #[test]
+fn a_scenario_cannot_project() {
+    let folder = folder_of_scenarios("scenario-projects");
+    put(&folder, "projects.rpl", "(wait-time 1) (project '(wait-time 1))");
+    let found = run_in(&folder, &["run", "plan.rpl", "--world", "test-room", "--scenario", "projects.rpl"]);
+    assert!(found.errors.contains("projection-failure: a scenario cannot project"), "{}", found.errors);
+    assert_eq!(found.status, 1);
+}
+
+#[test]
 fn a_scenario_that_is_taken_for_a_plan_is_recognised() {
     let folder = folder_of_scenarios("scenario-check");
     for arguments in

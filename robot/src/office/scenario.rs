@@ -7,7 +7,7 @@ use crate::simulator::{SimulatorModel, SimulatorState};
 use crate::world::{Object, Rect, SeenBy, Shape, World};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{FluentSpec, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::robot::{FluentSpec, ForeseenRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -77,6 +77,10 @@ impl Outside for Oracle {
         let pose = self.state.true_pose();
         let values = [pose.x_m, pose.y_m, pose.heading_rad, self.state.distance_driven_m()];
         outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());
+    }
+
+    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+        Err(Raise::new("projection-failure", "a scenario cannot project; it is what the robot's plans cannot foresee"))
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {

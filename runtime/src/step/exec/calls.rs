@@ -149,7 +149,8 @@ impl Machine {
         let natives = around.natives;
         let entry = &natives[usize::from(native)];
         if entry.effect.acts() && self.current == SCRATCH_TASK {
-            self.refuse_in_network(&format!("`{}` cannot be called", entry.name))?;
+            // What the library calls for it has the same name behind a `%`.
+            self.refuse_in_network(&format!("`{}` cannot be called", entry.name.trim_start_matches('%')))?;
         }
         entry.code.call(&mut NativeCall { machine: self, around, native: entry, arguments })
     }

@@ -178,6 +178,8 @@ fn networks_may_only_look() {
             "{text}\n{result}"
         );
     }
+    let asked = run("(wait-for (project '(wait-time 1)))");
+    assert!(asked.contains("network-error") && asked.contains("`project` cannot be called while"), "{asked}");
 }
 
 /// r[time.waits]
