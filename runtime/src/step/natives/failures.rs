@@ -99,9 +99,11 @@ fn fail(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         return Err(Raise::type_error(format!("there is no failure class `{name}`; define it with `def-failure`")));
     }
     let message = call.machine.show(call.around.program, call.argument(1));
-    let known = call.around.program.failure_slots(class);
+    let given = &call.arguments[2..];
+    // Most failures have none.
+    let known = if given.is_empty() { Vec::new() } else { call.around.program.failure_slots(class) };
     let mut slots = Vec::new();
-    for pair in call.arguments[2..].chunks(2) {
+    for pair in given.chunks(2) {
         match *pair {
             [Value::Keyword(name), value] if known.contains(&name) => slots.push((name, value)),
             [Value::Keyword(name), _] => {
