@@ -178,9 +178,14 @@ pub fn map(grid: &OccupancyGrid) -> ros::OccupancyGrid {
 /// A belief on a scale of powers of ten: 0 is a probability of 0.0001 per square metre and less, 100 is 100 and more.
 pub fn belief(time_us: u64, belief: &PositionBelief) -> ros::OccupancyGrid {
     let cell_m2 = belief.resolution_m * belief.resolution_m;
-    let cell = |&probability: &f64| {
-        let power = (probability / cell_m2).max(f64::MIN_POSITIVE).log10();
-        (100.0 * (power - LEAST_POWER) / (MOST_POWER - LEAST_POWER)).round().clamp(0.0, 100.0) as i8
+    let least = libm::exp10(LEAST_POWER) * cell_m2;
+    // Nearly all cells are below the scale, and a logarithm takes a while.
+    let cell = |&probability: &f64| match probability > least {
+        true => {
+            let power = libm::log10(probability / cell_m2);
+            libm::round(100.0 * (power - LEAST_POWER) / (MOST_POWER - LEAST_POWER)).min(100.0) as i8
+        }
+        false => 0,
     };
     ros::OccupancyGrid {
         header: header(time_us, MAP),
