@@ -108,7 +108,7 @@ impl Route {
         part
     }
 
-    /// As a robot drives it that stands where it begins: from its first known place.
+    /// As a robot drives it that stands where it begins: without that point, unless it is a known place.
     #[must_use]
     pub fn from_here(self) -> Self {
         match self.stops[..] {
