@@ -15,6 +15,7 @@ pub struct Day {
     delivered: u32,
     lost: u32,
     doubled: u32,
+    in_time: u32,
     interruptions: u32,
     continued: u32,
 }
@@ -24,10 +25,14 @@ impl Day {
     pub fn of(robot: &SiteRobot, logs: &[String]) -> Option<Self> {
         let state = &robot.host.state;
         let begin_with = |word: &str| logs.iter().filter(|log| log.starts_with(word)).count() as u32;
-        let mut day =
-            Self { interruptions: begin_with("interrupted"), continued: begin_with("continued"), ..Self::default() };
+        let mut day = Self {
+            in_time: begin_with("in time"),
+            interruptions: begin_with("interrupted"),
+            continued: begin_with("continued"),
+            ..Self::default()
+        };
         let orders = state.messages.iter().filter_map(|words| match words.as_slice() {
-            [what, item, from, to] if what == "deliver" => Some((item, from, to)),
+            [what, item, from, to, ..] if what == "deliver" => Some((item, from, to)),
             _ => None,
         });
         let is_at = |point: Point, place: &str| {
@@ -62,12 +67,13 @@ impl Day {
     }
 
     /// The rows of the table.
-    pub fn measures(&self) -> [(&'static str, Option<f64>); 6] {
+    pub fn measures(&self) -> [(&'static str, Option<f64>); 7] {
         [
             ("orders due", self.due),
             ("orders delivered", self.delivered),
             ("orders lost", self.lost),
             ("orders doubled", self.doubled),
+            ("orders in time", self.in_time),
             ("interruptions", self.interruptions),
             ("continued", self.continued),
         ]

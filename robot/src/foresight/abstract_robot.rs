@@ -2,7 +2,7 @@
 //! at a place, how doors stand and how grasps go is drawn when a run first comes to it, and stays so.
 
 use super::drive_times::DriveTimes;
-use super::models::{DriveRecord, GraspRecord, Models, TRIES_AT_A_THING};
+use super::models::{DriveRecord, GraspRecord, Models, TRIES_AT_A_THING, TimedDrive};
 use super::ways::{Way, WayMap, Ways};
 use crate::description::{BatteryDescription, GripperDescription};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
@@ -128,8 +128,8 @@ struct Drive {
     begins_us: Vec<u64>,
     start_in_map: Pose,
     targets: usize,
-    /// The time it takes, as a share of the time it should take.
-    time_share: f64,
+    /// How long it should take and takes, beside what doors cost.
+    timed: TimedDrive,
 }
 
 /// What an abstract robot learns in a run, as one on wheels does.
@@ -373,7 +373,7 @@ impl AbstractRobot {
     fn end_drive(&mut self, outcome: &Outcome) {
         let Some(drive) = self.drive.take() else { return };
         match outcome {
-            Outcome::Done => self.experience.drives.note(drive.time_share, drive.way.doors().count() as u32),
+            Outcome::Done => self.experience.drives.note(drive.timed, drive.way.doors().count() as u32),
             Outcome::DoorClosed(door) => {
                 self.experience.drives.doors_closed += 1;
                 self.found_closed.insert(*door);
@@ -438,7 +438,8 @@ impl AbstractRobot {
         let expected_s = times.time_s(&features);
         let takes_s = self.knowledge.models.drive_time_s(expected_s, &mut self.streams.drives);
         // What is lost on the way, by people and by straying, is lost evenly.
-        let share = takes_s / expected_s.max(1e-3);
+        let timed = TimedDrive { expected_s: expected_s.max(1e-3), took_s: takes_s };
+        let share = timed.took_s / timed.expected_s;
         let mut at_s = times.constant_s * share;
         let mut begins_us = Vec::with_capacity(way.stretches.len() + 1);
         let mut outcome = Outcome::Done;
@@ -466,7 +467,7 @@ impl AbstractRobot {
             (at_s, outcome) = (power_s + patience_s, Outcome::Empty);
         }
         let (start_in_map, targets) = (self.robot_in_map, targets.len());
-        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, time_share: share });
+        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, timed });
         (at_s, outcome)
     }
 

@@ -84,12 +84,20 @@ impl GraspRecord {
 /// A thing that was missed so often is not there.
 pub const TRIES_AT_A_THING: u32 = 3;
 
-/// What of its drives the robot goes by: the time each took, as a share of the time it should take, and the
-/// doors.
+/// How long a drive took, and how long it should have taken.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimedDrive {
+    /// By the way it took.
+    pub expected_s: f64,
+    /// In fact.
+    pub took_s: f64,
+}
+
+/// What of its drives the robot goes by: how long each took, and the doors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DriveRecord {
-    /// Of the last drives that came to their end, the oldest first.
-    pub time_shares: Vec<f64>,
+    /// The last drives that came to their end, the oldest first.
+    pub drives: Vec<TimedDrive>,
     /// Doors that were driven through.
     pub doors_open: u32,
     /// Doors that kept the robot from coming through in time.
@@ -101,19 +109,28 @@ const DRIVES_KEPT: usize = 64;
 
 impl DriveRecord {
     /// Takes down a drive that has arrived.
-    pub fn note(&mut self, time_share: f64, doors_open: u32) {
-        if self.time_shares.len() == DRIVES_KEPT {
-            self.time_shares.remove(0);
+    pub fn note(&mut self, drive: TimedDrive, doors_open: u32) {
+        if self.drives.len() == DRIVES_KEPT {
+            self.drives.remove(0);
         }
-        self.time_shares.push(time_share);
+        self.drives.push(drive);
         self.doors_open = self.doors_open.saturating_add(doors_open);
     }
 
     /// Adds what was learned later.
     pub fn add(&mut self, later: &Self) {
-        later.time_shares.iter().for_each(|&share| self.note(share, 0));
+        later.drives.iter().for_each(|&drive| self.note(drive, 0));
         self.doors_open += later.doors_open;
         self.doors_closed += later.doors_closed;
+    }
+
+    /// How many times the time it should take a drive takes this robot where nothing comes between: so long as the
+    /// quick quarter of its drives took. The prior is 1, and weighs as much as [`PRIOR_DRIVES`].
+    fn pace(&self) -> f64 {
+        let mut shares: Vec<f64> = self.drives.iter().map(|drive| drive.took_s / drive.expected_s).collect();
+        shares.sort_by(f64::total_cmp);
+        let own = shares.len() as f64;
+        shares.get(shares.len() / 4).map_or(1.0, |quick| (quick * own + PRIOR_DRIVES) / (own + PRIOR_DRIVES))
     }
 }
 
@@ -124,6 +141,9 @@ const USUAL_STRAYING: f64 = 0.03;
 /// here beforehand it is assumed, not measured.
 const HELD_UP: f64 = 0.05;
 const HELD_UP_S: f64 = 30.0;
+
+/// No drive takes less than this part of its time.
+const LEAST_TIME: f64 = 0.5;
 
 /// The prior of drives weighs as much as so many of its own.
 const PRIOR_DRIVES: f64 = 8.0;
@@ -153,7 +173,10 @@ pub struct Models {
     pub held_up: Rate,
     /// By what part drives stray from their time.
     straying: f64,
-    time_shares: Vec<f64>,
+    /// How many times the time it should take a drive takes where nothing comes between.
+    pace: f64,
+    /// By how much longer than that each of its own drives took.
+    delays_s: Vec<f64>,
 }
 
 /// How a search for the position goes.
@@ -170,6 +193,7 @@ impl Models {
     pub fn learned(robot: &RobotDescription, grasps: &GraspRecord, drives: &DriveRecord) -> Self {
         let declared = |probability: fn(&GripperDescription) -> f64| robot.gripper.as_ref().map_or(0.0, probability);
         let misses = declared(|gripper| gripper.grasp_failure_probability);
+        let pace = drives.pace();
         Self {
             grasp_misses: Rate::counted_on(misses.max(0.01), 50.0).and(grasps.misses, grasps.tries),
             release_fails: Rate::counted_on(declared(|gripper| gripper.release_failure_probability), 100.0),
@@ -177,7 +201,8 @@ impl Models {
             door_closed: Rate::counted_on(0.02, 50.0).and(drives.doors_closed, drives.doors_open + drives.doors_closed),
             held_up: Rate::counted_on(HELD_UP, 1.0),
             straying: USUAL_STRAYING,
-            time_shares: drives.time_shares.clone(),
+            pace,
+            delays_s: drives.drives.iter().map(|drive| drive.took_s - pace * drive.expected_s).collect(),
         }
     }
 
@@ -191,7 +216,8 @@ impl Models {
             door_closed: exactly(chances.door_closed),
             held_up: exactly(chances.held_up),
             straying: USUAL_STRAYING,
-            time_shares: Vec::new(),
+            pace: 1.0,
+            delays_s: Vec::new(),
         }
     }
 
@@ -204,21 +230,21 @@ impl Models {
 
     /// Whether there is nothing to draw.
     pub fn are_certain(&self) -> bool {
-        let Self { grasp_misses, release_fails, thing_missing, door_closed, held_up, straying, time_shares } = self;
+        let Self { grasp_misses, release_fails, thing_missing, door_closed, held_up, straying, pace, delays_s } = self;
         let rates = [grasp_misses, release_fails, thing_missing, door_closed, held_up];
-        rates.iter().all(|rate| rate.share() == 0.0) && *straying == 0.0 && time_shares.is_empty()
+        rates.iter().all(|rate| rate.share() == 0.0) && *straying == 0.0 && *pace == 1.0 && delays_s.is_empty()
     }
 
-    /// How long a drive takes that should take so long: as one of its own did, or, the fewer these are the
-    /// likelier, as a prior says.
+    /// How long a drive takes that should take so long: as much longer as one of its own did, or, the fewer these are
+    /// the likelier, as a prior says. Who is in the way is so as long on a short way as on a long one.
     pub fn drive_time_s(&self, expected_s: f64, stream: &mut Stream) -> f64 {
-        let own = self.time_shares.len() as f64;
+        let own = self.delays_s.len() as f64;
         // Each drive draws the same numbers, whatever comes of them: plans are compared on the same chances.
         let (which, number, straying) = (stream.uniform(), stream.uniform(), stream.normal());
         let (is_held_up, held_up) = (stream.chance(self.held_up.share()), stream.uniform());
         if which < own / (own + PRIOR_DRIVES) {
-            let at = ((number * own) as usize).min(self.time_shares.len() - 1);
-            return expected_s * self.time_shares[at];
+            let at = ((number * own) as usize).min(self.delays_s.len() - 1);
+            return (expected_s * self.pace + self.delays_s[at]).max(expected_s * LEAST_TIME);
         }
         let usual = (1.0 + self.straying * straying).clamp(0.8, 1.2);
         expected_s * usual + if is_held_up { HELD_UP_S * held_up } else { 0.0 }
@@ -253,14 +279,19 @@ mod tests {
 
     #[test]
     fn drives_of_its_own_come_to_outweigh_the_prior() {
-        let mean = |time_shares: Vec<f64>| {
-            let drives = DriveRecord { time_shares, ..DriveRecord::default() };
+        let mean = |took_s: &[f64]| {
+            let drives = took_s.iter().map(|&took_s| TimedDrive { expected_s: 50.0, took_s }).collect();
+            let drives = DriveRecord { drives, ..DriveRecord::default() };
             let models = Models::learned(&RobotDescription::papers(), &GraspRecord::default(), &drives);
             let mut stream = Stream::new(1, "drives");
             (0..4000).map(|_| models.drive_time_s(100.0, &mut stream)).sum::<f64>() / 4000.0
         };
         // The prior: 100 s, and one time in twenty 15 s more.
-        assert!((mean(Vec::new()) - 100.75).abs() < 0.5);
-        assert!((mean(vec![1.2; 72]) - (0.9 * 120.0 + 0.1 * 100.75)).abs() < 0.5);
+        assert!((mean(&[]) - 100.75).abs() < 0.5);
+        // A robot that is slow on all ways, and one that is held up as long on a short way as on a long one.
+        let slow = 0.9 * (100.0 * (72.0 * 1.2 + 8.0) / 80.0 + 50.0 * (1.2 - (72.0 * 1.2 + 8.0) / 80.0)) + 0.1 * 100.75;
+        assert!((mean(&[60.0; 72]) - slow).abs() < 0.5);
+        let half = [[50.0; 36], [70.0; 36]].concat();
+        assert!((mean(&half) - (0.9 * 110.0 + 0.1 * 100.75)).abs() < 0.5);
     }
 }

@@ -3,7 +3,7 @@
 use super::body::WHEELS;
 use super::places::named_place;
 use crate::foresight::drive_times::{DriveTimes, WayFeatures};
-use crate::foresight::models::DriveRecord;
+use crate::foresight::models::{DriveRecord, TimedDrive};
 use crate::foresight::ways::ForeseenWays;
 use crate::geometry::{Point, Pose, Velocity};
 use crate::navigation::{MaplessNavigation, MappedNavigation, NavigationEvent, NavigationOutput, Obstruction};
@@ -116,7 +116,7 @@ impl Navigating {
         let Some(drive) = self.driving.take() else { return };
         let took_s = now.percept.time_us.saturating_sub(drive.begun_us) as f64 / 1e6;
         let expected_s = DriveTimes::of(&now.model.settings.robot).time_s(&drive.way);
-        self.record.note(took_s / expected_s, drive.doorways);
+        self.record.note(TimedDrive { expected_s, took_s }, drive.doorways);
     }
 
     fn remove_all_targets(&mut self) {

@@ -1,12 +1,13 @@
 //! Rules of the library where they pay: a robot in an abstract world is given the plan that a rule makes.
 
 use rpl_robot::foresight::abstract_robot::Experience;
-use rpl_robot::foresight::models::Chances;
-use rpl_robot::office::{AbstractSetting, Forecast};
+use rpl_robot::foresight::models::{Chances, DriveRecord};
+use rpl_robot::office::{AbstractSetting, Forecast, OfficeModel};
 use rpl_runtime::run::system::Outcome;
 use rpl_runtime::state::trace::EventKind;
 use rpl_tests::detail;
-use rpl_tests::mission::{dept, in_abstract_world};
+use rpl_tests::mission::{Grid, builtin, dept, in_abstract_world};
+use std::sync::Arc;
 
 const NOTHING_BETWEEN: Chances =
     Chances { grasp_misses: 0.0, release_fails: 0.0, thing_missing: 0.0, door_closed: 0.0, held_up: 0.0 };
@@ -20,7 +21,11 @@ fn quiet() -> AbstractSetting {
 /// Runs a plan in which foresight may use one rule; the plan's value must be `t`, and the rule's plan must have been
 /// begun.
 fn is_installed(rule: &str, setting: AbstractSetting, plan: &str) {
-    let mut system = in_abstract_world(dept(), setting, plan);
+    is_installed_in(dept(), rule, setting, plan);
+}
+
+fn is_installed_in(model: Arc<OfficeModel>, rule: &str, setting: AbstractSetting, plan: &str) {
+    let mut system = in_abstract_world(model, setting, plan);
     let events = system.machine.trace.take();
     let taken = events.iter().any(|event| {
         event.kind == EventKind::Decided
@@ -110,6 +115,18 @@ fn rules_of_order_are_taken_where_they_pay() {
         "(ignore-failures (behaviour-failure) (go-to 'a-desk :patience 5))
          (with-foresight (:rules (elsewhere-meanwhile) :horizon 20min)
            (seq (:tag think (wait-time 5)) (:tag desk (go-to 'a-desk)) (:tag meanwhile (wait-time 400))))
+         t",
+    );
+    // Class-room and workshop have two doors each, and most doors are closed, some for longer than the robot waits.
+    let mostly_closed = Chances { door_closed: 0.9, ..NOTHING_BETWEEN };
+    let mut experience = Experience::default();
+    experience.drives = DriveRecord { doors_open: 20, doors_closed: 180, ..DriveRecord::default() };
+    is_installed_in(
+        builtin("school", Grid::Coarse),
+        "another-way",
+        AbstractSetting { chances: mostly_closed, forecast: Forecast::Learned(experience), ..quiet() },
+        "(with-foresight (:rules (another-way) :horizon 20min)
+           (seq (:tag lesson (go-to 'board-2)) (:tag work (go-to 'lathe-side))))
          t",
     );
     is_installed(
