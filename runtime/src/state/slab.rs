@@ -39,6 +39,14 @@ impl<T> Slab<T> {
         value
     }
 
+    /// Frees a slot, if it is used; what was in it is not moved.
+    pub fn clear(&mut self, index: u32) {
+        if let Some(slot @ Some(_)) = self.slots.get_mut(index as usize) {
+            *slot = None;
+            self.free.push(index);
+        }
+    }
+
     /// The value in a slot, if it is used.
     pub fn get(&self, index: u32) -> Option<&T> {
         self.slots.get(index as usize)?.as_ref()
@@ -78,11 +86,20 @@ impl<T> Slab<T> {
                 freed(value);
             }
         }
-        self.shrink(slack);
+        self.order(slack);
     }
 
     /// Gives the free slots at the end back; the others are used again from the first on.
     pub fn shrink(&mut self, slack: usize) {
+        if !self.free.is_empty() {
+            return self.order(slack);
+        }
+        give_back(&mut self.slots, slack);
+        give_back(&mut self.free, slack);
+    }
+
+    /// The same, whatever is known of free slots.
+    fn order(&mut self, slack: usize) {
         let used = self.slots.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
         self.slots.truncate(used);
         give_back(&mut self.slots, slack);

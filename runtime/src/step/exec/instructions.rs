@@ -548,7 +548,10 @@ impl Machine {
                         if self.scratch.frames.len() == entry {
                             let value = r!(a);
                             save!();
-                            if self.current != SCRATCH_TASK && self.end_spawned(around, place) {
+                            if self.current != SCRATCH_TASK
+                                && !self.tasks[self.current].scopes.is_empty()
+                                && self.end_spawned(around, place)
+                            {
                                 return Ok(Exit::Blocked);
                             }
                             return Ok(Exit::Returned(value));
