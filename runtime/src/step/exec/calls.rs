@@ -6,6 +6,7 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
+use crate::step::exec::evaluation::MAX_EVALUATIONS_DEEP;
 use crate::step::exec::{Proceed, REACH, WINDOW};
 use crate::step::native::{Call as NativeCall, Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Parameters, Reg};
@@ -14,6 +15,15 @@ use rpl_lang::kind::Kind;
 use std::borrow::Cow;
 
 impl Limits {
+    /// So many frames are allowed at least, wherever they start: each takes the next one's registers along,
+    /// and so does each evaluation of a network.
+    #[inline]
+    pub(crate) fn frames_anywhere(&self) -> usize {
+        const _: () = assert!(size_of::<Frame>() + WINDOW * size_of::<Value>() <= 2 * 4096);
+        let by_bytes = (self.bytes / 4 / 8192).saturating_sub(MAX_EVALUATIONS_DEEP as usize + 1);
+        by_bytes.min(self.frames as usize)
+    }
+
     /// Whether one more frame may start at this register above so many others.
     ///
     /// The calls of the running task take a quarter of the memory at most, beside the data.

@@ -31,15 +31,43 @@ impl Machine {
         let program = around.program;
         let mut code: &Code = &program.codes[place.frame.code as usize];
         let mut code_number = place.frame.code;
-        let mut pc = place.frame.pc as usize;
+        // What comes next in it.
+        let mut rest = &code.ops[place.frame.pc as usize..];
         let mut base = place.frame.base as usize;
         let mut fuel = place.fuel;
+        let few_frames = self.limits.frames_anywhere();
 
+        macro_rules! pc {
+            () => {
+                code.ops.len() - rest.len()
+            };
+        }
+        macro_rules! frame {
+            () => {
+                Frame { code: code_number, pc: pc!() as u32, base: base as u32 }
+            };
+        }
         macro_rules! save {
             () => {
-                place.frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                place.frame = frame!();
                 place.fuel = fuel;
                 self.scratch.top = base + usize::from(code.registers);
+            };
+        }
+        // The first instruction of a code.
+        macro_rules! begin {
+            ($code:expr, $number:expr, $base:expr) => {
+                (code, code_number, base) = ($code, $number, $base);
+                rest = &code.ops;
+            };
+        }
+        // The next one of a frame.
+        macro_rules! resume {
+            ($frame:expr) => {
+                let frame = $frame;
+                (code, code_number, base) =
+                    (&program.codes[frame.code as usize], frame.code, frame.base as usize);
+                rest = &code.ops[frame.pc as usize..];
             };
         }
         macro_rules! fail {
@@ -103,8 +131,8 @@ impl Machine {
                 match fuel.checked_sub(1) {
                     Some(rest) => fuel = rest,
                     None if place.reserve > 0 => {
-                        pc -= 1;
                         save!();
+                        place.frame.pc -= 1;
                         self.end_slice::<STEPPING>(place.frame);
                         return Ok(Exit::Paused);
                     }
@@ -119,14 +147,15 @@ impl Machine {
 
         'frame: loop {
             if STEPPING {
-                let frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
                 save!();
-                if self.stops_before(program, &code.ops[pc], frame) {
+                if self.stops_before(program, &rest[0], place.frame) {
                     return Ok(Exit::Paused);
                 }
             }
+            // A register has a number of 32 bits, in every frame: what is added to it does not overflow.
+            let start = base as u32 as usize;
             let window =
-                self.scratch.stack.get_mut(base..base + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
+                self.scratch.stack.get_mut(start..start + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
             let Some(r) = window else {
                 self.grow_stack(base);
                 continue 'frame;
@@ -218,9 +247,7 @@ impl Machine {
                             check_switch!();
                         }
                         Proceed::Entered => {
-                            (code_number, pc, base) =
-                                (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                            code = &program.codes[code_number as usize];
+                            resume!(place.frame);
                             spend!();
                             check_leaving!();
                             check_switch!();
@@ -244,17 +271,21 @@ impl Machine {
                     if distance < 0 {
                         burn!();
                     }
-                    pc = (pc as i64 + i64::from(distance)) as usize;
+                    rest = &code.ops[pc!().wrapping_add_signed(distance as isize)..];
                 }};
             }
-            let ops = code.ops.as_slice();
+            macro_rules! may_enter {
+                ($base:expr) => {
+                    self.scratch.frames.len() < few_frames || self.limits.allow(self.scratch.frames.len(), $base)
+                };
+            }
             let mut is_looked_at = STEPPING;
             loop {
                 if STEPPING && !std::mem::take(&mut is_looked_at) {
                     continue 'frame;
                 }
-                let op = &ops[pc];
-                pc += 1;
+                let Some((op, behind)) = rest.split_first() else { unreachable!("code ends with an instruction that leaves it") };
+                rest = behind;
                 match *op {
                     Op::Nil(a) => r!(a) = Value::Nil,
                     Op::True(a) => r!(a) = Value::True,
@@ -426,8 +457,9 @@ impl Machine {
                             Value::Function(number) => {
                                 let callee: &Code = &program.codes[number as usize];
                                 let first = usize::from(first);
-                                if !STEPPING
-                                    && callee.framed_count != u16::from(count)
+                                let is_framed = callee.framed_count == u16::from(count);
+                                if !is_framed
+                                    && !STEPPING
                                     && let Some(slot) = callee.slot
                                     && callee.exact_count == u16::from(count)
                                     && !(slot.assigns && self.current == SCRATCH_TASK)
@@ -437,17 +469,17 @@ impl Machine {
                                     r!(first) = value;
                                     continue;
                                 }
-                                if !self.limits.allow(self.scratch.frames.len(), base + first) {
+                                if !may_enter!(base + first) {
                                     fail!(self.too_deep());
                                 }
-                                if callee.framed_count == u16::from(count) {
+                                if is_framed {
                                     clear!(callee, first, usize::from(count));
                                 } else {
                                     attempt!(self.arrange(callee, base + first, usize::from(count)));
                                     self.clear_frame(callee, base + first);
                                 }
-                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                                (code, code_number, pc, base) = (callee, number, 0, base + first);
+                                self.scratch.frames.push(frame!());
+                                begin!(callee, number, base + first);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -467,7 +499,7 @@ impl Machine {
                                     attempt!(self.arrange(callee, base, usize::from(count)));
                                     self.clear_frame(callee, base);
                                 }
-                                (code, code_number, pc) = (callee, number, 0);
+                                begin!(callee, number, base);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -491,7 +523,7 @@ impl Machine {
                         if let Some((number, captured)) = known
                             && let callee = &*program.codes[number as usize]
                             && callee.exact_count == u16::from(count)
-                            && self.limits.allow(self.scratch.frames.len(), base)
+                            && may_enter!(base)
                         {
                             let count = usize::from(count);
                             let tail = tail && callee.kind != CodeKind::Plan;
@@ -499,13 +531,13 @@ impl Machine {
                             if tail {
                                 r.copy_within(first..first + count, 0);
                             } else {
-                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
+                                self.scratch.frames.push(frame!());
                             }
                             clear!(callee, start, count);
                             for (place, value) in r[start + count..].iter_mut().zip(captured) {
                                 place.set(value);
                             }
-                            (code, code_number, pc, base) = (callee, number, 0, base + start);
+                            begin!(callee, number, base + start);
                             continue 'frame;
                         }
                         let function = *function;
@@ -513,9 +545,8 @@ impl Machine {
                     }
                     Op::CallCode(first, number) => {
                         burn!();
-                        self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                        base += usize::from(first);
-                        (code, code_number, pc) = (&program.codes[number as usize], number, 0);
+                        self.scratch.frames.push(frame!());
+                        begin!(&program.codes[number as usize], number, base + usize::from(first));
                         self.clear_frame(code, base);
                         continue 'frame;
                     }
@@ -558,8 +589,7 @@ impl Machine {
                         }
                         assign!(r!(0), r!(a));
                         if let Some(frame) = self.scratch.frames.pop() {
-                            (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
-                            code = &program.codes[code_number as usize];
+                            resume!(frame);
                         }
                         continue 'frame;
                     }
@@ -592,7 +622,13 @@ impl Machine {
                         hand_over!(self.assign_instruction(around, place, fluent, value))
                     }
                     Op::Refail(a) => fail!(Raise::Again(r!(a))),
-                    about_plans => hand_over!(self.plan_instruction(around, place, about_plans)),
+                    // One by one, so that no instruction is compared with the last of those above.
+                    Op::DefFluent(..) | Op::EnterPlan | Op::LeavePlan(_) | Op::TagNew(..) | Op::Parallel(..)
+                    | Op::ParallelMap(..) | Op::Spawn(..) | Op::PushBlock(..) | Op::ReturnFrom(..)
+                    | Op::PushHandler(..) | Op::PushCleanup(_) | Op::BeginCleanup | Op::EndCleanup
+                    | Op::PushValve(_) | Op::PushOnInterrupt(_) | Op::PushOnResume(_) | Op::PushSuspended(_)
+                    | Op::PushFence | Op::PushWatch(..) | Op::WatchWait | Op::WatchDone | Op::PopScopes(_)
+                    | Op::LeaveScopes(..) | Op::Network(..) => hand_over!(self.plan_instruction(around, place, *op)),
                 }
             }
         }

@@ -10,6 +10,15 @@ use crate::state::value::Value;
 use crate::step::fluents::agenda::{Agenda, Turn};
 use crate::step::native::Surroundings;
 
+/// Whether two lists, mostly of one fluent, are the same.
+#[inline]
+fn is_same(one: &[u32], other: &[u32]) -> bool {
+    match (one, other) {
+        ([one], [other]) => one == other,
+        _ => one == other,
+    }
+}
+
 /// After so many evaluations for one change, or so many for each fluent if there are more of these,
 /// networks count as computed from themselves.
 const MAX_EVALUATIONS: usize = 1_000_000;
@@ -32,16 +41,16 @@ impl Machine {
                 break;
             }
             evaluations_left -= 1;
-            let before = (self.fluents[network].value, self.fluents[network].failure);
+            let fluent = &self.fluents[network];
+            let before = (fluent.value, fluent.failure);
             self.evaluate(around, network);
+            let fluent = &self.fluents[network];
             let waits = |&input: &u32| self.fluents[input].is_computed() && dirty.contains(self.turn(input));
-            let inputs_wait = self.fluents[network].inputs.iter().any(waits);
-            if inputs_wait {
+            if fluent.inputs.iter().any(waits) {
                 dirty.insert(self.turn(network));
                 continue;
             }
-            let after = (self.fluents[network].value, self.fluents[network].failure);
-            let changed = before.1 != after.1 || !self.heap.equal(before.0, after.0);
+            let changed = before.1 != fluent.failure || !self.heap.equal(before.0, fluent.value);
             self.fluents[network].is_changed = changed;
             if changed {
                 self.trace_fluent(around.program, network);
@@ -190,9 +199,12 @@ impl Machine {
         if let Origin::Network { code, captured } = &mut fluent.origin {
             // Nobody else looks at the values meanwhile.
             let (code, lent) = (*code, std::mem::take(captured));
-            let value = self.evaluate_network(around, network, code, &lent);
+            let result = self.evaluate_network(around, network, code, &lent);
             let fluent = &mut self.fluents[network];
-            fluent.value = value;
+            (fluent.value, fluent.failure) = match result {
+                Ok(value) => (value, None),
+                Err(failure) => (Value::Nil, Some(failure)),
+            };
             if let Origin::Network { captured, .. } = &mut fluent.origin {
                 *captured = lent;
             }
@@ -210,14 +222,15 @@ impl Machine {
         };
     }
 
-    /// The value of a network that is code; notes what it read, and how it failed.
+    /// The value of a network that is code, or its failure; notes what it read.
+    #[inline]
     fn evaluate_network(
         &mut self,
         around: &mut Surroundings<'_>,
         network: u32,
         code: u32,
         captured: &[Value],
-    ) -> Value {
+    ) -> Result<Value, Value> {
         let empty = std::mem::take(&mut self.scratch.spare_reads);
         let outer = self.scratch.reads.replace(empty);
         let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
@@ -226,21 +239,23 @@ impl Machine {
         if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
             self.scratch.event_readers.insert(network);
         }
-        reads.sort_unstable();
-        reads.dedup();
-        if self.trace.enabled && self.fluents[network].inputs != reads {
+        if !is_same(&self.fluents[network].inputs, &reads) {
+            reads.sort_unstable();
+            reads.dedup();
+        }
+        if self.trace.enabled && !is_same(&self.fluents[network].inputs, &reads) {
             self.scratch.rereading.push(network);
         }
         self.set_inputs(network, &reads);
         reads.clear();
         self.scratch.spare_reads = reads;
-        self.fluents[network].failure = result.err();
-        result.unwrap_or(Value::Nil)
+        result
     }
 
+    #[inline]
     pub(crate) fn set_inputs(&mut self, network: u32, inputs: &[u32]) {
         let height = inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0);
-        if self.fluents[network].inputs != inputs {
+        if !is_same(&self.fluents[network].inputs, inputs) {
             for input in std::mem::take(&mut self.fluents[network].inputs) {
                 if let Some(fluent) = self.fluents.get_mut(input) {
                     fluent.dependents.remove(&network);
