@@ -38,17 +38,15 @@ impl Part {
 
     /// What is merged after a part within it; none after itself. O(log n).
     fn after(self, part: Part) -> Option<Part> {
-        let mut around = self;
-        while around != part {
-            let (left, right) = around.halves();
-            match (left == part, right == part) {
-                (true, _) if right.length > 1 => return Some(right.first()),
-                (true, _) | (_, true) => return Some(around),
-                _ if left.length.max(right.length) < 2 => return None,
-                _ => around = if part.start < right.start { left } else { right },
-            }
+        let (mut at, mut around) = (self, None);
+        while at.length > part.length.max(1) {
+            around = Some(at);
+            let (left, right) = at.halves();
+            at = if part.start < right.start { left } else { right };
         }
-        None
+        let around = around.filter(|_| at == part)?;
+        let right = around.halves().1;
+        Some(if part.start < right.start && right.length > 1 { right.first() } else { around })
     }
 }
 

@@ -7,14 +7,13 @@ use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::table_instruction;
-use crate::step::exec::arithmetic::{as_floats, overflow};
+use crate::step::exec::arithmetic::{arithmetic, as_floats, compare, compare_int, overflow};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
 use crate::step::native::{Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
 use rpl_lang::kind::Kind;
-use std::hint::black_box;
 
 impl Machine {
     /// The loop. Comes back with an exit, or with a failure to raise at `place`.
@@ -65,8 +64,7 @@ impl Machine {
         macro_rules! resume {
             ($frame:expr) => {
                 let frame = $frame;
-                (code, code_number, base) =
-                    (&program.codes[frame.code as usize], frame.code, frame.base as usize);
+                (code, code_number, base) = (&program.codes[frame.code as usize], frame.code, frame.base as usize);
                 rest = &code.ops[frame.pc as usize..];
             };
         }
@@ -182,47 +180,6 @@ impl Machine {
                     }
                 };
             }
-            macro_rules! arithmetic {
-                ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
-                    match (&r!($a), &r!($b)) {
-                        (&Value::Int(x), &Value::Int(y)) => match x.$checked(y) {
-                            Some(value) => r!($to) = Value::Int(value),
-                            None => fail!(overflow($name)),
-                        },
-                        (&Value::Float(x), &Value::Float(y)) => r!($to) = Value::Float(x $operator y),
-                        (left, right) => match as_floats(left, right) {
-                            Some((x, y)) => r!($to) = Value::Float(x $operator y),
-                            None => {
-                                let (left, right) = (*left, *right);
-                                fail!(self.wrong_operands($name, left, right))
-                            }
-                        },
-                    }
-                };
-            }
-            macro_rules! compare {
-                ($a:expr, $b:expr, $name:literal, $operator:tt) => {
-                    match (&r!($a), &r!($b)) {
-                        (&Value::Int(x), &Value::Int(y)) => x $operator y,
-                        (left, right) => match as_floats(left, right) {
-                            Some((x, y)) => x $operator y,
-                            None => {
-                                let (left, right) = (*left, *right);
-                                fail!(self.wrong_operands($name, left, right))
-                            }
-                        },
-                    }
-                };
-            }
-            macro_rules! compare_int {
-                ($a:expr, $value:expr, $name:literal, $operator:tt) => {
-                    match &r!($a) {
-                        &Value::Int(x) => x $operator i64::from($value),
-                        &Value::Float(x) => x $operator f64::from($value),
-                        &other => fail!(self.wrong_operands($name, other, other)),
-                    }
-                };
-            }
             macro_rules! collect_in_frame {
                 () => {
                     if self.heap.is_full() {
@@ -279,12 +236,51 @@ impl Machine {
                     self.scratch.frames.len() < few_frames || self.limits.allow(self.scratch.frames.len(), $base)
                 };
             }
+            macro_rules! call_value {
+                ($callee:expr, $count:expr, $is_tail:literal) => {{
+                    burn!();
+                    let function = &r!($callee);
+                    let first = usize::from($callee) + 1;
+                    let known = match *function {
+                        Value::Function(number) => Some((number, &[][..])),
+                        Value::Closure(index) => {
+                            let closure = &self.heap.closures[index];
+                            Some((closure.code, &*closure.captured))
+                        }
+                        _ => None,
+                    };
+                    if let Some((number, captured)) = known
+                        && let callee = &*program.codes[number as usize]
+                        && callee.exact_count == u16::from($count)
+                        && may_enter!(base)
+                    {
+                        let count = usize::from($count);
+                        let start = if $is_tail && callee.kind != CodeKind::Plan {
+                            r.copy_within(first..first + count, 0);
+                            0
+                        } else {
+                            self.scratch.frames.push(frame!());
+                            first
+                        };
+                        clear!(callee, start, count);
+                        for (at, value) in captured.iter().enumerate() {
+                            r[start + count + at].set(value);
+                        }
+                        begin!(callee, number, base + start);
+                        continue 'frame;
+                    }
+                    let function = *function;
+                    hand_over!(self.call_any(around, place, function, $callee + 1, $count, $is_tail))
+                }};
+            }
             let mut is_looked_at = STEPPING;
             loop {
                 if STEPPING && !std::mem::take(&mut is_looked_at) {
                     continue 'frame;
                 }
-                let Some((op, behind)) = rest.split_first() else { unreachable!("code ends with an instruction that leaves it") };
+                let Some((op, behind)) = rest.split_first() else {
+                    unreachable!("code ends with an instruction that leaves it")
+                };
                 rest = behind;
                 match *op {
                     Op::Nil(a) => r!(a) = Value::Nil,
@@ -320,9 +316,9 @@ impl Machine {
                             self.heap.cells[cell].set(&r!(b));
                         }
                     }
-                    Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
-                    Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
-                    Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
+                    Op::Add(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "+", checked_add, +),
+                    Op::Sub(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "-", checked_sub, -),
+                    Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
                     Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Float(x), &Value::Float(y)) if y != 0.0 => r!(a) = Value::Float(x / y),
                         (left, right) => {
@@ -344,10 +340,10 @@ impl Machine {
                             fail!(self.wrong_operands("+", other, other))
                         }
                     },
-                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
-                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
-                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
-                    Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(b, c, "/=", !=)),
+                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <)),
+                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=)),
+                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==)),
+                    Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=)),
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
                     Op::Mod(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Int(x), &Value::Int(y)) if y > 0 => r!(a) = Value::Int(x.rem_euclid(y)),
@@ -406,6 +402,7 @@ impl Machine {
                         }
                     }
                     Op::TableRef(..) | Op::SetTableRef(..) => match table_instruction(&mut self.heap, r, op) {
+                        Some(0) => collect_in_frame!(),
                         Some(steps) => {
                             self.scratch.burned = steps;
                             spend!();
@@ -435,22 +432,26 @@ impl Machine {
                     Op::JumpIfNil(a, distance) => jump_if!(matches!(r!(a), Value::Nil), distance),
                     Op::JumpIfTrue(a, distance) => jump_if!(!matches!(r!(a), Value::Nil), distance),
                     Op::JumpIfGiven(a, distance) => jump_if!(!matches!(r!(a), Value::Unbound), distance),
-                    Op::JumpUnlessLess(a, b, to) => jump_if!(!compare!(a, b, "<", <), to),
-                    Op::JumpUnlessLessEq(a, b, to) => jump_if!(!compare!(a, b, "<=", <=), to),
-                    Op::JumpUnlessNumEq(a, b, to) => jump_if!(!compare!(a, b, "=", ==), to),
-                    Op::JumpUnlessNumDiffer(a, b, to) => jump_if!(!compare!(a, b, "/=", !=), to),
-                    Op::JumpUnlessLessInt(a, value, to) => jump_if!(!compare_int!(a, value, "<", <), to),
-                    Op::JumpUnlessLessEqInt(a, value, to) => jump_if!(!compare_int!(a, value, "<=", <=), to),
-                    Op::JumpUnlessGreaterInt(a, value, to) => jump_if!(!compare_int!(a, value, ">", >), to),
-                    Op::JumpUnlessGreaterEqInt(a, value, to) => jump_if!(!compare_int!(a, value, ">=", >=), to),
-                    Op::JumpUnlessNumEqInt(a, value, to) => jump_if!(!compare_int!(a, value, "=", ==), to),
-                    Op::JumpUnlessNumDifferInt(a, value, to) => jump_if!(!compare_int!(a, value, "/=", !=), to),
-                    Op::JumpIfLess(a, b, to) => jump_if!(compare!(a, b, "<", <), to),
-                    Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(a, b, "<=", <=), to),
-                    Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(a, value, "<", <), to),
-                    Op::JumpIfLessEqInt(a, value, to) => jump_if!(compare_int!(a, value, "<=", <=), to),
-                    Op::JumpIfGreaterInt(a, value, to) => jump_if!(compare_int!(a, value, ">", >), to),
-                    Op::JumpIfGreaterEqInt(a, value, to) => jump_if!(compare_int!(a, value, ">=", >=), to),
+                    Op::JumpUnlessLess(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "<", <), to),
+                    Op::JumpUnlessLessEq(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "<=", <=), to),
+                    Op::JumpUnlessNumEq(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "=", ==), to),
+                    Op::JumpUnlessNumDiffer(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "/=", !=), to),
+                    Op::JumpUnlessLessInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "<", <), to),
+                    Op::JumpUnlessLessEqInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "<=", <=), to),
+                    Op::JumpUnlessGreaterInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, ">", >), to),
+                    Op::JumpUnlessGreaterEqInt(a, value, to) => {
+                        jump_if!(!compare_int!(self, r!(a), value, ">=", >=), to)
+                    }
+                    Op::JumpUnlessNumEqInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "=", ==), to),
+                    Op::JumpUnlessNumDifferInt(a, value, to) => {
+                        jump_if!(!compare_int!(self, r!(a), value, "/=", !=), to)
+                    }
+                    Op::JumpIfLess(a, b, to) => jump_if!(compare!(self, r!(a), r!(b), "<", <), to),
+                    Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(self, r!(a), r!(b), "<=", <=), to),
+                    Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, "<", <), to),
+                    Op::JumpIfLessEqInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, "<=", <=), to),
+                    Op::JumpIfGreaterInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, ">", >), to),
+                    Op::JumpIfGreaterEqInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, ">=", >=), to),
                     Op::Call(first, count, global) => {
                         burn!();
                         match self.globals[global as usize] {
@@ -506,43 +507,8 @@ impl Machine {
                             function => hand_over!(self.call_any(around, place, function, first, count, true)),
                         }
                     }
-                    Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
-                        burn!();
-                        // Looked at again, so that no other instruction keeps its number at hand.
-                        let tail = matches!(black_box(op), Op::TailCallValue(..));
-                        let function = &r!(callee);
-                        let first = usize::from(callee) + 1;
-                        let known = match *function {
-                            Value::Function(number) => Some((number, &[][..])),
-                            Value::Closure(index) => {
-                                let closure = &self.heap.closures[index];
-                                Some((closure.code, &*closure.captured))
-                            }
-                            _ => None,
-                        };
-                        if let Some((number, captured)) = known
-                            && let callee = &*program.codes[number as usize]
-                            && callee.exact_count == u16::from(count)
-                            && may_enter!(base)
-                        {
-                            let count = usize::from(count);
-                            let tail = tail && callee.kind != CodeKind::Plan;
-                            let start = if tail { 0 } else { first };
-                            if tail {
-                                r.copy_within(first..first + count, 0);
-                            } else {
-                                self.scratch.frames.push(frame!());
-                            }
-                            clear!(callee, start, count);
-                            for (place, value) in r[start + count..].iter_mut().zip(captured) {
-                                place.set(value);
-                            }
-                            begin!(callee, number, base + start);
-                            continue 'frame;
-                        }
-                        let function = *function;
-                        hand_over!(self.call_any(around, place, function, callee + 1, count, tail))
-                    }
+                    Op::CallValue(callee, count) => call_value!(callee, count, false),
+                    Op::TailCallValue(callee, count) => call_value!(callee, count, true),
                     Op::CallCode(first, number) => {
                         burn!();
                         self.scratch.frames.push(frame!());
@@ -623,6 +589,7 @@ impl Machine {
                     }
                     Op::Refail(a) => fail!(Raise::Again(r!(a))),
                     // One by one, so that no instruction is compared with the last of those above.
+                    #[rustfmt::skip]
                     Op::DefFluent(..) | Op::EnterPlan | Op::LeavePlan(_) | Op::TagNew(..) | Op::Parallel(..)
                     | Op::ParallelMap(..) | Op::Spawn(..) | Op::PushBlock(..) | Op::ReturnFrom(..)
                     | Op::PushHandler(..) | Op::PushCleanup(_) | Op::BeginCleanup | Op::EndCleanup
