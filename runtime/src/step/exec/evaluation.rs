@@ -65,9 +65,11 @@ impl Machine {
             record.scopes = outer_scopes.unwrap_or_default();
         }
         let leaving = record.take_leaving();
-        match (exit, leaving) {
-            (Exit::Returned(value), _) => Ok(value),
-            (_, Some(Leaving::Fail(failure))) => Err(failure),
+        if let Exit::Returned(value) = exit {
+            return Ok(value);
+        }
+        match leaving {
+            Some(Leaving::Fail(failure)) => Err(failure),
             _ => Err(self.failure_from(Raise::new(
                 "network-error",
                 "this cannot be done while a fluent network or a macro is evaluated",

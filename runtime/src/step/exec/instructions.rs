@@ -36,14 +36,9 @@ impl Machine {
         let mut fuel = place.fuel;
         let few_frames = self.limits.frames_anywhere();
 
-        macro_rules! pc {
-            () => {
-                code.ops.len() - rest.len()
-            };
-        }
         macro_rules! frame {
             () => {
-                Frame { code: code_number, pc: pc!() as u32, base: base as u32 }
+                Frame { code: code_number, pc: (code.ops.len() - rest.len()) as u32, base: base as u32 }
             };
         }
         macro_rules! save {
@@ -228,7 +223,7 @@ impl Machine {
                     if distance < 0 {
                         burn!();
                     }
-                    rest = &code.ops[pc!().wrapping_add_signed(distance as isize)..];
+                    rest = &code.ops[(code.ops.len() - rest.len()).wrapping_add_signed(distance as isize)..];
                 }};
             }
             macro_rules! may_enter {
@@ -402,7 +397,6 @@ impl Machine {
                         }
                     }
                     Op::TableRef(..) | Op::SetTableRef(..) => match table_instruction(&mut self.heap, r, op) {
-                        Some(0) => collect_in_frame!(),
                         Some(steps) => {
                             self.scratch.burned = steps;
                             spend!();
@@ -423,9 +417,10 @@ impl Machine {
                         Value::Nil => {}
                         other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
                     },
-                    Op::MergeStep(state, done) => {
+                    Op::MergeStep(state, ask) => {
+                        jump!(ask);
                         if !self.heap.merge_on(&mut r[usize::from(state)..]) {
-                            hand_over!(self.merge_step(place, state, done))
+                            hand_over!(self.merge_step(place, state, ask))
                         }
                     }
                     Op::Jump(distance) => jump!(distance),

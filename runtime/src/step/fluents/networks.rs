@@ -161,10 +161,16 @@ impl Machine {
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
             entry.is_pulsed = false;
             entry.is_changed = false;
+            if !pulsed && !changed {
+                continue;
+            }
             self.fluents[fluent].dependents.for_each(|dependent| {
-                let reads_events = matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
-                    || self.scratch.event_readers.contains(&dependent);
-                if pulsed || (changed && reads_events) {
+                let readers = &self.scratch.event_readers;
+                let reads_events = || {
+                    matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
+                        || !readers.is_empty() && readers.contains(&dependent)
+                };
+                if pulsed || reads_events() {
                     again.push(self.turn(dependent));
                 }
             });
@@ -239,23 +245,30 @@ impl Machine {
         if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
             self.scratch.event_readers.insert(network);
         }
-        if !is_same(&self.fluents[network].inputs, &reads) {
+        if is_same(&self.fluents[network].inputs, &reads) {
+            self.fluents[network].height = self.height_above(&reads);
+        } else {
             reads.sort_unstable();
             reads.dedup();
+            if self.trace.enabled && self.fluents[network].inputs != reads {
+                self.scratch.rereading.push(network);
+            }
+            self.set_inputs(network, &reads);
         }
-        if self.trace.enabled && !is_same(&self.fluents[network].inputs, &reads) {
-            self.scratch.rereading.push(network);
-        }
-        self.set_inputs(network, &reads);
         reads.clear();
         self.scratch.spare_reads = reads;
         result
     }
 
+    /// How high a network stands that reads these fluents.
     #[inline]
+    fn height_above(&self, inputs: &[u32]) -> u32 {
+        inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0)
+    }
+
     pub(crate) fn set_inputs(&mut self, network: u32, inputs: &[u32]) {
-        let height = inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0);
-        if !is_same(&self.fluents[network].inputs, inputs) {
+        let height = self.height_above(inputs);
+        if self.fluents[network].inputs != inputs {
             for input in std::mem::take(&mut self.fluents[network].inputs) {
                 if let Some(fluent) = self.fluents.get_mut(input) {
                     fluent.dependents.remove(&network);
