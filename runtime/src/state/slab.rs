@@ -184,3 +184,25 @@ impl Marks {
 
 /// No task, no fluent.
 pub const NONE: u32 = u32::MAX;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_that_were_cleared_are_used_again_and_given_back() {
+        let mut slab = Slab::default();
+        (0..100).for_each(|number| assert_eq!(slab.insert(number), number));
+        (0..100).filter(|number| number % 3 == 0 || *number > 80).for_each(|number| slab.clear(number));
+        slab.clear(0);
+        slab.clear(1_000);
+        assert!(slab.is_whole(), "a slot is free once");
+        slab.shrink(0);
+        assert_eq!((slab.slots(), slab.insert(7)), (81, 0), "the first free slot is used first");
+        assert!(slab.is_whole() && slab.get(3).is_none() && slab.get(80) == Some(&80));
+        let mut marks = Marks::new(slab.slots());
+        marks.set(80);
+        slab.sweep(&marks, 0, drop);
+        assert!(slab.is_whole() && slab.iter().map(|(_, &number)| number).eq([80]));
+    }
+}

@@ -277,3 +277,37 @@ impl Heap {
         Some(state[HEADER..HEADER + merge.elements].iter().map(value).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parts that are merged, halves before wholes.
+    fn merged(part: Part, order: &mut Vec<(usize, usize)>) {
+        if part.length > 1 {
+            let (left, right) = part.halves();
+            merged(left, order);
+            merged(right, order);
+            order.push((part.start, part.length));
+        }
+    }
+
+    #[test]
+    fn halves_are_merged_before_what_they_are_halves_of() {
+        for length in 2..200 {
+            let whole = Part { start: 0, length };
+            let mut expected = Vec::new();
+            merged(whole, &mut expected);
+            let parts = std::iter::successors(Some(whole.first()), |&part| whole.after(part));
+            assert!(parts.map(|part| (part.start, part.length)).eq(expected), "{length} elements");
+        }
+    }
+
+    #[test]
+    fn nothing_follows_what_is_no_part() {
+        let whole = Part { start: 0, length: 10 };
+        for (start, length) in [(1, 5), (0, 4), (9, 1), (5, 9)] {
+            assert!(whole.after(Part { start, length }).is_none(), "{length} from {start} on");
+        }
+    }
+}

@@ -15,6 +15,12 @@ use rpl_lang::kind::Kind;
 use std::borrow::Cow;
 
 impl Limits {
+    /// The same, where so few frames are allowed in any case.
+    #[inline]
+    pub(crate) fn allow_above(&self, few: usize, frames: usize, base: usize) -> bool {
+        frames < few || self.allow(frames, base)
+    }
+
     /// So many frames are allowed at least, wherever they start: each takes the next one's registers along,
     /// and so does each evaluation of a network.
     #[inline]
@@ -348,5 +354,22 @@ impl Machine {
             Ok(reply) => Ok(reply),
             Err(raise) => self.call_with_room(around, native, arguments, raise),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_that_are_allowed_anywhere_are_allowed_at_the_highest_register() {
+        for bytes in [0, 1 << 16, 1 << 22, 3_000_000, 1 << 30] {
+            let limits = Limits { bytes, ..Limits::default() };
+            for frames in (0..limits.frames_anywhere()).step_by(7) {
+                let highest = (frames + 1 + MAX_EVALUATIONS_DEEP as usize) * (WINDOW - 1);
+                assert!(limits.allow(frames, highest), "{frames} frames within {bytes} bytes");
+            }
+        }
+        assert!(Limits::default().frames_anywhere() > 10_000, "calls are not looked at one by one");
     }
 }

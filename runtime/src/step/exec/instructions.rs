@@ -6,7 +6,7 @@ use crate::state::quotient::{quotient, remainder};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
-use crate::step::exec::about_tables::table_instruction;
+use crate::step::exec::about_tables::{assign_entry, read_entry};
 use crate::step::exec::arithmetic::{arithmetic, as_floats, compare, compare_int, overflow};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
@@ -48,14 +48,13 @@ impl Machine {
                 self.scratch.top = base + usize::from(code.registers);
             };
         }
-        // The first instruction of a code.
+        // Goes to the first instruction of a code, or to the next one of a frame.
         macro_rules! begin {
             ($code:expr, $number:expr, $base:expr) => {
                 (code, code_number, base) = ($code, $number, $base);
                 rest = &code.ops;
             };
         }
-        // The next one of a frame.
         macro_rules! resume {
             ($frame:expr) => {
                 let frame = $frame;
@@ -113,10 +112,15 @@ impl Machine {
         // What a native or a network has burned, taken from the slice and then from what is behind it.
         macro_rules! spend {
             () => {
-                let burned = std::mem::take(&mut self.scratch.burned);
-                place.reserve = place.reserve.saturating_sub(burned.saturating_sub(fuel));
-                fuel = fuel.saturating_sub(burned);
+                spend!(std::mem::take(&mut self.scratch.burned))
             };
+            ($steps:expr) => {{
+                let steps = $steps;
+                if steps > 0 {
+                    place.reserve = place.reserve.saturating_sub(steps.saturating_sub(fuel));
+                    fuel = fuel.saturating_sub(steps);
+                }
+            }};
         }
         // Before anything of the instruction is done: where a slice is over it begins anew.
         macro_rules! burn {
@@ -226,11 +230,6 @@ impl Machine {
                     rest = &code.ops[(code.ops.len() - rest.len()).wrapping_add_signed(distance as isize)..];
                 }};
             }
-            macro_rules! may_enter {
-                ($base:expr) => {
-                    self.scratch.frames.len() < few_frames || self.limits.allow(self.scratch.frames.len(), $base)
-                };
-            }
             macro_rules! call_value {
                 ($callee:expr, $count:expr, $is_tail:literal) => {{
                     burn!();
@@ -247,7 +246,7 @@ impl Machine {
                     if let Some((number, captured)) = known
                         && let callee = &*program.codes[number as usize]
                         && callee.exact_count == u16::from($count)
-                        && may_enter!(base)
+                        && self.limits.allow_above(few_frames, self.scratch.frames.len(), base)
                     {
                         let count = usize::from($count);
                         let start = if $is_tail && callee.kind != CodeKind::Plan {
@@ -396,10 +395,13 @@ impl Machine {
                             }
                         }
                     }
-                    Op::TableRef(..) | Op::SetTableRef(..) => match table_instruction(&mut self.heap, r, op) {
+                    Op::TableRef(a, key, of, default) => match read_entry(&self.heap, r, [a, key, of, default]) {
+                        Some(steps) => spend!(steps),
+                        None => hand_over!(self.plan_instruction(around, place, *op)),
+                    },
+                    Op::SetTableRef(key, table, value) => match assign_entry(&mut self.heap, r, [key, table, value]) {
                         Some(steps) => {
-                            self.scratch.burned = steps;
-                            spend!();
+                            spend!(steps);
                             collect_in_frame!();
                         }
                         None => hand_over!(self.plan_instruction(around, place, *op)),
@@ -465,7 +467,7 @@ impl Machine {
                                     r!(first) = value;
                                     continue;
                                 }
-                                if !may_enter!(base + first) {
+                                if !self.limits.allow_above(few_frames, self.scratch.frames.len(), base + first) {
                                     fail!(self.too_deep());
                                 }
                                 if is_framed {
