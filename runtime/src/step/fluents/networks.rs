@@ -237,17 +237,20 @@ impl Machine {
         code: u32,
         captured: &[Value],
     ) -> Result<Value, Value> {
-        let empty = std::mem::take(&mut self.scratch.spare_reads);
-        let outer = self.scratch.reads.replace(empty);
+        let first = self.scratch.reads.fluents.len();
+        let outer = std::mem::replace(&mut self.scratch.reads.are_noted, true);
         let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
         let result = self.evaluate_code(around, code, captured);
-        let mut reads = std::mem::replace(&mut self.scratch.reads, outer).unwrap_or_default();
+        self.scratch.reads.are_noted = outer;
         if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
             self.scratch.event_readers.insert(network);
         }
-        if is_same(&self.fluents[network].inputs, &reads) {
-            self.fluents[network].height = self.height_above(&reads);
+        let reads = &self.scratch.reads.fluents[first..];
+        if is_same(&self.fluents[network].inputs, reads) {
+            self.fluents[network].height = self.height_above(reads);
+            self.scratch.reads.fluents.truncate(first);
         } else {
+            let mut reads = self.scratch.reads.fluents.split_off(first);
             reads.sort_unstable();
             reads.dedup();
             if self.trace.enabled && self.fluents[network].inputs != reads {
@@ -255,8 +258,6 @@ impl Machine {
             }
             self.set_inputs(network, &reads);
         }
-        reads.clear();
-        self.scratch.spare_reads = reads;
         result
     }
 
