@@ -7,7 +7,7 @@ use crate::source::{LINE_ENDS, SourceId, Span};
 use crate::symbol::{Symbols, fold_name};
 use crate::syntax::{NodeId, NodeKind, Tree};
 use chumsky::error::{Error, LabelError};
-use chumsky::input::{Input, MapExtra, MappedInput};
+use chumsky::input::{Input, InputRef, MapExtra, MappedInput};
 use chumsky::inspector::SimpleState;
 use chumsky::prelude::*;
 use chumsky::util::MaybeRef;
@@ -286,6 +286,36 @@ impl<'t, L> LabelError<'t, Lexemes<'t>, L> for Fault {
     }
 }
 
+/// What stands in a list, as far as it goes. Its next lexeme tells what an element is, so that nothing is tried in vain.
+fn elements<'t, 'b: 't>(
+    datum: impl Parser<'t, Lexemes<'t>, NodeId, Extra<'b>>,
+    comment: impl Parser<'t, Lexemes<'t>, (), Extra<'b>>,
+) -> impl Parser<'t, Lexemes<'t>, Vec<Element>, Extra<'b>> {
+    custom(move |input: &mut InputRef<'t, '_, Lexemes<'t>, Extra<'b>>| {
+        let mut elements = Vec::new();
+        loop {
+            let before = input.cursor();
+            elements.push(match input.peek() {
+                Some(Lexeme::Atom(token)) => {
+                    input.skip();
+                    let span = input.span_since(&before);
+                    Element::Datum(input.state().atom(token, span))
+                }
+                Some(Lexeme::Open | Lexeme::Prefix(_)) => Element::Datum(input.parse(&datum)?),
+                Some(Lexeme::DatumComment) => {
+                    input.parse(&comment)?;
+                    Element::Comment
+                }
+                Some(Lexeme::Dot) => {
+                    input.skip();
+                    Element::Dot(input.span_since(&before))
+                }
+                Some(Lexeme::Close | Lexeme::Margin) | None => return Ok(elements),
+            });
+        }
+    })
+}
+
 /// Every rule succeeds once it has taken a lexeme, and `emit`s what is wrong: so the whole text is
 /// always read, in one pass and without going back.
 fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>> {
@@ -313,8 +343,6 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
         })
         .boxed();
 
-    let dot = just(Lexeme::Dot).map_with(|_, e| Element::Dot(e.span()));
-    let element = choice((datum.clone().map(Element::Datum), comment.clone().to(Element::Comment), dot)).boxed();
     let margin_ahead = just(Lexeme::Margin).map_with(|_, e| -> SimpleSpan { e.span() }).rewind();
     let closer = choice((
         just(Lexeme::Close).to(Closer::Paren),
@@ -323,7 +351,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
     ));
     let list = just(Lexeme::Open)
         .map_with(|_, e| -> SimpleSpan { e.span() })
-        .then(element.repeated().collect::<Vec<_>>())
+        .then(elements(datum.clone(), comment.clone()))
         .then(closer)
         .validate(|((opener, elements), closer), e: &mut LexemeContext<'t, '_, 'b>, emitter| {
             let span = e.span();
@@ -332,7 +360,7 @@ fn grammar<'t, 'b: 't>() -> impl Parser<'t, Lexemes<'t>, Vec<NodeId>, Extra<'b>>
         })
         .boxed();
 
-    datum.define(choice((atom, list, prefixed)));
+    datum.define(choice((list, atom, prefixed)));
     comment.define(
         just(Lexeme::DatumComment)
             .map_with(|_, e| -> SimpleSpan { e.span() })

@@ -10,6 +10,9 @@ use rpl_runtime::step::native::{Call, Native};
 /// Wider columns and more decimals are taken for a mistake.
 const MAX_WIDTH: usize = 1_000;
 
+/// The room that is made for each argument beforehand.
+const WIDTH_GUESSED: usize = 16;
+
 /// What stands between `~` and the letter: `~WIDTH,DECIMALSf`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Directive {
@@ -22,24 +25,28 @@ fn malformed(message: impl Into<String>) -> Raise {
     Raise::type_error(message)
 }
 
-/// Reads a directive behind its `~`.
-fn directive(characters: &mut std::iter::Peekable<std::str::Chars<'_>>) -> Result<Directive, Raise> {
-    let width = digits(characters)?.unwrap_or(0);
+/// Reads a directive behind its `~`, and takes it off the template.
+fn directive(rest: &mut &str) -> Result<Directive, Raise> {
+    let width = digits(rest)?.unwrap_or(0);
     let mut decimals = None;
-    if characters.next_if_eq(&',').is_some() {
-        decimals = digits(characters)?;
+    if let Some(behind) = rest.strip_prefix(',') {
+        *rest = behind;
+        decimals = digits(rest)?;
     }
+    let mut characters = rest.chars();
     let Some(letter) = characters.next() else {
         return Err(malformed("the format ends in the middle of a directive; write `~~` for a tilde"));
     };
+    *rest = characters.as_str();
     Ok(Directive { width, decimals, letter: letter.to_ascii_lowercase() })
 }
 
-fn digits(characters: &mut std::iter::Peekable<std::str::Chars<'_>>) -> Result<Option<usize>, Raise> {
+fn digits(rest: &mut &str) -> Result<Option<usize>, Raise> {
     let mut number = None;
-    while let Some(digit) = characters.peek().and_then(|character| character.to_digit(10)) {
-        characters.next();
-        let so_far = number.unwrap_or(0usize) * 10 + digit as usize;
+    while let Some(&digit @ b'0'..=b'9') = rest.as_bytes().first() {
+        *rest = &rest[1..];
+        let digit = digit - b'0';
+        let so_far = number.unwrap_or(0usize) * 10 + usize::from(digit);
         if so_far > MAX_WIDTH {
             return Err(malformed(format!("a width or number of decimals in a format is at most {MAX_WIDTH}")));
         }
@@ -91,31 +98,34 @@ fn pad(out: &mut String, shown: &str, directive: Directive) {
 
 fn format(call: &mut Call<'_, '_>) -> NativeResult {
     let template = call.text(0)?;
-    let mut characters = template.chars().peekable();
-    let mut out = String::new();
+    let mut rest = &*template;
+    let mut out = String::with_capacity(template.len() + WIDTH_GUESSED * call.arguments.len());
     let mut next = 1;
-    while let Some(character) = characters.next() {
-        if character != '~' {
-            out.push(character);
-            continue;
-        }
-        let directive = directive(&mut characters)?;
+    while let Some((before, behind)) = rest.split_once('~') {
+        out.push_str(before);
+        rest = behind;
+        let directive = directive(&mut rest)?;
         match directive.letter {
             '%' => out.extend(std::iter::repeat_n('\n', directive.width.max(1))),
             '~' => out.extend(std::iter::repeat_n('~', directive.width.max(1))),
             // A `~` at the end of a line joins it to the next one, without its indentation.
-            '\n' => while characters.next_if(|character| character.is_whitespace()).is_some() {},
+            '\n' => rest = rest.trim_start(),
             letter => {
                 if next >= call.arguments.len() && matches!(letter, 'a' | 's' | 'd' | 'f') {
                     return Err(malformed(format!("directive {next} of the format, `~{letter}`, has no argument")));
                 }
-                let shown = shown(call, directive, next)?;
-                pad(&mut out, &shown, directive);
+                if letter == 'a' && directive.width == 0 {
+                    call.machine.show_into(call.around.program, call.argument(next), &mut out);
+                } else {
+                    let shown = shown(call, directive, next)?;
+                    pad(&mut out, &shown, directive);
+                }
                 next += 1;
             }
         }
         room_for_text(call, out.len())?;
     }
+    out.push_str(rest);
     if next < call.arguments.len() {
         let (given, used) = (call.arguments.len() - 1, next - 1);
         return Err(malformed(format!("the format has {used} directives, and there are {given} values for them")));

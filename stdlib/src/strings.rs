@@ -17,23 +17,30 @@ fn pattern(call: &Call<'_, '_>, at: usize) -> Result<std::sync::Arc<str>, Raise>
 }
 
 fn string_append(call: &mut Call<'_, '_>) -> NativeResult {
-    let parts: Vec<_> = (0..count(call)).map(|at| call.text(at)).collect::<Result<_, _>>()?;
-    room_for_text(call, parts.iter().map(|part| part.len()).sum())?;
-    text(call, &parts.concat())
+    let mut length = 0;
+    for at in 0..count(call) {
+        length += call.str(at)?.len();
+    }
+    room_for_text(call, length)?;
+    let mut joined = String::with_capacity(length);
+    for at in 0..count(call) {
+        joined.push_str(call.str(at)?);
+    }
+    text(call, &joined)
 }
 
 /// Adds a value as `print` shows it, if there is room for the whole.
 fn push_shown(call: &mut Call<'_, '_>, joined: &mut String, value: Value) -> Result<(), Raise> {
+    let before = joined.len();
     if let Value::Str(index) = value {
-        let string = call.machine.heap.strings[index].clone();
-        room_for_text(call, joined.len() + string.len())?;
-        call.burn_text(string.len());
-        joined.push_str(&string);
-        return Ok(());
+        let string = &call.machine.heap.strings[index];
+        room_for_text(call, before + string.len())?;
+        joined.push_str(string);
+    } else {
+        call.machine.show_into(call.around.program, value, joined);
+        room_for_text(call, joined.len())?;
     }
-    let shown = show(call, value);
-    room_for_text(call, joined.len() + shown.len())?;
-    joined.push_str(&shown);
+    call.burn_text(joined.len() - before);
     Ok(())
 }
 
@@ -89,7 +96,12 @@ fn split(call: &mut Call<'_, '_>) -> NativeResult {
         return list_of_strings(call, string.split_whitespace());
     }
     let separator = pattern(call, 1)?;
-    list_of_strings(call, string.split(&*separator))
+    let mut characters = separator.chars();
+    match (characters.next(), characters.next()) {
+        // One character is found without looking at the others.
+        (Some(character), None) => list_of_strings(call, string.split(character)),
+        _ => list_of_strings(call, string.split(&*separator)),
+    }
 }
 
 /// What a string in a list takes beside its text, halved.

@@ -83,8 +83,8 @@ pub enum Op {
     Extend(Reg, Reg, Reg),
     /// unless the list r0 is nil: `r1 := car r0`, `r0 := cdr r0`, and go on elsewhere
     NextElement(Reg, Reg, i32),
-    /// the sort with the state r0 goes on with what r2 says of its last question; the next one goes to r2 and r3, and r1
-    /// is the function to be asked; jumps when all is in order
+    /// the sort with the state r0 goes on with what r2 says of its last question; unless all is in order, the next one
+    /// goes to r2 and r3, r1 is the function to be asked, and go on elsewhere
     MergeStep(Reg, i32),
     /// go on elsewhere
     Jump(i32),

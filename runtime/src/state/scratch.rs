@@ -43,11 +43,9 @@ pub struct Scratch {
     pub(crate) frames: Vec<Frame>,
     /// One past the registers in use, known before slow instructions.
     pub(crate) top: usize,
-    /// Fluents the network under evaluation has read.
-    pub(crate) reads: Option<Vec<u32>>,
-    /// Room for them, when nothing is in it.
-    pub(crate) spare_reads: Vec<u32>,
-    /// Whether it has asked for a pulse or a change.
+    /// Fluents that networks under evaluation have read.
+    pub(crate) reads: Reads,
+    /// Whether the innermost one has asked for a pulse or a change.
     pub(crate) reads_event: bool,
     /// Networks that asked for a pulse or a change in this propagation.
     pub(crate) event_readers: BTreeSet<u32>,
@@ -92,6 +90,15 @@ impl PartialEq for Scratch {
     fn eq(&self, _other: &Self) -> bool {
         true
     }
+}
+
+/// Fluents that networks under evaluation have read, those of the innermost one last.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Reads {
+    /// As often as they were read.
+    pub(crate) fluents: Vec<u32>,
+    /// Whether a network is under evaluation.
+    pub(crate) are_noted: bool,
 }
 
 /// A departure to be looked at.

@@ -39,6 +39,14 @@ impl<T> Slab<T> {
         value
     }
 
+    /// Frees a slot, if it is used; what was in it is not moved.
+    pub fn clear(&mut self, index: u32) {
+        if let Some(slot @ Some(_)) = self.slots.get_mut(index as usize) {
+            *slot = None;
+            self.free.push(index);
+        }
+    }
+
     /// The value in a slot, if it is used.
     pub fn get(&self, index: u32) -> Option<&T> {
         self.slots.get(index as usize)?.as_ref()
@@ -78,11 +86,20 @@ impl<T> Slab<T> {
                 freed(value);
             }
         }
-        self.shrink(slack);
+        self.order(slack);
     }
 
     /// Gives the free slots at the end back; the others are used again from the first on.
     pub fn shrink(&mut self, slack: usize) {
+        if !self.free.is_empty() {
+            return self.order(slack);
+        }
+        give_back(&mut self.slots, slack);
+        give_back(&mut self.free, slack);
+    }
+
+    /// The same, whatever is known of free slots.
+    fn order(&mut self, slack: usize) {
         let used = self.slots.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
         self.slots.truncate(used);
         give_back(&mut self.slots, slack);
@@ -167,3 +184,25 @@ impl Marks {
 
 /// No task, no fluent.
 pub const NONE: u32 = u32::MAX;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_that_were_cleared_are_used_again_and_given_back() {
+        let mut slab = Slab::default();
+        (0..100).for_each(|number| assert_eq!(slab.insert(number), number));
+        (0..100).filter(|number| number % 3 == 0 || *number > 80).for_each(|number| slab.clear(number));
+        slab.clear(0);
+        slab.clear(1_000);
+        assert!(slab.is_whole(), "a slot is free once");
+        slab.shrink(0);
+        assert_eq!((slab.slots(), slab.insert(7)), (81, 0), "the first free slot is used first");
+        assert!(slab.is_whole() && slab.get(3).is_none() && slab.get(80) == Some(&80));
+        let mut marks = Marks::new(slab.slots());
+        marks.set(80);
+        slab.sweep(&marks, 0, drop);
+        assert!(slab.is_whole() && slab.iter().map(|(_, &number)| number).eq([80]));
+    }
+}

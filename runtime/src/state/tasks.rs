@@ -28,8 +28,9 @@ impl Tasks {
 
     /// Frees a dead task's slot.
     pub fn free(&mut self, index: u32) {
-        if let Some(task) = self.slots.remove(index) {
-            self.registers.free(task.registers);
+        if let Some(task) = self.slots.get_mut(index) {
+            self.registers.free(std::mem::take(&mut task.registers));
+            self.slots.clear(index);
             self.generations[index as usize] += 1;
         }
     }
@@ -192,7 +193,9 @@ impl Line {
 
     /// Takes a task out, wherever it stands.
     pub fn remove(&mut self, tasks: &mut Tasks, task: u32) {
-        let (previous, next) = (tasks[task].previous, tasks[task].next);
+        let record = &mut tasks[task];
+        let (previous, next) = (record.previous, record.next);
+        (record.previous, record.next) = (NONE, NONE);
         if previous == NONE {
             self.first = next;
         } else {
@@ -203,7 +206,5 @@ impl Line {
         } else {
             tasks[next].previous = previous;
         }
-        tasks[task].next = NONE;
-        tasks[task].previous = NONE;
     }
 }

@@ -104,6 +104,17 @@ impl Call<'_, '_> {
         }
     }
 
+    /// The same, as long as nothing is made.
+    ///
+    /// # Errors
+    /// A `type-error` if it is none.
+    pub fn str(&self, at: usize) -> Result<&str, Raise> {
+        match self.argument(at) {
+            Value::Str(index) => Ok(&self.machine.heap.strings[index]),
+            _ => Err(self.wrong_type(at)),
+        }
+    }
+
     /// The argument at a position as the elements of a list.
     ///
     /// # Errors

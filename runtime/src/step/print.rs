@@ -23,23 +23,26 @@ enum ToPrint {
 }
 
 /// A value as `print` shows it: strings without quotes.
-fn display(machine: &Machine, program: &Program, value: Value) -> String {
+fn display(machine: &Machine, program: &Program, value: Value, text: &mut String) {
     match value {
-        Value::Str(text) => machine.heap.strings[text].to_string(),
+        Value::Str(string) => text.push_str(&machine.heap.strings[string]),
         Value::Failure(failure) => {
             let failure = &machine.heap.failures[failure];
-            format!("{}: {}", machine.symbols.name(failure.class), failure.message)
+            text.extend([machine.symbols.name(failure.class), ": ", &failure.message]);
         }
-        other => readable(machine, program, other),
+        other => readable(machine, program, other, text),
     }
 }
 
 /// A value as it could be read, where it can be.
-fn readable(machine: &Machine, program: &Program, value: Value) -> String {
-    let mut text = String::new();
+fn readable(machine: &Machine, program: &Program, value: Value, text: &mut String) {
+    if !matches!(value, Value::Cons(_) | Value::Vector(_)) {
+        return atom(machine, program, value, text);
+    }
+    let before = text.len();
     let mut waiting = vec![ToPrint::Value(value)];
     while let Some(piece) = waiting.pop() {
-        if text.len() > MAX_CHARACTERS {
+        if text.len() - before > MAX_CHARACTERS {
             text.push('…');
             break;
         }
@@ -63,7 +66,7 @@ fn readable(machine: &Machine, program: &Program, value: Value) -> String {
                 }
                 None => text.push(')'),
             },
-            ToPrint::Value(value) => atom(machine, program, value, &mut text),
+            ToPrint::Value(value) => atom(machine, program, value, text),
             ToPrint::Rest(Value::Nil) => text.push(')'),
             ToPrint::Rest(Value::Cons(pair)) => {
                 let (car, cdr) = machine.heap.pair(pair);
@@ -78,7 +81,6 @@ fn readable(machine: &Machine, program: &Program, value: Value) -> String {
             }
         }
     }
-    text
 }
 
 fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
@@ -120,7 +122,14 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
 impl Machine {
     /// A value as `print` shows it.
     pub fn show(&self, program: &Program, value: Value) -> String {
-        display(self, program, value)
+        let mut text = String::new();
+        self.show_into(program, value, &mut text);
+        text
+    }
+
+    /// The same behind a text.
+    pub fn show_into(&self, program: &Program, value: Value, text: &mut String) {
+        display(self, program, value, text);
     }
 
     /// A value in the message of a failure, cut where it is long.
@@ -134,6 +143,8 @@ impl Machine {
 
     /// A value as it could be read.
     pub fn write(&self, program: &Program, value: Value) -> String {
-        readable(self, program, value)
+        let mut text = String::new();
+        readable(self, program, value, &mut text);
+        text
     }
 }

@@ -43,6 +43,9 @@ fn loops() {
         ("(let ((n 2) (l nil)) (dotimes (i (incf n) (list i l n)) (push i l)))", "(3 (2 1 0) 3)"),
         ("(dotimes (i 10 'none) (when (= i 4) (return i)))", "4"),
         ("(dotimes (i -1 'done))", "done"),
+        ("(let ((n 0)) (list (dotimes (i 32768 i) (incf n)) (dotimes (i 32767 i) (incf n)) n))", "(32768 32767 65535)"),
+        ("(dotimes (i 9000000000000 'never) (when (= i 3) (return i)))", "3"),
+        ("(dotimes (i -9223372036854775808 'none))", "none"),
         (
             "(map (lambda (f) (f)) (let ((all nil)) (dotimes (i 3 all) (push (lambda () (incf i 10)) all))))",
             "(12 11 10)",

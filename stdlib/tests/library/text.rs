@@ -24,6 +24,8 @@ fn strings() {
         ),
         ("(list (string-prefix-p \"he\" \"hello\") (string-suffix-p \"he\" \"hello\"))", "(t nil)"),
         ("(string-split \"a,b,,c\" \",\")", "(\"a\" \"b\" \"\" \"c\")"),
+        ("(string-split \"aébéé\" \"é\")", "(\"a\" \"b\" \"\" \"\")"),
+        ("(string-split \"a--b-c\" \"--\")", "(\"a\" \"b-c\")"),
         ("(string-split \"  two  words \")", "(\"two\" \"words\")"),
         ("(list (string-join '(\"a\" 1 b) \", \") (string-join nil))", "(\"a, 1, b\" \"\")"),
         ("(list (string-trim \"  a b \") (string-trim \"xy\" \"xyaxy\"))", "(\"a b\" \"a\")"),
@@ -200,6 +202,8 @@ fn formats() {
         ("(format \"~,2f|~,0f|~f\" 3.14159 2.5 1)", "\"3.14|2|1.0\""),
         ("(format \"~5d|~8,2f|~4a|~1d\" 42 3.14159 'x 12345)", "\"   42|    3.14|x   |12345\""),
         ("(format \"a~%b~~\")", "\"a\\nb~\""),
+        ("(format \"a~\n   é~a~3%\" \"~a\")", "\"aé~a\\n\\n\\n\""),
+        ("(format \"~a~3a~a\" '(1 \"x\") #(2) (make-hash-table))", "\"(1 \\\"x\\\")#(2)#<hash-table of 0>\""),
     ]);
     check_failures(&[
         ("(format \"~a ~a\" 1)", "type-error: directive 2 of the format, `~a`, has no argument"),

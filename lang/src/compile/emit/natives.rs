@@ -121,10 +121,11 @@ impl Emitter<'_, '_> {
         let function = self.kept(predicate);
         self.fresh();
         self.fresh();
-        let start = self.push(Op::MergeStep(state, 0));
-        self.push(Op::CallValue(function, 2));
-        self.jump_back(start);
-        self.land(start);
+        let first = self.push(Op::Jump(0));
+        let ask = self.push(Op::CallValue(function, 2));
+        self.land(first);
+        let step = self.push(Op::MergeStep(state, 0));
+        self.land_at(step, ask);
     }
 }
 

@@ -38,17 +38,15 @@ impl Part {
 
     /// What is merged after a part within it; none after itself. O(log n).
     fn after(self, part: Part) -> Option<Part> {
-        let mut around = self;
-        while around != part {
-            let (left, right) = around.halves();
-            match (left == part, right == part) {
-                (true, _) if right.length > 1 => return Some(right.first()),
-                (true, _) | (_, true) => return Some(around),
-                _ if left.length.max(right.length) < 2 => return None,
-                _ => around = if part.start < right.start { left } else { right },
-            }
+        let (mut at, mut around) = (self, None);
+        while at.length > part.length.max(1) {
+            around = Some(at);
+            let (left, right) = at.halves();
+            at = if part.start < right.start { left } else { right };
         }
-        None
+        let around = around.filter(|_| at == part)?;
+        let right = around.halves().1;
+        Some(if part.start < right.start && right.length > 1 { right.first() } else { around })
     }
 }
 
@@ -277,5 +275,39 @@ impl Heap {
             other => other,
         };
         Some(state[HEADER..HEADER + merge.elements].iter().map(value).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parts that are merged, halves before wholes.
+    fn merged(part: Part, order: &mut Vec<(usize, usize)>) {
+        if part.length > 1 {
+            let (left, right) = part.halves();
+            merged(left, order);
+            merged(right, order);
+            order.push((part.start, part.length));
+        }
+    }
+
+    #[test]
+    fn halves_are_merged_before_what_they_are_halves_of() {
+        for length in 2..200 {
+            let whole = Part { start: 0, length };
+            let mut expected = Vec::new();
+            merged(whole, &mut expected);
+            let parts = std::iter::successors(Some(whole.first()), |&part| whole.after(part));
+            assert!(parts.map(|part| (part.start, part.length)).eq(expected), "{length} elements");
+        }
+    }
+
+    #[test]
+    fn nothing_follows_what_is_no_part() {
+        let whole = Part { start: 0, length: 10 };
+        for (start, length) in [(1, 5), (0, 4), (9, 1), (5, 9)] {
+            assert!(whole.after(Part { start, length }).is_none(), "{length} from {start} on");
+        }
     }
 }

@@ -150,6 +150,7 @@ impl Heap {
     }
 
     /// A new closure.
+    #[inline(always)]
     pub fn closure(&mut self, code: u32, captured: Captured) -> Value {
         self.allocated += CLOSURE + captured.bytes();
         Value::Closure(self.closures.insert(Closure { code, captured }))

@@ -75,8 +75,8 @@ impl Machine {
     }
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        let (state, result, position) =
-            (self.tasks[child].state(), self.tasks[child].value, self.tasks[child].position);
+        let record = &self.tasks[child];
+        let (state, result, position) = (record.state(), record.value, record.position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {
@@ -85,7 +85,8 @@ impl Machine {
             }
             ScopeKind::Children(children) => {
                 children.alive -= 1;
-                let decided = children.decided;
+                let (decided, has_order, children_left) =
+                    (children.decided, !children.order.is_empty(), children.alive);
                 if decided.is_none() && children.expired_us.is_some() {
                     // The deadline was first: it waits for the resume no longer.
                     let timeout = self.timeout_failure(parent, scope);
@@ -99,9 +100,10 @@ impl Machine {
                 let verdict = if decided.is_none() { verdict(children, state, result, position) } else { None };
                 match (decided, verdict.map(|verdict| self.decision(parent, verdict))) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
-                    (None, None) => self.start_successors(around, parent, scope, position as u16),
+                    (None, None) if has_order => self.start_successors(around, parent, scope, position as u16),
                     (Some(decision), _) if state == State::Failed => self.attach_failure(around, decision, result),
-                    (Some(_), _) => {}
+                    (None, None) if children_left > 0 => return,
+                    (None, None) | (Some(_), _) => {}
                 }
                 self.finish_if_done(around, parent, scope);
             }

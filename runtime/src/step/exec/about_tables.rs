@@ -7,26 +7,23 @@ use crate::state::scratch::Cursor;
 use crate::state::value::Value;
 use crate::step::exec::{Proceed, REACH};
 use crate::step::native::text_steps;
-use rpl_lang::code::{NO_REG, Op, Reg};
+use rpl_lang::code::{NO_REG, Reg};
 use rpl_lang::kind::Kind;
 
-/// Reads or assigns an entry whose key has no parts; gives the steps it takes. None, and nothing done, where the key has
-/// parts or there is no table.
-pub(super) fn table_instruction(heap: &mut Heap, r: &mut [Value; REACH], op: &Op) -> Option<u32> {
-    match *op {
-        Op::TableRef(to, key, table, default) => {
-            let key = &r[usize::from(key)];
-            let (found, steps) = (heap.atom_entry(&r[usize::from(table)], key)?, key_steps(heap, key));
-            r[usize::from(to)] = found.unwrap_or_else(|| default_value(r, default));
-            Some(steps)
-        }
-        Op::SetTableRef(key, table, value) => {
-            let key = &r[usize::from(key)];
-            let is_done = heap.set_atom_entry(&r[usize::from(table)], key, r[usize::from(value)].copied());
-            is_done.then(|| key_steps(heap, key))
-        }
-        _ => None,
-    }
+/// Reads an entry whose key has no parts; gives the steps it takes. None, and nothing done, where the key has parts or
+/// there is no table.
+pub(super) fn read_entry(heap: &Heap, r: &mut [Value; REACH], [to, key, table, default]: [Reg; 4]) -> Option<u32> {
+    let key = &r[usize::from(key)];
+    let (found, steps) = (heap.atom_entry(&r[usize::from(table)], key)?, key_steps(heap, key));
+    r[usize::from(to)] = found.unwrap_or_else(|| default_value(r, default));
+    Some(steps)
+}
+
+/// The same for the assignment of an entry.
+pub(super) fn assign_entry(heap: &mut Heap, r: &[Value; REACH], [key, table, value]: [Reg; 3]) -> Option<u32> {
+    let key = &r[usize::from(key)];
+    let is_done = heap.set_atom_entry(&r[usize::from(table)], key, r[usize::from(value)].copied());
+    is_done.then(|| key_steps(heap, key))
 }
 
 /// A key is hashed and, as a rule, compared with one key.

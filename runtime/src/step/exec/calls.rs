@@ -6,6 +6,7 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::Value;
+use crate::step::exec::evaluation::MAX_EVALUATIONS_DEEP;
 use crate::step::exec::{Proceed, REACH, WINDOW};
 use crate::step::native::{Call as NativeCall, Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Parameters, Reg};
@@ -14,6 +15,21 @@ use rpl_lang::kind::Kind;
 use std::borrow::Cow;
 
 impl Limits {
+    /// The same, where so few frames are allowed in any case.
+    #[inline]
+    pub(crate) fn allow_above(&self, few: usize, frames: usize, base: usize) -> bool {
+        frames < few || self.allow(frames, base)
+    }
+
+    /// So many frames are allowed at least, wherever they start: each takes the next one's registers along,
+    /// and so does each evaluation of a network.
+    #[inline]
+    pub(crate) fn frames_anywhere(&self) -> usize {
+        const _: () = assert!(size_of::<Frame>() + WINDOW * size_of::<Value>() <= 2 * 4096);
+        let by_bytes = (self.bytes / 4 / 8192).saturating_sub(MAX_EVALUATIONS_DEEP as usize + 1);
+        by_bytes.min(self.frames as usize)
+    }
+
     /// Whether one more frame may start at this register above so many others.
     ///
     /// The calls of the running task take a quarter of the memory at most, beside the data.
@@ -338,5 +354,22 @@ impl Machine {
             Ok(reply) => Ok(reply),
             Err(raise) => self.call_with_room(around, native, arguments, raise),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_that_are_allowed_anywhere_are_allowed_at_the_highest_register() {
+        for bytes in [0, 1 << 16, 1 << 22, 3_000_000, 1 << 30] {
+            let limits = Limits { bytes, ..Limits::default() };
+            for frames in (0..limits.frames_anywhere()).step_by(7) {
+                let highest = (frames + 1 + MAX_EVALUATIONS_DEEP as usize) * (WINDOW - 1);
+                assert!(limits.allow(frames, highest), "{frames} frames within {bytes} bytes");
+            }
+        }
+        assert!(Limits::default().frames_anywhere() > 10_000, "calls are not looked at one by one");
     }
 }

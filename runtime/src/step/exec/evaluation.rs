@@ -10,7 +10,7 @@ use crate::step::exec::{Exit, WINDOW};
 use crate::step::native::Surroundings;
 
 /// Evaluations of networks inside one another; each takes some Rust stack.
-const MAX_EVALUATIONS_DEEP: u32 = 64;
+pub(super) const MAX_EVALUATIONS_DEEP: u32 = 64;
 
 impl Machine {
     /// Evaluates the code of a network in the scratch task, above whatever runs now.
@@ -28,7 +28,8 @@ impl Machine {
         }
         self.scratch.evaluations += 1;
         let outer_task = std::mem::replace(&mut self.current, SCRATCH_TASK);
-        let outer_scopes = std::mem::take(&mut self.tasks[SCRATCH_TASK].scopes);
+        let is_inner = self.scratch.evaluations > 1;
+        let outer_scopes = is_inner.then(|| std::mem::take(&mut self.tasks[SCRATCH_TASK].scopes));
         let outer_top = self.scratch.top;
         let outer_switch = self.scratch.switch;
         if outer_task == NONE {
@@ -40,8 +41,14 @@ impl Machine {
             self.scratch.stack.resize(base + 4 * WINDOW, Value::Nil);
         }
         let registers = usize::from(around.program.codes[code as usize].registers);
-        self.scratch.stack[base..base + registers.max(arguments.len())].fill(Value::Nil);
-        self.scratch.stack[base..base + arguments.len()].copy_from_slice(arguments);
+        let above = &mut self.scratch.stack[base..base + registers.max(arguments.len())];
+        let (given, others) = above.split_at_mut(arguments.len());
+        for (register, argument) in given.iter_mut().zip(arguments) {
+            register.set(argument);
+        }
+        for register in others {
+            *register = Value::Nil;
+        }
         let entry = self.scratch.frames.len();
         let frame = Frame { code, pc: 0, base: base as u32 };
         let budget = self.budget();
@@ -52,12 +59,17 @@ impl Machine {
         self.scratch.frames.truncate(entry);
         self.scratch.top = outer_top;
         self.scratch.switch |= outer_switch;
-        self.tasks[SCRATCH_TASK].scopes = outer_scopes;
-        let leaving = self.tasks[SCRATCH_TASK].take_leaving();
         self.current = outer_task;
-        match (exit, leaving) {
-            (Exit::Returned(value), _) => Ok(value),
-            (_, Some(Leaving::Fail(failure))) => Err(failure),
+        let record = &mut self.tasks[SCRATCH_TASK];
+        if is_inner || !record.scopes.is_empty() {
+            record.scopes = outer_scopes.unwrap_or_default();
+        }
+        let leaving = record.take_leaving();
+        if let Exit::Returned(value) = exit {
+            return Ok(value);
+        }
+        match leaving {
+            Some(Leaving::Fail(failure)) => Err(failure),
             _ => Err(self.failure_from(Raise::new(
                 "network-error",
                 "this cannot be done while a fluent network or a macro is evaluated",

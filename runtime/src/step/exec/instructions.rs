@@ -6,15 +6,14 @@ use crate::state::quotient::{quotient, remainder};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
-use crate::step::exec::about_tables::table_instruction;
-use crate::step::exec::arithmetic::{as_floats, overflow};
+use crate::step::exec::about_tables::{assign_entry, read_entry};
+use crate::step::exec::arithmetic::{arithmetic, as_floats, compare, compare_int, overflow};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
 use crate::step::native::{Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
 use rpl_lang::kind::Kind;
-use std::hint::black_box;
 
 impl Machine {
     /// The loop. Comes back with an exit, or with a failure to raise at `place`.
@@ -31,15 +30,36 @@ impl Machine {
         let program = around.program;
         let mut code: &Code = &program.codes[place.frame.code as usize];
         let mut code_number = place.frame.code;
-        let mut pc = place.frame.pc as usize;
+        // What comes next in it.
+        let mut rest = &code.ops[place.frame.pc as usize..];
         let mut base = place.frame.base as usize;
         let mut fuel = place.fuel;
+        let few_frames = self.limits.frames_anywhere();
 
+        macro_rules! frame {
+            () => {
+                Frame { code: code_number, pc: (code.ops.len() - rest.len()) as u32, base: base as u32 }
+            };
+        }
         macro_rules! save {
             () => {
-                place.frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
+                place.frame = frame!();
                 place.fuel = fuel;
                 self.scratch.top = base + usize::from(code.registers);
+            };
+        }
+        // Goes to the first instruction of a code, or to the next one of a frame.
+        macro_rules! begin {
+            ($code:expr, $number:expr, $base:expr) => {
+                (code, code_number, base) = ($code, $number, $base);
+                rest = &code.ops;
+            };
+        }
+        macro_rules! resume {
+            ($frame:expr) => {
+                let frame = $frame;
+                (code, code_number, base) = (&program.codes[frame.code as usize], frame.code, frame.base as usize);
+                rest = &code.ops[frame.pc as usize..];
             };
         }
         macro_rules! fail {
@@ -92,10 +112,15 @@ impl Machine {
         // What a native or a network has burned, taken from the slice and then from what is behind it.
         macro_rules! spend {
             () => {
-                let burned = std::mem::take(&mut self.scratch.burned);
-                place.reserve = place.reserve.saturating_sub(burned.saturating_sub(fuel));
-                fuel = fuel.saturating_sub(burned);
+                spend!(std::mem::take(&mut self.scratch.burned))
             };
+            ($steps:expr) => {{
+                let steps = $steps;
+                if steps > 0 {
+                    place.reserve = place.reserve.saturating_sub(steps.saturating_sub(fuel));
+                    fuel = fuel.saturating_sub(steps);
+                }
+            }};
         }
         // Before anything of the instruction is done: where a slice is over it begins anew.
         macro_rules! burn {
@@ -103,8 +128,8 @@ impl Machine {
                 match fuel.checked_sub(1) {
                     Some(rest) => fuel = rest,
                     None if place.reserve > 0 => {
-                        pc -= 1;
                         save!();
+                        place.frame.pc -= 1;
                         self.end_slice::<STEPPING>(place.frame);
                         return Ok(Exit::Paused);
                     }
@@ -119,14 +144,15 @@ impl Machine {
 
         'frame: loop {
             if STEPPING {
-                let frame = Frame { code: code_number, pc: pc as u32, base: base as u32 };
                 save!();
-                if self.stops_before(program, &code.ops[pc], frame) {
+                if self.stops_before(program, &rest[0], place.frame) {
                     return Ok(Exit::Paused);
                 }
             }
+            // A register has a number of 32 bits, in every frame: what is added to it does not overflow.
+            let start = base as u32 as usize;
             let window =
-                self.scratch.stack.get_mut(base..base + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
+                self.scratch.stack.get_mut(start..start + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
             let Some(r) = window else {
                 self.grow_stack(base);
                 continue 'frame;
@@ -150,47 +176,6 @@ impl Machine {
                         if let Some(four) = r[at..].first_chunk_mut::<4>() {
                             *four = [Value::Nil; 4];
                         }
-                    }
-                };
-            }
-            macro_rules! arithmetic {
-                ($to:expr, $a:expr, $b:expr, $name:literal, $checked:ident, $operator:tt) => {
-                    match (&r!($a), &r!($b)) {
-                        (&Value::Int(x), &Value::Int(y)) => match x.$checked(y) {
-                            Some(value) => r!($to) = Value::Int(value),
-                            None => fail!(overflow($name)),
-                        },
-                        (&Value::Float(x), &Value::Float(y)) => r!($to) = Value::Float(x $operator y),
-                        (left, right) => match as_floats(left, right) {
-                            Some((x, y)) => r!($to) = Value::Float(x $operator y),
-                            None => {
-                                let (left, right) = (*left, *right);
-                                fail!(self.wrong_operands($name, left, right))
-                            }
-                        },
-                    }
-                };
-            }
-            macro_rules! compare {
-                ($a:expr, $b:expr, $name:literal, $operator:tt) => {
-                    match (&r!($a), &r!($b)) {
-                        (&Value::Int(x), &Value::Int(y)) => x $operator y,
-                        (left, right) => match as_floats(left, right) {
-                            Some((x, y)) => x $operator y,
-                            None => {
-                                let (left, right) = (*left, *right);
-                                fail!(self.wrong_operands($name, left, right))
-                            }
-                        },
-                    }
-                };
-            }
-            macro_rules! compare_int {
-                ($a:expr, $value:expr, $name:literal, $operator:tt) => {
-                    match &r!($a) {
-                        &Value::Int(x) => x $operator i64::from($value),
-                        &Value::Float(x) => x $operator f64::from($value),
-                        &other => fail!(self.wrong_operands($name, other, other)),
                     }
                 };
             }
@@ -218,9 +203,7 @@ impl Machine {
                             check_switch!();
                         }
                         Proceed::Entered => {
-                            (code_number, pc, base) =
-                                (place.frame.code, place.frame.pc as usize, place.frame.base as usize);
-                            code = &program.codes[code_number as usize];
+                            resume!(place.frame);
                             spend!();
                             check_leaving!();
                             check_switch!();
@@ -244,17 +227,55 @@ impl Machine {
                     if distance < 0 {
                         burn!();
                     }
-                    pc = (pc as i64 + i64::from(distance)) as usize;
+                    rest = &code.ops[(code.ops.len() - rest.len()).wrapping_add_signed(distance as isize)..];
                 }};
             }
-            let ops = code.ops.as_slice();
+            macro_rules! call_value {
+                ($callee:expr, $count:expr, $is_tail:literal) => {{
+                    burn!();
+                    let function = &r!($callee);
+                    let first = usize::from($callee) + 1;
+                    let known = match *function {
+                        Value::Function(number) => Some((number, &[][..])),
+                        Value::Closure(index) => {
+                            let closure = &self.heap.closures[index];
+                            Some((closure.code, &*closure.captured))
+                        }
+                        _ => None,
+                    };
+                    if let Some((number, captured)) = known
+                        && let callee = &*program.codes[number as usize]
+                        && callee.exact_count == u16::from($count)
+                        && self.limits.allow_above(few_frames, self.scratch.frames.len(), base)
+                    {
+                        let count = usize::from($count);
+                        let start = if $is_tail && callee.kind != CodeKind::Plan {
+                            r.copy_within(first..first + count, 0);
+                            0
+                        } else {
+                            self.scratch.frames.push(frame!());
+                            first
+                        };
+                        clear!(callee, start, count);
+                        for (at, value) in captured.iter().enumerate() {
+                            r[start + count + at].set(value);
+                        }
+                        begin!(callee, number, base + start);
+                        continue 'frame;
+                    }
+                    let function = *function;
+                    hand_over!(self.call_any(around, place, function, $callee + 1, $count, $is_tail))
+                }};
+            }
             let mut is_looked_at = STEPPING;
             loop {
                 if STEPPING && !std::mem::take(&mut is_looked_at) {
                     continue 'frame;
                 }
-                let op = &ops[pc];
-                pc += 1;
+                let Some((op, behind)) = rest.split_first() else {
+                    unreachable!("code ends with an instruction that leaves it")
+                };
+                rest = behind;
                 match *op {
                     Op::Nil(a) => r!(a) = Value::Nil,
                     Op::True(a) => r!(a) = Value::True,
@@ -289,9 +310,9 @@ impl Machine {
                             self.heap.cells[cell].set(&r!(b));
                         }
                     }
-                    Op::Add(a, b, c) => arithmetic!(a, b, c, "+", checked_add, +),
-                    Op::Sub(a, b, c) => arithmetic!(a, b, c, "-", checked_sub, -),
-                    Op::Mul(a, b, c) => arithmetic!(a, b, c, "*", checked_mul, *),
+                    Op::Add(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "+", checked_add, +),
+                    Op::Sub(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "-", checked_sub, -),
+                    Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
                     Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Float(x), &Value::Float(y)) if y != 0.0 => r!(a) = Value::Float(x / y),
                         (left, right) => {
@@ -313,10 +334,10 @@ impl Machine {
                             fail!(self.wrong_operands("+", other, other))
                         }
                     },
-                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<", <)),
-                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "<=", <=)),
-                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(b, c, "=", ==)),
-                    Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(b, c, "/=", !=)),
+                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <)),
+                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=)),
+                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==)),
+                    Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=)),
                     Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
                     Op::Mod(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Int(x), &Value::Int(y)) if y > 0 => r!(a) = Value::Int(x.rem_euclid(y)),
@@ -374,10 +395,13 @@ impl Machine {
                             }
                         }
                     }
-                    Op::TableRef(..) | Op::SetTableRef(..) => match table_instruction(&mut self.heap, r, op) {
+                    Op::TableRef(a, key, of, default) => match read_entry(&self.heap, r, [a, key, of, default]) {
+                        Some(steps) => spend!(steps),
+                        None => hand_over!(self.plan_instruction(around, place, *op)),
+                    },
+                    Op::SetTableRef(key, table, value) => match assign_entry(&mut self.heap, r, [key, table, value]) {
                         Some(steps) => {
-                            self.scratch.burned = steps;
-                            spend!();
+                            spend!(steps);
                             collect_in_frame!();
                         }
                         None => hand_over!(self.plan_instruction(around, place, *op)),
@@ -395,39 +419,45 @@ impl Machine {
                         Value::Nil => {}
                         other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
                     },
-                    Op::MergeStep(state, done) => {
+                    Op::MergeStep(state, ask) => {
+                        jump!(ask);
                         if !self.heap.merge_on(&mut r[usize::from(state)..]) {
-                            hand_over!(self.merge_step(place, state, done))
+                            hand_over!(self.merge_step(place, state, ask))
                         }
                     }
                     Op::Jump(distance) => jump!(distance),
                     Op::JumpIfNil(a, distance) => jump_if!(matches!(r!(a), Value::Nil), distance),
                     Op::JumpIfTrue(a, distance) => jump_if!(!matches!(r!(a), Value::Nil), distance),
                     Op::JumpIfGiven(a, distance) => jump_if!(!matches!(r!(a), Value::Unbound), distance),
-                    Op::JumpUnlessLess(a, b, to) => jump_if!(!compare!(a, b, "<", <), to),
-                    Op::JumpUnlessLessEq(a, b, to) => jump_if!(!compare!(a, b, "<=", <=), to),
-                    Op::JumpUnlessNumEq(a, b, to) => jump_if!(!compare!(a, b, "=", ==), to),
-                    Op::JumpUnlessNumDiffer(a, b, to) => jump_if!(!compare!(a, b, "/=", !=), to),
-                    Op::JumpUnlessLessInt(a, value, to) => jump_if!(!compare_int!(a, value, "<", <), to),
-                    Op::JumpUnlessLessEqInt(a, value, to) => jump_if!(!compare_int!(a, value, "<=", <=), to),
-                    Op::JumpUnlessGreaterInt(a, value, to) => jump_if!(!compare_int!(a, value, ">", >), to),
-                    Op::JumpUnlessGreaterEqInt(a, value, to) => jump_if!(!compare_int!(a, value, ">=", >=), to),
-                    Op::JumpUnlessNumEqInt(a, value, to) => jump_if!(!compare_int!(a, value, "=", ==), to),
-                    Op::JumpUnlessNumDifferInt(a, value, to) => jump_if!(!compare_int!(a, value, "/=", !=), to),
-                    Op::JumpIfLess(a, b, to) => jump_if!(compare!(a, b, "<", <), to),
-                    Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(a, b, "<=", <=), to),
-                    Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(a, value, "<", <), to),
-                    Op::JumpIfLessEqInt(a, value, to) => jump_if!(compare_int!(a, value, "<=", <=), to),
-                    Op::JumpIfGreaterInt(a, value, to) => jump_if!(compare_int!(a, value, ">", >), to),
-                    Op::JumpIfGreaterEqInt(a, value, to) => jump_if!(compare_int!(a, value, ">=", >=), to),
+                    Op::JumpUnlessLess(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "<", <), to),
+                    Op::JumpUnlessLessEq(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "<=", <=), to),
+                    Op::JumpUnlessNumEq(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "=", ==), to),
+                    Op::JumpUnlessNumDiffer(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "/=", !=), to),
+                    Op::JumpUnlessLessInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "<", <), to),
+                    Op::JumpUnlessLessEqInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "<=", <=), to),
+                    Op::JumpUnlessGreaterInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, ">", >), to),
+                    Op::JumpUnlessGreaterEqInt(a, value, to) => {
+                        jump_if!(!compare_int!(self, r!(a), value, ">=", >=), to)
+                    }
+                    Op::JumpUnlessNumEqInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "=", ==), to),
+                    Op::JumpUnlessNumDifferInt(a, value, to) => {
+                        jump_if!(!compare_int!(self, r!(a), value, "/=", !=), to)
+                    }
+                    Op::JumpIfLess(a, b, to) => jump_if!(compare!(self, r!(a), r!(b), "<", <), to),
+                    Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(self, r!(a), r!(b), "<=", <=), to),
+                    Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, "<", <), to),
+                    Op::JumpIfLessEqInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, "<=", <=), to),
+                    Op::JumpIfGreaterInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, ">", >), to),
+                    Op::JumpIfGreaterEqInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, ">=", >=), to),
                     Op::Call(first, count, global) => {
                         burn!();
                         match self.globals[global as usize] {
                             Value::Function(number) => {
                                 let callee: &Code = &program.codes[number as usize];
                                 let first = usize::from(first);
-                                if !STEPPING
-                                    && callee.framed_count != u16::from(count)
+                                let is_framed = callee.framed_count == u16::from(count);
+                                if !is_framed
+                                    && !STEPPING
                                     && let Some(slot) = callee.slot
                                     && callee.exact_count == u16::from(count)
                                     && !(slot.assigns && self.current == SCRATCH_TASK)
@@ -437,17 +467,17 @@ impl Machine {
                                     r!(first) = value;
                                     continue;
                                 }
-                                if !self.limits.allow(self.scratch.frames.len(), base + first) {
+                                if !self.limits.allow_above(few_frames, self.scratch.frames.len(), base + first) {
                                     fail!(self.too_deep());
                                 }
-                                if callee.framed_count == u16::from(count) {
+                                if is_framed {
                                     clear!(callee, first, usize::from(count));
                                 } else {
                                     attempt!(self.arrange(callee, base + first, usize::from(count)));
                                     self.clear_frame(callee, base + first);
                                 }
-                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                                (code, code_number, pc, base) = (callee, number, 0, base + first);
+                                self.scratch.frames.push(frame!());
+                                begin!(callee, number, base + first);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
@@ -467,55 +497,19 @@ impl Machine {
                                     attempt!(self.arrange(callee, base, usize::from(count)));
                                     self.clear_frame(callee, base);
                                 }
-                                (code, code_number, pc) = (callee, number, 0);
+                                begin!(callee, number, base);
                                 continue 'frame;
                             }
                             Value::Unbound => fail!(self.describe_global(around, global)),
                             function => hand_over!(self.call_any(around, place, function, first, count, true)),
                         }
                     }
-                    Op::CallValue(callee, count) | Op::TailCallValue(callee, count) => {
-                        burn!();
-                        // Looked at again, so that no other instruction keeps its number at hand.
-                        let tail = matches!(black_box(op), Op::TailCallValue(..));
-                        let function = &r!(callee);
-                        let first = usize::from(callee) + 1;
-                        let known = match *function {
-                            Value::Function(number) => Some((number, &[][..])),
-                            Value::Closure(index) => {
-                                let closure = &self.heap.closures[index];
-                                Some((closure.code, &*closure.captured))
-                            }
-                            _ => None,
-                        };
-                        if let Some((number, captured)) = known
-                            && let callee = &*program.codes[number as usize]
-                            && callee.exact_count == u16::from(count)
-                            && self.limits.allow(self.scratch.frames.len(), base)
-                        {
-                            let count = usize::from(count);
-                            let tail = tail && callee.kind != CodeKind::Plan;
-                            let start = if tail { 0 } else { first };
-                            if tail {
-                                r.copy_within(first..first + count, 0);
-                            } else {
-                                self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                            }
-                            clear!(callee, start, count);
-                            for (place, value) in r[start + count..].iter_mut().zip(captured) {
-                                place.set(value);
-                            }
-                            (code, code_number, pc, base) = (callee, number, 0, base + start);
-                            continue 'frame;
-                        }
-                        let function = *function;
-                        hand_over!(self.call_any(around, place, function, callee + 1, count, tail))
-                    }
+                    Op::CallValue(callee, count) => call_value!(callee, count, false),
+                    Op::TailCallValue(callee, count) => call_value!(callee, count, true),
                     Op::CallCode(first, number) => {
                         burn!();
-                        self.scratch.frames.push(Frame { code: code_number, pc: pc as u32, base: base as u32 });
-                        base += usize::from(first);
-                        (code, code_number, pc) = (&program.codes[number as usize], number, 0);
+                        self.scratch.frames.push(frame!());
+                        begin!(&program.codes[number as usize], number, base + usize::from(first));
                         self.clear_frame(code, base);
                         continue 'frame;
                     }
@@ -548,15 +542,17 @@ impl Machine {
                         if self.scratch.frames.len() == entry {
                             let value = r!(a);
                             save!();
-                            if self.current != SCRATCH_TASK && self.end_spawned(around, place) {
+                            if self.current != SCRATCH_TASK
+                                && !self.tasks[self.current].scopes.is_empty()
+                                && self.end_spawned(around, place)
+                            {
                                 return Ok(Exit::Blocked);
                             }
                             return Ok(Exit::Returned(value));
                         }
                         assign!(r!(0), r!(a));
                         if let Some(frame) = self.scratch.frames.pop() {
-                            (code_number, pc, base) = (frame.code, frame.pc as usize, frame.base as usize);
-                            code = &program.codes[code_number as usize];
+                            resume!(frame);
                         }
                         continue 'frame;
                     }
@@ -589,7 +585,14 @@ impl Machine {
                         hand_over!(self.assign_instruction(around, place, fluent, value))
                     }
                     Op::Refail(a) => fail!(Raise::Again(r!(a))),
-                    about_plans => hand_over!(self.plan_instruction(around, place, about_plans)),
+                    // One by one, so that no instruction is compared with the last of those above.
+                    #[rustfmt::skip]
+                    Op::DefFluent(..) | Op::EnterPlan | Op::LeavePlan(_) | Op::TagNew(..) | Op::Parallel(..)
+                    | Op::ParallelMap(..) | Op::Spawn(..) | Op::PushBlock(..) | Op::ReturnFrom(..)
+                    | Op::PushHandler(..) | Op::PushCleanup(_) | Op::BeginCleanup | Op::EndCleanup
+                    | Op::PushValve(_) | Op::PushOnInterrupt(_) | Op::PushOnResume(_) | Op::PushSuspended(_)
+                    | Op::PushFence | Op::PushWatch(..) | Op::WatchWait | Op::WatchDone | Op::PopScopes(_)
+                    | Op::LeaveScopes(..) | Op::Network(..) => hand_over!(self.plan_instruction(around, place, *op)),
                 }
             }
         }

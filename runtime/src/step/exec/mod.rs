@@ -62,6 +62,7 @@ pub(crate) enum Proceed {
 }
 
 impl Machine {
+    #[inline]
     fn execute(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor, entry: usize) -> Exit {
         loop {
             // Where a departure ends, what was protected until then is stopped before it goes on.

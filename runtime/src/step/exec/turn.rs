@@ -41,6 +41,7 @@ impl Machine {
         self.run_ready(around, task)
     }
 
+    #[inline]
     fn run_ready(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
         if around.outside.next_event_us(self.now_us).is_some() {
             self.note_progress(task);
@@ -51,18 +52,21 @@ impl Machine {
     /// Runs a ready task until it blocks, ends, is switched out or has taken a slice of steps. A datum
     /// to compile is answered; the task then goes on with [`Machine::enter`], before anything else runs.
     fn run_task(&mut self, around: &mut Surroundings<'_>, task: u32) -> Ran {
-        self.set_state(task, State::Running);
         self.current = task;
         self.scratch.switch = false;
+        self.scratch.wake_at = None;
+        self.scratch.burned = 0;
         let record = &mut self.tasks[task];
+        record.enter(State::Running);
         if record.budget_instant != self.instant {
             record.budget_instant = self.instant;
             record.steps = 0;
             record.strikes = 0;
         }
         record.steps = record.steps.saturating_add(1);
-        self.scratch.wake_at = None;
-        self.scratch.burned = 0;
+        if record.rare.is_some() {
+            self.note_status(task);
+        }
         self.flush_status(around);
         let record = &self.tasks[task];
         let steps = self.limits.steps.saturating_sub(record.steps);
@@ -81,6 +85,7 @@ impl Machine {
     }
 
     /// Lays aside what ran and had so many steps left at first, as far as its exit asks for.
+    #[inline]
     fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit, steps: u32) -> Ran {
         // One that ran out of its limit has got it anew.
         self.steps += u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
@@ -247,6 +252,7 @@ impl Machine {
     }
 
     /// The task's own code has ended: the children it spawned go first.
+    #[inline]
     fn finish(&mut self, around: &mut Surroundings<'_>, task: u32, value: Value) {
         while let Some(scope) = self.tasks[task].scopes.pop() {
             if let ScopeKind::Call(call) = scope.kind {

@@ -4,6 +4,7 @@ use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
 use crate::state::machine::Machine;
 use crate::state::memory;
+use crate::state::scratch::Reads;
 use crate::state::slab::{NONE, Slab};
 use crate::state::task::{Waiting, Wake};
 use crate::state::value::Value;
@@ -12,13 +13,9 @@ use rpl_lang::kind::Kind;
 
 /// The value of a fluent as code reads it, or its failure; noted as an input of the network under evaluation.
 #[inline]
-pub(crate) fn read<'f>(
-    fluents: &'f Slab<Fluent>,
-    reads: &mut Option<Vec<u32>>,
-    fluent: u32,
-) -> Result<&'f Value, Value> {
-    if let Some(reads) = reads {
-        reads.push(fluent);
+pub(crate) fn read<'f>(fluents: &'f Slab<Fluent>, reads: &mut Reads, fluent: u32) -> Result<&'f Value, Value> {
+    if reads.are_noted {
+        reads.fluents.push(fluent);
     }
     let fluent = &fluents[fluent];
     fluent.failure.map_or(Ok(fluent.reading()), Err)

@@ -10,6 +10,15 @@ use crate::state::value::Value;
 use crate::step::fluents::agenda::{Agenda, Turn};
 use crate::step::native::Surroundings;
 
+/// Whether two lists, mostly of one fluent, are the same.
+#[inline]
+fn is_same(one: &[u32], other: &[u32]) -> bool {
+    match (one, other) {
+        ([one], [other]) => one == other,
+        _ => one == other,
+    }
+}
+
 /// After so many evaluations for one change, or so many for each fluent if there are more of these,
 /// networks count as computed from themselves.
 const MAX_EVALUATIONS: usize = 1_000_000;
@@ -32,16 +41,16 @@ impl Machine {
                 break;
             }
             evaluations_left -= 1;
-            let before = (self.fluents[network].value, self.fluents[network].failure);
+            let fluent = &self.fluents[network];
+            let before = (fluent.value, fluent.failure);
             self.evaluate(around, network);
+            let fluent = &self.fluents[network];
             let waits = |&input: &u32| self.fluents[input].is_computed() && dirty.contains(self.turn(input));
-            let inputs_wait = self.fluents[network].inputs.iter().any(waits);
-            if inputs_wait {
+            if fluent.inputs.iter().any(waits) {
                 dirty.insert(self.turn(network));
                 continue;
             }
-            let after = (self.fluents[network].value, self.fluents[network].failure);
-            let changed = before.1 != after.1 || !self.heap.equal(before.0, after.0);
+            let changed = before.1 != fluent.failure || !self.heap.equal(before.0, fluent.value);
             self.fluents[network].is_changed = changed;
             if changed {
                 self.trace_fluent(around.program, network);
@@ -152,10 +161,16 @@ impl Machine {
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
             entry.is_pulsed = false;
             entry.is_changed = false;
+            if !pulsed && !changed {
+                continue;
+            }
             self.fluents[fluent].dependents.for_each(|dependent| {
-                let reads_events = matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
-                    || self.scratch.event_readers.contains(&dependent);
-                if pulsed || (changed && reads_events) {
+                let readers = &self.scratch.event_readers;
+                let reads_events = || {
+                    matches!(self.fluents[dependent].origin, Origin::Changed | Origin::Pulsed)
+                        || !readers.is_empty() && readers.contains(&dependent)
+                };
+                if pulsed || reads_events() {
                     again.push(self.turn(dependent));
                 }
             });
@@ -190,9 +205,12 @@ impl Machine {
         if let Origin::Network { code, captured } = &mut fluent.origin {
             // Nobody else looks at the values meanwhile.
             let (code, lent) = (*code, std::mem::take(captured));
-            let value = self.evaluate_network(around, network, code, &lent);
+            let result = self.evaluate_network(around, network, code, &lent);
             let fluent = &mut self.fluents[network];
-            fluent.value = value;
+            (fluent.value, fluent.failure) = match result {
+                Ok(value) => (value, None),
+                Err(failure) => (Value::Nil, Some(failure)),
+            };
             if let Origin::Network { captured, .. } = &mut fluent.origin {
                 *captured = lent;
             }
@@ -210,36 +228,47 @@ impl Machine {
         };
     }
 
-    /// The value of a network that is code; notes what it read, and how it failed.
+    /// The value of a network that is code, or its failure; notes what it read.
+    #[inline]
     fn evaluate_network(
         &mut self,
         around: &mut Surroundings<'_>,
         network: u32,
         code: u32,
         captured: &[Value],
-    ) -> Value {
-        let empty = std::mem::take(&mut self.scratch.spare_reads);
-        let outer = self.scratch.reads.replace(empty);
+    ) -> Result<Value, Value> {
+        let first = self.scratch.reads.fluents.len();
+        let outer = std::mem::replace(&mut self.scratch.reads.are_noted, true);
         let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
         let result = self.evaluate_code(around, code, captured);
-        let mut reads = std::mem::replace(&mut self.scratch.reads, outer).unwrap_or_default();
+        self.scratch.reads.are_noted = outer;
         if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
             self.scratch.event_readers.insert(network);
         }
-        reads.sort_unstable();
-        reads.dedup();
-        if self.trace.enabled && self.fluents[network].inputs != reads {
-            self.scratch.rereading.push(network);
+        let reads = &self.scratch.reads.fluents[first..];
+        if is_same(&self.fluents[network].inputs, reads) {
+            self.fluents[network].height = self.height_above(reads);
+            self.scratch.reads.fluents.truncate(first);
+        } else {
+            let mut reads = self.scratch.reads.fluents.split_off(first);
+            reads.sort_unstable();
+            reads.dedup();
+            if self.trace.enabled && self.fluents[network].inputs != reads {
+                self.scratch.rereading.push(network);
+            }
+            self.set_inputs(network, &reads);
         }
-        self.set_inputs(network, &reads);
-        reads.clear();
-        self.scratch.spare_reads = reads;
-        self.fluents[network].failure = result.err();
-        result.unwrap_or(Value::Nil)
+        result
+    }
+
+    /// How high a network stands that reads these fluents.
+    #[inline]
+    fn height_above(&self, inputs: &[u32]) -> u32 {
+        inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0)
     }
 
     pub(crate) fn set_inputs(&mut self, network: u32, inputs: &[u32]) {
-        let height = inputs.iter().map(|&input| self.fluents[input].height + 1).max().unwrap_or(0);
+        let height = self.height_above(inputs);
         if self.fluents[network].inputs != inputs {
             for input in std::mem::take(&mut self.fluents[network].inputs) {
                 if let Some(fluent) = self.fluents.get_mut(input) {

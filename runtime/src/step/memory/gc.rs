@@ -5,7 +5,7 @@ use crate::state::heap::{HeapMarks, vector_elements};
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::{Marks, NONE};
-use crate::state::task::{Decision, Leaving, Scope, ScopeKind, Then, Waiting};
+use crate::state::task::{Decision, Leaving, Scope, ScopeKind, Task, Then, Waiting};
 use crate::state::value::Value;
 use rpl_lang::code::Program;
 use rpl_lang::source::Span;
@@ -133,9 +133,11 @@ impl Machine {
             activation.failures().for_each(|failure| marker.push(failure));
         }
         // Living tasks keep what they hold, whether a plan can name them or not.
+        let mut unnamed = Vec::new();
         for (index, task) in self.tasks.iter() {
-            if !task.state().is_dead() {
-                self.mark_task(&mut marker, index);
+            match task.state().is_dead() {
+                true => unnamed.push(index),
+                false => self.mark_task(&mut marker, index, task),
             }
         }
         self.mark(&mut marker);
@@ -151,12 +153,7 @@ impl Machine {
             self.fluents.remove(fluent);
         }
         marker.bytes += self.fluents.iter().map(|(_, fluent)| memory::fluent_parts(fluent)).sum::<usize>();
-        let unnamed: Vec<u32> = self
-            .tasks
-            .iter()
-            .filter(|&(index, task)| task.state().is_dead() && index != self.main && !marker.tasks.is_set(index))
-            .map(|(index, _)| index)
-            .collect();
+        unnamed.retain(|&index| index != self.main && !marker.tasks.is_set(index));
         for task in unnamed {
             self.tasks.free(task);
         }
@@ -177,8 +174,7 @@ impl Machine {
         marker.code
     }
 
-    fn mark_task(&self, marker: &mut Marker, index: u32) {
-        let Some(task) = self.tasks.get(index) else { return };
+    fn mark_task(&self, marker: &mut Marker, index: u32, task: &Task) {
         if !marker.tasks.set(index) {
             return;
         }
@@ -186,7 +182,7 @@ impl Machine {
         if !task.state().is_dead() {
             task.frames.iter().chain([&task.frame]).for_each(|frame| marker.refer_to(frame.code));
         }
-        marker.extend(self.tasks.registers_of(index));
+        marker.extend(self.tasks.registers.get(task.registers));
         marker.push(task.value);
         if let Waiting::Fluent { fluent, .. } = task.waiting {
             marker.push(Value::Fluent(fluent));
@@ -328,7 +324,7 @@ impl Machine {
             Value::Fluent(fluent) => self.mark_fluent(marker, fluent),
             Value::Task(task) => {
                 if let Some(index) = self.tasks.find(task) {
-                    self.mark_task(marker, index);
+                    self.mark_task(marker, index, &self.tasks[index]);
                 }
             }
             // They have no parts, and do not wait.

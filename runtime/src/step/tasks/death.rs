@@ -1,11 +1,12 @@
 //! The end of tasks and plan calls.
 
 use crate::state::failure::Raise;
+use crate::state::line::Line;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::output::Channel;
 use crate::state::slab::NONE;
 use crate::state::stack::Stack;
-use crate::state::task::{Leaving, Raises, State, Waiting, Wake};
+use crate::state::task::{Leaving, Naming, Raises, State, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
 use crate::step::native::Surroundings;
 use crate::step::tasks::unwind::Unwound;
@@ -52,44 +53,71 @@ impl Machine {
         }
     }
 
+    #[inline]
     fn die_now(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
-        self.set_state(task, state);
-        let was_protected = self.tasks[task].is_protected();
-        let strikes = (self.tasks[task].budget_instant == self.instant).then_some(self.tasks[task].strikes);
+        let instant = self.instant;
         let record = &mut self.tasks[task];
+        let strikes = if record.budget_instant == instant { record.strikes } else { 0 };
+        let (parent, scope) = (record.parent, record.parent_scope);
+        let (has_rare, was_protected) = (record.rare.is_some(), record.is_protected());
+        let (is_tag, is_hook) = (record.naming == Naming::Tag, record.named_as_hook());
+        if record.state() != state {
+            record.enter(state);
+        }
         record.value = result;
         record.raises = Raises::Nothing;
         record.frames = Stack::default();
         record.waiting = Waiting::Nothing;
+        let registers = std::mem::take(&mut record.registers);
+        self.tasks.registers.free(registers);
+        if has_rare {
+            self.end_rare(task);
+        }
+        self.trace_task_end(around.program, task);
+        if !self.activations.is_empty() {
+            self.end_activations_of(around, task);
+        }
+        if has_rare {
+            self.drop_links_of(around, task);
+            self.update_task_fluents(around, task);
+        }
+        if was_protected || self.waits_for_rest > 0 || self.swaps_pending > 0 {
+            self.protection_ended(around, task);
+        }
+        if has_rare {
+            self.wake_mourners(task);
+            self.hooks_ended(around, task);
+        }
+        if is_tag {
+            self.note_finished(task);
+        }
+        if parent != NONE && strikes > 0 {
+            self.strike(parent, strikes);
+        }
+        if parent != NONE && !is_hook {
+            self.child_ended(around, parent, scope, task);
+        } else if parent != NONE {
+            self.disown(task);
+            self.unwind(around, parent);
+        }
+    }
+
+    /// What few tasks have ends with the task, as far as nobody looks for it any more.
+    fn end_rare(&mut self, task: u32) {
+        self.note_status(task);
+        let record = &mut self.tasks[task];
         self.swaps_pending -= u32::from(record.take_swap().is_some());
         if let Some(rare) = &mut record.rare {
             rare.leaving = None;
             rare.stop = 0;
         }
-        self.tasks.set_registers(task, &[]);
-        self.trace_task_end(around.program, task);
-        self.end_activations_of(around, task);
-        self.drop_links_of(around, task);
-        self.update_task_fluents(around, task);
-        if was_protected || self.waits_for_rest > 0 || self.swaps_pending > 0 {
-            self.protection_ended(around, task);
-        }
-        if let Some(mourners) = self.tasks[task].rare.as_ref().map(|rare| rare.mourners) {
-            for mourner in mourners.tasks(&self.tasks) {
-                self.wake(mourner, Wake::Value(Value::Nil));
-            }
-        }
-        self.hooks_ended(around, task);
-        self.note_finished(task);
-        let (parent, scope) = (self.tasks[task].parent, self.tasks[task].parent_scope);
-        if let (true, Some(strikes @ 1..)) = (parent != NONE, strikes) {
-            self.strike(parent, strikes);
-        }
-        if parent != NONE && !self.tasks[task].named_as_hook() {
-            self.child_ended(around, parent, scope, task);
-        } else if parent != NONE {
-            self.disown(task);
-            self.unwind(around, parent);
+    }
+
+    /// Wakes those who wait for the end of a task.
+    fn wake_mourners(&mut self, task: u32) {
+        let mourners = self.tasks[task].rare.as_ref().map_or(Line::default(), |rare| rare.mourners);
+        for mourner in mourners.tasks(&self.tasks) {
+            self.wake(mourner, Wake::Value(Value::Nil));
         }
     }
 

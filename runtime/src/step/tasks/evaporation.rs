@@ -48,11 +48,14 @@ impl Machine {
     }
 
     /// Runs `act` as one decision: departures it causes are looked at when it is over.
+    #[inline]
     pub(crate) fn as_one(&mut self, around: &mut Surroundings<'_>, act: impl FnOnce(&mut Self, &mut Surroundings<'_>)) {
         let outer = std::mem::replace(&mut self.scratch.is_departing, true);
         act(self, around);
         self.scratch.is_departing = outer;
-        self.look_at_departures(around);
+        if !self.scratch.departures.is_empty() || !self.scratch.restless.is_empty() {
+            self.look_at_departures(around);
+        }
     }
 
     fn evaporate_now(&mut self, around: &mut Surroundings<'_>, task: u32) {

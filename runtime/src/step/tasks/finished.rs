@@ -8,10 +8,10 @@ use crate::state::task::{Naming, State};
 use rpl_lang::symbol::Symbol;
 
 impl Machine {
-    /// A task has died: if it was that of a tag, the task of the tag around it, or main, notes how.
+    /// The task of a tag has died: that of the tag around it, or main, notes how.
     pub(crate) fn note_finished(&mut self, task: u32) {
         let record = &self.tasks[task];
-        if record.naming != Naming::Tag || record.parent == NONE {
+        if record.parent == NONE {
             return;
         }
         let (name, succeeded) = (record.name, record.state() == State::Succeeded);

@@ -33,7 +33,14 @@ impl Machine {
     }
 
     /// Makes a task ready; unless it is suspended it enters the run queue.
+    #[inline]
     pub(crate) fn make_ready(&mut self, task: u32) {
+        let record = &mut self.tasks[task];
+        if record.rare.is_none() && self.claims == 0 {
+            record.enter(State::Ready);
+            let priority = record.priority;
+            return self.enqueue(task, priority, false);
+        }
         self.set_state(task, State::Ready);
         self.queue(task, false);
     }
@@ -51,6 +58,12 @@ impl Machine {
         } else {
             return;
         };
+        self.enqueue(task, priority, front);
+    }
+
+    /// Puts a task into the run queue, and has the running one look whether it must give way.
+    #[inline]
+    fn enqueue(&mut self, task: u32, priority: u32, front: bool) {
         self.priorities.enqueue(&mut self.tasks, task, priority, front);
         if self.current == NONE || self.scratch.switch {
             return;

@@ -41,11 +41,12 @@ impl Machine {
     }
 
     pub(crate) fn disown(&mut self, task: u32) {
-        let (parent, previous, next) =
-            (self.tasks[task].parent, self.tasks[task].previous_sibling, self.tasks[task].next_sibling);
+        let record = &mut self.tasks[task];
+        let (parent, previous, next) = (record.parent, record.previous_sibling, record.next_sibling);
         if parent == NONE {
             return;
         }
+        (record.previous_sibling, record.next_sibling) = (NONE, NONE);
         if previous == NONE {
             self.tasks[parent].first_child = next;
         } else {
@@ -56,8 +57,6 @@ impl Machine {
         } else {
             self.tasks[next].previous_sibling = previous;
         }
-        self.tasks[task].next_sibling = NONE;
-        self.tasks[task].previous_sibling = NONE;
     }
 
     /// Living children of one scope, in order of creation.

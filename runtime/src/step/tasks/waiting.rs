@@ -7,11 +7,21 @@ use crate::state::task::{Rare, State, Waiting, Wake};
 impl Machine {
     /// Wakes a blocked task with what it waited for. Only the first wake-up of a wait counts.
     pub(crate) fn wake(&mut self, task: u32, wake: Wake) {
-        if self.tasks[task].state() != State::Blocked {
+        let number = self.waits.wrapping_add(1);
+        let record = &mut self.tasks[task];
+        if record.state() != State::Blocked {
             return;
         }
-        self.stop_waiting(task);
-        self.tasks[task].set_wake(wake);
+        if let Waiting::Fluent { fluent, owned: false, timed: false } = record.waiting {
+            record.waiting = Waiting::Nothing;
+            record.wait_number = number;
+            record.set_wake(wake);
+            self.waits = number;
+            self.fluents[fluent].waiters.remove(&mut self.tasks, task);
+        } else {
+            self.stop_waiting(task);
+            self.tasks[task].set_wake(wake);
+        }
         self.trace_woken(task);
         self.make_ready(task);
     }
