@@ -12,7 +12,7 @@ pub mod library;
 mod macro_host;
 mod paired;
 mod projection;
-pub mod projection_record;
+mod projection_record;
 mod race;
 pub mod resumption;
 pub mod save;
