@@ -229,8 +229,7 @@ impl Projection {
 impl Foresight {
     /// As a list, the time first that has passed while it was thought about; nil if none has, and it is still to pass.
     pub(crate) fn to_value(&self, machine: &mut Machine, passed_s: Option<f64>) -> Value {
-        let comparisons: Vec<Value> =
-            self.comparisons.iter().map(|comparison| comparison.to_value(machine)).collect();
+        let comparisons: Vec<Value> = self.comparisons.iter().map(|comparison| comparison.to_value(machine)).collect();
         let mut parts = vec![passed_s.map_or(Value::Nil, Value::Float), machine.heap.list(&comparisons)];
         for figures in &self.plans {
             parts.push(figures.to_value(machine));

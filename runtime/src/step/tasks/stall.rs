@@ -30,7 +30,11 @@ impl Machine {
         if self.drives(around) {
             self.stall = Stall { since_us: self.now_us, is_reported: false };
         }
-        if self.stall.is_reported || self.now_us - self.stall.since_us < PATIENCE_US || self.awaits_time() || self.thinks() {
+        if self.stall.is_reported
+            || self.now_us - self.stall.since_us < PATIENCE_US
+            || self.awaits_time()
+            || self.thinks()
+        {
             return;
         }
         self.stall.is_reported = true;
