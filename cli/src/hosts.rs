@@ -29,6 +29,10 @@ const THINKING: &str = "thinking";
 /// Turns that a session keeps, to go back to: more than four hours at 20 a second.
 const MOST_KEPT: usize = 300_000;
 
+/// The same of turns of thinking, which are there while something is thought about: three quarters of an hour. The
+/// answers in them are larger.
+const MOST_THINKING_KEPT: usize = 54_000;
+
 /// Arguments that say who moves the robot, and whether what it says is kept.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct HostArguments {
@@ -178,13 +182,13 @@ impl HostSource {
                         hello.period_us
                     );
                 }
-                let kept = match kept {
+                let kept = |most| match kept {
                     Use::Run => Kept::Last,
-                    Use::Session => Kept::Newest(MOST_KEPT),
+                    Use::Session => Kept::Newest(most),
                 };
                 let thinker = Box::new(Thinker::default());
-                let thinking = Transcript::live(THINKING, thinker, kept, recorder.clone());
-                (Transcript::live(HOST, Box::new(host), kept, recorder), thinking)
+                let thinking = Transcript::live(THINKING, thinker, kept(MOST_THINKING_KEPT), recorder.clone());
+                (Transcript::live(HOST, Box::new(host), kept(MOST_KEPT), recorder), thinking)
             }
             HostSource::Recorded { turns, thinking, .. } => {
                 (Transcript::recorded(HOST, turns), Transcript::recorded(THINKING, thinking))

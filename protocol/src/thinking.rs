@@ -52,6 +52,9 @@ pub struct ThinkingAnswer {
     /// What has come since the turn before, in its order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub answered: Vec<AnsweredQuestion>,
+    /// Numbers of questions that are to be asked again: who is to think about them does not have them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unknown: Vec<u64>,
 }
 
 /// A question that is answered.
@@ -123,7 +126,13 @@ impl Thinking {
             return Vec::new();
         }
         match self.conversation.say(&words) {
-            Ok(answer) => answer.answered.into_iter().filter_map(|answered| self.answer(answered)).collect(),
+            Ok(ThinkingAnswer { answered, unknown }) => {
+                let answers = answered.into_iter().filter_map(|answered| self.answer(answered));
+                let mut answers: Vec<_> = answers.collect();
+                let unknown = unknown.iter().filter_map(|number| self.under_way.remove(number));
+                answers.extend(unknown.map(|one| (one.ticket, None)));
+                answers
+            }
             Err(LineFault(why)) => {
                 let failed = || Insight::Failed { class: "projection-failure".to_string(), message: why.clone() };
                 self.forget().into_iter().map(|ticket| (ticket, Some(failed()))).collect()

@@ -11,7 +11,7 @@ mod invariants;
 pub mod library;
 mod macro_host;
 mod paired;
-mod projection;
+pub mod projection;
 mod projection_record;
 mod race;
 pub mod resumption;

@@ -44,6 +44,15 @@ enum NoAnswer {
     GivenUp,
 }
 
+impl NoAnswer {
+    fn told(self) -> String {
+        match self {
+            NoAnswer::Failed(raise) => told(raise),
+            NoAnswer::GivenUp => "it was given up".to_string(),
+        }
+    }
+}
+
 /// Who wants an answer, however long it takes.
 const WANTED: &dyn Fn() -> bool = &|| false;
 
@@ -82,6 +91,28 @@ impl Thought for Asking {
     }
 }
 
+/// A fork of a session for projecting it, on whatever thread.
+pub struct ProjectableRun(System<ForeseenRobot>);
+
+impl ProjectableRun {
+    /// How the forms would go; none if it was given up, which is asked every few milliseconds.
+    ///
+    /// # Errors
+    /// Something is needed for which there is no model: one sentence.
+    pub fn figures(
+        mut self,
+        runs: u32,
+        horizon_us: u64,
+        seed: u64,
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Option<Result<Figures, String>> {
+        match self.0.projected_to_end(runs, horizon_us, seed, is_given_up) {
+            Err(NoAnswer::GivenUp) => None,
+            figures => Some(figures.map_err(NoAnswer::told)),
+        }
+    }
+}
+
 impl<O: Outside> System<O> {
     /// Projects plans for the running task, which asked for it: at once, and the task goes on with the figures, or
     /// beside the run, and it waits for them.
@@ -113,7 +144,7 @@ impl<O: Outside> System<O> {
     /// # Errors
     /// The robot cannot be projected, or something is needed for which there is no model: one sentence.
     pub fn project_rest(&self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
-        self.forked().map_err(told)?.projected_to_end(runs, horizon_us, seed)
+        self.forked().map_err(told)?.wanted_to_end(runs, horizon_us, seed)
     }
 
     /// The same with another robot in the projections: for somebody who believes something else.
@@ -127,26 +158,20 @@ impl<O: Outside> System<O> {
         horizon_us: u64,
         seed: u64,
     ) -> Result<Figures, String> {
-        self.forked_with(robot).projected_to_end(runs, horizon_us, seed)
+        self.forked_with(robot).wanted_to_end(runs, horizon_us, seed)
     }
 
-    /// The same for forms that a session, which waits for some, would run; without a text for those that it
+    /// A fork for projecting forms that a session, which waits for some, would run; without a text those that it
     /// runs now.
     ///
     /// # Errors
-    /// As for [`System::project_rest`]; or the text is wrong, and this is what was found.
-    pub fn project_form(
-        &self,
-        text: Option<(&str, &str)>,
-        runs: u32,
-        horizon_us: u64,
-        seed: u64,
-    ) -> Result<Figures, String> {
+    /// The robot cannot be projected; or the text is wrong, and this is what was found.
+    pub fn fork_to_project(&self, text: Option<(&str, &str)>) -> Result<ProjectableRun, String> {
         let mut base = self.forked().map_err(told)?;
         if let Some((name, text)) = text {
             base.submit(name, text, &mut NoFiles).map_err(|rejected| rejected.render(false))?;
         }
-        base.projected_to_end(runs, horizon_us, seed)
+        Ok(ProjectableRun(base))
     }
 
     /// What projected runs are forked from: this run, silent, with the robot that is foreseen.
@@ -235,17 +260,24 @@ impl System<ForeseenRobot> {
         Ok(Foresight { comparisons: race.comparisons(&projections), plans })
     }
 
+    /// Projects what runs to the end of the main task.
+    fn wanted_to_end(&mut self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
+        self.projected_to_end(runs, horizon_us, seed, WANTED).map_err(NoAnswer::told)
+    }
+
     /// Projects what runs to the end of the main task, or of the form of a session.
-    fn projected_to_end(&mut self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
+    fn projected_to_end(
+        &mut self,
+        runs: u32,
+        horizon_us: u64,
+        seed: u64,
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Result<Figures, NoAnswer> {
         let main = self.machine.tasks.reference(self.machine.main);
         let mut projection = Projection::new(horizon_us, &self.machine);
         let (mut seeds, until_us) = (Stream::new(seed, "runs"), self.machine.now_us + horizon_us);
         for _ in 0..runs {
-            match self.projected_run(None, main, seeds.seed(), until_us, WANTED) {
-                Ok(run) => projection.runs.push(run),
-                Err(NoAnswer::Failed(raise)) => return Err(told(raise)),
-                Err(NoAnswer::GivenUp) => break,
-            }
+            projection.runs.push(self.projected_run(None, main, seeds.seed(), until_us, is_given_up)?);
         }
         Ok(projection.figures(&self.machine.symbols))
     }

@@ -1,5 +1,7 @@
 //! What projecting plans has found, as figures.
 
+use rpl_lang::number::{format_float, non_finite};
+use serde::de::Error;
 use serde::{Deserialize, Serialize};
 
 /// The answer to a question about plans.
@@ -16,8 +18,10 @@ pub struct Foresight {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// How much more the second was worth than the first in the same run, on average.
+    #[serde(with = "any_number")]
     pub difference: f64,
     /// The standard error of that.
+    #[serde(with = "any_number")]
     pub error: f64,
     /// Whether it is so much better as was asked for.
     pub is_better: bool,
@@ -69,6 +73,7 @@ pub struct FluentFigure {
     /// Its name.
     pub name: String,
     /// Its number.
+    #[serde(with = "any_numbers")]
     pub quantiles: [f64; 3],
 }
 
@@ -81,4 +86,54 @@ pub struct StepFigure {
     pub share: f64,
     /// From now.
     pub begins_s: [f64; 3],
+}
+
+/// A number as JSON has it, and one that JSON has not as plans write it: what is recorded is read again.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum WrittenNumber {
+    Finite(f64),
+    Other(String),
+}
+
+impl From<f64> for WrittenNumber {
+    fn from(number: f64) -> Self {
+        if number.is_finite() { Self::Finite(number) } else { Self::Other(format_float(number)) }
+    }
+}
+
+impl WrittenNumber {
+    fn read<E: Error>(self) -> Result<f64, E> {
+        match self {
+            Self::Finite(number) => Ok(number),
+            Self::Other(text) => non_finite(&text).ok_or_else(|| E::custom(format!("`{text}` is no number"))),
+        }
+    }
+}
+
+mod any_number {
+    use super::WrittenNumber;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(number: &f64, to: S) -> Result<S::Ok, S::Error> {
+        WrittenNumber::from(*number).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        WrittenNumber::deserialize(from)?.read()
+    }
+}
+
+mod any_numbers {
+    use super::WrittenNumber;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(numbers: &[f64; 3], to: S) -> Result<S::Ok, S::Error> {
+        numbers.map(WrittenNumber::from).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 3], D::Error> {
+        let [low, median, high] = <[WrittenNumber; 3]>::deserialize(from)?;
+        Ok([low.read()?, median.read()?, high.read()?])
+    }
 }
