@@ -107,13 +107,12 @@ pub struct ForeseenWays {
     pub closed_doors: Vec<usize>,
 }
 
-/// The ways that were searched in one projection; all its runs share them. A projection may be made on another
-/// thread, and only there.
+/// The ways that were searched in one projection; all its runs share them.
 #[derive(Clone, Debug, Default)]
 pub struct Ways(Arc<Mutex<Known>>);
 
 impl Ways {
-    /// What is known is whole whenever nobody has it: each way is added at once.
+    /// What is known; whoever had it before and failed has left it whole.
     fn known(&self) -> MutexGuard<'_, Known> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
