@@ -348,7 +348,7 @@ fn a_run_that_was_stopped_stops_again_at_the_same_time() {
 fn a_run_that_is_stopped_while_it_thinks_does_not_think_to_the_end() {
     let folder = folder("host-thinking-stopped");
     // It would take minutes.
-    let plan = "(print 'going) (unwind-protect (project '(dotimes (n 1000) (wait-time 1)) :runs 10000) (print 'clean))";
+    let plan = "(print 'going) (unwind-protect (project '(dotimes (n 100000) (wait-time (random 0.002))) :runs 10000) (print 'clean))";
     let plan = put(&folder, "plan.rpl", plan);
     let [recording, live, again] = ["run.jsonl", "live.jsonl", "again.jsonl"].map(|name| put(&folder, name, ""));
     let host = Served::start(&["--speed", "8", "--once"]);
