@@ -9,20 +9,29 @@ use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use rpl_link::recording::{RecordedTurns, Recorder, Recording, Turn};
 use rpl_link::tcp_client::TcpHost;
+use rpl_link::thinker::Thinker;
 use rpl_link::transcript::{Divergence, Kept, Transcript};
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
 use rpl_protocol::host::{CommandsMessage, HostAnswer, HostHello, MissionHello, PROTOCOL};
 use rpl_protocol::line::{Line, LineFault};
 use rpl_protocol::remote_host::RemoteHost;
+use rpl_protocol::thinking::{ThinkingAnswer, ThinkingLine, ThinkingWords};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The name of the line to a host in recordings.
 const HOST: &str = "host";
 
+/// The name of the line to who thinks beside a run.
+const THINKING: &str = "thinking";
+
 /// Turns that a session keeps, to go back to: more than four hours at 20 a second.
 const MOST_KEPT: usize = 300_000;
+
+/// The same of turns of thinking, which are there while something is thought about: three quarters of an hour. The
+/// answers in them are larger.
+const MOST_THINKING_KEPT: usize = 54_000;
 
 /// Arguments that say who moves the robot, and whether what it says is kept.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -55,11 +64,33 @@ pub enum HostSource {
         heard: HostHeard,
         /// What it said.
         turns: Vec<Turn<CommandsMessage, HostAnswer>>,
+        /// What was thought about meanwhile.
+        thinking: Vec<Turn<ThinkingWords, ThinkingAnswer>>,
     },
 }
 
-/// The line to a host, where there is one.
-pub type HostTranscript = Arc<Transcript<CommandsMessage, HostAnswer>>;
+/// The line to a host, where there is one, and to who thinks while it goes on.
+pub struct HostLines {
+    host: Arc<Transcript<CommandsMessage, HostAnswer>>,
+    thinking: Arc<Transcript<ThinkingWords, ThinkingAnswer>>,
+}
+
+impl HostLines {
+    /// Where the run first wanted to tell the host something else than it did, if it did.
+    pub fn divergence(&self) -> Option<Divergence> {
+        self.host.divergence()
+    }
+
+    /// A host goes on where another one, or the same, was heard last.
+    ///
+    /// # Errors
+    /// What was heard cannot be read.
+    pub fn go_on(&self, past: &RecordedTurns, recorder: Arc<Recorder>) -> Result<()> {
+        self.host.go_on(past.stretch(HOST)?, Some(recorder.clone()));
+        self.thinking.go_on(past.stretch(THINKING)?, Some(recorder));
+        Ok(())
+    }
+}
 
 impl HostArguments {
     /// Reaches the host, if one is named. Done before anything costly: the world waits for the first commands.
@@ -128,7 +159,7 @@ impl HostSource {
         }
     }
 
-    /// The robot at the start of a run, and the line to its host if that is not our simulator.
+    /// The robot at the start of a run, and the lines to its host if that is not our simulator.
     ///
     /// # Errors
     /// The host does not fit the robot.
@@ -138,11 +169,11 @@ impl HostSource {
         seed: u64,
         kept: Use,
         recorder: Option<Arc<Recorder>>,
-    ) -> Result<(Robot, Option<HostTranscript>)> {
+    ) -> Result<(Robot, Option<HostLines>)> {
         let Some(heard) = self.heard() else { return Ok((site.robot(seed), None)) };
         let office = site.office().context("a host needs a world; add `--world dept`")?;
         let period_us = office.settings.robot.step_us;
-        let transcript = Arc::new(match self {
+        let (host, thinking) = match self {
             HostSource::Simulated => return Ok((site.robot(seed), None)),
             HostSource::Live { address, hello, host } => {
                 if hello.period_us != period_us {
@@ -151,29 +182,26 @@ impl HostSource {
                         hello.period_us
                     );
                 }
-                let kept = match kept {
+                let kept = |most| match kept {
                     Use::Run => Kept::Last,
-                    Use::Session => Kept::Newest(MOST_KEPT),
+                    Use::Session => Kept::Newest(most),
                 };
-                Transcript::live(HOST, Box::new(host), kept, recorder)
+                let thinker = Box::new(Thinker::default());
+                let thinking = Transcript::live(THINKING, thinker, kept(MOST_THINKING_KEPT), recorder.clone());
+                (Transcript::live(HOST, Box::new(host), kept(MOST_KEPT), recorder), thinking)
             }
-            HostSource::Recorded { turns, .. } => Transcript::recorded(HOST, turns),
-        });
-        let line: Arc<dyn Line<CommandsMessage, HostAnswer>> = transcript.clone();
+            HostSource::Recorded { turns, thinking, .. } => {
+                (Transcript::recorded(HOST, turns), Transcript::recorded(THINKING, thinking))
+            }
+        };
+        let lines = HostLines { host: Arc::new(host), thinking: Arc::new(thinking) };
+        let line: Arc<dyn Line<CommandsMessage, HostAnswer>> = lines.host.clone();
+        let thinking: ThinkingLine = lines.thinking.clone();
         let camera = office.settings.robot.camera.map(|camera| camera.view);
-        let host = RemoteHost::new(&heard.address, line, period_us, office.sensors.clone(), camera);
+        let host = RemoteHost::new(&heard.address, line, thinking, period_us, office.sensors.clone(), camera);
         let robot = site.robot_of(host, heard.start_known, seed).context("a host needs a world; add `--world dept`")?;
-        Ok((robot, Some(transcript)))
+        Ok((robot, Some(lines)))
     }
-}
-
-/// A host goes on where another one, or the same, was heard last.
-///
-/// # Errors
-/// What was heard cannot be read.
-pub fn go_on(line: &HostTranscript, past: &RecordedTurns, recorder: Arc<Recorder>) -> Result<()> {
-    line.go_on(past.stretch(HOST)?, Some(recorder));
-    Ok(())
 }
 
 /// The host of a recording.
@@ -190,7 +218,10 @@ pub fn recorded(recording: &Recording<RecordedRun>) -> Result<HostSource> {
 /// Its turns cannot be read.
 pub fn heard(host: Option<&HostHeard>, turns: &RecordedTurns) -> Result<HostSource> {
     match host {
-        Some(heard) => Ok(HostSource::Recorded { heard: heard.clone(), turns: turns.of(HOST)? }),
+        Some(heard) => {
+            let (turns, thinking) = (turns.of(HOST)?, turns.of(THINKING)?);
+            Ok(HostSource::Recorded { heard: heard.clone(), turns, thinking })
+        }
         None => Ok(HostSource::Simulated),
     }
 }

@@ -4,7 +4,7 @@ use crate::drive::{Pace, drive};
 use crate::files::case_files::KeptCases;
 use crate::files::module_files::Modules;
 use crate::files::outputs::OutputFolder;
-use crate::hosts::{HostTranscript, astray};
+use crate::hosts::{HostLines, astray};
 use crate::interrupt;
 use crate::journal::{EndKind, JournalEnd};
 use crate::run_record::{Records, RunEnd};
@@ -38,8 +38,8 @@ pub struct PreparedRun {
     pub cases: Option<KeptCases>,
     /// Where figures go.
     pub figures: Option<OutputFolder>,
-    /// The line to its host, if that is not our simulator.
-    pub transcript: Option<HostTranscript>,
+    /// The lines to its host, if that is not our simulator.
+    pub host_lines: Option<HostLines>,
     /// Its modules in other processes.
     pub modules: Modules,
     /// Whether a summary is written to standard output.
@@ -121,7 +121,7 @@ impl PreparedRun {
 
     /// Where the run first did something else than was recorded.
     fn tell_divergence(&self, console: &mut Console) {
-        let of_host = self.transcript.as_ref().and_then(|line| line.divergence());
+        let of_host = self.host_lines.as_ref().and_then(HostLines::divergence);
         let divergence = of_host.or_else(|| self.modules.divergence());
         if let (Some(divergence), Some(office)) = (divergence, self.site.office()) {
             console.note(&astray(&divergence, office.settings.robot.step_us));

@@ -23,6 +23,7 @@ mod margins;
 mod own_text;
 mod past;
 mod present;
+mod projecting;
 mod repetition;
 mod runner;
 mod session;
@@ -47,6 +48,7 @@ use faults::Faults;
 use halt::Halt;
 pub use halt::Until;
 pub use intervention::Intervention;
+use projecting::Projecting;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::reader::{Completeness, completeness};
 use rpl_lang::source::SourceId;
@@ -140,6 +142,8 @@ struct Prompt<'a> {
     console: &'a mut Console,
     /// The clock by which the run goes on while something is typed.
     clock: Option<Clock>,
+    /// What is projected while the clock runs.
+    projecting: Option<Projecting>,
     /// Somebody sits at a terminal.
     is_interactive: bool,
     /// The stepping command that an empty line repeats.
@@ -171,6 +175,7 @@ impl<'a> Prompt<'a> {
             command_line: clap::Command::default(),
             console,
             clock: None,
+            projecting: None,
             is_interactive,
             repeated: None,
             worst: Status::Succeeded,

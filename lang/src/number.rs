@@ -110,7 +110,8 @@ pub fn format_float(value: f64) -> String {
     }
 }
 
-fn non_finite(atom: &str) -> Option<f64> {
+/// What [`format_float`] writes for what is no number.
+pub fn non_finite(atom: &str) -> Option<f64> {
     match atom {
         "+inf.0" => Some(f64::INFINITY),
         "-inf.0" => Some(f64::NEG_INFINITY),

@@ -12,4 +12,5 @@ pub mod process_opener;
 pub mod recording;
 pub mod tcp_client;
 pub mod tcp_server;
+pub mod thinker;
 pub mod transcript;

@@ -9,6 +9,7 @@ use rpl_robot::geometry::{Pose, Vector, Velocity};
 use rpl_robot::localization::{Localization, Maximum};
 use rpl_robot::office::{Localizing, Module, Navigating, OfficeModel, OfficeRobot, Oracle, SimulatedHost};
 use rpl_robot::simulator::Percept;
+use rpl_runtime::robot::thinking::{Thought, Ticket};
 use rpl_runtime::robot::{ForeseenRobot, NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::run::system::{Outcome, System};
@@ -257,6 +258,14 @@ impl<M: Module> Outside for Robot<M> {
 
     fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
         self.outside().foresee(now_us, phases)
+    }
+
+    fn think(&mut self, ticket: Ticket, thought: Arc<dyn Thought>) -> Result<Option<Arc<dyn Thought>>, Raise> {
+        self.outside_mut().think(ticket, thought)
+    }
+
+    fn answers(&mut self, is_awaited: &dyn Fn(Ticket) -> bool, outbox: &mut Outbox) {
+        self.outside_mut().answers(is_awaited, outbox);
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {

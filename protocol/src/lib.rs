@@ -4,7 +4,7 @@
 //! Everything here is a value or a function of values. Who carries the words stands behind the trait
 //! [`line::Line`]; pipes, sockets, threads and clocks are in the crate `link`.
 //!
-//! Read `line` first, then `value` and `module`, and `host`.
+//! Read `line` first, then `value` and `module`, `host` and `thinking`.
 
 pub mod guard;
 pub mod host;
@@ -12,4 +12,5 @@ pub mod line;
 pub mod module;
 pub mod remote_host;
 pub mod schema;
+pub mod thinking;
 pub mod value;

@@ -2,10 +2,13 @@
 
 use crate::host::{CommandsMessage, HostAnswer, PerceptMessage};
 use crate::line::{Conversation, Line, LineFault};
+use crate::thinking::{self, Thinking, ThinkingLine};
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{Host, HostLost, Report, SaveHost};
 use rpl_robot::sensors::{CameraView, RangeSensors};
 use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, Percept};
+use rpl_runtime::robot::thinking::{Insight, Thought, Ticket};
+use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -26,6 +29,8 @@ pub struct RemoteHost {
     last: (Pose, bool),
     /// Where the odometry of the host began, in that of the run: a host that is reached again begins anew.
     host_odom_in_odom: Pose,
+    /// What is thought about while it goes on.
+    thinking: Thinking,
     /// How it went.
     pub record: HostRecord,
 }
@@ -51,10 +56,11 @@ pub struct HostRecord {
 
 impl RemoteHost {
     /// A host at the start of a mission, called by its address, of a robot with these range sensors and
-    /// this camera.
+    /// this camera; with the line to who thinks for the mission.
     pub fn new(
         address: &str,
         line: Arc<dyn Line<CommandsMessage, HostAnswer>>,
+        thinking: ThinkingLine,
         period_us: u64,
         sensors: RangeSensors,
         camera: Option<CameraView>,
@@ -68,6 +74,7 @@ impl RemoteHost {
             gripper_told: None,
             last: (Pose::default(), false),
             host_odom_in_odom: Pose::default(),
+            thinking: Thinking::new(thinking),
             record: HostRecord::default(),
         }
     }
@@ -130,6 +137,19 @@ impl Host for RemoteHost {
         Ok(percept)
     }
 
+    /// The world goes on while a question is thought about.
+    fn think(&mut self, ticket: Ticket, thought: Arc<dyn Thought>) -> Result<Option<Arc<dyn Thought>>, Raise> {
+        self.thinking.take(ticket, thought).map(|()| None)
+    }
+
+    fn answers(&mut self, is_awaited: &dyn Fn(Ticket) -> bool) -> Vec<(Ticket, Option<Insight>)> {
+        self.thinking.hear(is_awaited)
+    }
+
+    fn forget_questions(&mut self) -> Vec<Ticket> {
+        self.thinking.forget()
+    }
+
     /// Time and odometry of a host begin anew with every mission that reaches it; those of the run go on.
     fn renew(&mut self) -> bool {
         let (robot_in_odom, _) = self.last;
@@ -140,13 +160,13 @@ impl Host for RemoteHost {
 }
 
 /// What changes of it: turns that are over, the decision the gripper waits for, the last percept, where its
-/// odometry began, the record.
-type Changing = (u64, Option<u64>, (Pose, bool), Pose, HostRecord);
+/// odometry began, what is thought about, the record.
+type Changing = (u64, Option<u64>, (Pose, bool), Pose, thinking::Changing, HostRecord);
 
 impl SaveHost for RemoteHost {
     fn save(&self) -> Vec<u8> {
-        let changing: Changing =
-            (self.conversation.turn(), self.gripper_told, self.last, self.host_odom_in_odom, self.record);
+        let (turn, thinking) = (self.conversation.turn(), self.thinking.changing());
+        let changing: Changing = (turn, self.gripper_told, self.last, self.host_odom_in_odom, thinking, self.record);
         match postcard::to_allocvec(&changing) {
             Ok(bytes) => bytes,
             Err(error) => unreachable!("every length is known: {error}"),
@@ -156,9 +176,10 @@ impl SaveHost for RemoteHost {
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
         let changing: Changing =
             postcard::from_bytes(bytes).map_err(|error| format!("where it stood with its host is damaged: {error}"))?;
-        let turn;
-        (turn, self.gripper_told, self.last, self.host_odom_in_odom, self.record) = changing;
+        let (turn, thinking);
+        (turn, self.gripper_told, self.last, self.host_odom_in_odom, thinking, self.record) = changing;
         self.conversation.go_on_at(turn);
+        self.thinking.change(thinking);
         Ok(())
     }
 }

@@ -13,7 +13,7 @@ use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, anyhow, bail};
 use clap_complete::engine::ArgValueCompleter;
 use rpl_mission::run::{Reached, run_to};
-use rpl_runtime::run::projection_record::Figures;
+use rpl_runtime::state::figures::Figures;
 use std::ops::ControlFlow::Continue;
 
 /// Tells how a plan would probably go, by what the robot knows

@@ -6,7 +6,7 @@ use crate::commands::run::{self, parse_factor};
 use crate::drive::Pace;
 use crate::files::module_files::{GoingBack, ModuleVoices, Modules};
 use crate::files::outputs::OutputFile;
-use crate::hosts::{self, HostSource, HostTranscript, Use};
+use crate::hosts::{self, HostLines, HostSource, Use};
 use crate::journal::{
     self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
 };
@@ -87,14 +87,14 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     };
     let seed = kept.head.run.seed;
     modules.start(&site, seed, None)?;
-    let (robot, transcript) = source.robot(&site, seed, Use::Run, None)?;
+    let (robot, host_lines) = source.robot(&site, seed, Use::Run, None)?;
     let load = |bytes: &[u8]| Ok(System::load(bytes, site.library.clone(), loaded.clone(), robot.clone())?);
     let mut damage = Vec::new();
     let told = &mut |line: &str| damage.push(line.to_string());
     let Resumption { reached, from, number, ledgers } =
         journal::newest(path, kept.checksum, going_on.trace.as_deref(), load, told)?;
     damage.iter().for_each(|line| console.note(line));
-    let outside = hear_again(&kept, path, from, &modules, transcript.as_ref())?;
+    let outside = hear_again(&kept, path, from, &modules, host_lines.as_ref())?;
     let outlives_power = kept.head.sync != SyncArgument::Never;
     journal::go_on(&folder, &going_on, outlives_power)
         .with_context(|| format!("cannot write the journal `{}`", path.display()))?;
@@ -126,7 +126,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let figures = None;
     let json = arguments.json;
     let cases = None;
-    PreparedRun { site, world, system, seed, pace, records, cases, figures, transcript, modules, json, began }
+    PreparedRun { site, world, system, seed, pace, records, cases, figures, host_lines, modules, json, began }
         .drive(console)
 }
 
@@ -157,7 +157,7 @@ fn hear_again(
     path: &Path,
     from: Option<u64>,
     modules: &Modules,
-    transcript: Option<&HostTranscript>,
+    host_lines: Option<&HostLines>,
 ) -> Result<Option<Outside>> {
     if !kept.head.has_outside() {
         return Ok(None);
@@ -168,8 +168,8 @@ fn hear_again(
     let unread = || format!("what came from outside in the journal `{shown}` cannot be read");
     let turns = RecordedTurns::of_journal(past.turns).with_context(unread)?;
     let recorder = outside.recorder();
-    if let Some(transcript) = transcript {
-        hosts::go_on(transcript, &turns, recorder.clone()).with_context(unread)?;
+    if let Some(lines) = host_lines {
+        lines.go_on(&turns, recorder.clone()).with_context(unread)?;
     }
     modules.go_on(&turns, &recorder).with_context(unread)?;
     Ok(Some(outside))

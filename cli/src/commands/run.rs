@@ -219,7 +219,7 @@ pub fn run_on(
     let wants_events = trace.is_some() || mcap.is_some() || world.is_some() || live.is_some();
     let hearing = recorder.clone().or_else(|| journal.as_ref().and_then(RunJournal::recorder));
     modules.start(&site, seed, hearing.as_ref())?;
-    let (robot, transcript) = source.robot(&site, seed, Use::Run, hearing)?;
+    let (robot, host_lines) = source.robot(&site, seed, Use::Run, hearing)?;
     let system = begun(&site, loaded, robot, seed, arguments.max_steps, wants_events);
     if let Some(journal) = &mut journal {
         journal.instant_begun(&system);
@@ -237,7 +237,7 @@ pub fn run_on(
     };
     let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
     let json = output.json;
-    PreparedRun { site, world, system, seed, pace, records, cases, figures, transcript, modules, json, began }
+    PreparedRun { site, world, system, seed, pace, records, cases, figures, host_lines, modules, json, began }
         .drive(console)
 }
 

@@ -202,12 +202,12 @@ fn view_journal(arguments: &Arguments, console: &mut Console) -> Result<Status> 
     };
     let seed = kept.head.run.seed;
     let (texts, header) = (plan_texts(&loaded.program), kept.head.run.trace_header());
-    let (robot, transcript) = hosts::heard(kept.head.run.host.as_ref(), &turns)?.robot(&site, seed, Use::Run, None)?;
+    let (robot, host_lines) = hosts::heard(kept.head.run.host.as_ref(), &turns)?.robot(&site, seed, Use::Run, None)?;
     let live = Live::begin(&arguments.live(), &header, texts, (&site, world.as_ref()), console)?;
     let system = run::begun(&site, loaded, robot, seed, kept.head.run.max_steps, true);
     let records = Records { live, ..Records::default() };
     let pace = Pace { until_us: reached_us.or(kept.head.run.until_us), stopped_us: None, factor: None };
     let (cases, figures, json) = (None, None, false);
-    PreparedRun { site, world, system, seed, pace, records, cases, figures, transcript, modules, json, began }
+    PreparedRun { site, world, system, seed, pace, records, cases, figures, host_lines, modules, json, began }
         .drive(console)
 }

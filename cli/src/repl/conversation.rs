@@ -68,6 +68,7 @@ impl Prompt<'_> {
                 return Ok(line);
             }
             self.tick(clock)?;
+            self.look_at_projecting()?;
             let lines = self.console.take_kept();
             terminal.print_above(&lines)?;
             if !lines.is_empty() || self.clock.is_none() || shown.elapsed() >= PROMPT_EVERY {
@@ -77,6 +78,8 @@ impl Prompt<'_> {
             }
         }
         drop(gives_back);
+        self.look_at_projecting()?;
+        terminal.print_above(&self.console.take_kept())?;
         terminal.line()
     }
 

@@ -1,12 +1,10 @@
 //! The commands that look at a run and change nothing in it.
 
 use super::{Prompt, listings, present};
-use crate::commands::project::blocks;
 use crate::show::event_line::event_line;
 use crate::show::map;
 use crate::show::why;
 use crate::terminal::layout::terminal_size;
-use anyhow::Result;
 
 /// Events that `:trace` shows.
 const LAST_EVENTS: usize = 20;
@@ -52,32 +50,6 @@ impl Prompt<'_> {
             texts.filter(|text| words.iter().all(|word| text.contains(word))).take(LAST_EVENTS).collect();
         last.reverse();
         or_else_told(last, "no such event")
-    }
-}
-
-/// A projection at the prompt: so many runs, and so far.
-const PROJECTED_RUNS: u32 = 60;
-const HORIZON_US: u64 = 3_600_000_000;
-
-impl Prompt<'_> {
-    pub(super) fn project(&mut self, form: &str) -> Result<()> {
-        let system = &self.session.branch.system;
-        let is_idle = system.is_waiting_for_form();
-        let (text, told) = match (form.is_empty(), is_idle) {
-            (true, true) => (None, Some("nothing runs; type `:project FORM`")),
-            (false, false) => (None, Some("a form is under way; `:project` alone tells how it would go on")),
-            (true, false) => (None, None),
-            (false, true) => (Some(("projected", form)), None),
-        };
-        if let Some(told) = told {
-            self.console.note(told);
-            return Ok(());
-        }
-        match system.project_form(text, PROJECTED_RUNS, HORIZON_US, system.machine.now_us) {
-            Ok(figures) => blocks(&figures).iter().try_for_each(|block| self.console.block(block))?,
-            Err(why) => self.console.note(why.trim_end()),
-        }
-        Ok(())
     }
 }
 

@@ -120,6 +120,39 @@ fn wrong_recordings_are_told(folder: &Path, recording: &str) {
     }
 }
 
+/// Drives, and compares plans again and again meanwhile.
+const THINK: &str = "(def-plan again () (seq (go-to 'corner) (go-to 'table-side)))
+(pursue (go-to 'corner)
+  (loop (let ((c (compare-plans '(go-to 'table-side) '(again) :runs 20 :errors 9 :horizon 20min)))
+          (print (list (now) (comparison-thinking c) (comparison-stale c)
+                       (projection-horizon (comparison-first c)))))))
+(print 'there)
+";
+
+// r[project.live]
+#[test]
+fn what_was_thought_about_on_the_way_is_replayed_as_it_came() {
+    let folder = folder("host-thinking");
+    let plan = put(&folder, "plan.rpl", THINK);
+    let [recording, live, again] = ["run.jsonl", "live.jsonl", "again.jsonl"].map(|name| put(&folder, name, ""));
+    let host = Served::start(&["--speed", "8", "--once"]);
+    let found = mission(&plan, &host.address, &["--record", &recording, "--trace", &live]);
+    assert_eq!(found.status, 0, "{}", found.errors);
+    host.summary();
+    let replayed = run(&["replay", &recording, "--trace", &again]);
+    assert_eq!((replayed.status, &replayed.out), (0, &found.out), "{}", replayed.errors);
+    assert_eq!(text_in(&folder, "live.jsonl"), text_in(&folder, "again.jsonl"));
+    let seen = feed(&mut rpl(&["replay", &recording, "--prompt"]), ":continue\n:back 1\n:continue\n");
+    assert!(seen.out.contains(&found.out) && !seen.errors.contains("projection-failure"), "{}", seen.errors);
+
+    // Another question is answered at the same moments, and by what is so in the recording.
+    let other = put(&folder, "other.rpl", THINK.replace("20min", "30min"));
+    let changed = run(&["replay", &recording, "--plan", &other]);
+    assert_eq!(changed.status, 0, "{}", changed.errors);
+    assert!(found.out.contains(" 1200.0)\n"), "{}", found.out);
+    assert_eq!(changed.out, found.out.replace(" 1200.0)\n", " 1800.0)\n"));
+}
+
 #[test]
 fn the_prompt_stands_in_a_recording() {
     let folder = folder("host-prompt");
@@ -300,6 +333,29 @@ fn a_run_that_was_stopped_stops_again_at_the_same_time() {
     let id = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill runs").success());
     assert_eq!(Ended::of(child).status, 130);
+    let found = run(&["replay", &recording, "--trace", &again]);
+    assert_eq!((found.out.as_str(), found.status), ("going\nclean\n", 130), "{}", found.errors);
+    assert_eq!(text_in(&folder, "live.jsonl"), text_in(&folder, "again.jsonl"));
+}
+
+// r[project.live]
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_stopped_while_it_thinks_does_not_think_to_the_end() {
+    let folder = folder("host-thinking-stopped");
+    // It would take minutes.
+    let plan = "(print 'going) (unwind-protect (project '(dotimes (n 100000) (wait-time (random 0.002))) :runs 10000) (print 'clean))";
+    let plan = put(&folder, "plan.rpl", plan);
+    let [recording, live, again] = ["run.jsonl", "live.jsonl", "again.jsonl"].map(|name| put(&folder, name, ""));
+    let host = Served::start(&["--speed", "8", "--once"]);
+    let common = ["run", &plan, "--world", "test-room", "--grid", "coarse", "--host", &host.address];
+    let mut child = start(&[&common[..], &["--record", &recording, "--trace", &live]].concat());
+    let mut out = BufReader::new(child.stdout.take().expect("the output is piped"));
+    out.read_line(&mut String::new()).expect("it goes");
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill runs").success());
+    assert_eq!(Ended::of(child).status, 130);
+    host.summary();
     let found = run(&["replay", &recording, "--trace", &again]);
     assert_eq!((found.out.as_str(), found.status), ("going\nclean\n", 130), "{}", found.errors);
     assert_eq!(text_in(&folder, "live.jsonl"), text_in(&folder, "again.jsonl"));

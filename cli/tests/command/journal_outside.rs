@@ -130,6 +130,31 @@ fn what_was_heard_can_be_looked_at_afterwards() {
     assert!(stopped.contains("it was killed"), "{stopped}");
 }
 
+// r[project.live]
+#[test]
+fn a_question_that_was_under_way_is_asked_again() {
+    let folder = folder("journal-thinking");
+    // No run comes to the end of it before the robot has come to the corner.
+    let plan = "(def-resume look (print 'resumed))
+(pursue (loop (print (list 'at (now))) (wait-time 0.5))
+        (seq (wait-time 0.2) (project '(dotimes (n 100000) (wait-time (random 0.002))) :runs 10000) (print 'answered))
+        (go-to 'corner))
+(print 'there)";
+    put(&folder, "plan.rpl", plan);
+    let host = Served::start(&["--speed", "8"]);
+    let site = ["--world", "test-room", "--grid", "coarse", "--host", &host.address, "--sync", "never"];
+    let begun = [&["run", "plan.rpl", "--journal", "j"][..], &site].concat();
+    killed_after(4, &folder, &begun);
+    // From a checkpoint that was made meanwhile, and then to the end.
+    let stood = resume(&folder, &["--until", "3s"]);
+    assert_eq!(stood.status, 3, "{}{}", stood.out, stood.errors);
+    let ended = resume(&folder, &["--until", "10min"]);
+    assert_eq!(ended.status, 0, "{}{}", ended.out, ended.errors);
+    assert!(ended.out.starts_with("resumed\n") && ended.out.ends_with("there\n"), "{}", ended.out);
+    assert_eq!(count(&text_in(&folder, "j/output.txt"), "answered"), 0);
+    host.end();
+}
+
 /// A folder with the module of the lamp.
 fn with_lamp(name: &str, plan: &str) -> PathBuf {
     let folder = folder(name);

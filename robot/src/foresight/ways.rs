@@ -5,10 +5,8 @@ use super::drive_times::WayFeatures;
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
 use crate::planning::{NavigationPlan, PlannerModel, Target, TopologicalModel, Unreachable};
 use crate::world::{Place, TravelMode, World};
-use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::rc::Rc;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// In worlds with more places than this the ways between them are searched anew in each projection.
 const MOST_PLACES: usize = 128;
@@ -111,9 +109,14 @@ pub struct ForeseenWays {
 
 /// The ways that were searched in one projection; all its runs share them.
 #[derive(Clone, Debug, Default)]
-pub struct Ways(Rc<RefCell<Known>>);
+pub struct Ways(Arc<Mutex<Known>>);
 
 impl Ways {
+    /// What is known; whoever had it before and failed has left it whole.
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The plan from a pose to a place, as [`TopologicalModel::plan`] makes it from there to the centimetre.
     ///
     /// # Errors
@@ -126,7 +129,7 @@ impl Ways {
         closed_doors: &[usize],
     ) -> Result<NavigationPlan, Unreachable> {
         let key = (hundredths(start_in_map.point()), destination.name.clone(), closed_doors.to_vec());
-        if let Some(known) = self.0.borrow().plans.get(&key) {
+        if let Some(known) = self.known().plans.get(&key) {
             return known.clone();
         }
         let search = |from_in_map| map.topology.plan(map.planner, from_in_map, destination, closed_doors);
@@ -147,7 +150,7 @@ impl Ways {
                 });
                 route.as_ref().map_err(Clone::clone).map(|route| {
                     let points = rounded_points(start_in_map.point(), &route.plan.targets);
-                    let legs = &mut self.0.borrow_mut().legs;
+                    let legs = &mut self.known().legs;
                     for (ends, leg) in points.windows(2).zip(&route.legs) {
                         legs.insert((hundredths(ends[0]), hundredths(ends[1])), leg.clone());
                     }
@@ -155,18 +158,18 @@ impl Ways {
                 })
             }
         };
-        self.0.borrow_mut().plans.insert(key, plan.clone());
+        self.known().plans.insert(key, plan.clone());
         plan
     }
 
     /// The way between two points; none if the map leaves none. Cost: a pass over the cells, once.
     fn leg(&self, map: WayMap<'_>, from_in_map: Point, to_in_map: Point) -> Option<Arc<Leg>> {
         let key = (hundredths(from_in_map), hundredths(to_in_map));
-        if let Some(known) = self.0.borrow().legs.get(&key) {
+        if let Some(known) = self.known().legs.get(&key) {
             return known.clone();
         }
         let leg = searched_leg(map, from_in_map, to_in_map);
-        self.0.borrow_mut().legs.insert(key, leg.clone());
+        self.known().legs.insert(key, leg.clone());
         leg
     }
 }

@@ -4,7 +4,9 @@
 use super::report::Report;
 use super::scenario::Oracle;
 use crate::simulator::{Commands, Percept, SimulatorModel, SimulatorState};
+use rpl_runtime::robot::thinking::{Insight, Thought, Ticket};
 use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -18,6 +20,26 @@ pub trait Host {
     /// # Errors
     /// The host is gone: no step can follow.
     fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost>;
+
+    /// Takes a question that is to be thought about while the world goes on, or gives it back: the world stands still
+    /// while the run computes, and it is answered at once.
+    ///
+    /// # Errors
+    /// There are too many.
+    fn think(&mut self, _ticket: Ticket, thought: Arc<dyn Thought>) -> Result<Option<Arc<dyn Thought>>, Raise> {
+        Ok(Some(thought))
+    }
+
+    /// Which of the questions that were taken are answered after this step; one without an answer is to be asked again.
+    /// Those that nobody waits for any more are given up.
+    fn answers(&mut self, _is_awaited: &dyn Fn(Ticket) -> bool) -> Vec<(Ticket, Option<Insight>)> {
+        Vec::new()
+    }
+
+    /// Gives all questions up that were taken: who waits for an answer.
+    fn forget_questions(&mut self) -> Vec<Ticket> {
+        Vec::new()
+    }
 
     /// The process of the run had ended, and another one goes on with it. Whether the world has gone on
     /// meanwhile; one that is a part of the run has not.

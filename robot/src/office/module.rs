@@ -53,8 +53,8 @@ pub struct PlanText {
 /// Modules are put together by [`modules!`](crate::modules), which makes of a list of them one module again.
 /// In each step all of them are asked in the order of the list: first what they command, then, when the
 /// percept has come, what they make of it, and at last what they tell plans. A module writes nothing that
-/// others read: it answers, or tells.
-pub trait Module: Clone + Serialize + DeserializeOwned + 'static {
+/// others read: it answers, or tells. A projection may be made with a copy of it on another thread.
+pub trait Module: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// What is set before any run and shared by all; `()` for most.
     type Settings: Default + Send + Sync + 'static;
 

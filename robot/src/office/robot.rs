@@ -14,6 +14,7 @@ use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
 use crate::simulator::{Contacts, OracleError, Percept};
 use rpl_lang::symbol::Symbol;
+use rpl_runtime::robot::thinking::{Insight, Thought, Ticket};
 use rpl_runtime::robot::{ForeseenRobot, Outbox, Outside, RobotEvent, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
@@ -151,6 +152,11 @@ impl<M: Module> OfficeRobot<SimulatedHost, M> {
     }
 }
 
+/// Nobody thinks about the questions of a host any more, and they are to be asked again.
+fn ask_again(host: &mut impl Host) -> Vec<(Ticket, Option<Insight>)> {
+    host.forget_questions().into_iter().map(|ticket| (ticket, None)).collect()
+}
+
 impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
     fn tables(&self) -> &RobotTables {
         &self.controller.composition.tables
@@ -188,6 +194,7 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
                 board.position.doubt();
             }
             outbox.interrupted = (0..self.tables().behaviours.len() as u16).collect();
+            outbox.answers = ask_again(&mut self.host);
         }
         let is_outside = is_module_outside || is_host_outside;
         if is_outside {
@@ -216,6 +223,15 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
     /// Of the controller alone: the host, which knows the truth, is not asked.
     fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
         foresee(&self.controller, now_us, phases)
+    }
+
+    /// Without a host nothing goes on while the run computes.
+    fn think(&mut self, ticket: Ticket, thought: Arc<dyn Thought>) -> Result<Option<Arc<dyn Thought>>, Raise> {
+        if self.lost.is_none() { self.host.think(ticket, thought) } else { Ok(Some(thought)) }
+    }
+
+    fn answers(&mut self, is_awaited: &dyn Fn(Ticket) -> bool, outbox: &mut Outbox) {
+        outbox.answers = if self.lost.is_none() { self.host.answers(is_awaited) } else { ask_again(&mut self.host) };
     }
 
     /// Functions of plans reach the controller, whatever the host, and never the host.

@@ -1,8 +1,10 @@
 //! The seam to the robot: what plans see of it, and what it has to tell.
 
 pub mod reading;
+pub mod thinking;
 
 use self::reading::Reading;
+use self::thinking::{Insight, Thought, Ticket};
 use crate::state::activation::Phases;
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
@@ -12,6 +14,7 @@ use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::any::{Any, TypeId};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// A behaviour, as plans see it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -135,6 +138,8 @@ pub struct Outbox {
     pub interrupted: Vec<u16>,
     /// Things worth a line in the trace.
     pub events: Vec<RobotEvent>,
+    /// Questions that were answered ([`Outside::think`]); without an answer they are to be asked again.
+    pub answers: Vec<(Ticket, Option<Insight>)>,
     /// The robot is gone, told once: one sentence that says why. It makes no step any more
     /// ([`Outside::next_event_us`]), and the main task fails.
     pub lost: Option<String>,
@@ -211,6 +216,19 @@ pub trait Outside: 'static {
         Err(Raise::new("projection-failure", "there is no model of this robot to project it by"))
     }
 
+    /// Takes a question that is to be thought about beside the run, because the world goes on while the run
+    /// computes; or gives it back, and it is answered at once.
+    ///
+    /// # Errors
+    /// There are too many.
+    fn think(&mut self, _ticket: Ticket, thought: Arc<dyn Thought>) -> Result<Option<Arc<dyn Thought>>, Raise> {
+        Ok(Some(thought))
+    }
+
+    /// Tells which of the questions that were taken are answered now. Those that nobody waits for any more are
+    /// given up.
+    fn answers(&mut self, _is_awaited: &dyn Fn(Ticket) -> bool, _outbox: &mut Outbox) {}
+
     /// The part of the robot that is of a type, if it has one: what native functions of that part work
     /// on ([`Call::part`](crate::step::native::Call::part)).
     fn part(&mut self, _of: TypeId) -> Option<&mut dyn Any> {
@@ -250,8 +268,8 @@ impl Outside for NoRobot {
     }
 }
 
-/// A robot that is foreseen.
-pub trait Foreseen: Outside {
+/// A robot that is foreseen. It may be projected on another thread.
+pub trait Foreseen: Outside + Send + Sync {
     /// A copy, for one run.
     fn copied(&self) -> Box<dyn Foreseen>;
 

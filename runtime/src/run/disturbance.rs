@@ -52,7 +52,7 @@ impl<O: Outside> System<O> {
                 let record = &machine.tasks[task];
                 let waits = matches!(
                     record.waiting,
-                    Waiting::Fluent { .. } | Waiting::Watch(_) | Waiting::Time | Waiting::Signal(_)
+                    Waiting::Fluent { .. } | Waiting::Watch(_) | Waiting::Time | Waiting::Signal(_) | Waiting::Answer
                 );
                 if record.state() == State::Blocked && waits {
                     let failure = machine.failure_from(Raise::new("plan-failure", "disturbed from outside"));

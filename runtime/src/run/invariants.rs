@@ -135,7 +135,7 @@ impl Machine {
             Waiting::Children | Waiting::Spawned => {
                 ensure(task.first_child != NONE, || "waits for children and has none".into())
             }
-            Waiting::Nothing | Waiting::Time | Waiting::Signal(_) => Ok(()),
+            Waiting::Nothing | Waiting::Time | Waiting::Signal(_) | Waiting::Answer => Ok(()),
         }
     }
 

@@ -2,22 +2,28 @@
 //! interpreter runs the plan, with a robot that is made of what the robot knows; its output and its trace
 //! come to nothing, and what it leaves to chance follows from a seed of its own.
 
+use crate::robot::thinking::{Insight, Thought, Ticket};
 use crate::robot::{ForeseenRobot, Outside};
 use crate::run::macro_host::Macros;
-use crate::run::projection_record::{Ended, Figures, Projection, RunEnd};
+use crate::run::projection_record::{Ended, Projection, RunEnd};
 use crate::run::race::Race;
 use crate::run::session::Answer;
 use crate::run::system::{SLICE_STEPS, System, Turn};
-use crate::state::failure::Raise;
+use crate::state::failure::{CLASSES, Raise};
+use crate::state::figures::{Figures, Foresight};
 use crate::state::machine::Machine;
 use crate::state::projected::{Answered, ProjectedRun, Question};
 use crate::state::slab::NONE;
-use crate::state::task::State;
+use crate::state::task::{State, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
 use crate::step::exec::turn::Ran;
 use rpl_lang::compile::NoFiles;
 use rpl_random::Stream;
+use std::fmt;
 use std::sync::Arc;
+
+/// The class of failures of projecting.
+const FAILURE: &str = "projection-failure";
 
 /// Steps that a projected run takes in one instant before its task runs away, and in all before it is
 /// given up.
@@ -30,69 +36,106 @@ const INSTANTS_OF_A_RUN: u64 = 1_000_000;
 /// Plans are compared by so many runs at first, if one does not tell all; then by twice as many.
 const FIRST_RUNS: u32 = 8;
 
-/// A projected run came to need something of which there is no model: one sentence.
-struct Unforeseen(String);
+/// Why there is no answer.
+enum NoAnswer {
+    /// A plan is none, or a projected run came to need something of which there is no model.
+    Failed(Raise),
+    /// It is not wanted any more.
+    GivenUp,
+}
+
+impl NoAnswer {
+    fn told(self) -> String {
+        match self {
+            NoAnswer::Failed(raise) => told(raise),
+            NoAnswer::GivenUp => "it was given up".to_string(),
+        }
+    }
+}
+
+/// Who wants an answer, however long it takes.
+const WANTED: &dyn Fn() -> bool = &|| false;
+
+/// A question, with the run as it was when it was asked.
+struct Asking {
+    base: System<ForeseenRobot>,
+    question: Question,
+    /// The task whose end counts.
+    watched: TaskRef,
+    /// Of the seeds of the runs.
+    seed: u64,
+}
+
+impl fmt::Debug for Asking {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("Asking").field("question", &self.question).field("seed", &self.seed).finish_non_exhaustive()
+    }
+}
+
+impl Thought for Asking {
+    fn checksum(&self) -> u32 {
+        let System { machine, program, .. } = &self.base;
+        let Question { plans, task, runs, horizon_us, stake } = &self.question;
+        let plans: Vec<String> = plans.iter().map(|&plan| machine.write(program, plan)).collect();
+        let worth = stake.and_then(|stake| stake.worth).map(|worth| machine.symbols.name(worth));
+        let stake = stake.map(|stake| (stake.margin.to_bits(), stake.standard_errors.to_bits()));
+        crc32fast::hash(format!("{plans:?} {task:?} {runs} {horizon_us} {stake:?} {worth:?} {}", self.seed).as_bytes())
+    }
+
+    fn think(&self, is_given_up: &dyn Fn() -> bool) -> Option<Insight> {
+        match self.base.clone().foresee(self, is_given_up) {
+            Ok(foresight) => Some(Insight::Found(foresight)),
+            Err(NoAnswer::GivenUp) => None,
+            Err(NoAnswer::Failed(raise)) => Some(failed(raise)),
+        }
+    }
+}
+
+/// A fork of a session for projecting it, on whatever thread.
+pub struct ProjectableRun(System<ForeseenRobot>);
+
+impl ProjectableRun {
+    /// How the forms would go; none if it was given up, which is asked every few milliseconds.
+    ///
+    /// # Errors
+    /// Something is needed for which there is no model: one sentence.
+    pub fn figures(
+        mut self,
+        runs: u32,
+        horizon_us: u64,
+        seed: u64,
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Option<Result<Figures, String>> {
+        match self.0.projected_to_end(runs, horizon_us, seed, is_given_up) {
+            Err(NoAnswer::GivenUp) => None,
+            figures => Some(figures.map_err(NoAnswer::told)),
+        }
+    }
+}
 
 impl<O: Outside> System<O> {
-    /// Projects plans for the running task, which asked for it, and lets the task go on with the figures.
-    pub(crate) fn project(&mut self, question: &Question) -> Ran {
-        let answer = self.foresee(question);
+    /// Projects plans for the running task, which asked for it: at once, and the task goes on with the figures, or
+    /// beside the run, and it waits for them.
+    pub(crate) fn project(&mut self, question: Question) -> Ran {
+        let ticket = self.machine.next_ticket();
+        let asked = self.asking(question).and_then(|asking| self.outside.think(ticket, Arc::new(asking)));
+        let answer = match asked {
+            Ok(None) => return self.with_machine(Machine::await_answer),
+            Ok(Some(thought)) => thought.think(WANTED),
+            Err(raise) => Some(failed(raise)),
+        };
+        let answer = answer.map_or(Ok(Value::Nil), |insight| self.machine.value_of(insight, None));
         self.with_machine(|machine, around| machine.enter(around, answer.map(Answered::Value), 0))
     }
 
-    /// The figures as a list: what they rest on, the comparisons of the first plan with the others, and each plan's.
-    fn foresee(&mut self, question: &Question) -> Result<Value, Raise> {
+    /// The question, with a fork of the run.
+    fn asking(&mut self, question: Question) -> Result<Asking, Raise> {
         let watched = question.task.unwrap_or_else(|| self.machine.tasks.reference(self.machine.current));
         if self.machine.tasks.find_alive(watched).is_none() {
-            return Err(Raise::new("projection-failure", "the task is dead: how it goes on is known"));
+            return Err(Raise::new(FAILURE, "the task is dead: how it goes on is known"));
         }
-        let mut seeds = Stream::new(self.machine.foresight.seed(), "runs");
-        let mut base = self.forked()?;
-        let mut entries = Vec::new();
-        for &plan in &question.plans {
-            let entry = base.entry(plan, question.task.is_some())?;
-            entries.push(entry);
-        }
-        let until_us = self.machine.now_us + question.horizon_us;
-        let mut projections: Vec<Projection> =
-            entries.iter().map(|_| Projection::new(question.horizon_us, &base.machine)).collect();
-        // Where nothing is left to chance, the first run tells all.
-        let mut race = Race::new(projections.len(), question);
-        let mut aim = 1;
-        loop {
-            while projections.first().is_some_and(|first| (first.runs.len() as u32) < aim) {
-                let seed = seeds.seed();
-                for &plan in race.runners() {
-                    let run = base.projected_run(Some(entries[plan]), watched, seed, until_us);
-                    projections[plan].runs.push(run.map_err(|Unforeseen(why)| Raise::new("projection-failure", why))?);
-                }
-            }
-            let is_certain = aim == 1 && projections.iter().all(Projection::is_certain);
-            if is_certain {
-                let runs = if question.stake.is_some() { FIRST_RUNS.min(question.runs) } else { question.runs };
-                projections.iter_mut().for_each(|projection| projection.repeat(runs));
-            }
-            let is_last = is_certain || aim >= question.runs;
-            if race.look(&projections, is_last) {
-                break;
-            }
-            aim = match question.stake {
-                Some(_) => aim.saturating_mul(2).max(FIRST_RUNS).min(question.runs),
-                None => question.runs,
-            };
-        }
-        let basis = self.with_machine(|machine, around| machine.basis(around));
-        let comparisons: Vec<Value> = race
-            .comparisons(&projections)
-            .into_iter()
-            .map(|comparison| comparison.to_value(&mut self.machine))
-            .collect();
-        let mut parts = vec![basis, self.machine.heap.list(&comparisons)];
-        for projection in &projections {
-            let figures = projection.figures(&base.machine.symbols);
-            parts.push(figures.to_value(&mut self.machine));
-        }
-        Ok(self.machine.heap.list(&parts))
+        let seed = self.machine.foresight.seed();
+        Ok(Asking { base: self.forked()?, question, watched, seed })
     }
 
     /// How this run would go on from here, between two instants: until its main task ends, and at most for a
@@ -101,7 +144,7 @@ impl<O: Outside> System<O> {
     /// # Errors
     /// The robot cannot be projected, or something is needed for which there is no model: one sentence.
     pub fn project_rest(&self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
-        self.forked().map_err(told)?.projected_to_end(runs, horizon_us, seed)
+        self.forked().map_err(told)?.wanted_to_end(runs, horizon_us, seed)
     }
 
     /// The same with another robot in the projections: for somebody who believes something else.
@@ -115,26 +158,20 @@ impl<O: Outside> System<O> {
         horizon_us: u64,
         seed: u64,
     ) -> Result<Figures, String> {
-        self.forked_with(robot).projected_to_end(runs, horizon_us, seed)
+        self.forked_with(robot).wanted_to_end(runs, horizon_us, seed)
     }
 
-    /// The same for forms that a session, which waits for some, would run; without a text for those that it
+    /// A fork for projecting forms that a session, which waits for some, would run; without a text those that it
     /// runs now.
     ///
     /// # Errors
-    /// As for [`System::project_rest`]; or the text is wrong, and this is what was found.
-    pub fn project_form(
-        &self,
-        text: Option<(&str, &str)>,
-        runs: u32,
-        horizon_us: u64,
-        seed: u64,
-    ) -> Result<Figures, String> {
+    /// The robot cannot be projected; or the text is wrong, and this is what was found.
+    pub fn fork_to_project(&self, text: Option<(&str, &str)>) -> Result<ProjectableRun, String> {
         let mut base = self.forked().map_err(told)?;
         if let Some((name, text)) = text {
             base.submit(name, text, &mut NoFiles).map_err(|rejected| rejected.render(false))?;
         }
-        base.projected_to_end(runs, horizon_us, seed)
+        Ok(ProjectableRun(base))
     }
 
     /// What projected runs are forked from: this run, silent, with the robot that is foreseen.
@@ -173,15 +210,74 @@ fn told(raise: Raise) -> String {
     }
 }
 
+/// An answer that says why there is none.
+fn failed(raise: Raise) -> Insight {
+    let (class, message) = match raise {
+        Raise::New { class, message, .. } => (class, message),
+        Raise::Again(_) | Raise::NoRoom(_) => (FAILURE, "the plan cannot be compiled".to_string()),
+    };
+    Insight::Failed { class: class.to_string(), message }
+}
+
 impl System<ForeseenRobot> {
+    /// Projects the plans of a question; this run is the one in which it was asked.
+    fn foresee(&mut self, asking: &Asking, is_given_up: &dyn Fn() -> bool) -> Result<Foresight, NoAnswer> {
+        let Asking { question, watched, seed, .. } = asking;
+        let mut seeds = Stream::new(*seed, "runs");
+        let mut entries = Vec::new();
+        for &plan in &question.plans {
+            entries.push(self.entry(plan, question.task.is_some()).map_err(NoAnswer::Failed)?);
+        }
+        let until_us = self.machine.now_us + question.horizon_us;
+        let mut projections: Vec<Projection> =
+            entries.iter().map(|_| Projection::new(question.horizon_us, &self.machine)).collect();
+        // Where nothing is left to chance, the first run tells all.
+        let mut race = Race::new(projections.len(), question);
+        let mut aim = 1;
+        loop {
+            while projections.first().is_some_and(|first| (first.runs.len() as u32) < aim) {
+                let seed = seeds.seed();
+                for &plan in race.runners() {
+                    let run = self.projected_run(Some(entries[plan]), *watched, seed, until_us, is_given_up)?;
+                    projections[plan].runs.push(run);
+                }
+            }
+            let is_certain = aim == 1 && projections.iter().all(Projection::is_certain);
+            if is_certain {
+                let runs = if question.stake.is_some() { FIRST_RUNS.min(question.runs) } else { question.runs };
+                projections.iter_mut().for_each(|projection| projection.repeat(runs));
+            }
+            let is_last = is_certain || aim >= question.runs;
+            if race.look(&projections, is_last) {
+                break;
+            }
+            aim = match question.stake {
+                Some(_) => aim.saturating_mul(2).max(FIRST_RUNS).min(question.runs),
+                None => question.runs,
+            };
+        }
+        let plans = projections.iter().map(|projection| projection.figures(&self.machine.symbols)).collect();
+        Ok(Foresight { comparisons: race.comparisons(&projections), plans })
+    }
+
+    /// Projects what runs to the end of the main task.
+    fn wanted_to_end(&mut self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
+        self.projected_to_end(runs, horizon_us, seed, WANTED).map_err(NoAnswer::told)
+    }
+
     /// Projects what runs to the end of the main task, or of the form of a session.
-    fn projected_to_end(&mut self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
+    fn projected_to_end(
+        &mut self,
+        runs: u32,
+        horizon_us: u64,
+        seed: u64,
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Result<Figures, NoAnswer> {
         let main = self.machine.tasks.reference(self.machine.main);
         let mut projection = Projection::new(horizon_us, &self.machine);
         let (mut seeds, until_us) = (Stream::new(seed, "runs"), self.machine.now_us + horizon_us);
         for _ in 0..runs {
-            let run = self.projected_run(None, main, seeds.seed(), until_us);
-            projection.runs.push(run.map_err(|Unforeseen(why)| why)?);
+            projection.runs.push(self.projected_run(None, main, seeds.seed(), until_us, is_given_up)?);
         }
         Ok(projection.figures(&self.machine.symbols))
     }
@@ -200,7 +296,8 @@ impl System<ForeseenRobot> {
         watched: TaskRef,
         seed: u64,
         horizon_us: u64,
-    ) -> Result<RunEnd, Unforeseen> {
+        is_given_up: &dyn Fn() -> bool,
+    ) -> Result<RunEnd, NoAnswer> {
         let mut run = self.clone();
         run.outside.begin_run(seed);
         run.machine.random = Stream::new(seed, "plan");
@@ -210,9 +307,12 @@ impl System<ForeseenRobot> {
             run.answer_asked(ran);
         }
         let ended = loop {
+            if is_given_up() {
+                return Err(NoAnswer::GivenUp);
+            }
             let is_quiet = run.settle_within(steps + STEPS_OF_A_RUN);
             if let Some(why) = run.outside.unforeseen() {
-                return Err(Unforeseen(why.to_string()));
+                return Err(NoAnswer::Failed(Raise::new(FAILURE, why)));
             }
             if let Some(ended) = run.machine.end_of(watched).or_else(|| run.end_of_form()) {
                 break ended;
@@ -278,6 +378,49 @@ impl System<ForeseenRobot> {
 }
 
 impl Machine {
+    /// What the running task waits with if it waits now.
+    fn next_ticket(&self) -> Ticket {
+        let task = self.tasks.reference(self.current);
+        Ticket { task, wait: self.waits.wrapping_add(1), asked_us: self.now_us }
+    }
+
+    /// Whether a task still waits for this answer.
+    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
+        self.tasks.find_alive(ticket.task).is_some_and(|task| {
+            let record = &self.tasks[task];
+            record.waiting == Waiting::Answer && record.wait_number == ticket.wait
+        })
+    }
+
+    /// Lets those go on whose questions are answered, if they still wait: with the answer, or to ask again where there
+    /// is none.
+    pub(crate) fn take_answers(&mut self, answers: Vec<(Ticket, Option<Insight>)>) {
+        for (ticket, insight) in answers {
+            if !self.awaits(ticket) {
+                continue;
+            }
+            let task = ticket.task.index;
+            let passed_s = (self.now_us - ticket.asked_us) as f64 / 1e6;
+            let wake = match insight.map(|insight| self.value_of(insight, Some(passed_s))) {
+                None => Wake::Value(Value::Nil),
+                Some(Ok(value)) => Wake::Value(value),
+                Some(Err(raise)) => Wake::Raise(self.failure_of(task, raise)),
+            };
+            self.wake(task, wake);
+        }
+    }
+
+    /// An answer as plans have it, or the failure that it is.
+    fn value_of(&mut self, insight: Insight, passed_s: Option<f64>) -> Result<Value, Raise> {
+        match insight {
+            Insight::Found(foresight) => Ok(foresight.to_value(self, passed_s)),
+            Insight::Failed { class, message } => {
+                let known = CLASSES.iter().find(|(name, ..)| *name == class);
+                Err(Raise::new(known.map_or(FAILURE, |&(name, ..)| name), message))
+            }
+        }
+    }
+
     /// A plan whose end is noted, and which goes no further than that.
     fn noted_plan(&mut self, plan: Value, is_beside: bool) -> Value {
         let [progn, handling, failure, variable, end, wait, create] =

@@ -1,11 +1,10 @@
 //! What is kept of projected runs, and the figures that plans get of it.
 
-use crate::run::paired::Paired;
+use crate::state::figures::{Comparison, FailureFigure, Figures, FluentFigure, Foresight, StepFigure};
 use crate::state::machine::Machine;
 use crate::state::value::Value;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::{Symbol, Symbols};
-use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Instants that are projected in a second: so long does thinking take in a run, whatever the machine. It is
@@ -227,65 +226,21 @@ impl Projection {
     }
 }
 
-/// How a plan would go. Three numbers are those below which a tenth, a half and nine tenths lie.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Figures {
-    /// How often it was projected.
-    pub runs: usize,
-    /// The share of runs that succeed, and the ends of its 95 % interval.
-    pub success: [f64; 3],
-    /// How long those take that succeed, if any does.
-    pub time_s: Option<[f64; 3]>,
-    /// What goes wrong, the most frequent first.
-    pub failures: Vec<FailureFigure>,
-    /// What fluents with a number are in the end.
-    pub fluents: Vec<FluentFigure>,
-    /// When tagged steps begin, the earliest first.
-    pub timeline: Vec<StepFigure>,
-    /// How far from now the runs go, in seconds.
-    pub horizon_s: f64,
-    /// How long a plan that asks thinks, in seconds of the run.
-    pub thinking_s: f64,
-}
-
-/// One kind of failure in projected runs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FailureFigure {
-    /// Of all runs.
-    pub share: f64,
-    /// Its class, or `evaporated`, `unfinished`, `runaway`.
-    pub class: String,
-    /// Where it was raised; empty if nowhere in a text.
-    pub place: String,
-    /// What the first of them says.
-    pub message: String,
-    /// The seed of the run of the first.
-    pub seed: u64,
-}
-
-/// What a fluent is in the end.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FluentFigure {
-    /// Its name.
-    pub name: String,
-    /// Its number.
-    pub quantiles: [f64; 3],
-}
-
-/// When a tagged step begins.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct StepFigure {
-    /// The path of its task.
-    pub path: String,
-    /// Of the runs that come to it.
-    pub share: f64,
-    /// From now.
-    pub begins_s: [f64; 3],
+impl Foresight {
+    /// As a list, the time first that has passed while it was thought about; nil if none has, and it is still to pass.
+    pub(crate) fn to_value(&self, machine: &mut Machine, passed_s: Option<f64>) -> Value {
+        let comparisons: Vec<Value> = self.comparisons.iter().map(|comparison| comparison.to_value(machine)).collect();
+        let mut parts = vec![passed_s.map_or(Value::Nil, Value::Float), machine.heap.list(&comparisons)];
+        for figures in &self.plans {
+            parts.push(figures.to_value(machine));
+        }
+        machine.heap.list(&parts)
+    }
 }
 
 impl Figures {
     /// As a list of keywords and values.
-    pub(crate) fn to_value(&self, machine: &mut Machine) -> Value {
+    fn to_value(&self, machine: &mut Machine) -> Value {
         let success = floats(machine, &self.success);
         let time = self.time_s.map_or(Value::Nil, |quantiles| floats(machine, &quantiles));
         let mut failures = Vec::new();
@@ -323,24 +278,14 @@ impl Figures {
     }
 }
 
-/// A comparison of two plans.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Comparison {
-    pub paired: Paired,
-    pub is_better: bool,
-    /// Nothing was left to chance in either plan.
-    pub is_certain: bool,
-    pub runs: u32,
-}
-
 impl Comparison {
     /// As a list of keywords and values.
-    pub fn to_value(self, machine: &mut Machine) -> Value {
+    fn to_value(self, machine: &mut Machine) -> Value {
         let values = [
             ("better", Value::truth(self.is_better)),
             ("certain", Value::truth(self.is_certain)),
-            ("difference", Value::Float(self.paired.mean)),
-            ("error", Value::Float(self.paired.error)),
+            ("difference", Value::Float(self.difference)),
+            ("error", Value::Float(self.error)),
             ("runs", Value::Int(i64::from(self.runs))),
         ];
         property_list(machine, &values)

@@ -2,7 +2,8 @@
 //! that the runs go to the plans between which the choice lies.
 
 use crate::run::paired::{Paired, Verdict};
-use crate::run::projection_record::{Comparison, Projection};
+use crate::run::projection_record::Projection;
+use crate::state::figures::Comparison;
 use crate::state::projected::{Question, Stake};
 
 /// The plans of a question, by number. The first is the one that the others are compared with.
@@ -73,11 +74,15 @@ impl Race {
         let Some(stake) = self.stake else { return Vec::new() };
         let others = self.others.iter().zip(&projections[1..]);
         others
-            .map(|(other, projection)| Comparison {
-                paired: Paired::of(&projection.gains_over(&projections[0], stake.worth)),
-                is_better: other.verdict == Verdict::Better,
-                is_certain: other.is_certain,
-                runs: projection.runs.len() as u32,
+            .map(|(other, projection)| {
+                let Paired { mean, error, .. } = Paired::of(&projection.gains_over(&projections[0], stake.worth));
+                Comparison {
+                    difference: mean,
+                    error,
+                    is_better: other.verdict == Verdict::Better,
+                    is_certain: other.is_certain,
+                    runs: projection.runs.len() as u32,
+                }
             })
             .collect()
     }

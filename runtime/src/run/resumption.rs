@@ -25,8 +25,10 @@ impl<O: Outside> System<O> {
         if !self.outside.renew(&mut outbox) {
             return false;
         }
+        let answers = std::mem::take(&mut outbox.answers);
         self.with_machine(|machine, around| {
             machine.apply_outbox(around, outbox);
+            machine.take_answers(answers);
             machine.start_resumptions(around);
         });
         true

@@ -151,11 +151,15 @@ impl<O: Outside> System<O> {
         self.outside.next_event_us(now_us)?;
         let mut outbox = Outbox::default();
         self.outside.step(now_us, self.machine.phases(), &mut outbox);
+        let machine = &self.machine;
+        self.outside.answers(&|ticket| machine.awaits(ticket), &mut outbox);
         self.machine.make_room_for(&outbox);
         self.stepped_us = now_us;
         let lost = outbox.lost.take();
+        let answers = std::mem::take(&mut outbox.answers);
         self.with_machine(|machine, around| {
             machine.apply_outbox(around, outbox);
+            machine.take_answers(answers);
             machine.look_for_stall(around);
         });
         lost
@@ -230,7 +234,7 @@ impl<O: Outside> System<O> {
                 Ran::Asked(Asked::Function(datum)) => {
                     ran = self.execute_datum(datum, |code| Answered::Value(Value::Function(code)));
                 }
-                Ran::Asked(Asked::Projection(question)) => ran = self.project(&question),
+                Ran::Asked(Asked::Projection(question)) => ran = self.project(*question),
             }
         }
     }

@@ -264,7 +264,7 @@ impl Machine {
             Waiting::Signal(behaviour) => {
                 ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")?
             }
-            Waiting::Nothing | Waiting::Time | Waiting::Children | Waiting::Spawned => {}
+            Waiting::Nothing | Waiting::Time | Waiting::Children | Waiting::Spawned | Waiting::Answer => {}
         }
         let Some(rare) = &task.rare else { return Ok(()) };
         let fluents = [rare.fluents.status, rare.fluents.result, rare.fluents.begin, rare.fluents.end];

@@ -5,6 +5,7 @@ pub mod activation;
 pub mod active_time;
 pub(crate) mod block;
 pub mod failure;
+pub mod figures;
 pub mod fluent;
 pub mod heap;
 pub mod limits;

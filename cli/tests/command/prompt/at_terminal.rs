@@ -290,6 +290,24 @@ fn output_of_running_tasks_does_not_destroy_the_line_being_typed() {
 }
 
 #[test]
+fn what_is_projected_while_the_clock_runs_is_told_above_the_line_being_typed() {
+    let mut terminal = prompt("projecting", &[]);
+    terminal.stands_behind("rpl> ");
+    terminal.keys(":go 20\r");
+    terminal.stands_behind_an("s running> ");
+    terminal.keys(":project (dotimes (n 2000) (wait-time 1))\r");
+    terminal.until("the next line", |terminal| {
+        terminal.contents().matches("(wait-time 1))").count() == 1 && terminal.line().ends_with("s running> ")
+    });
+    terminal.keys("(list 'typed");
+    terminal.until("what is known above the line", |terminal| {
+        terminal.contents().contains("\nof 60 runs succeed 98 %") && terminal.line().ends_with("(list 'typed")
+    });
+    terminal.keys(" 'meanwhile)\r");
+    terminal.shows("= (typed meanwhile)");
+}
+
+#[test]
 fn plans_are_handed_in_and_conditions_stop_the_clock() {
     let mut terminal = prompt("clock", &[]);
     terminal.stands_behind("rpl> ");

@@ -36,6 +36,8 @@ pub enum Waiting {
     Swap(u32),
     /// The signal of a behaviour.
     Signal(u16),
+    /// The answer to a question that is thought about beside the run.
+    Answer,
 }
 
 /// What a task finds when it goes on.

@@ -5,7 +5,7 @@ use crate::state::machine::Machine;
 use crate::state::projected::{Answered, Asked};
 use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
-use crate::state::task::{Frame, Raises, ScopeKind, State, Wake};
+use crate::state::task::{Frame, Raises, ScopeKind, State, Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::exec::{Exit, WINDOW};
 use crate::step::native::Surroundings;
@@ -130,6 +130,16 @@ impl Machine {
         };
         let exit = exit.unwrap_or_else(|| self.execute(around, &mut place, 0));
         self.leave_off(around, task, place, exit, left)
+    }
+
+    /// Lets the running task, which asked something of the whole run, wait for the answer.
+    pub(crate) fn await_answer(&mut self, around: &mut Surroundings<'_>) -> Ran {
+        let Some((place, register)) = self.scratch.asked.take() else { return Ran::Task };
+        let (task, left) = (self.current, place.steps());
+        self.number_wait(task);
+        let record = &mut self.tasks[task];
+        (record.waiting, record.wake_register) = (Waiting::Answer, register);
+        self.leave_off(around, task, place, Exit::Blocked, left)
     }
 
     /// Gives a task that goes on what it was woken with; answers how it left, if it did.

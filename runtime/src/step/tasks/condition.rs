@@ -39,6 +39,7 @@ impl Machine {
             Waiting::Swap(other) => format!("the new plan of {}", self.path(other)),
             Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
             Waiting::Signal(_) => "signal".into(),
+            Waiting::Answer => "a projection".into(),
         }
     }
 
@@ -108,7 +109,8 @@ impl Machine {
             | Waiting::Death(_)
             | Waiting::Rest(_)
             | Waiting::Swap(_)
-            | Waiting::Signal(_) => return Vec::new(),
+            | Waiting::Signal(_)
+            | Waiting::Answer => return Vec::new(),
         };
         self.readings_of(program, fluent, 0, &mut Vec::new())
     }

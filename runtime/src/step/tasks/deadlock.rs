@@ -92,7 +92,8 @@ impl Machine {
             | Waiting::Fluent { .. }
             | Waiting::Watch(_)
             | Waiting::Time
-            | Waiting::Signal(_) => Vec::new(),
+            | Waiting::Signal(_)
+            | Waiting::Answer => Vec::new(),
         }
     }
 
@@ -123,7 +124,8 @@ impl Machine {
                 | Waiting::Death(_)
                 | Waiting::Rest(_)
                 | Waiting::Swap(_)
-                | Waiting::Signal(_) => false,
+                | Waiting::Signal(_)
+                | Waiting::Answer => false,
             };
             found.extend(is_awaited.then_some(record.parent));
         }

@@ -6,7 +6,7 @@ use crate::state::machine::Machine;
 use crate::state::output::Channel;
 use crate::state::slab::NONE;
 use crate::state::stall::Stall;
-use crate::state::task::{ScopeKind, State, Task};
+use crate::state::task::{ScopeKind, State, Task, Waiting};
 use crate::step::native::Surroundings;
 use crate::step::time::timers::is_current;
 use rpl_lang::code::{Program, Successes};
@@ -30,7 +30,11 @@ impl Machine {
         if self.drives(around) {
             self.stall = Stall { since_us: self.now_us, is_reported: false };
         }
-        if self.stall.is_reported || self.now_us - self.stall.since_us < PATIENCE_US || self.awaits_time() {
+        if self.stall.is_reported
+            || self.now_us - self.stall.since_us < PATIENCE_US
+            || self.awaits_time()
+            || self.thinks()
+        {
             return;
         }
         self.stall.is_reported = true;
@@ -73,6 +77,11 @@ impl Machine {
                 && !self.tasks[timer.task.index].is_held()
                 && !self.belongs_to_policy(timer.task.index)
         })
+    }
+
+    /// Whether a question is being thought about. Cost: a look at all tasks.
+    fn thinks(&self) -> bool {
+        self.tasks.iter().any(|(_, task)| task.waiting == Waiting::Answer)
     }
 
     /// Whether a task is a policy, or below one.

@@ -21,4 +21,5 @@ mod save;
 mod stall;
 mod states;
 mod stop;
+mod thinking;
 mod world;
