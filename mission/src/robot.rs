@@ -9,7 +9,7 @@ use rpl_robot::geometry::{Pose, Vector, Velocity};
 use rpl_robot::localization::{Localization, Maximum};
 use rpl_robot::office::{Localizing, Module, Navigating, OfficeModel, OfficeRobot, Oracle, SimulatedHost};
 use rpl_robot::simulator::Percept;
-use rpl_runtime::robot::{ForeseenRobot, NoRobot, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::robot::{ForeseenRobot, Grain, NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::save::SaveOutside;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
@@ -255,8 +255,8 @@ impl<M: Module> Outside for Robot<M> {
         self.outside_mut().step(now_us, phases, outbox);
     }
 
-    fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
-        self.outside().foresee(now_us, phases)
+    fn foresee(&self, now_us: u64, phases: Phases<'_>, grain: Grain) -> Result<ForeseenRobot, Raise> {
+        self.outside().foresee(now_us, phases, grain)
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {

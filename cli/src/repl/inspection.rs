@@ -7,6 +7,7 @@ use crate::show::map;
 use crate::show::why;
 use crate::terminal::layout::terminal_size;
 use anyhow::Result;
+use rpl_runtime::robot::Grain;
 
 /// Events that `:trace` shows.
 const LAST_EVENTS: usize = 20;
@@ -60,7 +61,8 @@ const PROJECTED_RUNS: u32 = 60;
 const HORIZON_US: u64 = 3_600_000_000;
 
 impl Prompt<'_> {
-    pub(super) fn project(&mut self, form: &str) -> Result<()> {
+    pub(super) fn project(&mut self, words: &str) -> Result<()> {
+        let (grain, form) = grain_of(words);
         let system = &self.session.branch.system;
         let is_idle = system.is_waiting_for_form();
         let (text, told) = match (form.is_empty(), is_idle) {
@@ -73,12 +75,21 @@ impl Prompt<'_> {
             self.console.note(told);
             return Ok(());
         }
-        match system.project_form(text, PROJECTED_RUNS, HORIZON_US, system.machine.now_us) {
+        match system.project_form(text, PROJECTED_RUNS, HORIZON_US, grain, system.machine.now_us) {
             Ok(figures) => blocks(&figures).iter().try_for_each(|block| self.console.block(block))?,
             Err(why) => self.console.note(why.trim_end()),
         }
         Ok(())
     }
+}
+
+/// The grain that is asked for before a form, and the form.
+fn grain_of(words: &str) -> (Grain, &str) {
+    let named = Grain::ALL.into_iter().find_map(|grain| {
+        let form = words.strip_prefix(':')?.strip_prefix(grain.name())?;
+        (form.is_empty() || form.starts_with([' ', '('])).then(|| (grain, form.trim_start()))
+    });
+    named.unwrap_or((Grain::default(), words))
 }
 
 /// The lines, or that there are none.

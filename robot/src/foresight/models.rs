@@ -224,6 +224,21 @@ impl Models {
         expected_s * usual + if is_held_up { HELD_UP_S * held_up } else { 0.0 }
     }
 
+    /// How long a drive that should take so long is held up: as one of its own was, beyond what is usual for them, or,
+    /// the fewer these are the likelier, as a prior says. It draws the same numbers as [`Self::drive_time_s`].
+    pub fn hold_up_s(&self, expected_s: f64, stream: &mut Stream) -> f64 {
+        let undisturbed = Self { straying: 0.0, time_shares: self.delays(), ..self.clone() };
+        (undisturbed.drive_time_s(expected_s, stream) - expected_s).max(0.0)
+    }
+
+    /// Its own drives as if they usually took the time that they should take.
+    fn delays(&self) -> Vec<f64> {
+        let mut sorted = self.time_shares.clone();
+        sorted.sort_by(f64::total_cmp);
+        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
+        self.time_shares.iter().map(|share| share / usual).collect()
+    }
+
     /// How long a closed door stays closed, from when it is found so.
     pub fn closed_s(stream: &mut Stream) -> f64 {
         -CLOSED_S * libm::log(1.0 - stream.uniform())

@@ -8,7 +8,7 @@ use crate::foresight::abstract_robot::{AbstractRobot, Experience};
 use crate::foresight::models::{Chances, Models};
 use crate::world::World;
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{Foreseen, ForeseenRobot, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::robot::{Foreseen, ForeseenRobot, Grain, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -107,7 +107,11 @@ impl<M: Module> Outside for AbstractWorld<M> {
         self.office.step(now_us, phases, outbox);
     }
 
-    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _: u64, _: Phases<'_>, grain: Grain) -> Result<ForeseenRobot, Raise> {
+        if grain != Grain::Abstract {
+            let why = "a robot in a world of events has no controller that could be simulated; leave out `:grain`";
+            return Err(Raise::new("projection-failure", why));
+        }
         let models = match &self.forecast {
             Forecast::Truth => return Ok(ForeseenRobot::of(self.clone())),
             Forecast::Undisturbed => Models::undisturbed(),

@@ -7,7 +7,7 @@ use crate::simulator::{SimulatorModel, SimulatorState};
 use crate::world::{Object, Rect, SeenBy, Shape, World};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
-use rpl_runtime::robot::{FluentSpec, ForeseenRobot, Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::robot::{FluentSpec, ForeseenRobot, Grain, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -79,7 +79,7 @@ impl Outside for Oracle {
         outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());
     }
 
-    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _: u64, _: Phases<'_>, _: Grain) -> Result<ForeseenRobot, Raise> {
         Err(Raise::new("projection-failure", "a scenario cannot project; it is what the robot's plans cannot foresee"))
     }
 

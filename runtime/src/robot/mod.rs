@@ -150,6 +150,30 @@ pub struct RobotEvent {
     pub details: Vec<(Cow<'static, str>, String)>,
 }
 
+/// In which detail a robot is projected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Grain {
+    /// In events: a drive is a duration and an outcome.
+    #[default]
+    Abstract,
+    /// Step by step, by its own controller in a simulated world.
+    Simulated,
+}
+
+impl Grain {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Abstract, Self::Simulated];
+
+    /// Its name in plans, without the colon.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Abstract => "abstract",
+            Self::Simulated => "simulated",
+        }
+    }
+}
+
 /// When what never happens by itself happens: after the end of the clock.
 pub const NEVER_US: u64 = u64::MAX;
 
@@ -202,12 +226,12 @@ pub trait Outside: 'static {
     /// their phases.
     fn step(&mut self, _now_us: u64, _phases: Phases<'_>, _outbox: &mut Outbox) {}
 
-    /// The robot as projected runs have it from here on: made of what it knows and believes, and of nothing
-    /// else. The phases say what its behaviours are doing.
+    /// The robot as projected runs have it from here on, in this grain: made of what it knows and believes, and of
+    /// nothing else. The phases say what its behaviours are doing.
     ///
     /// # Errors
     /// There is no model to project it by; one sentence that says what is missing.
-    fn foresee(&self, _now_us: u64, _phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _now_us: u64, _phases: Phases<'_>, _grain: Grain) -> Result<ForeseenRobot, Raise> {
         Err(Raise::new("projection-failure", "there is no model of this robot to project it by"))
     }
 
@@ -245,7 +269,7 @@ impl Outside for NoRobot {
 
     fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
-    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _: u64, _: Phases<'_>, _: Grain) -> Result<ForeseenRobot, Raise> {
         Ok(ForeseenRobot::of(Self))
     }
 }

@@ -2,7 +2,7 @@
 //! interpreter runs the plan, with a robot that is made of what the robot knows; its output and its trace
 //! come to nothing, and what it leaves to chance follows from a seed of its own.
 
-use crate::robot::{ForeseenRobot, Outside};
+use crate::robot::{ForeseenRobot, Grain, Outside};
 use crate::run::macro_host::Macros;
 use crate::run::projection_record::{Ended, Figures, Projection, RunEnd};
 use crate::run::race::Race;
@@ -47,7 +47,7 @@ impl<O: Outside> System<O> {
             return Err(Raise::new("projection-failure", "the task is dead: how it goes on is known"));
         }
         let mut seeds = Stream::new(self.machine.foresight.seed(), "runs");
-        let mut base = self.forked()?;
+        let mut base = self.forked(question.grain)?;
         let mut entries = Vec::new();
         for &plan in &question.plans {
             let entry = base.entry(plan, question.task.is_some())?;
@@ -55,7 +55,7 @@ impl<O: Outside> System<O> {
         }
         let until_us = self.machine.now_us + question.horizon_us;
         let mut projections: Vec<Projection> =
-            entries.iter().map(|_| Projection::new(question.horizon_us, &base.machine)).collect();
+            entries.iter().map(|_| Projection::new(question.horizon_us, question.grain, &base.machine)).collect();
         // Where nothing is left to chance, the first run tells all.
         let mut race = Race::new(projections.len(), question);
         let mut aim = 1;
@@ -100,11 +100,11 @@ impl<O: Outside> System<O> {
     ///
     /// # Errors
     /// The robot cannot be projected, or something is needed for which there is no model: one sentence.
-    pub fn project_rest(&self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
-        self.forked().map_err(told)?.projected_to_end(runs, horizon_us, seed)
+    pub fn project_rest(&self, runs: u32, horizon_us: u64, grain: Grain, seed: u64) -> Result<Figures, String> {
+        self.forked(grain).map_err(told)?.projected_to_end(runs, horizon_us, grain, seed)
     }
 
-    /// The same with another robot in the projections: for somebody who believes something else.
+    /// The same with another robot in the projections, which is abstract: for somebody who believes something else.
     ///
     /// # Errors
     /// Something is needed for which there is no model: one sentence.
@@ -115,7 +115,7 @@ impl<O: Outside> System<O> {
         horizon_us: u64,
         seed: u64,
     ) -> Result<Figures, String> {
-        self.forked_with(robot).projected_to_end(runs, horizon_us, seed)
+        self.forked_with(robot).projected_to_end(runs, horizon_us, Grain::Abstract, seed)
     }
 
     /// The same for forms that a session, which waits for some, would run; without a text for those that it
@@ -128,18 +128,19 @@ impl<O: Outside> System<O> {
         text: Option<(&str, &str)>,
         runs: u32,
         horizon_us: u64,
+        grain: Grain,
         seed: u64,
     ) -> Result<Figures, String> {
-        let mut base = self.forked().map_err(told)?;
+        let mut base = self.forked(grain).map_err(told)?;
         if let Some((name, text)) = text {
             base.submit(name, text, &mut NoFiles).map_err(|rejected| rejected.render(false))?;
         }
-        base.projected_to_end(runs, horizon_us, seed)
+        base.projected_to_end(runs, horizon_us, grain, seed)
     }
 
     /// What projected runs are forked from: this run, silent, with the robot that is foreseen.
-    fn forked(&self) -> Result<System<ForeseenRobot>, Raise> {
-        Ok(self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases())?))
+    fn forked(&self, grain: Grain) -> Result<System<ForeseenRobot>, Raise> {
+        Ok(self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases(), grain)?))
     }
 
     fn forked_with(&self, outside: ForeseenRobot) -> System<ForeseenRobot> {
@@ -175,9 +176,9 @@ fn told(raise: Raise) -> String {
 
 impl System<ForeseenRobot> {
     /// Projects what runs to the end of the main task, or of the form of a session.
-    fn projected_to_end(&mut self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
+    fn projected_to_end(&mut self, runs: u32, horizon_us: u64, grain: Grain, seed: u64) -> Result<Figures, String> {
         let main = self.machine.tasks.reference(self.machine.main);
-        let mut projection = Projection::new(horizon_us, &self.machine);
+        let mut projection = Projection::new(horizon_us, grain, &self.machine);
         let (mut seeds, until_us) = (Stream::new(seed, "runs"), self.machine.now_us + horizon_us);
         for _ in 0..runs {
             let run = self.projected_run(None, main, seeds.seed(), until_us);

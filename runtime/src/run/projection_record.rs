@@ -1,5 +1,6 @@
 //! What is kept of projected runs, and the figures that plans get of it.
 
+use crate::robot::Grain;
 use crate::run::paired::Paired;
 use crate::state::machine::Machine;
 use crate::state::value::Value;
@@ -127,14 +128,15 @@ fn named_fluents(machine: &Machine) -> impl Iterator<Item = (Symbol, Value)> {
 #[derive(Clone, Debug)]
 pub(crate) struct Projection {
     horizon_us: u64,
+    grain: Grain,
     /// Names of the fluents that are told.
     fluents: Vec<Symbol>,
     pub runs: Vec<RunEnd>,
 }
 
 impl Projection {
-    pub fn new(horizon_us: u64, base: &Machine) -> Self {
-        Self { horizon_us, fluents: named_fluents(base).map(|(name, _)| name).collect(), runs: Vec::new() }
+    pub fn new(horizon_us: u64, grain: Grain, base: &Machine) -> Self {
+        Self { horizon_us, grain, fluents: named_fluents(base).map(|(name, _)| name).collect(), runs: Vec::new() }
     }
 
     /// Whether nothing was left to chance: all further runs go like these.
@@ -166,6 +168,7 @@ impl Projection {
             fluents: self.fluents(symbols),
             timeline: self.timeline(),
             horizon_s: self.horizon_us as f64 / 1e6,
+            grain: self.grain,
             thinking_s: instants as f64 / INSTANTS_A_SECOND,
         }
     }
@@ -244,6 +247,8 @@ pub struct Figures {
     pub timeline: Vec<StepFigure>,
     /// How far from now the runs go, in seconds.
     pub horizon_s: f64,
+    /// In which detail the robot was projected.
+    pub grain: Grain,
     /// How long a plan that asks thinks, in seconds of the run.
     pub thinking_s: f64,
 }
@@ -317,6 +322,7 @@ impl Figures {
             ("fluents", fluents),
             ("timeline", timeline),
             ("horizon", Value::Float(self.horizon_s)),
+            ("grain", Value::Keyword(machine.symbols.intern(self.grain.name()))),
             ("thinking", Value::Float(self.thinking_s)),
         ];
         property_list(machine, &values)

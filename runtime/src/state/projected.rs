@@ -1,5 +1,6 @@
 //! Projections as data: what is asked of one, and what is noted of a run that is projected.
 
+use crate::robot::Grain;
 use crate::state::value::{TaskRef, Value};
 use rpl_lang::symbol::Symbol;
 
@@ -35,6 +36,8 @@ pub struct Question {
     pub runs: u32,
     /// How far the runs go from now.
     pub horizon_us: u64,
+    /// In which detail the robot is projected.
+    pub grain: Grain,
     /// By what the first plan is compared with the others, if it is.
     pub stake: Option<Stake>,
 }
