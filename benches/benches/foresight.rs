@@ -23,7 +23,8 @@ const DELIVERY: &str = include_str!("../../examples/delivery.rpl");
 /// An hour in which orders come at even intervals and are delivered one after the other; the battery is kept charged.
 fn hour(orders: usize) -> String {
     let order = |number: usize| {
-        let (from, to) = (PLACES[number % PLACES.len()], PLACES[(number + 1 + number / PLACES.len() % 4) % PLACES.len()]);
+        let (from, to) =
+            (PLACES[number % PLACES.len()], PLACES[(number + 1 + number / PLACES.len() % 4) % PLACES.len()]);
         format!("({} l{number} {from} {to})", 3600 * number / orders)
     };
     let orders: Vec<String> = (0..orders).map(order).collect();

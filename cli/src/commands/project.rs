@@ -90,8 +90,11 @@ fn of_grain(grain: Grain) -> &'static str {
 /// What is told of a projection.
 pub fn blocks(figures: &Figures) -> Vec<Block> {
     let [share, low, high] = figures.success.map(|share| 100.0 * share);
-    let mut lines =
-        vec![format!("of {} {}runs succeed {share:.0} % (95 % interval {low:.0} to {high:.0} %)", figures.runs, of_grain(figures.grain))];
+    let mut lines = vec![format!(
+        "of {} {}runs succeed {share:.0} % (95 % interval {low:.0} to {high:.0} %)",
+        figures.runs,
+        of_grain(figures.grain)
+    )];
     lines.push(match figures.time_s {
         Some([early, median, late]) => {
             format!("they take {median:.0} s; one in ten less than {early:.0} s, one in ten more than {late:.0} s")

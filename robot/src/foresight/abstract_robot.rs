@@ -158,8 +158,7 @@ const SAME_PLACE_M: f64 = 0.5;
 const SAME_PLACE_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
 fn is_same_place(one: Pose, other: Pose) -> bool {
-    one.distance_m(other) < SAME_PLACE_M
-        && wrap_angle_rad(one.heading_rad - other.heading_rad).abs() < SAME_PLACE_RAD
+    one.distance_m(other) < SAME_PLACE_M && wrap_angle_rad(one.heading_rad - other.heading_rad).abs() < SAME_PLACE_RAD
 }
 
 fn microseconds(seconds: f64) -> u64 {

@@ -278,4 +278,18 @@ mod tests {
         assert!((mean(Vec::new()) - 100.75).abs() < 0.5);
         assert!((mean(vec![1.2; 72]) - (0.9 * 120.0 + 0.1 * 100.75)).abs() < 0.5);
     }
+
+    #[test]
+    fn a_drive_is_held_up_by_what_is_more_than_usual() {
+        let mean = |time_shares: Vec<f64>| {
+            let drives = DriveRecord { time_shares, ..DriveRecord::default() };
+            let models = Models::learned(&RobotDescription::papers(), &GraspRecord::default(), &drives);
+            let mut stream = Stream::new(1, "drives");
+            (0..4000).map(|_| models.hold_up_s(100.0, &mut stream)).sum::<f64>() / 4000.0
+        };
+        assert!((mean(Vec::new()) - 0.75).abs() < 0.5, "one in twenty, for a quarter of a minute");
+        assert!(mean(vec![1.2; 72]) < 0.5, "it is slower than the table says, and always so");
+        let one_in_four: Vec<f64> = (0..72).map(|drive| if drive % 4 == 0 { 1.5 } else { 1.0 }).collect();
+        assert!((mean(one_in_four) - 0.9 * 0.25 * 50.0).abs() < 1.0);
+    }
 }

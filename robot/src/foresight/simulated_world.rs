@@ -61,7 +61,8 @@ impl SimulatedWorld {
             (motion.velocity.translation_mps, motion.velocity.rotation_radps);
         let least_m = model.robot().radius_m + STANDING_RADIUS_M + AIR_M;
         let away_m = |point: &Point| distance_m(*point, robot_in_map.point());
-        let mut standing: Vec<Point> = standing_in_map.iter().copied().filter(|point| away_m(point) > least_m).collect();
+        let mut standing: Vec<Point> =
+            standing_in_map.iter().copied().filter(|point| away_m(point) > least_m).collect();
         standing.sort_by(|one, other| away_m(one).total_cmp(&away_m(other)));
         standing.truncate(MOST_STANDING);
         state.objects_added = standing.into_iter().map(disc).collect();

@@ -140,10 +140,12 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
                 let targets = navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec());
                 UnderWay::Driving { targets, patience_s: MappedNavigation::PATIENCE_S, has_set_off }
             }
-            Some(Doing::Gripping) => match part::<M, Gripping>(&mut controller.modules).and_then(|gripping| gripping.wanted()) {
-                Some(thing) => UnderWay::Grasping(thing.to_string()),
-                None => UnderWay::Releasing,
-            },
+            Some(Doing::Gripping) => {
+                match part::<M, Gripping>(&mut controller.modules).and_then(|gripping| gripping.wanted()) {
+                    Some(thing) => UnderWay::Grasping(thing.to_string()),
+                    None => UnderWay::Releasing,
+                }
+            }
             Some(Doing::Looking) => UnderWay::Looking,
             Some(Doing::Searching) => UnderWay::Searching,
             None if spec.name == TRACKING => continue,
@@ -174,7 +176,9 @@ fn without_model(behaviour: &str) -> String {
 /// The models of what may come between, by what the robot has learned.
 fn learned<M: Module>(controller: &mut Controller<M>) -> Models {
     let grasps = part::<M, Gripping>(&mut controller.modules).map(|gripping| gripping.record()).unwrap_or_default();
-    let drives = part::<M, Navigating>(&mut controller.modules).map(|navigating| navigating.record().clone()).unwrap_or_default();
+    let drives = part::<M, Navigating>(&mut controller.modules)
+        .map(|navigating| navigating.record().clone())
+        .unwrap_or_default();
     Models::learned(&controller.model.settings.robot, &grasps, &drives)
 }
 

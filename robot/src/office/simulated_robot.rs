@@ -123,10 +123,8 @@ impl<M: Module> SimulatedOffice<M> {
                 let tell = &mut Telling::at(outbox, numbers.navigation.unwrap_or_default(), numbers.navigation_fluents);
                 let Some(navigating) = part::<M, Navigating>(modules) else { return Ok(()) };
                 navigating.start(0, &start, &mut board.position, tell)?;
-                let way = Way::straight(&model.world, self.office.robot.robot_in_map, navigating.targets_in_map());
-                let expected_s = DriveTimes::of(&model.settings.robot).time_s(&way.features());
-                self.world.begin_drive(&mut self.office.robot, &way, expected_s);
                 self.navigates = true;
+                self.begin_drive();
             }
             Doing::Looking => {
                 let tell = &mut Telling::at(outbox, numbers.looking.unwrap_or_default(), 0);
@@ -137,6 +135,15 @@ impl<M: Module> SimulatedOffice<M> {
             Doing::Gripping | Doing::Searching => {}
         }
         Ok(())
+    }
+
+    /// What may come between on the drive that navigation has begun is drawn.
+    fn begin_drive(&mut self) {
+        let Controller { model, modules, .. } = &mut self.office.controller;
+        let Some(navigating) = part::<M, Navigating>(modules) else { return };
+        let way = Way::straight(&model.world, self.office.robot.robot_in_map, navigating.targets_in_map());
+        let expected_s = DriveTimes::of(&model.settings.robot).time_s(&way.features());
+        self.world.begin_drive(&mut self.office.robot, &way, expected_s);
     }
 
     /// One step of its world and of what drives it.
@@ -157,13 +164,17 @@ impl<M: Module> SimulatedOffice<M> {
         let Controller { model, board, modules, .. } = &mut self.office.controller;
         let now = Moment { model, percept, mode: board.mode, unread: board.inbox.len(), phases: &[Phase::Active] };
         let mut wanted = None;
-        if self.navigates && let Some(navigating) = part::<M, Navigating>(modules) {
+        if self.navigates
+            && let Some(navigating) = part::<M, Navigating>(modules)
+        {
             let tell = &mut Telling::at(outbox, numbers.navigation.unwrap_or_default(), numbers.navigation_fluents);
             wanted = navigating.step(&now, &mut board.position, tell);
             self.navigates = outbox.endings.len() == endings;
         }
         let endings = outbox.endings.len();
-        if self.looks && let Some(looking) = part::<M, LookingAround>(modules) {
+        if self.looks
+            && let Some(looking) = part::<M, LookingAround>(modules)
+        {
             let tell = &mut Telling::at(outbox, numbers.looking.unwrap_or_default(), 0);
             wanted = looking.step(&now, &mut board.position, tell).or(wanted);
             self.looks = outbox.endings.len() == endings;
@@ -226,12 +237,8 @@ impl<M: Module> Foreseen for SimulatedOffice<M> {
         self.world = SimulatedWorld::new(simulator, seed, now_us, robot_in_map, self.motion, &standing);
         self.office.odom_in_map = odom_in_map;
         self.office.tell_position();
-        if self.navigates && let Some(navigating) = part::<M, Navigating>(&mut self.office.controller.modules) {
-            let targets = navigating.targets_in_map().to_vec();
-            let model = &self.office.controller.model;
-            let way = Way::straight(&model.world, robot_in_map, &targets);
-            let expected_s = DriveTimes::of(&model.settings.robot).time_s(&way.features());
-            self.world.begin_drive(&mut self.office.robot, &way, expected_s);
+        if self.navigates {
+            self.begin_drive();
         }
         self.next_step_us = now_us + self.step_us();
     }
@@ -259,9 +266,7 @@ impl<M: Module> Outside for SimulatedOffice<M> {
     ) -> Result<(), Raise> {
         match doing(&self.tables().behaviours[usize::from(behaviour)].name) {
             Some(doing @ (Doing::Driving | Doing::Looking)) => self.begin(doing, machine, arguments, outbox),
-            Some(Doing::Gripping | Doing::Searching) | None => {
-                self.office.start(machine, behaviour, arguments, outbox)
-            }
+            Some(Doing::Gripping | Doing::Searching) | None => self.office.start(machine, behaviour, arguments, outbox),
         }
     }
 

@@ -99,14 +99,14 @@ fn project(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 /// The grain that was asked for.
 fn grain(call: &Call<'_, '_>) -> Result<Grain, Raise> {
     let named = match call.argument(4) {
-        Value::Keyword(name) => {
-            Grain::ALL.into_iter().find(|grain| grain.name() == call.machine.symbols.name(name))
-        }
+        Value::Keyword(name) => Grain::ALL.into_iter().find(|grain| grain.name() == call.machine.symbols.name(name)),
         _ => None,
     };
     named.ok_or_else(|| {
         let found = call.machine.show(call.around.program, call.argument(4));
-        refused(format!("there is no grain {found}; write `:grain :abstract`, in events, or `:grain :simulated`, step by step"))
+        refused(format!(
+            "there is no grain {found}; write `:grain :abstract`, in events, or `:grain :simulated`, step by step"
+        ))
     })
 }
 

@@ -123,7 +123,7 @@ fn a_door_found_closed_is_closed_in_both_grains_as_long_as_nobody_opens_it() {
     let late = |grain: &str| {
         let plan = format!(
             "(let ((before (project '(go-to 'corner) :runs 16 :grain {grain})))
-               (ignore-failures (f) (go-to 'corner :patience 10))
+               (ignore-failures (failure) (go-to 'corner :patience 10))
                (let ((after (project '(go-to 'corner :patience 1) :runs 16 :grain {grain})))
                  (list (first (projection-success before)) (first (projection-success after)))))"
         );
