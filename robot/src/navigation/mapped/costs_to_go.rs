@@ -1,9 +1,10 @@
 //! The costs to go that were asked for lately on a map, shared by all who drive on it.
 
 use crate::geometry::Point;
+use crate::memo::Memo;
 use crate::planning::{CostToGo, PlannerModel};
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// At most so many are kept, and at most so many bytes of them.
 const MOST_KEPT: usize = 128;
@@ -12,10 +13,9 @@ const MOST_BYTES: usize = 32 << 20;
 /// A target, and the barriers around which the ways to it lead, in the map.
 type Question = (Point, Vec<Point>);
 
-/// What it costs to go to targets, the one asked for last at the end. A pure function of map, target and barriers: who
-/// asks cannot tell who asked before.
-#[derive(Debug, Default)]
-pub struct CostsToGo(Mutex<VecDeque<(Question, Arc<CostToGo>)>>);
+/// What it costs to go to targets, the one asked for last at the end. A pure function of map, target and barriers.
+#[derive(Clone, Debug, Default)]
+pub struct CostsToGo(Memo<VecDeque<(Question, Arc<CostToGo>)>>);
 
 impl CostsToGo {
     /// To a target with barriers in closed doors. Cost: a pass over the cells of the map, if it was not asked for
@@ -24,17 +24,18 @@ impl CostsToGo {
         let is_same = |((target, barriers), _): &(Question, Arc<CostToGo>)| {
             *target == target_in_map && barriers == barriers_in_map
         };
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = kept.iter().rposition(is_same).and_then(|at| kept.remove(at));
+        let known = self.0.with(|kept| kept.iter().rposition(is_same).and_then(|at| kept.remove(at)));
         let known = known.unwrap_or_else(|| {
             let costs = planner.cost_to_go_around(target_in_map, barriers_in_map);
             ((target_in_map, barriers_in_map.to_vec()), Arc::new(costs))
         });
         let costs = known.1.clone();
-        kept.push_back(known);
-        while kept.len() > MOST_KEPT || kept.len() * costs.bytes() > MOST_BYTES {
-            kept.pop_front();
-        }
+        self.0.with(|kept| {
+            kept.push_back(known);
+            while kept.len() > MOST_KEPT || kept.len() * costs.bytes() > MOST_BYTES {
+                kept.pop_front();
+            }
+        });
         costs
     }
 }

@@ -13,7 +13,7 @@ pub struct NavigationModel {
     /// The map.
     pub planner: Arc<PlannerModel>,
     /// What it costs to go to targets on it.
-    pub costs_to_go: Arc<CostsToGo>,
+    pub costs_to_go: CostsToGo,
     /// The doors that the map shows open.
     pub doorways: Vec<Doorway>,
     /// The robot.
@@ -27,7 +27,7 @@ impl NavigationModel {
     /// The map of a world at 10 cm, and its doors.
     pub fn new(world: &World, limits: DriveLimits) -> Self {
         let planner = PlannerModel::new(&world.map(Self::CELL_M), Inflation::of_robot(limits.robot_radius_m));
-        Self { planner: Arc::new(planner), costs_to_go: Arc::default(), doorways: Doorway::all(world), limits }
+        Self { planner: Arc::new(planner), costs_to_go: CostsToGo::default(), doorways: Doorway::all(world), limits }
     }
 
     /// The same map, and what was found out about it, for another robot of that size.
