@@ -14,6 +14,7 @@ mod errands;
 mod failed_runs;
 mod findings;
 mod foresight;
+mod grains;
 mod instructions;
 mod kind;
 mod missions;
@@ -84,6 +85,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
         ExperimentSubject::Worlds => conduct(worlds::WorldDrives::new(asked)?, request, how, console),
         ExperimentSubject::Doors => conduct(doors::drives(asked)?, request, how, console),
         ExperimentSubject::DriveTimes => conduct(drive_times::TimedDrives::new(asked)?, request, how, console),
+        ExperimentSubject::Grains => conduct(grains::Grains::new(asked)?, request, how, console),
         ExperimentSubject::Projections => conduct(projections::Projections::new(asked)?, request, how, console),
         ExperimentSubject::Foresight => conduct(foresight::Foresight::new(asked)?, request, how, console),
         ExperimentSubject::Sensing => conduct(sensing::Sensing::new(asked)?, request, how, console),
@@ -111,7 +113,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Barn => barn::row_names(),
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
-        ExperimentSubject::DriveTimes => drive_times::WORLDS.to_vec(),
+        ExperimentSubject::DriveTimes | ExperimentSubject::Grains => drive_times::WORLDS.to_vec(),
         ExperimentSubject::Projections => projections::row_names(),
         ExperimentSubject::Foresight => foresight::row_names(),
         ExperimentSubject::Sensing => sensing::row_names(),

@@ -16,6 +16,7 @@ use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use rpl_rupart::Rupart;
 use rpl_rupart::memory::CaseMemory;
@@ -256,8 +257,8 @@ impl<M: Module> Outside for Robot<M> {
         self.outside_mut().step(now_us, phases, outbox);
     }
 
-    fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
-        self.outside().foresee(now_us, phases)
+    fn foresee(&self, now_us: u64, phases: Phases<'_>, grain: Grain) -> Result<ForeseenRobot, Raise> {
+        self.outside().foresee(now_us, phases, grain)
     }
 
     fn think(&mut self, ticket: Ticket, thought: Arc<dyn Thought>) -> Result<Option<Arc<dyn Thought>>, Raise> {

@@ -14,6 +14,7 @@ use anyhow::{Result, anyhow, bail};
 use clap_complete::engine::ArgValueCompleter;
 use rpl_mission::run::{Reached, run_to};
 use rpl_runtime::state::figures::Figures;
+use rpl_runtime::state::projected::Grain;
 use std::ops::ControlFlow::Continue;
 
 /// Tells how a plan would probably go, by what the robot knows
@@ -36,6 +37,9 @@ pub struct Arguments {
     /// How far is projected
     #[arg(long, value_name = "TIME", default_value = "1h", value_parser = parse_duration_us)]
     horizon: u64,
+    /// In which detail the robot is projected: in events, or step by step by its own controller
+    #[arg(long, value_name = "GRAIN", default_value = Grain::default().name(), value_parser = parse_grain)]
+    grain: Grain,
     /// Writes one JSON object
     #[arg(long)]
     json: bool,
@@ -60,7 +64,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Reached::End(_) = reached {
         bail!("the run ends after {:.1} s, before `--from`: there is nothing to project", system.machine.now_s());
     }
-    let figures = system.project_rest(arguments.runs, arguments.horizon, arguments.site.seed());
+    let figures = system.project_rest(arguments.runs, arguments.horizon, arguments.grain, arguments.site.seed());
     let figures = figures.map_err(|why| anyhow!("the plan cannot be projected: {why}"))?;
     if arguments.json {
         console.print(&serde_json::to_string(&figures)?)?;
@@ -70,11 +74,27 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     Ok(Status::Succeeded)
 }
 
+fn parse_grain(text: &str) -> Result<Grain, String> {
+    let found = Grain::ALL.into_iter().find(|grain| grain.name() == text);
+    found.ok_or_else(|| "there are `abstract`, in events, and `simulated`, step by step".to_string())
+}
+
+/// What runs are called beside those in events.
+fn of_grain(grain: Grain) -> &'static str {
+    match grain {
+        Grain::Abstract => "",
+        Grain::Simulated => "simulated ",
+    }
+}
+
 /// What is told of a projection.
 pub fn blocks(figures: &Figures) -> Vec<Block> {
     let [share, low, high] = figures.success.map(|share| 100.0 * share);
-    let mut lines =
-        vec![format!("of {} runs succeed {share:.0} % (95 % interval {low:.0} to {high:.0} %)", figures.runs)];
+    let mut lines = vec![format!(
+        "of {} {}runs succeed {share:.0} % (95 % interval {low:.0} to {high:.0} %)",
+        figures.runs,
+        of_grain(figures.grain)
+    )];
     lines.push(match figures.time_s {
         Some([early, median, late]) => {
             format!("they take {median:.0} s; one in ten less than {early:.0} s, one in ten more than {late:.0} s")

@@ -29,6 +29,8 @@ pub enum ExperimentSubject {
     Doors,
     /// How long drives take, beside what is foreseen.
     DriveTimes,
+    /// Deliveries beside what either grain of projection has foretold of them.
+    Grains,
     /// Whether what is projected comes true: no missions of the simulator, and rows of its own.
     Projections,
     /// What foresight is worth: the same.
@@ -252,6 +254,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
     Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
     Experiment { name: "drive-times", subject: ExperimentSubject::DriveTimes, rows: &[] },
+    Experiment { name: "grains", subject: ExperimentSubject::Grains, rows: &[] },
     Experiment { name: "projections", subject: ExperimentSubject::Projections, rows: &[] },
     Experiment { name: "foresight", subject: ExperimentSubject::Foresight, rows: &[] },
     Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },

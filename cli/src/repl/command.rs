@@ -278,11 +278,11 @@ pub const COMMANDS: &[CommandEntry] = &[
     },
     CommandEntry {
         name: ":project",
-        arguments: "[FORM]",
+        arguments: "[:simulated] [FORM]",
         doc: "how a form, or what is under way, would probably go",
         verb: Verb::Project,
         example: ":project (go-to 'library)",
-        more: "It tells what follows from what the robot knows now, in 60 runs of at most an hour. Nothing is done.",
+        more: "It tells what follows from what the robot knows now, in 60 runs of at most an hour: in events, or, with `:simulated` before the form, step by step. Nothing is done.",
     },
     CommandEntry {
         name: ":trace",

@@ -6,6 +6,7 @@ use crate::commands::project::blocks;
 use anyhow::Result;
 use rpl_runtime::run::projection::ProjectableRun;
 use rpl_runtime::state::figures::Figures;
+use rpl_runtime::state::projected::Grain;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -54,7 +55,8 @@ impl Drop for Projecting {
 
 impl Prompt<'_> {
     /// `:project`. A further one takes the place of one that is under way.
-    pub(super) fn project(&mut self, form: &str) -> Result<()> {
+    pub(super) fn project(&mut self, words: &str) -> Result<()> {
+        let (grain, form) = grain_of(words);
         let system = &self.session.branch.system;
         let is_idle = system.is_waiting_for_form();
         let (text, told) = match (form.is_empty(), is_idle) {
@@ -68,7 +70,7 @@ impl Prompt<'_> {
             return Ok(());
         }
         let seed = system.machine.now_us;
-        match system.fork_to_project(text) {
+        match system.fork_to_project(text, grain) {
             Err(why) => self.tell_projected(Some(Err(why))),
             Ok(run) if self.clock.is_some() => {
                 self.projecting = Some(Projecting::begin(run, seed));
@@ -94,4 +96,13 @@ impl Prompt<'_> {
         }
         Ok(())
     }
+}
+
+/// The grain that is asked for before a form, and the form.
+fn grain_of(words: &str) -> (Grain, &str) {
+    let named = Grain::ALL.into_iter().find_map(|grain| {
+        let form = words.strip_prefix(':')?.strip_prefix(grain.name())?;
+        (form.is_empty() || form.starts_with([' ', '('])).then(|| (grain, form.trim_start()))
+    });
+    named.unwrap_or((Grain::default(), words))
 }

@@ -104,6 +104,8 @@ fn experiments_of_other_kinds_are_as_documented() {
     assert_documented("rpl experiment choices", &[choices]);
     let projections: &[&str] = &["experiment", "projections", "--row", "fetch", "--runs", "1", "--json"];
     assert_documented("rpl experiment projections", &[projections]);
+    let grains: &[&str] = &["experiment", "grains", "--row", "small-office", "--runs", "2", "--json"];
+    assert_documented("rpl experiment grains", &[grains]);
     let foresight: &[&str] =
         &["experiment", "foresight", "--row", "deadlines", "--runs", "1", "--until", "8min", "--json"];
     assert_documented("rpl experiment foresight", &[foresight]);

@@ -198,6 +198,7 @@ fn experiments_of_all_kinds_are_put_together_from_parts() {
         ("routes", &["--row", "guided, learning", "--runs", "2"]),
         ("case-kinds", &["--row", "weighted", "--runs", "3"]),
         ("drive-times", &["--row", "small-office", "--runs", "3"]),
+        ("grains", &["--row", "small-office", "--runs", "3"]),
         ("projections", &["--row", "fetch", "--runs", "3"]),
         ("foresight", &["--row", "bursts", "--runs", "2", "--until", "5min"]),
         ("rupart", &["--row", "near", "--runs", "2", "--until", "20s"]),

@@ -213,6 +213,14 @@ impl RobotDescription {
         RangeSensors { sonars: self.sonar.as_ref().map(array), laser: self.laser.map(|laser| laser.scanner) }
     }
 
+    /// The same robot as projections simulate it: with odometry that does not stray, for nobody sets it right there,
+    /// and with long steps.
+    #[must_use]
+    pub fn foreseen(&self) -> Self {
+        const STEP_US: u64 = 100_000;
+        Self { step_us: self.step_us.max(STEP_US), odometry: OdometryDrift::NONE, ..self.clone() }
+    }
+
     /// The same robot with sensors, odometry and a gripper that make no errors: for closed forms and
     /// debugging.
     #[must_use]

@@ -1,6 +1,7 @@
 //! The abstract robot: where it is and what it does, in events. A drive is a duration and an outcome; what is
 //! at a place, how doors stand and how grasps go is drawn when a run first comes to it, and stays so.
 
+use super::activity::{Doing, Outcome, UnderWay};
 use super::drive_times::DriveTimes;
 use super::models::{DriveRecord, GraspRecord, Models, TRIES_AT_A_THING, TimedDrive};
 use super::ways::{Way, WayMap, Ways};
@@ -34,71 +35,6 @@ pub struct Knowledge {
     pub chargers_in_map: Vec<Point>,
     /// How long a look around takes.
     pub look_s: f64,
-}
-
-/// How something that the robot does ends.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
-    /// As it should.
-    Done,
-    /// The map leaves no way.
-    Unreachable,
-    /// Its battery was empty before it arrived.
-    Empty,
-    /// A door kept it from coming through for all its patience.
-    DoorClosed(usize),
-    /// The gripper closed on nothing.
-    NotHeld(String),
-    /// The gripper did not open.
-    NotOpened,
-    /// The position was not found.
-    NotFound,
-}
-
-/// What the robot can do, one at a time each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Doing {
-    /// It drives over targets.
-    Driving,
-    /// Its gripper moves.
-    Gripping,
-    /// It looks around.
-    Looking,
-    /// It searches for its position.
-    Searching,
-}
-
-/// What the robot was asked to do and has not come to the end of.
-#[derive(Clone, Debug, PartialEq)]
-pub enum UnderWay {
-    /// To drive over targets, in order.
-    Driving {
-        /// Those that are left.
-        targets: Vec<Target>,
-        /// So long it stands before what is closed.
-        patience_s: f64,
-        /// Whether it moves already, so that setting off takes no more time.
-        has_set_off: bool,
-    },
-    /// To grasp a thing.
-    Grasping(String),
-    /// To let go.
-    Releasing,
-    /// To look around.
-    Looking,
-    /// To search for its position.
-    Searching,
-}
-
-impl UnderWay {
-    fn doing(&self) -> Doing {
-        match self {
-            Self::Driving { .. } => Doing::Driving,
-            Self::Grasping(_) | Self::Releasing => Doing::Gripping,
-            Self::Looking => Doing::Looking,
-            Self::Searching => Doing::Searching,
-        }
-    }
 }
 
 /// Something under way, and how it will end.
@@ -178,6 +114,8 @@ pub struct AbstractRobot {
     /// The charge of its battery, from 0 to 1.
     pub battery: f64,
     drive: Option<Drive>,
+    /// Whether it is driven by its own controller, and moves.
+    is_driven: bool,
     doing: BTreeMap<Doing, Activity>,
     /// Until when doors are closed that it has come to, or will come to on its drive.
     closed_until_us: BTreeMap<usize, u64>,
@@ -215,6 +153,14 @@ impl Streams {
     }
 }
 
+/// Nearer than this, and turned by less, is the same place: as maxima of a belief are told apart.
+const SAME_PLACE_M: f64 = 0.5;
+const SAME_PLACE_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
+
+fn is_same_place(one: Pose, other: Pose) -> bool {
+    one.distance_m(other) < SAME_PLACE_M && wrap_angle_rad(one.heading_rad - other.heading_rad).abs() < SAME_PLACE_RAD
+}
+
 fn microseconds(seconds: f64) -> u64 {
     libm::round(seconds.max(0.0) * 1e6) as u64
 }
@@ -231,6 +177,7 @@ impl AbstractRobot {
             holding,
             battery,
             drive: None,
+            is_driven: false,
             doing: BTreeMap::new(),
             closed_until_us: BTreeMap::new(),
             found_closed: BTreeSet::new(),
@@ -256,6 +203,7 @@ impl AbstractRobot {
             ways,
             holding: self.holding.clone(),
             drive: None,
+            is_driven: false,
             doing: BTreeMap::new(),
             closed_until_us: BTreeMap::new(),
             found_closed: self.closed_doors().into_iter().collect(),
@@ -286,7 +234,7 @@ impl AbstractRobot {
         self.has_drawn
     }
 
-    /// Draws where it is for one run, before anything is under way. If that is not the likeliest place, it
+    /// Draws where it is for one run, before anything is under way. If that is another place than the likeliest, it
     /// is lost.
     pub fn begin_run(&mut self, seed: u64) {
         self.streams = Streams::of(seed);
@@ -296,10 +244,44 @@ impl AbstractRobot {
             left -= probability;
             if left < 0.0 {
                 self.robot_in_map = pose;
-                self.is_lost |= number > 0;
+                self.is_lost |= number > 0 && !is_same_place(pose, self.knowledge.hypotheses[0].0);
                 break;
             }
         }
+    }
+
+    /// Its own controller has driven it there.
+    pub fn carry_to(&mut self, robot_in_map: Pose, is_driven: bool) {
+        (self.robot_in_map, self.is_driven) = (robot_in_map, is_driven);
+    }
+
+    /// Whether there is anything left in its battery.
+    pub fn has_power(&self) -> bool {
+        self.knowledge.battery.is_none() || self.battery > 0.0
+    }
+
+    /// For how long a drive that should take so long is held up by people, and from when on.
+    pub fn draw_hold_up(&mut self, expected_s: f64) -> (u64, u64) {
+        self.leave_to_chance();
+        let lost_s = self.knowledge.models.hold_up_s(expected_s, &mut self.streams.drives);
+        let from_us = self.now_us + microseconds(self.streams.drives.uniform() * expected_s);
+        (from_us, from_us + microseconds(lost_s))
+    }
+
+    /// It has come to a door: how that stands is drawn, if it was not before.
+    pub fn come_to(&mut self, door: usize) {
+        self.leave_to_chance();
+        self.wait_at(door, 0.0);
+    }
+
+    /// How the doors stand that it has come to: whether each is closed at a time.
+    pub fn drawn_doors(&self, at_us: u64) -> impl Iterator<Item = (usize, bool)> {
+        self.closed_until_us.iter().map(move |(&door, &until_us)| (door, until_us > at_us))
+    }
+
+    /// When it goes by its clock.
+    pub fn now_us(&self) -> u64 {
+        self.now_us
     }
 
     /// When the next thing happens, if any.
@@ -570,7 +552,7 @@ impl AbstractRobot {
         let Some(battery) = self.knowledge.battery else { return 0.0 };
         let here = self.robot_in_map.point();
         let is_charged = || self.knowledge.chargers_in_map.iter().any(|&at| distance_m(at, here) <= CHARGING_REACH_M);
-        if self.drives() {
+        if self.drives() || self.is_driven {
             -1.0 / battery.driving_s
         } else if is_charged() {
             1.0 / battery.charging_s

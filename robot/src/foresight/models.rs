@@ -250,6 +250,13 @@ impl Models {
         expected_s * usual + if is_held_up { HELD_UP_S * held_up } else { 0.0 }
     }
 
+    /// How long a drive that should take so long is held up: as one of its own was, or, the fewer these are the likelier,
+    /// as a prior says. It draws the same numbers as [`Self::drive_time_s`].
+    pub fn hold_up_s(&self, expected_s: f64, stream: &mut Stream) -> f64 {
+        let undisturbed = Self { straying: 0.0, pace: 1.0, ..self.clone() };
+        (undisturbed.drive_time_s(expected_s, stream) - expected_s).max(0.0)
+    }
+
     /// How long a closed door stays closed, from when it is found so.
     pub fn closed_s(stream: &mut Stream) -> f64 {
         -CLOSED_S * libm::log(1.0 - stream.uniform())
@@ -277,12 +284,17 @@ mod tests {
         assert!(models.grasp_misses.share() < 0.03, "fewer than declared were missed");
     }
 
+    /// Of a robot whose drives should have taken 50 s each, and took so long.
+    fn after_drives_of_50_s(took_s: &[f64]) -> Models {
+        let drives = took_s.iter().map(|&took_s| TimedDrive { expected_s: 50.0, took_s }).collect();
+        let drives = DriveRecord { drives, ..DriveRecord::default() };
+        Models::learned(&RobotDescription::papers(), &GraspRecord::default(), &drives)
+    }
+
     #[test]
     fn drives_of_its_own_come_to_outweigh_the_prior() {
         let mean = |took_s: &[f64]| {
-            let drives = took_s.iter().map(|&took_s| TimedDrive { expected_s: 50.0, took_s }).collect();
-            let drives = DriveRecord { drives, ..DriveRecord::default() };
-            let models = Models::learned(&RobotDescription::papers(), &GraspRecord::default(), &drives);
+            let models = after_drives_of_50_s(took_s);
             let mut stream = Stream::new(1, "drives");
             (0..4000).map(|_| models.drive_time_s(100.0, &mut stream)).sum::<f64>() / 4000.0
         };
@@ -293,5 +305,19 @@ mod tests {
         assert!((mean(&[60.0; 72]) - slow).abs() < 0.5);
         let half = [[50.0; 36], [70.0; 36]].concat();
         assert!((mean(&half) - (0.9 * 110.0 + 0.1 * 100.75)).abs() < 0.5);
+    }
+
+    #[test]
+    fn a_drive_is_held_up_by_what_is_more_than_usual() {
+        let mean = |took_s: &[f64]| {
+            let models = after_drives_of_50_s(took_s);
+            let mut stream = Stream::new(1, "drives");
+            (0..4000).map(|_| models.hold_up_s(100.0, &mut stream)).sum::<f64>() / 4000.0
+        };
+        assert!((mean(&[]) - 0.75).abs() < 0.5, "one in twenty, for a quarter of a minute");
+        // Twenty seconds on a way of a hundred, but for what the prior of the pace leaves of them.
+        assert!(mean(&[60.0; 72]) < 1.5, "it is slower than the table says, and always so");
+        let one_in_four: Vec<f64> = (0..72).map(|drive| if drive % 4 == 0 { 75.0 } else { 50.0 }).collect();
+        assert!((mean(&one_in_four) - 0.9 * 0.25 * 25.0).abs() < 1.0);
     }
 }

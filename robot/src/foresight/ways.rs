@@ -3,10 +3,11 @@
 
 use super::drive_times::WayFeatures;
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::memo::Memo;
 use crate::planning::{NavigationPlan, PlannerModel, Target, TopologicalModel, Unreachable};
 use crate::world::{Place, TravelMode, World};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 /// In worlds with more places than this the ways between them are searched anew in each projection.
 const MOST_PLACES: usize = 128;
@@ -99,24 +100,41 @@ struct Known {
 }
 
 /// What plans of the way are made of in a projected run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ForeseenWays {
     /// The ways that were searched.
     pub ways: Ways,
     /// The doors found closed, as indices into the world's doors.
     pub closed_doors: Vec<usize>,
+    /// Who is this near to a place plans from there: runs in which the robot stops a little elsewhere share their
+    /// plans.
+    pub from_place_m: f64,
+}
+
+impl ForeseenWays {
+    /// The plan from a pose to a place.
+    ///
+    /// # Errors
+    /// The map leaves no way.
+    pub fn plan(
+        &self,
+        map: WayMap<'_>,
+        start_in_map: Pose,
+        destination: &Place,
+    ) -> Result<NavigationPlan, Unreachable> {
+        let away_m = |place: &&Place| place.pose_in_map.distance_m(start_in_map);
+        let near = map.world.places.iter().filter(|place| away_m(place) < self.from_place_m);
+        let near = near.min_by(|one, other| away_m(one).total_cmp(&away_m(other)));
+        let start_in_map = near.map_or(start_in_map, |place| place.pose_in_map);
+        self.ways.plan(map, start_in_map, destination, &self.closed_doors)
+    }
 }
 
 /// The ways that were searched in one projection; all its runs share them.
 #[derive(Clone, Debug, Default)]
-pub struct Ways(Arc<Mutex<Known>>);
+pub struct Ways(Memo<Known>);
 
 impl Ways {
-    /// What is known; whoever had it before and failed has left it whole.
-    fn known(&self) -> MutexGuard<'_, Known> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// The plan from a pose to a place, as [`TopologicalModel::plan`] makes it from there to the centimetre.
     ///
     /// # Errors
@@ -129,8 +147,8 @@ impl Ways {
         closed_doors: &[usize],
     ) -> Result<NavigationPlan, Unreachable> {
         let key = (hundredths(start_in_map.point()), destination.name.clone(), closed_doors.to_vec());
-        if let Some(known) = self.known().plans.get(&key) {
-            return known.clone();
+        if let Some(known) = self.0.with(|known| known.plans.get(&key).cloned()) {
+            return known;
         }
         let search = |from_in_map| map.topology.plan(map.planner, from_in_map, destination, closed_doors);
         let goal = hundredths(destination.pose_in_map.point());
@@ -150,26 +168,24 @@ impl Ways {
                 });
                 route.as_ref().map_err(Clone::clone).map(|route| {
                     let points = rounded_points(start_in_map.point(), &route.plan.targets);
-                    let legs = &mut self.known().legs;
-                    for (ends, leg) in points.windows(2).zip(&route.legs) {
-                        legs.insert((hundredths(ends[0]), hundredths(ends[1])), leg.clone());
-                    }
+                    let keys = points.windows(2).map(|ends| (hundredths(ends[0]), hundredths(ends[1])));
+                    self.0.with(|known| known.legs.extend(keys.zip(route.legs.iter().cloned())));
                     route.plan.clone()
                 })
             }
         };
-        self.known().plans.insert(key, plan.clone());
+        self.0.with(|known| known.plans.insert(key, plan.clone()));
         plan
     }
 
     /// The way between two points; none if the map leaves none. Cost: a pass over the cells, once.
     fn leg(&self, map: WayMap<'_>, from_in_map: Point, to_in_map: Point) -> Option<Arc<Leg>> {
         let key = (hundredths(from_in_map), hundredths(to_in_map));
-        if let Some(known) = self.known().legs.get(&key) {
-            return known.clone();
+        if let Some(known) = self.0.with(|known| known.legs.get(&key).cloned()) {
+            return known;
         }
         let leg = searched_leg(map, from_in_map, to_in_map);
-        self.known().legs.insert(key, leg.clone());
+        self.0.with(|known| known.legs.insert(key, leg.clone()));
         leg
     }
 }
@@ -241,6 +257,15 @@ pub struct Way {
 }
 
 impl Way {
+    /// The same in straight lines, whatever stands between: what a drive is about, without a search.
+    pub fn straight(world: &World, start_in_map: Pose, targets: &[Target]) -> Self {
+        let mut points = vec![start_in_map.point()];
+        points.extend(targets.iter().map(|target| target.point_in_frame));
+        let stretches = stretches(world, &points);
+        let targets_at = vec![stretches.len()];
+        Self { stretches, targets_at, last_heading_rad: 0.0, last_turn_rad: 0.0 }
+    }
+
     /// From a pose over targets, in order; none if the map leaves no way to one of them.
     pub fn over(ways: &Ways, map: WayMap<'_>, start_in_map: Pose, targets: &[Target]) -> Option<Self> {
         let (mut at, mut heading_rad) = (start_in_map.point(), start_in_map.heading_rad);

@@ -264,6 +264,16 @@ impl Localization {
         belief.likely_states(leading, share)
     }
 
+    /// The same states as poses, carried on by odometry.
+    pub fn likely_poses(&self, model: &LocalizationModel, share: f64) -> Vec<Maximum> {
+        let since = self.since_update();
+        let mut poses = self.likely_states(model, share);
+        for pose in &mut poses {
+            pose.pose_in_map = pose.pose_in_map.compose(since);
+        }
+        poses
+    }
+
     /// Entropy of the belief, in nats. O(states that are not known to be uniform).
     pub fn entropy(&self, model: &LocalizationModel) -> f64 {
         self.beliefs.entropy(model)

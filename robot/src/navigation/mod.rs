@@ -22,5 +22,5 @@ pub use input::NavigationInput;
 pub use local_drive::{DriveOutput, DriveStatus, DriveTask, LocalDrive};
 pub use look_around::LookAround;
 pub use mapless::MaplessNavigation;
-pub use mapped::{MappedNavigation, NavigationModel, Obstruction};
+pub use mapped::{CostsToGo, MappedNavigation, NavigationModel, Obstruction};
 pub use turning::turn_to;

@@ -12,6 +12,7 @@ use rpl_runtime::robot::{Foreseen, ForeseenRobot, Outbox, Outside, RobotTables, 
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use std::any::{Any, TypeId};
 use std::collections::VecDeque;
@@ -107,7 +108,11 @@ impl<M: Module> Outside for AbstractWorld<M> {
         self.office.step(now_us, phases, outbox);
     }
 
-    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _: u64, _: Phases<'_>, grain: Grain) -> Result<ForeseenRobot, Raise> {
+        if grain != Grain::Abstract {
+            let why = "a robot in a world of events has no controller that could be simulated; leave out `:grain`";
+            return Err(Raise::new("projection-failure", why));
+        }
         let models = match &self.forecast {
             Forecast::Truth => return Ok(ForeseenRobot::of(self.clone())),
             Forecast::Undisturbed => Models::undisturbed(),

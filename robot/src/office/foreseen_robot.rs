@@ -1,14 +1,16 @@
-//! The robot of projected runs: the abstract robot behind the same behaviours, fluents and functions. It is
-//! made of a controller, which has percepts and belief, in the world that the map shows, and so of nothing that the
+//! The abstract robot of projected runs, behind the same behaviours, fluents and functions. It is made of a
+//! controller, which has percepts and belief, in the world that the map shows, and so of nothing that the
 //! robot does not know.
 
 use super::behaviours::active_localization;
 use super::behaviours::gripper::Gripping;
+use super::behaviours::look_around;
 use super::behaviours::navigation::{self, Navigating};
 use super::controller::Controller;
 use super::module::Module;
 use super::words::{mode_name, no_map};
-use crate::foresight::abstract_robot::{AbstractRobot, Doing, Knowledge, Outcome, UnderWay};
+use crate::foresight::abstract_robot::{AbstractRobot, Knowledge};
+use crate::foresight::activity::{Doing, Outcome, UnderWay};
 use crate::foresight::drive_times::DriveTimes;
 use crate::foresight::models::Models;
 use crate::foresight::ways::{ForeseenWays, WayMap, Ways};
@@ -22,12 +24,17 @@ use rpl_runtime::robot::{Ending, Foreseen, ForeseenRobot, NEVER_US, Outbox, Outs
 use rpl_runtime::state::activation::{Phase, Phases};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use std::any::{Any, TypeId};
 
 /// Where the robot may be is drawn from so many maxima of its belief, each with at least such a part of it.
 const MOST_HYPOTHESES: usize = 16;
 const LEAST_MASS: f64 = 0.001;
+
+/// Or from the likeliest states that hold this share of it, and at most from so many.
+const LIKELY: f64 = 0.95;
+const MOST_POSES: usize = 4096;
 
 /// A robot that is not lost in a projection is as sure as one that nobody has touched.
 const SURE: f64 = 0.9995;
@@ -41,14 +48,16 @@ pub(super) struct ForeseenOffice<M: Module> {
     /// What functions of plans work on; its position follows the abstract robot.
     pub(super) controller: Controller<M>,
     pub(super) robot: AbstractRobot,
-    ways: ForeseenWays,
-    odom_in_map: Pose,
+    pub(super) ways: ForeseenWays,
+    pub(super) odom_in_map: Pose,
+    /// Doors found closed before the projection begins.
+    found_closed: Vec<usize>,
     /// What goes on when the projection begins.
-    begun: Vec<UnderWay>,
+    pub(super) begun: Vec<UnderWay>,
     unforeseen: Option<String>,
 }
 
-/// The robot that is foreseen from what a controller knows.
+/// The robot that is foreseen from what a controller knows, with where it may be as a grain wants it.
 ///
 /// # Errors
 /// There is no map, or something goes on for which there is no model.
@@ -56,11 +65,12 @@ pub(super) fn foresee<M: Module>(
     controller: &Controller<M>,
     now_us: u64,
     phases: Phases<'_>,
-) -> Result<ForeseenRobot, Raise> {
+    grain: Grain,
+) -> Result<ForeseenOffice<M>, Raise> {
     let mut controller = known(controller);
     let begun = begun(&mut controller, phases)?;
     let models = learned(&mut controller);
-    Ok(ForeseenRobot::of(foreseen(controller, now_us, begun, models)?))
+    foreseen(controller, now_us, begun, models, grain)
 }
 
 /// The abstract robot at the start of a run, where what may come between is as likely as the models say: for the
@@ -77,7 +87,7 @@ pub(super) fn abstract_robot<M: Module>(controller: &Controller<M>, models: Mode
 /// # Errors
 /// There is no map.
 pub(super) fn at_start<M: Module>(controller: &Controller<M>, models: Models) -> Result<ForeseenOffice<M>, Raise> {
-    foreseen(known(controller), 0, Vec::new(), models)
+    foreseen(known(controller), 0, Vec::new(), models, Grain::Abstract)
 }
 
 /// The controller in the world that the map shows.
@@ -90,28 +100,32 @@ fn foreseen<M: Module>(
     now_us: u64,
     begun: Vec<UnderWay>,
     models: Models,
+    grain: Grain,
 ) -> Result<ForeseenOffice<M>, Raise> {
     let model = controller.model.clone();
     let Some(map) = &model.map else { return Err(no_map("there is nothing to project drives on")) };
-    let ways = ForeseenWays { ways: Ways::default(), closed_doors: closed_doors(&mut controller) };
+    let found_closed = closed_doors(&mut controller);
+    let ways = ForeseenWays::default();
     let percept = controller.board.percept.as_ref();
     let holding = percept.and_then(|percept| percept.gripper.holding.clone());
     let battery = percept.map_or(1.0, |percept| percept.battery);
     let Estimate { pose_in_map, .. } = controller.estimate();
     let odom_in_map = pose_in_map.compose(controller.board.position.odometry_in_odom().inverse());
-    let knowledge = knowledge(&controller, &model, map, models);
+    let knowledge = knowledge(&controller, &model, map, models, grain);
     let robot = AbstractRobot::new(knowledge, ways.ways.clone(), holding, battery, now_us);
-    let mut foreseen = ForeseenOffice { controller, robot, ways, odom_in_map, begun, unforeseen: None };
+    let mut foreseen = ForeseenOffice { controller, robot, ways, odom_in_map, found_closed, begun, unforeseen: None };
     foreseen.tell_position();
     Ok(foreseen)
 }
 
-fn part<M: Module, T: 'static>(controller: &mut Controller<M>) -> Option<&mut T> {
-    controller.modules.part(TypeId::of::<T>()).and_then(<dyn Any>::downcast_mut)
+/// The part of the modules that is of a type.
+pub(super) fn part<M: Module, T: 'static>(modules: &mut M) -> Option<&mut T> {
+    modules.part(TypeId::of::<T>()).and_then(<dyn Any>::downcast_mut)
 }
 
-fn closed_doors<M: Module>(controller: &mut Controller<M>) -> Vec<usize> {
-    part::<M, Navigating>(controller).map_or_else(Vec::new, |navigating| navigating.closed_doors())
+/// The doors found closed, as indices into the world's doors.
+pub(super) fn closed_doors<M: Module>(controller: &mut Controller<M>) -> Vec<usize> {
+    part::<M, Navigating>(&mut controller.modules).map_or_else(Vec::new, |navigating| navigating.closed_doors())
 }
 
 /// What of the behaviours is under way.
@@ -123,14 +137,16 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
     for (_, spec) in composition.tables.behaviours.iter().enumerate().filter(is_active) {
         begun.push(match doing(&spec.name) {
             Some(Doing::Driving) => {
-                let navigating = part::<M, Navigating>(controller);
+                let navigating = part::<M, Navigating>(&mut controller.modules);
                 let targets = navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec());
                 UnderWay::Driving { targets, patience_s: MappedNavigation::PATIENCE_S, has_set_off }
             }
-            Some(Doing::Gripping) => match part::<M, Gripping>(controller).and_then(|gripping| gripping.wanted()) {
-                Some(thing) => UnderWay::Grasping(thing.to_string()),
-                None => UnderWay::Releasing,
-            },
+            Some(Doing::Gripping) => {
+                match part::<M, Gripping>(&mut controller.modules).and_then(|gripping| gripping.wanted()) {
+                    Some(thing) => UnderWay::Grasping(thing.to_string()),
+                    None => UnderWay::Releasing,
+                }
+            }
             Some(Doing::Looking) => UnderWay::Looking,
             Some(Doing::Searching) => UnderWay::Searching,
             None if spec.name == TRACKING => continue,
@@ -144,11 +160,11 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
 const TRACKING: &str = "position-tracking";
 
 /// The behaviours that are foreseen.
-fn doing(behaviour: &str) -> Option<Doing> {
+pub(super) fn doing(behaviour: &str) -> Option<Doing> {
     match behaviour {
         navigation::NAME => Some(Doing::Driving),
         "gripper" => Some(Doing::Gripping),
-        "look-around" => Some(Doing::Looking),
+        look_around::NAME => Some(Doing::Looking),
         active_localization::NAME => Some(Doing::Searching),
         _ => None,
     }
@@ -160,22 +176,46 @@ fn without_model(behaviour: &str) -> String {
 
 /// The models of what may come between, by what the robot has learned.
 fn learned<M: Module>(controller: &mut Controller<M>) -> Models {
-    let grasps = part::<M, Gripping>(controller).map(|gripping| gripping.record()).unwrap_or_default();
-    let drives = part::<M, Navigating>(controller).map(|navigating| navigating.record().clone()).unwrap_or_default();
+    let grasps = part::<M, Gripping>(&mut controller.modules).map(|gripping| gripping.record()).unwrap_or_default();
+    let drives = part::<M, Navigating>(&mut controller.modules)
+        .map(|navigating| navigating.record().clone())
+        .unwrap_or_default();
     Models::learned(&controller.model.settings.robot, &grasps, &drives)
 }
 
-fn knowledge<M: Module>(controller: &Controller<M>, model: &OfficeModel, map: &MapModel, models: Models) -> Knowledge {
+fn knowledge<M: Module>(
+    controller: &Controller<M>,
+    model: &OfficeModel,
+    map: &MapModel,
+    models: Models,
+    grain: Grain,
+) -> Knowledge {
     let robot = &*model.settings.robot;
     let chargers = model.world.places.iter().filter(|place| place.charges);
     Knowledge {
         drive_times: DriveTimes::of(robot),
         models,
-        hypotheses: hypotheses(controller, map),
+        hypotheses: match grain {
+            Grain::Abstract => hypotheses(controller, map),
+            Grain::Simulated => likely_poses(controller, map),
+        },
         gripper: robot.gripper,
         battery: robot.battery,
         chargers_in_map: chargers.map(|place| place.pose_in_map.point()).collect(),
         look_s: DriveTimes::look_s(robot),
+    }
+}
+
+/// Where the robot may be, to a cell of its belief, with probabilities that sum to 1, the likeliest first.
+fn likely_poses<M: Module>(controller: &Controller<M>, map: &MapModel) -> Vec<(Pose, f64)> {
+    let Estimate { pose_in_map, .. } = controller.estimate();
+    let Some(localization) = controller.board.position.localization() else { return vec![(pose_in_map, 1.0)] };
+    let mut poses = localization.likely_poses(&map.localization, LIKELY);
+    poses.truncate(MOST_POSES);
+    let mass: f64 = poses.iter().map(|pose| pose.mass).sum();
+    match mass > 0.0 {
+        true => poses.iter().map(|pose| (pose.pose_in_map, pose.mass / mass)).collect(),
+        false => vec![(pose_in_map, 1.0)],
     }
 }
 
@@ -204,18 +244,23 @@ impl<M: Module> ForeseenOffice<M> {
     pub(super) fn foreseen(&self, models: Models) -> Self {
         let ways = Ways::default();
         let robot = self.robot.believed(models, ways.clone());
-        let closed_doors = self.robot.closed_doors();
-        Self { robot, ways: ForeseenWays { ways, closed_doors }, begun: self.robot.under_way(), ..self.clone() }
+        let found_closed = self.robot.closed_doors();
+        let ways = ForeseenWays { ways, ..ForeseenWays::default() };
+        Self { robot, ways, found_closed, begun: self.robot.under_way(), ..self.clone() }
     }
 
     /// The position is what functions of plans find it to be: where the abstract robot believes itself.
-    fn tell_position(&mut self) {
-        let position = &mut self.controller.board.position;
-        self.robot.is_lost |= position.take_doubt();
-        let certainty = if self.robot.is_lost { LOST } else { SURE };
-        let pose_in_map = self.robot.robot_in_map;
-        position.foresee(Estimate { pose_in_map, certainty }, self.odom_in_map.inverse().compose(pose_in_map));
+    pub(super) fn tell_position(&mut self) {
+        self.robot.is_lost |= self.controller.board.position.take_doubt();
+        let (certainty, pose_in_map) = (self.certainty(), self.robot.robot_in_map);
+        let odometry_in_odom = self.odom_in_map.inverse().compose(pose_in_map);
+        self.controller.board.position.foresee(Estimate { pose_in_map, certainty }, odometry_in_odom);
         self.ways.closed_doors = self.robot.closed_doors();
+    }
+
+    /// As certain as it tells plans to be.
+    pub(super) fn certainty(&self) -> f64 {
+        if self.robot.is_lost { LOST } else { SURE }
     }
 
     fn ending(&self, outcome: Outcome) -> Ending {
@@ -233,29 +278,38 @@ impl<M: Module> ForeseenOffice<M> {
         }
     }
 
-    fn publish(&self, outbox: &mut Outbox) {
+    /// Tells plans how things stand, and of navigation whether it is active, with so many targets left.
+    pub(super) fn publish(&self, (is_navigating, targets): (bool, usize), outbox: &mut Outbox) {
         let board = &self.controller.board;
         let pose = self.robot.robot_in_map;
         let region = self.controller.model.world.mode_at(pose.point());
-        let certainty = if self.robot.is_lost { LOST } else { SURE };
         let mode = |mode| Reading::Symbol(mode_name(mode).to_string());
         let values = [
             ("x*", Reading::Float(pose.x_m)),
             ("y*", Reading::Float(pose.y_m)),
             ("o*", Reading::Float(pose.heading_rad)),
-            ("pos-certainty*", Reading::Float(certainty)),
+            ("pos-certainty*", Reading::Float(self.certainty())),
             ("travel-mode*", mode(board.mode)),
             ("region*", region.map_or(Reading::Truth(false), mode)),
             ("holding*", self.robot.holding.clone().map_or(Reading::Truth(false), Reading::Symbol)),
             ("battery*", Reading::Float(libm::round(self.robot.battery * 1000.0) / 1000.0)),
             ("messages*", Reading::Int(board.inbox.len() as i64)),
-            ("navigation-active?*", Reading::Truth(self.robot.drives())),
-            ("nr-of-nav-goals*", Reading::Int(self.robot.remaining_targets() as i64)),
+            ("navigation-active?*", Reading::Truth(is_navigating)),
+            ("nr-of-nav-goals*", Reading::Int(targets as i64)),
         ];
         let fluents = &self.tables().fluents;
         for (name, reading) in values {
             if let Some(number) = fluents.iter().position(|fluent| fluent.name == name) {
                 outbox.fluents.push((number, reading));
+            }
+        }
+    }
+
+    pub(super) fn tell_endings(&self, ended: Vec<(Doing, Outcome)>, outbox: &mut Outbox) {
+        for (doing, outcome) in ended {
+            let number = self.tables().behaviours.iter().position(|spec| self::doing(&spec.name) == Some(doing));
+            if let Some(number) = number {
+                outbox.endings.push((number as u16, self.ending(outcome)));
             }
         }
     }
@@ -275,7 +329,7 @@ impl<M: Module> Foreseen for ForeseenOffice<M> {
 
     fn begin_run(&mut self, seed: u64) {
         self.robot.begin_run(seed);
-        for door in self.ways.closed_doors.clone() {
+        for &door in &self.found_closed {
             self.robot.know_closed(door);
         }
         for begun in self.begun.clone() {
@@ -346,13 +400,8 @@ impl<M: Module> Outside for ForeseenOffice<M> {
     fn step(&mut self, now_us: u64, _: Phases<'_>, outbox: &mut Outbox) {
         let ended = self.robot.advance_to(now_us);
         self.tell_position();
-        self.publish(outbox);
-        for (doing, outcome) in ended {
-            let number = self.tables().behaviours.iter().position(|spec| self::doing(&spec.name) == Some(doing));
-            if let Some(number) = number {
-                outbox.endings.push((number as u16, self.ending(outcome)));
-            }
-        }
+        self.publish((self.robot.drives(), self.robot.remaining_targets()), outbox);
+        self.tell_endings(ended, outbox);
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {

@@ -29,6 +29,7 @@ mod report;
 mod robot;
 mod save;
 mod scenario;
+mod simulated_robot;
 mod words;
 
 pub use crate::geometry::Velocity;

@@ -181,16 +181,24 @@ impl OfficeModel {
 
     /// The same as far as the robot knows it: its world is the one that the map shows ([`World::known`]), and so is
     /// the simulator's. Foresight is made of it, so that nothing projected can come from the truth. It is built
-    /// when it is first asked for; the tables of the map are shared.
+    /// when it is first asked for; the tables of the map are shared. Its robot makes long steps and does not stray
+    /// ([`RobotDescription::foreseen`]).
     pub fn known(&self) -> Arc<Self> {
         let known = || {
             let world = Arc::new(self.world.known());
+            let robot = Arc::new(self.settings.robot.foreseen());
+            let limits = DriveLimits::of(&robot);
+            let map = self.map.clone().map(|map| {
+                let navigation = Arc::new(map.navigation.with_limits(limits));
+                MapModel { navigation, ..map }
+            });
+            let simulated = SimulatorSettings { robot: robot.clone(), ..self.simulator.settings.clone() };
             Arc::new(Self {
-                simulator: Arc::new(SimulatorModel::new(world.clone(), self.simulator.settings.clone())),
-                map: self.map.clone(),
-                limits: self.limits,
+                simulator: Arc::new(SimulatorModel::new(world.clone(), simulated)),
+                map,
+                limits,
                 sensors: self.sensors.clone(),
-                settings: self.settings.clone(),
+                settings: OfficeSettings { robot, ..self.settings.clone() },
                 known: OnceLock::new(),
                 world,
             })

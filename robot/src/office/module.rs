@@ -192,6 +192,11 @@ impl<'a> Telling<'a> {
         Self { outbox, first_behaviour: 0, first_fluent: 0 }
     }
 
+    /// For a module with these first places among the behaviours and fluents of the whole robot.
+    pub(super) fn at(outbox: &'a mut Outbox, first_behaviour: usize, first_fluent: usize) -> Self {
+        Self { outbox, first_behaviour, first_fluent }
+    }
+
     /// The same for one module of several.
     #[doc(hidden)]
     pub fn of(&mut self, part: &Part) -> Telling<'_> {

@@ -9,6 +9,7 @@ use super::host::{Host, HostLost, SimulatedHost};
 use super::model::OfficeModel;
 use super::module::Module;
 use super::report::Report;
+use super::simulated_robot::SimulatedOffice;
 use crate::foresight::models::Models;
 use crate::geometry::Pose;
 use crate::localization::{Estimate, Localization, Spread};
@@ -19,6 +20,7 @@ use rpl_runtime::robot::{ForeseenRobot, Outbox, Outside, RobotEvent, RobotTables
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use std::any::{Any, TypeId};
 use std::sync::Arc;
@@ -221,8 +223,12 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
     }
 
     /// Of the controller alone: the host, which knows the truth, is not asked.
-    fn foresee(&self, now_us: u64, phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
-        foresee(&self.controller, now_us, phases)
+    fn foresee(&self, now_us: u64, phases: Phases<'_>, grain: Grain) -> Result<ForeseenRobot, Raise> {
+        let office = foresee(&self.controller, now_us, phases, grain)?;
+        Ok(match grain {
+            Grain::Abstract => ForeseenRobot::of(office),
+            Grain::Simulated => ForeseenRobot::of(SimulatedOffice::new(&self.controller, office, now_us)),
+        })
     }
 
     /// Without a host nothing goes on while the run computes.

@@ -11,6 +11,7 @@ use rpl_runtime::robot::{FluentSpec, ForeseenRobot, Outbox, Outside, RobotTables
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native, Reply};
 use std::any::{Any, TypeId};
@@ -79,7 +80,7 @@ impl Outside for Oracle {
         outbox.fluents.extend(values.into_iter().map(Reading::Float).enumerate());
     }
 
-    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _: u64, _: Phases<'_>, _: Grain) -> Result<ForeseenRobot, Raise> {
         Err(Raise::new("projection-failure", "a scenario cannot project; it is what the robot's plans cannot foresee"))
     }
 

@@ -212,20 +212,22 @@ impl CostGrid {
 
     /// Cells whose centres lie within `reach_m` of a point, with their distances, in row order.
     pub(super) fn disc(&self, centre_in_frame: Point, reach_m: f64) -> Vec<(usize, f64)> {
-        let reach = libm::ceil(reach_m / self.resolution_m) as i64 + 1;
-        let Some(middle) = self.cell_at(centre_in_frame) else { return Vec::new() };
-        let (column, row) = ((middle % self.stride) as i64, (middle / self.stride) as i64);
-        let mut cells = Vec::new();
-        for y in (row - reach).max(1)..=(row + reach).min(self.rows as i64) {
-            for x in (column - reach).max(1)..=(column + reach).min(self.columns as i64) {
-                let cell = y as usize * self.stride + x as usize;
-                let squared_m2 = (self.centre(cell) - centre_in_frame).norm_squared();
-                if squared_m2 <= reach_m * reach_m {
-                    cells.push((cell, squared_m2.sqrt()));
-                }
-            }
-        }
-        cells
+        let away2 = |cell: usize| (cell, (self.centre(cell) - centre_in_frame).norm_squared());
+        let within = self.square(centre_in_frame, reach_m).map(away2);
+        within.filter(|&(_, squared_m2)| squared_m2 <= reach_m * reach_m).map(|(cell, m2)| (cell, m2.sqrt())).collect()
+    }
+
+    /// Cells of the smallest square around a point that holds all whose centres lie within `reach_m` of it, in row
+    /// order; none around a point that is not on the map.
+    pub(super) fn square(&self, centre_in_frame: Point, reach_m: f64) -> impl Iterator<Item = usize> + use<> {
+        let reach = libm::ceil(reach_m / self.resolution_m) as usize + 1;
+        let (stride, rows, columns) = (self.stride, self.rows, self.columns);
+        self.cell_at(centre_in_frame).into_iter().flat_map(move |middle| {
+            let (column, row) = (middle % stride, middle / stride);
+            let from = move |at: usize| at.saturating_sub(reach).max(1);
+            (from(row)..=(row + reach).min(rows))
+                .flat_map(move |y| (from(column)..=(column + reach).min(columns)).map(move |x| y * stride + x))
+        })
     }
 
     /// What the straight way between two points costs in metres of open floor: its length weighed

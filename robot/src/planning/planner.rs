@@ -69,14 +69,11 @@ impl PlannerModel {
     /// Centres of the obstacle cells within `reach_m` of a point that have a free cell beside them,
     /// in row order.
     pub fn obstacle_edges_near(&self, point_in_frame: Point, reach_m: f64) -> Vec<Point> {
-        let is_edge =
-            |cell: usize| MOVES[..4].iter().any(|&step| !self.grid.is_obstacle[self.grid.neighbour(cell, step)]);
-        self.grid
-            .disc(point_in_frame, reach_m)
-            .into_iter()
-            .filter(|&(cell, _)| self.grid.is_obstacle[cell] && is_edge(cell))
-            .map(|(cell, _)| self.grid.centre(cell))
-            .collect()
+        let grid = &self.grid;
+        let is_edge = |cell: usize| MOVES[..4].iter().any(|&step| !grid.is_obstacle[grid.neighbour(cell, step)]);
+        let edges = grid.square(point_in_frame, reach_m).filter(|&cell| grid.is_obstacle[cell] && is_edge(cell));
+        let centres = edges.map(|cell| grid.centre(cell));
+        centres.filter(|centre| (centre - point_in_frame).norm_squared() <= reach_m * reach_m).collect()
     }
 
     /// What it costs to go from every cell to a target.

@@ -12,6 +12,20 @@ impl SimulatorModel {
     pub fn step(&self, state: &mut SimulatorState, commands: &Commands) -> Percept {
         state.time_us += self.robot().step_us;
         self.walk(state);
+        self.move_robot(state, commands);
+        if let Some(camera) = &self.robot().camera {
+            let wanted_radps = commands.camera.map_or(0.0, |command| command.pan_radps);
+            state.pan.step(camera, wanted_radps, self.robot().step_s());
+        }
+        self.use_battery(state);
+        if let Some(gripper) = &self.robot().gripper {
+            let hand = Hand { gripper, robot_in_map: state.robot_in_map, robot_radius_m: self.robot().radius_m };
+            state.gripper.step(hand, &mut state.streams.gripper, &commands.gripper, state.time_us);
+        }
+        self.sense(state, commands)
+    }
+    /// What the wheels do in a step: the robot accelerates and drives, and its odometry follows.
+    pub fn move_robot(&self, state: &mut SimulatorState, commands: &Commands) {
         let before_mps = state.translation_mps;
         self.accelerate(state, commands);
         self.judge_braking(state, before_mps);
@@ -23,15 +37,5 @@ impl SimulatorModel {
             driven.way_m,
             driven.turn_rad,
         );
-        if let Some(camera) = &self.robot().camera {
-            let wanted_radps = commands.camera.map_or(0.0, |command| command.pan_radps);
-            state.pan.step(camera, wanted_radps, self.robot().step_s());
-        }
-        self.use_battery(state);
-        if let Some(gripper) = &self.robot().gripper {
-            let hand = Hand { gripper, robot_in_map: state.robot_in_map, robot_radius_m: self.robot().radius_m };
-            state.gripper.step(hand, &mut state.streams.gripper, &commands.gripper, state.time_us);
-        }
-        self.sense(state, commands)
     }
 }

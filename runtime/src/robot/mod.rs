@@ -8,6 +8,7 @@ use self::thinking::{Insight, Thought, Ticket};
 use crate::state::activation::Phases;
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::projected::Grain;
 use crate::state::value::Value;
 use rpl_lang::check::BehaviourSignature;
 use rpl_lang::symbol::Symbol;
@@ -207,12 +208,12 @@ pub trait Outside: 'static {
     /// their phases.
     fn step(&mut self, _now_us: u64, _phases: Phases<'_>, _outbox: &mut Outbox) {}
 
-    /// The robot as projected runs have it from here on: made of what it knows and believes, and of nothing
-    /// else. The phases say what its behaviours are doing.
+    /// The robot as projected runs have it from here on, in this grain: made of what it knows and believes, and of
+    /// nothing else. The phases say what its behaviours are doing.
     ///
     /// # Errors
     /// There is no model to project it by; one sentence that says what is missing.
-    fn foresee(&self, _now_us: u64, _phases: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _now_us: u64, _phases: Phases<'_>, _grain: Grain) -> Result<ForeseenRobot, Raise> {
         Err(Raise::new("projection-failure", "there is no model of this robot to project it by"))
     }
 
@@ -263,7 +264,7 @@ impl Outside for NoRobot {
 
     fn stop(&mut self, _: u16, _: StopReason, _: &mut Outbox) {}
 
-    fn foresee(&self, _: u64, _: Phases<'_>) -> Result<ForeseenRobot, Raise> {
+    fn foresee(&self, _: u64, _: Phases<'_>, _: Grain) -> Result<ForeseenRobot, Raise> {
         Ok(ForeseenRobot::of(Self))
     }
 }

@@ -12,7 +12,7 @@ use crate::run::system::{SLICE_STEPS, System, Turn};
 use crate::state::failure::{CLASSES, Raise};
 use crate::state::figures::{Figures, Foresight};
 use crate::state::machine::Machine;
-use crate::state::projected::{Answered, ProjectedRun, Question};
+use crate::state::projected::{Answered, Grain, ProjectedRun, Question};
 use crate::state::slab::NONE;
 use crate::state::task::{State, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
@@ -75,11 +75,13 @@ impl fmt::Debug for Asking {
 impl Thought for Asking {
     fn checksum(&self) -> u32 {
         let System { machine, program, .. } = &self.base;
-        let Question { plans, task, runs, horizon_us, stake } = &self.question;
+        let Question { plans, task, runs, horizon_us, grain, stake } = &self.question;
         let plans: Vec<String> = plans.iter().map(|&plan| machine.write(program, plan)).collect();
         let worth = stake.and_then(|stake| stake.worth).map(|worth| machine.symbols.name(worth));
         let stake = stake.map(|stake| (stake.margin.to_bits(), stake.standard_errors.to_bits()));
-        crc32fast::hash(format!("{plans:?} {task:?} {runs} {horizon_us} {stake:?} {worth:?} {}", self.seed).as_bytes())
+        crc32fast::hash(
+            format!("{plans:?} {task:?} {runs} {horizon_us} {grain:?} {stake:?} {worth:?} {}", self.seed).as_bytes(),
+        )
     }
 
     fn think(&self, is_given_up: &dyn Fn() -> bool) -> Option<Insight> {
@@ -92,7 +94,10 @@ impl Thought for Asking {
 }
 
 /// A fork of a session for projecting it, on whatever thread.
-pub struct ProjectableRun(System<ForeseenRobot>);
+pub struct ProjectableRun {
+    base: System<ForeseenRobot>,
+    grain: Grain,
+}
 
 impl ProjectableRun {
     /// How the forms would go; none if it was given up, which is asked every few milliseconds.
@@ -106,7 +111,7 @@ impl ProjectableRun {
         seed: u64,
         is_given_up: &dyn Fn() -> bool,
     ) -> Option<Result<Figures, String>> {
-        match self.0.projected_to_end(runs, horizon_us, seed, is_given_up) {
+        match self.base.projected_to_end(runs, horizon_us, self.grain, seed, is_given_up) {
             Err(NoAnswer::GivenUp) => None,
             figures => Some(figures.map_err(NoAnswer::told)),
         }
@@ -135,7 +140,7 @@ impl<O: Outside> System<O> {
             return Err(Raise::new(FAILURE, "the task is dead: how it goes on is known"));
         }
         let seed = self.machine.foresight.seed();
-        Ok(Asking { base: self.forked()?, question, watched, seed })
+        Ok(Asking { base: self.forked(question.grain)?, question, watched, seed })
     }
 
     /// How this run would go on from here, between two instants: until its main task ends, and at most for a
@@ -143,11 +148,11 @@ impl<O: Outside> System<O> {
     ///
     /// # Errors
     /// The robot cannot be projected, or something is needed for which there is no model: one sentence.
-    pub fn project_rest(&self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
-        self.forked().map_err(told)?.wanted_to_end(runs, horizon_us, seed)
+    pub fn project_rest(&self, runs: u32, horizon_us: u64, grain: Grain, seed: u64) -> Result<Figures, String> {
+        self.forked(grain).map_err(told)?.wanted_to_end(runs, horizon_us, grain, seed)
     }
 
-    /// The same with another robot in the projections: for somebody who believes something else.
+    /// The same with another robot in the projections, which is abstract: for somebody who believes something else.
     ///
     /// # Errors
     /// Something is needed for which there is no model: one sentence.
@@ -158,7 +163,7 @@ impl<O: Outside> System<O> {
         horizon_us: u64,
         seed: u64,
     ) -> Result<Figures, String> {
-        self.forked_with(robot).wanted_to_end(runs, horizon_us, seed)
+        self.forked_with(robot).wanted_to_end(runs, horizon_us, Grain::Abstract, seed)
     }
 
     /// A fork for projecting forms that a session, which waits for some, would run; without a text those that it
@@ -166,17 +171,17 @@ impl<O: Outside> System<O> {
     ///
     /// # Errors
     /// The robot cannot be projected; or the text is wrong, and this is what was found.
-    pub fn fork_to_project(&self, text: Option<(&str, &str)>) -> Result<ProjectableRun, String> {
-        let mut base = self.forked().map_err(told)?;
+    pub fn fork_to_project(&self, text: Option<(&str, &str)>, grain: Grain) -> Result<ProjectableRun, String> {
+        let mut base = self.forked(grain).map_err(told)?;
         if let Some((name, text)) = text {
             base.submit(name, text, &mut NoFiles).map_err(|rejected| rejected.render(false))?;
         }
-        Ok(ProjectableRun(base))
+        Ok(ProjectableRun { base, grain })
     }
 
     /// What projected runs are forked from: this run, silent, with the robot that is foreseen.
-    fn forked(&self) -> Result<System<ForeseenRobot>, Raise> {
-        Ok(self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases())?))
+    fn forked(&self, grain: Grain) -> Result<System<ForeseenRobot>, Raise> {
+        Ok(self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases(), grain)?))
     }
 
     fn forked_with(&self, outside: ForeseenRobot) -> System<ForeseenRobot> {
@@ -230,7 +235,7 @@ impl System<ForeseenRobot> {
         }
         let until_us = self.machine.now_us + question.horizon_us;
         let mut projections: Vec<Projection> =
-            entries.iter().map(|_| Projection::new(question.horizon_us, &self.machine)).collect();
+            entries.iter().map(|_| Projection::new(question.horizon_us, question.grain, &self.machine)).collect();
         // Where nothing is left to chance, the first run tells all.
         let mut race = Race::new(projections.len(), question);
         let mut aim = 1;
@@ -261,8 +266,8 @@ impl System<ForeseenRobot> {
     }
 
     /// Projects what runs to the end of the main task.
-    fn wanted_to_end(&mut self, runs: u32, horizon_us: u64, seed: u64) -> Result<Figures, String> {
-        self.projected_to_end(runs, horizon_us, seed, WANTED).map_err(NoAnswer::told)
+    fn wanted_to_end(&mut self, runs: u32, horizon_us: u64, grain: Grain, seed: u64) -> Result<Figures, String> {
+        self.projected_to_end(runs, horizon_us, grain, seed, WANTED).map_err(NoAnswer::told)
     }
 
     /// Projects what runs to the end of the main task, or of the form of a session.
@@ -270,11 +275,12 @@ impl System<ForeseenRobot> {
         &mut self,
         runs: u32,
         horizon_us: u64,
+        grain: Grain,
         seed: u64,
         is_given_up: &dyn Fn() -> bool,
     ) -> Result<Figures, NoAnswer> {
         let main = self.machine.tasks.reference(self.machine.main);
-        let mut projection = Projection::new(horizon_us, &self.machine);
+        let mut projection = Projection::new(horizon_us, grain, &self.machine);
         let (mut seeds, until_us) = (Stream::new(seed, "runs"), self.machine.now_us + horizon_us);
         for _ in 0..runs {
             projection.runs.push(self.projected_run(None, main, seeds.seed(), until_us, is_given_up)?);

@@ -2,6 +2,7 @@
 
 use crate::state::figures::{Comparison, FailureFigure, Figures, FluentFigure, Foresight, StepFigure};
 use crate::state::machine::Machine;
+use crate::state::projected::Grain;
 use crate::state::value::Value;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::{Symbol, Symbols};
@@ -126,14 +127,15 @@ fn named_fluents(machine: &Machine) -> impl Iterator<Item = (Symbol, Value)> {
 #[derive(Clone, Debug)]
 pub(crate) struct Projection {
     horizon_us: u64,
+    grain: Grain,
     /// Names of the fluents that are told.
     fluents: Vec<Symbol>,
     pub runs: Vec<RunEnd>,
 }
 
 impl Projection {
-    pub fn new(horizon_us: u64, base: &Machine) -> Self {
-        Self { horizon_us, fluents: named_fluents(base).map(|(name, _)| name).collect(), runs: Vec::new() }
+    pub fn new(horizon_us: u64, grain: Grain, base: &Machine) -> Self {
+        Self { horizon_us, grain, fluents: named_fluents(base).map(|(name, _)| name).collect(), runs: Vec::new() }
     }
 
     /// Whether nothing was left to chance: all further runs go like these.
@@ -165,6 +167,7 @@ impl Projection {
             fluents: self.fluents(symbols),
             timeline: self.timeline(),
             horizon_s: self.horizon_us as f64 / 1e6,
+            grain: self.grain,
             thinking_s: instants as f64 / INSTANTS_A_SECOND,
         }
     }
@@ -272,6 +275,7 @@ impl Figures {
             ("fluents", fluents),
             ("timeline", timeline),
             ("horizon", Value::Float(self.horizon_s)),
+            ("grain", Value::Keyword(machine.symbols.intern(self.grain.name()))),
             ("thinking", Value::Float(self.thinking_s)),
         ];
         property_list(machine, &values)

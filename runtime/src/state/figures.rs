@@ -1,5 +1,6 @@
 //! What projecting plans has found, as figures.
 
+use crate::state::projected::Grain;
 use rpl_lang::number::{format_float, non_finite};
 use serde::de::Error;
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,8 @@ pub struct Figures {
     pub timeline: Vec<StepFigure>,
     /// How far from now the runs go, in seconds.
     pub horizon_s: f64,
+    /// In which detail the robot was projected.
+    pub grain: Grain,
     /// How long a plan that asks thinks, in seconds of the run.
     pub thinking_s: f64,
 }

@@ -2,6 +2,7 @@
 
 use crate::state::value::{TaskRef, Value};
 use rpl_lang::symbol::Symbol;
+use serde::{Deserialize, Serialize};
 
 /// What a task asks of the whole run.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +24,30 @@ pub enum Answered {
     Value(Value),
 }
 
+/// In which detail a robot is projected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Grain {
+    /// In events: a drive is a duration and an outcome.
+    #[default]
+    Abstract,
+    /// Step by step, by its own controller in a simulated world.
+    Simulated,
+}
+
+impl Grain {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Abstract, Self::Simulated];
+
+    /// Its name in plans, without the colon.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Abstract => "abstract",
+            Self::Simulated => "simulated",
+        }
+    }
+}
+
 /// What is asked of a projection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
@@ -35,6 +60,8 @@ pub struct Question {
     pub runs: u32,
     /// How far the runs go from now.
     pub horizon_us: u64,
+    /// In which detail the robot is projected.
+    pub grain: Grain,
     /// By what the first plan is compared with the others, if it is.
     pub stake: Option<Stake>,
 }

@@ -1,8 +1,9 @@
 //! What it costs to go to the current target, kept as long as nothing changes.
 
+use super::model::NavigationModel;
 use crate::geometry::Point;
 use crate::navigation::cache::Cache;
-use crate::planning::{CostToGo, PlannerModel};
+use crate::planning::CostToGo;
 use std::sync::Arc;
 
 /// The ways to the current target.
@@ -28,7 +29,7 @@ impl Cache<KnownCosts> {
     /// the map for each that is not known yet.
     pub fn costs(
         &mut self,
-        planner: &PlannerModel,
+        model: &NavigationModel,
         target_in_map: Point,
         barriers_in_map: Vec<Point>,
         blocked_in_map: Vec<Point>,
@@ -41,14 +42,14 @@ impl Cache<KnownCosts> {
             return known.costs;
         }
         let mapped = known.map_or_else(
-            || Arc::new(planner.cost_to_go_around(target_in_map, &barriers_in_map)),
+            || model.costs_to_go.to(&model.planner, target_in_map, &barriers_in_map),
             |known| known.costs.mapped,
         );
         let around = if blocked_in_map.is_empty() {
             mapped.clone()
         } else {
             let all = [&barriers_in_map[..], &blocked_in_map].concat();
-            Arc::new(planner.cost_to_go_around(target_in_map, &all))
+            Arc::new(model.planner.cost_to_go_around(target_in_map, &all))
         };
         let costs = Costs { mapped, around };
         self.0 = Some(KnownCosts { target_in_map, barriers_in_map, blocked_in_map, costs: costs.clone() });

@@ -6,19 +6,21 @@
 
 mod blockages;
 mod costs;
+mod costs_to_go;
 mod guide;
 mod model;
 mod obstruction;
 mod progress;
 mod ways;
 
+pub use costs_to_go::CostsToGo;
 pub use model::NavigationModel;
 pub use obstruction::Obstruction;
 
 use super::driver::{Driver, NavigationOutput};
 use super::input::NavigationInput;
 use crate::avoidance::CollisionAvoidance;
-use crate::geometry::{Pose, Transform, wrap_angle_rad};
+use crate::geometry::{Point, Pose, Transform, wrap_angle_rad};
 use crate::obstacles::RememberedPoint;
 use crate::planning::Target;
 use crate::world::TravelMode;
@@ -81,6 +83,23 @@ impl MappedNavigation {
     /// The doors found closed, as indices into the world's doors.
     pub fn closed_doors(&self) -> Vec<usize> {
         self.ways.closed_doors(self.driver.now_s)
+    }
+
+    /// What stands there and is not in the map, as far as the robot knows, in the map.
+    pub fn standing_in_map(
+        &self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        odometry_in_odom: Pose,
+    ) -> Vec<Point> {
+        let mut points = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
+        points.extend(self.ways.blockages.points_in_map());
+        points
+    }
+
+    /// Time passes in which there is nothing to do and nothing to see.
+    pub fn let_pass(&mut self, seconds: f64) {
+        self.driver.now_s += seconds;
     }
 
     /// One step of `model.limits.step_s`. Also takes in the sonars when there is nothing to do, so

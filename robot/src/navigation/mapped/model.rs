@@ -1,15 +1,19 @@
 //! What driving on a map needs to know of the world and the robot.
 
+use super::costs_to_go::CostsToGo;
 use crate::avoidance::DriveLimits;
 use crate::obstacles::Doorway;
 use crate::planning::{Inflation, PlannerModel};
 use crate::world::World;
+use std::sync::Arc;
 
 /// What navigation needs to know of the world and the robot. Immutable; share it.
 #[derive(Clone, Debug)]
 pub struct NavigationModel {
     /// The map.
-    pub planner: PlannerModel,
+    pub planner: Arc<PlannerModel>,
+    /// What it costs to go to targets on it.
+    pub costs_to_go: CostsToGo,
     /// The doors that the map shows open.
     pub doorways: Vec<Doorway>,
     /// The robot.
@@ -23,6 +27,12 @@ impl NavigationModel {
     /// The map of a world at 10 cm, and its doors.
     pub fn new(world: &World, limits: DriveLimits) -> Self {
         let planner = PlannerModel::new(&world.map(Self::CELL_M), Inflation::of_robot(limits.robot_radius_m));
-        Self { planner, doorways: Doorway::all(world), limits }
+        Self { planner: Arc::new(planner), costs_to_go: CostsToGo::default(), doorways: Doorway::all(world), limits }
+    }
+
+    /// The same map, and what was found out about it, for another robot of that size.
+    #[must_use]
+    pub fn with_limits(&self, limits: DriveLimits) -> Self {
+        Self { limits, ..self.clone() }
     }
 }

@@ -32,8 +32,7 @@ impl MappedNavigation {
         let doors = model.doorways.iter().filter(|doorway| closed.contains(&doorway.door));
         let doors = doors.filter(|doorway| is_on_way(doorway.at, doorway.width_m / 2.0));
         let door = doors.min_by(|one, other| nearest(&one.at, &other.at));
-        let mut points = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
-        points.extend(self.ways.blockages.points_in_map());
+        let mut points = self.standing_in_map(model, estimated_in_map, odometry_in_odom);
         points.retain(|&point| is_on_way(point, model.limits.robot_radius_m + BLOCKAGE_OFF_M));
         let thing = points.into_iter().min_by(nearest);
         match (door, thing) {

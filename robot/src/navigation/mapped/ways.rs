@@ -69,7 +69,7 @@ impl MapWays {
     pub fn costs(&mut self, model: &NavigationModel, target: Target, now_s: f64) -> Costs {
         let barriers_in_map = barriers(&model.doorways, &self.avoided_doors(now_s));
         let blocked_in_map = self.blockages.points_in_map().collect();
-        self.costs.costs(&model.planner, target.point_in_frame, barriers_in_map, blocked_in_map)
+        self.costs.costs(model, target.point_in_frame, barriers_in_map, blocked_in_map)
     }
 
     /// The robot must see where it is, for a while.

@@ -11,6 +11,9 @@ use rpl_runtime::state::failure::Raise;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
+/// Its name.
+pub(in crate::office) const NAME: &str = "look-around";
+
 /// The state of looking around: the turns still to make, while it is at work.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LookingAround {
@@ -22,9 +25,9 @@ impl Module for LookingAround {
 
     fn specs((): &()) -> Vec<ModuleSpec> {
         vec![ModuleSpec {
-            name: "look-around".into(),
+            name: NAME.into(),
             behaviours: vec![BehaviourSpec {
-                name: Cow::Borrowed("look-around"),
+                name: Cow::Borrowed(NAME),
                 doc: Cow::Borrowed(
                     "Turns a little to the left, to the right, and back, so that the sensors see more. Succeeds after that.",
                 ),

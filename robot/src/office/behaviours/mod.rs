@@ -3,7 +3,7 @@
 pub(super) mod active_localization;
 pub(super) mod body;
 pub(super) mod gripper;
-mod look_around;
+pub(super) mod look_around;
 pub(super) mod navigation;
 mod places;
 pub(super) mod position_tracking;

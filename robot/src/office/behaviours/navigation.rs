@@ -6,7 +6,9 @@ use crate::foresight::drive_times::{DriveTimes, WayFeatures};
 use crate::foresight::models::{DriveRecord, TimedDrive};
 use crate::foresight::ways::ForeseenWays;
 use crate::geometry::{Point, Pose, Velocity};
-use crate::navigation::{MaplessNavigation, MappedNavigation, NavigationEvent, NavigationOutput, Obstruction};
+use crate::navigation::{
+    MaplessNavigation, MappedNavigation, NavigationEvent, NavigationModel, NavigationOutput, Obstruction,
+};
 use crate::office::functions::{act, board, look};
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, PlanText, Start, Telling, fluent, fluent_number};
@@ -36,7 +38,8 @@ pub const PLANS: &str = include_str!("../plans.rpl");
 /// Rules that revise plans of the robot, and the plans that they make use of.
 pub const RULES: &str = include_str!("../rules.rpl");
 
-const FLUENTS: &[FluentSpec] = &[
+/// What it tells plans.
+pub(in crate::office) const FLUENTS: &[FluentSpec] = &[
     fluent("navigation-active?*", "True while a navigation plan is executed."),
     fluent("nr-of-nav-goals*", "Target points not yet reached."),
 ];
@@ -92,6 +95,21 @@ impl Navigating {
     pub fn remaining_targets(&self) -> impl Iterator<Item = Point> {
         let targets = self.mapped.remaining_targets().iter().chain(self.mapless.remaining_targets());
         targets.map(|target| target.point_in_frame)
+    }
+
+    /// What stands there and is not in the map, as far as it knows, in the map.
+    pub(in crate::office) fn standing_in_map(
+        &self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        odometry_in_odom: Pose,
+    ) -> Vec<Point> {
+        self.mapped.standing_in_map(model, estimated_in_map, odometry_in_odom)
+    }
+
+    /// Time passes in which there is nothing to do and nothing to see.
+    pub(in crate::office) fn let_pass(&mut self, seconds: f64) {
+        self.mapped.let_pass(seconds);
     }
 
     /// Obstacles that it remembers, in `odom`.
@@ -365,9 +383,7 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let Some(map) = &model.map else { return Err(no_map("there is nothing to plan on")) };
     // A projected robot knows doors closed that this one will find, and goes the same ways often.
     let plan = match call.part::<ForeseenWays>() {
-        Ok(ForeseenWays { ways, closed_doors }) => {
-            ways.plan(map.ways(&model.world), start_in_map, &place, closed_doors)
-        }
+        Ok(foreseen) => foreseen.plan(map.ways(&model.world), start_in_map, &place),
         Err(_) => {
             let closed_doors = call.part::<Navigating>()?.closed_doors();
             map.topology.plan(&map.navigation.planner, start_in_map, &place, &closed_doors)

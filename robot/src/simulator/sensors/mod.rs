@@ -87,7 +87,7 @@ macro_rules! compose {
 
         impl SimulatorModel {
             /// What all sensors find.
-            pub(super) fn sense(&self, state: &mut SimulatorState, commands: &Commands) -> Percept {
+            pub fn sense(&self, state: &mut SimulatorState, commands: &Commands) -> Percept {
                 let mut streams = state.streams.sensors.clone();
                 let percept = Percept {
                     time_us: state.time_us,

@@ -3,7 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::fluent::Origin;
 use crate::state::machine::Machine;
-use crate::state::projected::{Asked, MOST_STEPS, Question, Stake};
+use crate::state::projected::{Asked, Grain, MOST_STEPS, Question, Stake};
 use crate::state::time::{LAST_INSTANT_US, microseconds};
 use crate::state::value::Value;
 use crate::step::native::NativeCode::Plain;
@@ -16,7 +16,7 @@ const MOST_RUNS: i64 = 10_000;
 pub(super) const NATIVES: &[Native] = &[
     Native {
         name: "%project",
-        parameters: "list count seconds value &optional number number symbol",
+        parameters: "list count seconds value value &optional number number symbol",
         doc: "How plans would go from here: what `project` and its like are made of.",
         effect: Effect::Waits,
         code: Plain(project),
@@ -80,18 +80,33 @@ fn project(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         Value::Task(task) => Some(task),
         _ => return Err(call.wrong_type(3)),
     };
-    let stake = match call.argument(4) {
+    let grain = grain(call)?;
+    let stake = match call.argument(5) {
         Value::Nil => None,
         _ => {
-            let worth = match call.argument(6) {
+            let worth = match call.argument(7) {
                 Value::Symbol(name) => Some(name),
                 _ => None,
             };
-            Some(Stake { margin: call.number(4)?, standard_errors: call.number(5)?, worth })
+            Some(Stake { margin: call.number(5)?, standard_errors: call.number(6)?, worth })
         }
     };
-    let question = Question { plans, task, runs: runs as u32, horizon_us, stake };
+    let question = Question { plans, task, runs: runs as u32, horizon_us, grain, stake };
     Ok(Reply::Ask(Asked::Projection(Box::new(question))))
+}
+
+/// The grain that was asked for.
+fn grain(call: &Call<'_, '_>) -> Result<Grain, Raise> {
+    let named = match call.argument(4) {
+        Value::Keyword(name) => Grain::ALL.into_iter().find(|grain| grain.name() == call.machine.symbols.name(name)),
+        _ => None,
+    };
+    named.ok_or_else(|| {
+        let found = call.machine.show(call.around.program, call.argument(4));
+        refused(format!(
+            "there is no grain {found}; write `:grain :abstract`, in events, or `:grain :simulated`, step by step"
+        ))
+    })
 }
 
 impl Machine {

@@ -3,22 +3,35 @@
 use rpl_lang::compile::NoFiles;
 use rpl_mission::libraries::robot_library;
 use rpl_mission::modules::own_modules;
+use rpl_mission::robot::Robot;
 use rpl_mission::run::{Reached, run_to};
 use rpl_mission::site::Site;
 use rpl_robot::foresight::abstract_robot::Experience;
 use rpl_robot::foresight::models::Chances;
-use rpl_robot::office::{AbstractSetting, Forecast};
+use rpl_robot::office::{AbstractSetting, Board, Forecast};
 use rpl_robot::world::World;
+use rpl_runtime::robot::Outside;
 use rpl_runtime::run::system::Outcome;
+use rpl_runtime::state::projected::Grain;
 use rpl_tests::mission::{self, Grid, in_abstract_world, model};
+use std::any::TypeId;
 use std::ops::ControlFlow::Continue;
+
+fn site_in(world: World) -> Site {
+    let library = robot_library(own_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    Site::of(library, model(world, Grid::Coarse.settings()), own_modules().clone())
+}
 
 /// The value of a plan in a world, as it is printed, and when it ended.
 fn value_in(world: World, plan: &str) -> (String, f64) {
-    let library = robot_library(own_modules(), Vec::new()).unwrap_or_else(|error| panic!("{error}"));
-    let site = Site::of(library, model(world, Grid::Coarse.settings()), own_modules().clone());
+    let site = site_in(world);
+    let robot = site.office_robot(1).expect("there is one");
+    value_of(&site, Robot::Office(Box::new(robot)), plan)
+}
+
+fn value_of(site: &Site, robot: Robot, plan: &str) -> (String, f64) {
     let plan = site.compile("plan.rpl", plan, &mut NoFiles).unwrap_or_else(|error| panic!("{error}"));
-    let mut system = site.start(plan, 1);
+    let mut system = site.start_traced_with(robot, plan, 1);
     match run_to(&mut system, 3_600_000_000, |_| Continue(())) {
         Reached::End(Outcome::Succeeded(value)) => {
             (system.machine.write(&system.program, value), system.machine.now_s())
@@ -44,9 +57,120 @@ fn a_projection_follows_the_belief_where_the_truth_is_another() {
     let mut closed = test_room();
     assert!(closed.doors[0].mapped_open, "the map shows the door open");
     closed.doors[0].open = false;
-    let plan =
-        "(let ((p (project '(go-to 'table-side) :runs 20))) (append (projection-success p) (projection-time p)))";
-    assert_eq!(value_in(closed, plan), value_in(test_room(), plan));
+    for grain in [":abstract", ":simulated"] {
+        let plan = format!(
+            "(let ((p (project '(go-to 'corner) :runs 20 :grain {grain})))
+               (append (projection-success p) (projection-time p)))"
+        );
+        assert_eq!(value_in(closed.clone(), &plan), value_in(test_room(), &plan), "{grain}");
+    }
+}
+
+// r[project.knowledge]
+#[test]
+fn a_simulated_robot_is_where_the_real_one_believes_itself_to_be() {
+    // It was carried off to the corner, and has not noticed: by what it believes all the way is left.
+    let plan = "(list (second (projection-time (project '(go-to 'corner) :runs 8 :grain :simulated))))";
+    let site = site_in(test_room());
+    let in_corner = test_room().place("corner").expect("it is there").pose_in_map;
+    let foreseen_s = |is_carried: bool| {
+        let mut robot = site.office_robot(1).expect("there is one");
+        if is_carried {
+            let host = &mut robot.host;
+            host.model.clone().teleport(&mut host.state, in_corner).expect("there is room");
+        }
+        numbers(&value_of(&site, Robot::Office(Box::new(robot)), plan).0)[0]
+    };
+    assert!(foreseen_s(true) > 0.8 * foreseen_s(false) && foreseen_s(false) > 10.0);
+}
+
+// r[project.grain]
+#[test]
+fn a_simulated_drive_takes_about_as_long_as_the_drive_itself() {
+    let plan = "(let ((p (project '(go-to 'corner) :runs 8 :grain :simulated)) (begun (now)))
+                  (go-to 'corner)
+                  (list (second (projection-time p)) (- (now) begun)))";
+    let times_s = numbers(&value_in(test_room(), plan).0);
+    assert!((times_s[0] / times_s[1] - 1.0).abs() < 0.15, "foreseen and taken: {times_s:?}");
+}
+
+// r[project.grain]
+#[test]
+fn a_simulated_drive_goes_on_from_where_the_robot_is_and_as_it_moves() {
+    let plan = "(defvar rest nil)
+                (par (:tag job (go-to 'corner))
+                     (seq (wait-time 4) (setq rest (project-rest :task job :runs 8 :grain :simulated))))
+                (list (second (projection-time rest)) (now))";
+    let times_s = numbers(&value_in(test_room(), plan).0);
+    assert!((4.0 + times_s[0] - times_s[1]).abs() < 0.15 * times_s[1], "{times_s:?}");
+}
+
+// r[project.grain]
+#[test]
+fn simulated_runs_differ_and_the_same_question_has_the_same_answer() {
+    let plan = "(let ((p (project '(fetch 'parcel 'corner) :runs 12 :grain :simulated)))
+                  (append (projection-success p) (projection-time p)))";
+    let (first, _) = value_in(test_room(), plan);
+    assert_eq!(first, value_in(test_room(), plan).0);
+    let figures = numbers(&first);
+    assert!(figures[0] > 0.6 && figures[5] - figures[3] > 0.05, "chance is in it: {first}");
+}
+
+// r[project.grain]
+#[test]
+fn a_door_found_closed_is_closed_in_both_grains_as_long_as_nobody_opens_it() {
+    let mut closed = test_room();
+    closed.doors[0].open = false;
+    let late = |grain: &str| {
+        let plan = format!(
+            "(let ((before (project '(go-to 'corner) :runs 16 :grain {grain})))
+               (ignore-failures (failure) (go-to 'corner :patience 10))
+               (let ((after (project '(go-to 'corner :patience 1) :runs 16 :grain {grain})))
+                 (list (first (projection-success before)) (first (projection-success after)))))"
+        );
+        numbers(&value_in(closed.clone(), &plan).0)
+    };
+    for grain in [":abstract", ":simulated"] {
+        let shares = late(grain);
+        assert!(shares[0] > 0.8 && shares[1] < 0.5, "{grain}: {shares:?}");
+    }
+}
+
+// r[project.grain]
+#[test]
+fn there_are_two_grains_and_a_projection_says_which_is_its_own() {
+    let plan = "(list (projection-grain (project '(progn) :grain :simulated)) (projection-grain (project '(progn)))
+                      (with-failure-handling ((projection-failure (f) (failure-message f)))
+                        (project '(progn) :grain :fine)))";
+    let (told, _) = value_in(test_room(), plan);
+    assert!(told.starts_with("(:simulated :abstract "), "{told}");
+    assert!(told.contains("no grain :fine; write `:grain :abstract`"), "{told}");
+}
+
+// r[project.knowledge]
+#[test]
+fn no_belief_is_carried_into_projected_runs() {
+    let site = site_in(test_room());
+    let robot = site.office_robot(1).expect("there is one");
+    assert!(robot.localization().is_some());
+    let plan = site.compile("plan.rpl", "(go-to 'corner)", &mut NoFiles).unwrap_or_else(|error| panic!("{error}"));
+    let mut system = site.start_traced_with(Robot::Office(Box::new(robot)), plan, 1);
+    run_to(&mut system, 3_000_000, |_| Continue(()));
+    for grain in Grain::ALL {
+        let foreseen = system.outside.foresee(3_000_000, system.machine.phases(), grain);
+        let mut foreseen = foreseen.unwrap_or_else(|_| panic!("{grain:?}"));
+        let board = foreseen.part(TypeId::of::<Board>()).and_then(|board| board.downcast_mut::<Board>());
+        assert!(board.expect("it has one").position.localization().is_none(), "{grain:?}");
+    }
+}
+
+// r[project.grain]
+#[test]
+fn what_has_no_controller_is_not_simulated() {
+    let plan = "(with-failure-handling ((projection-failure (f) (failure-message f)))
+                  (project '(progn) :grain :simulated))";
+    let told = value_in_abstract(NOTHING_BETWEEN, &[], Forecast::Undisturbed, plan);
+    assert!(told.contains("has no controller that could be simulated"), "{told}");
 }
 
 #[test]

@@ -1,0 +1,69 @@
+//! What a projected robot is asked to do, and how that ends.
+
+use crate::planning::Target;
+
+/// How something that the robot does ends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// As it should.
+    Done,
+    /// The map leaves no way.
+    Unreachable,
+    /// Its battery was empty before it arrived.
+    Empty,
+    /// A door kept it from coming through for all its patience.
+    DoorClosed(usize),
+    /// The gripper closed on nothing.
+    NotHeld(String),
+    /// The gripper did not open.
+    NotOpened,
+    /// The position was not found.
+    NotFound,
+}
+
+/// What the robot can do, one at a time each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Doing {
+    /// It drives over targets.
+    Driving,
+    /// Its gripper moves.
+    Gripping,
+    /// It looks around.
+    Looking,
+    /// It searches for its position.
+    Searching,
+}
+
+/// What the robot was asked to do and has not come to the end of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum UnderWay {
+    /// To drive over targets, in order.
+    Driving {
+        /// Those that are left.
+        targets: Vec<Target>,
+        /// So long it stands before what is closed.
+        patience_s: f64,
+        /// Whether it moves already, so that setting off takes no more time.
+        has_set_off: bool,
+    },
+    /// To grasp a thing.
+    Grasping(String),
+    /// To let go.
+    Releasing,
+    /// To look around.
+    Looking,
+    /// To search for its position.
+    Searching,
+}
+
+impl UnderWay {
+    /// What of the robot does it.
+    pub fn doing(&self) -> Doing {
+        match self {
+            Self::Driving { .. } => Doing::Driving,
+            Self::Grasping(_) | Self::Releasing => Doing::Gripping,
+            Self::Looking => Doing::Looking,
+            Self::Searching => Doing::Searching,
+        }
+    }
+}
