@@ -55,6 +55,19 @@ fn in_what_is_projected_it_only_runs_the_forms() {
     }
 }
 
+/// r[project.chance-of-failure]
+#[test]
+fn what_goes_on_longer_has_not_failed() {
+    let text = |horizon: &str| {
+        format!(
+            "(ignore-failures (failure)
+               (par (:tag errand (wait-time 40) (fail)) (print (chance-of-failure {horizon} :task errand))))"
+        )
+    };
+    check(&text("30s"), "0\n=> nil");
+    check(&text("1min"), "1.0\n=> nil");
+}
+
 /// r[foresight.trace]
 #[test]
 fn each_decision_is_told_with_its_figures() {
