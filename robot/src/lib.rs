@@ -19,6 +19,7 @@ pub mod file_text;
 pub mod foresight;
 pub mod geometry;
 pub mod localization;
+mod memo;
 pub mod navigation;
 pub mod obstacles;
 pub mod occupancy;

@@ -3,10 +3,11 @@
 
 use super::drive_times::WayFeatures;
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::memo::Memo;
 use crate::planning::{NavigationPlan, PlannerModel, Target, TopologicalModel, Unreachable};
 use crate::world::{Place, TravelMode, World};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 /// In worlds with more places than this the ways between them are searched anew in each projection.
 const MOST_PLACES: usize = 128;
@@ -109,14 +110,9 @@ pub struct ForeseenWays {
 
 /// The ways that were searched in one projection; all its runs share them.
 #[derive(Clone, Debug, Default)]
-pub struct Ways(Arc<Mutex<Known>>);
+pub struct Ways(Memo<Known>);
 
 impl Ways {
-    /// What is known; whoever had it before and failed has left it whole.
-    fn known(&self) -> MutexGuard<'_, Known> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// The plan from a pose to a place, as [`TopologicalModel::plan`] makes it from there to the centimetre.
     ///
     /// # Errors
@@ -129,8 +125,8 @@ impl Ways {
         closed_doors: &[usize],
     ) -> Result<NavigationPlan, Unreachable> {
         let key = (hundredths(start_in_map.point()), destination.name.clone(), closed_doors.to_vec());
-        if let Some(known) = self.known().plans.get(&key) {
-            return known.clone();
+        if let Some(known) = self.0.with(|known| known.plans.get(&key).cloned()) {
+            return known;
         }
         let search = |from_in_map| map.topology.plan(map.planner, from_in_map, destination, closed_doors);
         let goal = hundredths(destination.pose_in_map.point());
@@ -150,26 +146,24 @@ impl Ways {
                 });
                 route.as_ref().map_err(Clone::clone).map(|route| {
                     let points = rounded_points(start_in_map.point(), &route.plan.targets);
-                    let legs = &mut self.known().legs;
-                    for (ends, leg) in points.windows(2).zip(&route.legs) {
-                        legs.insert((hundredths(ends[0]), hundredths(ends[1])), leg.clone());
-                    }
+                    let keys = points.windows(2).map(|ends| (hundredths(ends[0]), hundredths(ends[1])));
+                    self.0.with(|known| known.legs.extend(keys.zip(route.legs.iter().cloned())));
                     route.plan.clone()
                 })
             }
         };
-        self.known().plans.insert(key, plan.clone());
+        self.0.with(|known| known.plans.insert(key, plan.clone()));
         plan
     }
 
     /// The way between two points; none if the map leaves none. Cost: a pass over the cells, once.
     fn leg(&self, map: WayMap<'_>, from_in_map: Point, to_in_map: Point) -> Option<Arc<Leg>> {
         let key = (hundredths(from_in_map), hundredths(to_in_map));
-        if let Some(known) = self.known().legs.get(&key) {
-            return known.clone();
+        if let Some(known) = self.0.with(|known| known.legs.get(&key).cloned()) {
+            return known;
         }
         let leg = searched_leg(map, from_in_map, to_in_map);
-        self.known().legs.insert(key, leg.clone());
+        self.0.with(|known| known.legs.insert(key, leg.clone()));
         leg
     }
 }
