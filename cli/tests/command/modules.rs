@@ -76,6 +76,37 @@ fn a_delivery_goes_on_without_a_lamp_that_crashes() {
 }
 
 #[test]
+fn plans_with_a_module_are_projected_by_what_its_manifest_says() {
+    let plan = "
+(let ((blinking (project '(with-valve lamp (run-behaviour blink :times 1)) :runs 400 :horizon 1min)))
+  (destructuring-bind (low median high) (projection-time blinking) (print (< 0.2 low median high 2.0)))
+  (destructuring-bind ((share class &rest figures)) (projection-failures blinking)
+    (print class)
+    (print (< 0.05 share 0.15))))";
+    let folder = folder_of_lamp("module-foreseen", plan, ("lamp-failure = 0.02", "lamp-failure = 0.1"));
+    let Ended { out, errors, status } = run_in(&folder, &IN_A_ROOM);
+    assert_eq!((out.as_str(), status), ("t\nlamp-failure\nt\n", 0), "{errors}");
+    for (line, replaced, told) in [
+        (
+            "takes = [\"200ms\", \"600ms\", \"2s\"]\nfails = { lamp-failure = 0.1 }\n",
+            "",
+            "no model of what the behaviour `blink` does",
+        ),
+        ("takes = [\"200ms\", \"600ms\", \"2s\"]\n", "", "these need to know how long it takes"),
+        ("\"600ms\"", "\"3s\"", "`takes` must be three times up to 10 minutes: at least, most likely, at most"),
+        ("= 0.1 }", "= 1.1 }", "the probabilities of `fails` are more than 1 together"),
+        ("lamp-failure = 0.1", "7 = 0.1", "\"7\" is no class of failures"),
+    ] {
+        let text = crate::folder::text_in(&folder, "lamp.toml");
+        assert!(text.contains(line), "{line}");
+        put(&folder, "other.toml", text.replace(line, replaced));
+        let Ended { errors, status, .. } =
+            run_in(&folder, &["run", "plan.rpl", "--world", "test-room", "--module", "other.toml"]);
+        assert!(errors.contains(told) && status > 0, "{told}\n{errors}");
+    }
+}
+
+#[test]
 fn a_mistake_in_python_fails_the_behaviour_and_is_shown() {
     let mistake = ("self.steps_left -= 1", "self.steps_lft -= 1");
     let folder = folder_of_lamp("module-mistake", "(blink-lamp 1)", mistake);

@@ -5,6 +5,7 @@ use super::message::Pace;
 use crate::value::is_name;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::file_text::{FileFaults, Findings, Reader, TomlTable, TomlValue};
+use rpl_robot::foresight::act_model::ActModel;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{BehaviourSpec, FluentSpec};
 use std::collections::BTreeMap;
@@ -65,6 +66,8 @@ pub struct Manifest {
     pub plans: Option<String>,
     /// Its behaviours.
     pub behaviours: Vec<BehaviourSpec>,
+    /// How they go in projections, by their places, as far as it is said.
+    pub models: BTreeMap<usize, ActModel>,
     /// Its fluents.
     pub fluents: Vec<ModuleFluent>,
     /// Where its names stand in the file, for faults that show only beside others.
@@ -194,6 +197,7 @@ fn read_manifest<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option
     }
     let plans = if top.values.contains_key("plans") { reader.text(top, "plans", "\"camera.rpl\"") } else { None };
     let behaviours: Vec<_> = reader.tables(top, "behaviour").iter().map(|t| behaviour(reader, t, &mut names)).collect();
+    let models: Vec<_> = reader.tables(top, "behaviour").iter().map(|t| act_model(reader, t)).collect();
     let fluents: Vec<_> = reader.tables(top, "fluent").iter().map(|t| fluent(reader, t, &mut names)).collect();
     if behaviours.is_empty() && fluents.is_empty() {
         let advice = "add a table [[behaviour]] or [[fluent]] with `name` and `doc`";
@@ -212,6 +216,7 @@ fn read_manifest<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option
         valves,
         plans,
         behaviours: behaviours.into_iter().collect::<Option<_>>()?,
+        models: models.into_iter().enumerate().filter_map(|(place, model)| Some((place, model?))).collect(),
         fluents: fluents.into_iter().collect::<Option<_>>()?,
         places: Places { text: reader.text.to_string(), spans: names.spans },
     })
@@ -301,7 +306,7 @@ fn read_wants<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> (bool, bo
 }
 
 fn behaviour<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Names) -> Option<BehaviourSpec> {
-    reader.only_keys(table, &["name", "doc", "parameters", "valve"]);
+    reader.only_keys(table, &["name", "doc", "parameters", "valve", "takes", "fails"]);
     let name = plan_name(reader, table, "\"sweep\"", names);
     let doc = reader.text(table, "doc", "\"Sweeps an area once.\"");
     let parameters = entries(reader, table, "parameters", "[\":area\"]");
@@ -321,6 +326,60 @@ fn behaviour<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut
         None => None,
     };
     Some(BehaviourSpec { name: name?.into(), doc: doc?.into(), valve, parameters: parameters.join(" ").into() })
+}
+
+/// How a behaviour goes in projections; none if nothing is said of it, or something that is noted.
+fn act_model<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<ActModel> {
+    let failures = read_failures(reader, table);
+    let Some(value) = table.values.get("takes") else {
+        if table.values.contains_key("fails") {
+            let message = "`fails` is for projections, and these need to know how long it takes";
+            reader.note(table.span_of("fails"), "fails", message, format!("add `takes = {TAKES}`"));
+        }
+        return None;
+    };
+    let takes: Vec<f64> = reader
+        .texts(table, "takes", TAKES)
+        .iter()
+        .filter_map(|text| parse_duration_us(text))
+        .filter(|us| (1..=LONGEST_WAIT_US).contains(us))
+        .map(|us| us as f64 / 1e6)
+        .collect();
+    match takes[..] {
+        [least_s, likely_s, most_s] if least_s <= likely_s && likely_s <= most_s => {
+            Some(ActModel { takes_s: [least_s, likely_s, most_s], failures })
+        }
+        _ => {
+            reader.expected(value, "takes", "three times up to 10 minutes: at least, most likely, at most", TAKES);
+            None
+        }
+    }
+}
+
+const TAKES: &str = "[\"2s\", \"3s\", \"5s\"]";
+const FAILS: &str = "{ lamp-failure = 0.05 }";
+
+/// The classes of failures and the probability of each.
+fn read_failures<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Vec<(String, f64)> {
+    let Some(value) = table.values.get("fails") else { return Vec::new() };
+    let Some(fails) = value.get_ref().as_table() else {
+        reader.expected(value, "fails", "classes of failures with the probability of each", FAILS);
+        return Vec::new();
+    };
+    let mut failures = Vec::new();
+    for (class, probability) in fails {
+        let class = fold_name(class.get_ref()).into_owned();
+        if !is_name(&class) {
+            let message = format!("\"{class}\" is no class of failures");
+            reader.note(value.span(), "fails", message, format!("write `fails = {FAILS}`"));
+        }
+        failures.extend(reader.size_value(probability, "fails", true, FAILS).map(|probability| (class, probability)));
+    }
+    if failures.iter().map(|(_, probability)| probability).sum::<f64>() > 1.0 + 1e-9 {
+        let message = "the probabilities of `fails` are more than 1 together";
+        reader.note(value.span(), "fails", message, "0.05 is one time in twenty");
+    }
+    failures
 }
 
 fn fluent<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Names) -> Option<ModuleFluent> {

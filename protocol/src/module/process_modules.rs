@@ -29,7 +29,7 @@ pub struct ModuleSource {
 
 impl ModuleSource {
     fn spec(&self) -> ModuleSpec {
-        let Manifest { name, behaviours, fluents, valves, .. } = &*self.manifest;
+        let Manifest { name, behaviours, models, fluents, valves, .. } = &*self.manifest;
         ModuleSpec {
             name: name.clone().into(),
             behaviours: behaviours.clone(),
@@ -37,6 +37,7 @@ impl ModuleSource {
             valves: valves.iter().cloned().map(Into::into).collect(),
             functions: Vec::new(),
             plans: self.plans.iter().cloned().collect(),
+            models: models.clone(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The abstract robot: where it is and what it does, in events. A drive is a duration and an outcome; what is
 //! at a place, how doors stand and how grasps go is drawn when a run first comes to it, and stays so.
 
+use super::act_model::ActModel;
 use super::activity::{Doing, Outcome, UnderWay};
 use super::drive_times::DriveTimes;
 use super::models::{DriveRecord, GraspRecord, Models, TRIES_AT_A_THING, TimedDrive};
@@ -139,6 +140,7 @@ struct Streams {
     grasps: Stream,
     things: u64,
     searches: Stream,
+    acts: Stream,
 }
 
 impl Streams {
@@ -149,6 +151,7 @@ impl Streams {
             grasps: Stream::new(seed, "foreseen grasps"),
             things: seed,
             searches: Stream::new(seed, "foreseen searches"),
+            acts: Stream::new(seed, "foreseen acts"),
         }
     }
 }
@@ -329,7 +332,7 @@ impl AbstractRobot {
             UnderWay::Grasping(thing) => self.end_grasp(thing, outcome == Outcome::Done),
             UnderWay::Releasing if outcome == Outcome::Done => self.let_go(),
             UnderWay::Searching if outcome == Outcome::Done => self.is_lost = false,
-            UnderWay::Releasing | UnderWay::Looking | UnderWay::Searching => {}
+            UnderWay::Releasing | UnderWay::Looking | UnderWay::Searching | UnderWay::Acting(..) => {}
         }
         Some((doing, outcome))
     }
@@ -401,6 +404,7 @@ impl AbstractRobot {
             UnderWay::Releasing => self.release(),
             UnderWay::Looking => (self.knowledge.look_s, Outcome::Done),
             UnderWay::Searching => self.search(),
+            UnderWay::Acting(_, model) => self.act(model),
         };
         let activity = Activity { ends_us: self.now_us + microseconds(takes_s), outcome, asked: asked.clone() };
         self.doing.insert(asked.doing(), activity);
@@ -456,6 +460,12 @@ impl AbstractRobot {
     /// What comes now is drawn, where there is anything to draw.
     fn leave_to_chance(&mut self) {
         self.has_drawn |= !self.knowledge.models.are_certain();
+    }
+
+    fn act(&mut self, model: &ActModel) -> (f64, Outcome) {
+        self.has_drawn |= !model.is_certain();
+        let (takes_s, failure) = model.drawn(&mut self.streams.acts);
+        (takes_s, failure.map_or(Outcome::Done, |class| Outcome::Failed(class.to_string())))
     }
 
     /// How long it can drive.

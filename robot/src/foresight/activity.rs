@@ -1,6 +1,8 @@
 //! What a projected robot is asked to do, and how that ends.
 
+use super::act_model::ActModel;
 use crate::planning::Target;
+use std::sync::Arc;
 
 /// How something that the robot does ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +21,8 @@ pub enum Outcome {
     NotOpened,
     /// The position was not found.
     NotFound,
+    /// What another module does has ended with a failure of this class.
+    Failed(String),
 }
 
 /// What the robot can do, one at a time each.
@@ -32,6 +36,8 @@ pub enum Doing {
     Looking,
     /// It searches for its position.
     Searching,
+    /// Another module does something: the behaviour of this number.
+    Acting(u16),
 }
 
 /// What the robot was asked to do and has not come to the end of.
@@ -54,6 +60,8 @@ pub enum UnderWay {
     Looking,
     /// To search for its position.
     Searching,
+    /// What the behaviour of this number does, as its module declares it.
+    Acting(u16, Arc<ActModel>),
 }
 
 impl UnderWay {
@@ -64,6 +72,7 @@ impl UnderWay {
             Self::Grasping(_) | Self::Releasing => Doing::Gripping,
             Self::Looking => Doing::Looking,
             Self::Searching => Doing::Searching,
+            Self::Acting(behaviour, _) => Doing::Acting(*behaviour),
         }
     }
 }

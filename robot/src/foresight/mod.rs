@@ -11,6 +11,7 @@
 //! world in which it drives for itself).
 
 pub mod abstract_robot;
+pub mod act_model;
 pub mod activity;
 pub mod drive_times;
 pub mod models;

@@ -2,6 +2,7 @@
 //! the tables that plans see.
 
 use super::module::{Module, PlanText};
+use crate::foresight::act_model::ActModel;
 use rpl_runtime::robot::{BehaviourSpec, RobotTables};
 use rpl_runtime::step::native::Native;
 use std::collections::BTreeMap;
@@ -189,6 +190,8 @@ pub struct Composition<M: Module> {
     pub functions: Vec<Native>,
     /// Plans, in the order in which they are read.
     pub plans: Vec<PlanText>,
+    /// How behaviours go in projections, by their numbers, as far as modules declare it.
+    pub models: BTreeMap<u16, Arc<ActModel>>,
 }
 
 /// Two modules offer something of the same name, or a behaviour needs a valve that none has.
@@ -246,13 +249,15 @@ impl<M: Module> Composition<M> {
                 }
             }
         }
-        let (mut functions, mut plans) = (Vec::new(), Vec::new());
+        let (mut functions, mut plans, mut models) = (Vec::new(), Vec::new(), BTreeMap::new());
         for spec in specs {
+            let first = tables.behaviours.len();
+            models.extend(spec.models.into_iter().map(|(place, model)| ((first + place) as u16, Arc::new(model))));
             tables.behaviours.extend(spec.behaviours);
             tables.fluents.extend(spec.fluents);
             functions.extend(spec.functions);
             plans.extend(spec.plans);
         }
-        Ok(Arc::new(Self { settings, tables, functions, plans }))
+        Ok(Arc::new(Self { settings, tables, functions, plans, models }))
     }
 }

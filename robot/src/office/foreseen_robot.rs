@@ -6,6 +6,7 @@ use super::behaviours::active_localization;
 use super::behaviours::gripper::Gripping;
 use super::behaviours::look_around;
 use super::behaviours::navigation::{self, Navigating};
+use super::composition::Composition;
 use super::controller::Controller;
 use super::module::Module;
 use super::words::{mode_name, no_map};
@@ -134,8 +135,8 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
     let has_set_off = controller.board.drive_request != Velocity::default();
     let is_active = |&(number, _): &(usize, _)| phases.of(number as u16) == Phase::Active;
     let mut begun = Vec::new();
-    for (_, spec) in composition.tables.behaviours.iter().enumerate().filter(is_active) {
-        begun.push(match doing(&spec.name) {
+    for (number, spec) in composition.tables.behaviours.iter().enumerate().filter(is_active) {
+        begun.push(match doing(&composition, number as u16) {
             Some(Doing::Driving) => {
                 let navigating = part::<M, Navigating>(&mut controller.modules);
                 let targets = navigating.map_or_else(Vec::new, |navigating| navigating.targets_in_map().to_vec());
@@ -149,6 +150,7 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
             }
             Some(Doing::Looking) => UnderWay::Looking,
             Some(Doing::Searching) => UnderWay::Searching,
+            Some(Doing::Acting(number)) => acting(&composition, number),
             None if spec.name == TRACKING => continue,
             None => return Err(Raise::new("projection-failure", without_model(&spec.name))),
         });
@@ -159,19 +161,27 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
 /// What keeps the position up to date goes on by itself.
 const TRACKING: &str = "position-tracking";
 
-/// The behaviours that are foreseen.
-pub(super) fn doing(behaviour: &str) -> Option<Doing> {
-    match behaviour {
+/// What a behaviour does, if it is foreseen.
+pub(super) fn doing<M: Module>(composition: &Composition<M>, behaviour: u16) -> Option<Doing> {
+    match &*composition.tables.behaviours[usize::from(behaviour)].name {
         navigation::NAME => Some(Doing::Driving),
         "gripper" => Some(Doing::Gripping),
         look_around::NAME => Some(Doing::Looking),
         active_localization::NAME => Some(Doing::Searching),
-        _ => None,
+        _ => composition.models.contains_key(&behaviour).then_some(Doing::Acting(behaviour)),
     }
 }
 
+/// To do what the behaviour of another module does.
+fn acting<M: Module>(composition: &Composition<M>, behaviour: u16) -> UnderWay {
+    UnderWay::Acting(behaviour, composition.models[&behaviour].clone())
+}
+
 fn without_model(behaviour: &str) -> String {
-    format!("there is no model of what the behaviour `{behaviour}` does, so no plan that needs it is projected")
+    format!(
+        "there is no model of what the behaviour `{behaviour}` does, so no plan that needs it is projected; a module in \
+         another process says `takes` of it in its manifest"
+    )
 }
 
 /// The models of what may come between, by what the robot has learned.
@@ -275,6 +285,7 @@ impl<M: Module> ForeseenOffice<M> {
             Outcome::NotHeld(thing) => Ending::failure("grasp-failure", format!("the gripper does not hold `{thing}`")),
             Outcome::NotOpened => Ending::failure("grasp-failure", "the gripper did not open"),
             Outcome::NotFound => Ending::failure("localization-failure", "the position is still not known"),
+            Outcome::Failed(class) => Ending::failure(&class, "its module says that it fails at times"),
         }
     }
 
@@ -307,11 +318,16 @@ impl<M: Module> ForeseenOffice<M> {
 
     pub(super) fn tell_endings(&self, ended: Vec<(Doing, Outcome)>, outbox: &mut Outbox) {
         for (doing, outcome) in ended {
-            let number = self.tables().behaviours.iter().position(|spec| self::doing(&spec.name) == Some(doing));
-            if let Some(number) = number {
-                outbox.endings.push((number as u16, self.ending(outcome)));
+            let mut numbers = 0..self.tables().behaviours.len() as u16;
+            if let Some(number) = numbers.find(|&number| self.doing(number) == Some(doing)) {
+                outbox.endings.push((number, self.ending(outcome)));
             }
         }
+    }
+
+    /// What a behaviour does, if it is foreseen.
+    pub(super) fn doing(&self, behaviour: u16) -> Option<Doing> {
+        doing(&self.controller.composition, behaviour)
     }
 
     fn begin(&mut self, asked: &UnderWay) {
@@ -359,9 +375,8 @@ impl<M: Module> Outside for ForeseenOffice<M> {
         arguments: &[(Symbol, Value)],
         _: &mut Outbox,
     ) -> Result<(), Raise> {
-        let name = self.tables().behaviours[usize::from(behaviour)].name.clone();
-        let Some(doing) = doing(&name) else {
-            let why = without_model(&name);
+        let Some(doing) = self.doing(behaviour) else {
+            let why = without_model(&self.tables().behaviours[usize::from(behaviour)].name);
             self.unforeseen.get_or_insert_with(|| why.clone());
             return Err(Raise::new("projection-failure", why));
         };
@@ -377,13 +392,14 @@ impl<M: Module> Outside for ForeseenOffice<M> {
             },
             Doing::Looking => UnderWay::Looking,
             Doing::Searching => UnderWay::Searching,
+            Doing::Acting(number) => acting(&self.controller.composition, number),
         };
         self.begin(&asked);
         Ok(())
     }
 
     fn stop(&mut self, behaviour: u16, _: StopReason, _: &mut Outbox) {
-        if let Some(doing) = doing(&self.tables().behaviours[usize::from(behaviour)].name) {
+        if let Some(doing) = self.doing(behaviour) {
             self.robot.stop(doing);
         }
     }

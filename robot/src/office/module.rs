@@ -2,6 +2,7 @@
 
 use super::model::OfficeModel;
 use super::position::Position;
+use crate::foresight::act_model::ActModel;
 use crate::geometry::Velocity;
 use crate::navigation::NavigationInput;
 use crate::sensors::{LaserScan, SonarScan};
@@ -19,6 +20,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::any::{Any, TypeId};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// What a module offers to plans. Its behaviours and its fluents are known by their places here.
@@ -36,6 +38,8 @@ pub struct ModuleSpec {
     pub functions: Vec<Native>,
     /// Plans that belong to it.
     pub plans: Vec<PlanText>,
+    /// How its behaviours go in projections, by their places; those of which nothing is said are not projected.
+    pub models: BTreeMap<usize, ActModel>,
 }
 
 /// A text of plans in a library.

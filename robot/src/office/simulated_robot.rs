@@ -4,7 +4,7 @@
 use super::behaviours::look_around::{self, LookingAround};
 use super::behaviours::navigation::{self, Navigating};
 use super::controller::Controller;
-use super::foreseen_robot::{ForeseenOffice, closed_doors, doing, part};
+use super::foreseen_robot::{ForeseenOffice, closed_doors, part};
 use super::module::{Module, Moment, Start, Telling};
 use crate::foresight::abstract_robot::AbstractRobot;
 use crate::foresight::activity::{Doing, UnderWay};
@@ -132,7 +132,7 @@ impl<M: Module> SimulatedOffice<M> {
                 looking.start(0, &start, &mut board.position, tell)?;
                 self.looks = true;
             }
-            Doing::Gripping | Doing::Searching => {}
+            Doing::Gripping | Doing::Searching | Doing::Acting(_) => {}
         }
         Ok(())
     }
@@ -264,16 +264,18 @@ impl<M: Module> Outside for SimulatedOffice<M> {
         arguments: &[(Symbol, Value)],
         outbox: &mut Outbox,
     ) -> Result<(), Raise> {
-        match doing(&self.tables().behaviours[usize::from(behaviour)].name) {
+        match self.office.doing(behaviour) {
             Some(doing @ (Doing::Driving | Doing::Looking)) => self.begin(doing, machine, arguments, outbox),
-            Some(Doing::Gripping | Doing::Searching) | None => self.office.start(machine, behaviour, arguments, outbox),
+            Some(Doing::Gripping | Doing::Searching | Doing::Acting(_)) | None => {
+                self.office.start(machine, behaviour, arguments, outbox)
+            }
         }
     }
 
     /// As for any robot, who stops it lets it stand.
     fn stop(&mut self, behaviour: u16, why: StopReason, outbox: &mut Outbox) {
         let numbers = self.numbers;
-        let stopped = doing(&self.tables().behaviours[usize::from(behaviour)].name);
+        let stopped = self.office.doing(behaviour);
         let Controller { board, modules, .. } = &mut self.office.controller;
         match stopped {
             Some(Doing::Driving) => {
@@ -289,7 +291,9 @@ impl<M: Module> Outside for SimulatedOffice<M> {
                 }
                 (self.looks, board.drive_request) = (false, Velocity::default());
             }
-            Some(Doing::Gripping | Doing::Searching) | None => self.office.stop(behaviour, why, outbox),
+            Some(Doing::Gripping | Doing::Searching | Doing::Acting(_)) | None => {
+                self.office.stop(behaviour, why, outbox)
+            }
         }
     }
 
