@@ -217,7 +217,7 @@ mod tests {
             (":source wheneve", "whenever"),
             (":edit gre", "greet"),
             ("(go-to 'mail", "mail-slots"),
-            ("(run-behaviour gripper :gra", ":grasp"),
+            ("(run-behaviour gripper :gras", ":grasp"),
             (":step (gre", "greet"),
             ("(def-pla", "def-plan"),
         ] {

@@ -50,7 +50,7 @@ const FORESIGHT: usize = 3;
 const TRUTH: usize = 4;
 
 /// How a day went.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct RowDay {
     /// Orders that were kept.
     kept: u32,
@@ -62,13 +62,14 @@ struct RowDay {
     twice: u32,
     /// Valves that are still held.
     held: u32,
-    /// The work ended with a failure, or not in time.
-    has_failed: bool,
+    /// Why the work came to no end, if it did not.
+    failure: Option<String>,
 }
 
 /// A day, gone through by all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForesightDay {
+    seed: u64,
     orders: u32,
     rows: Vec<RowDay>,
 }
@@ -136,21 +137,21 @@ impl ExperimentKind for Foresight {
             _ => Forecast::Undisturbed,
         };
         let rows = (0..ROWS.len()).map(|row| Ok(office.work(row, &day, forecast(row), seed, self.request.until_us)?.0));
-        Ok(ForesightDay { orders: day.orders.len() as u32, rows: rows.collect::<Result<_>>()? })
+        Ok(ForesightDay { seed: run.seed, orders: day.orders.len() as u32, rows: rows.collect::<Result<_>>()? })
     }
 
     fn head(&self, _: &ForesightDay) -> String {
-        "kind,seed,row,orders,kept,ended [s],on the floor,twice,valves held,failed".to_string()
+        "kind,seed,row,orders,kept,ended [s],on the floor,twice,valves held,failure".to_string()
     }
 
     fn lines(&self, series: &str, run: Run, day: &ForesightDay) -> String {
         let line = |((name, _), row): (&(&str, &str), &RowDay)| {
-            let RowDay { kept, ended_s, on_floor, twice, held, has_failed } = row;
+            let RowDay { kept, ended_s, on_floor, twice, held, failure } = row;
             format!(
-                "\"{series}\",{},{name},{},{kept},{ended_s:.1},{on_floor},{twice},{held},{}\n",
+                "\"{series}\",{},{name},{},{kept},{ended_s:.1},{on_floor},{twice},{held},\"{}\"\n",
                 run.seed,
                 day.orders,
-                u8::from(*has_failed)
+                failure.as_deref().unwrap_or_default().replace('"', "'")
             )
         };
         ROWS.iter().zip(&day.rows).map(line).collect()
@@ -199,15 +200,19 @@ fn account(system: &System<AbstractWorld<SiteModules>>, day: &Day, reached: Reac
         twice += u32::from(thing.put_down > 1);
     }
     let is_held = |valve: &&rpl_runtime::state::valve::Valve| !valve.links.is_empty();
+    let (kept, failure) = match reached {
+        Reached::End(Outcome::Succeeded(Value::Int(kept))) => (kept as u32, None),
+        Reached::End(Outcome::Failed(failure)) => (0, Some(system.machine.show(&system.program, failure))),
+        Reached::End(Outcome::Succeeded(_) | Outcome::Evaporated) | Reached::Time | Reached::Stop => {
+            (0, Some("it had not ended in time".to_string()))
+        }
+    };
     RowDay {
-        kept: match reached {
-            Reached::End(Outcome::Succeeded(Value::Int(kept))) => kept as u32,
-            _ => 0,
-        },
+        kept,
         ended_s: system.machine.now_s(),
         on_floor,
         twice,
         held: system.machine.valves.iter().filter(is_held).count() as u32,
-        has_failed: !matches!(reached, Reached::End(Outcome::Succeeded(_))),
+        failure,
     }
 }

@@ -68,6 +68,36 @@ fn points(summary: &Option<Summary>) -> String {
     summary.map_or(NOTHING.to_string(), |Summary { spread, half_95, .. }| format!("{:+.1} ± {half_95:.1}", spread.mean))
 }
 
+/// A day that came to no end.
+#[derive(Clone, Debug, Serialize)]
+struct Failure<'a> {
+    days: &'a str,
+    seed: u64,
+    plan: &'static str,
+    failure: &'a str,
+}
+
+impl Failure<'_> {
+    fn told(&self) -> String {
+        let Self { days, seed, plan, failure } = self;
+        format!("{days}, seed {seed}, {plan}: {failure}")
+    }
+}
+
+/// So many of these are told below the table.
+const MOST_FAILURES: usize = 10;
+
+fn failures<'a>(kinds: &'a [String], tallies: &'a [Vec<ForesightDay>]) -> Vec<Failure<'a>> {
+    let days = kinds.iter().zip(tallies).flat_map(|(kind, days)| days.iter().map(move |day| (kind, day)));
+    let failed = days.flat_map(|(kind, day)| {
+        ROWS.iter().zip(&day.rows).filter_map(|((plan, _), row)| {
+            let failure = row.failure.as_deref()?;
+            Some(Failure { days: kind, seed: day.seed, plan, failure })
+        })
+    });
+    failed.collect()
+}
+
 /// The table, and what went wrong on any day.
 pub(super) fn findings(kinds: &[String], tallies: &[Vec<ForesightDay>]) -> Findings {
     let all = tallies.concat();
@@ -98,7 +128,7 @@ pub(super) fn findings(kinds: &[String], tallies: &[Vec<ForesightDay>]) -> Findi
         faults(|row| row.on_floor),
         faults(|row| row.twice),
         faults(|row| row.held),
-        faults(|row| u32::from(row.has_failed)),
+        faults(|row| u32::from(row.failure.is_some())),
     ];
     let told = format!(
         "of {} days, each gone through by {} plans: things on the floor {on_floor}, put down twice {twice}, valves still \
@@ -106,12 +136,14 @@ pub(super) fn findings(kinds: &[String], tallies: &[Vec<ForesightDay>]) -> Findi
         all.len(),
         ROWS.len()
     );
+    let failures = failures(kinds, tallies);
+    let told = [told].into_iter().chain(failures.iter().take(MOST_FAILURES).map(Failure::told)).collect::<Vec<_>>();
     let is_sound = on_floor + twice + held + failed == 0;
-    let figures =
-        json!({ "rows": rows, "faults": { "on_floor": on_floor, "twice": twice, "held": held, "failed": failed } });
+    let faults = json!({ "on_floor": on_floor, "twice": twice, "held": held, "failed": failed });
+    let figures = json!({ "rows": rows, "faults": faults, "failures": failures });
     Findings {
         status: if is_sound { Status::Succeeded } else { Status::Failed },
-        blocks: vec![Block::Table(table), Block::Lines(told)],
+        blocks: vec![Block::Table(table), Block::Lines(told.join("\n"))],
         figures,
         drawings: Vec::new(),
     }
