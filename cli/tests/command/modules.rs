@@ -181,12 +181,12 @@ fn names_that_have_a_meaning_are_refused_with_their_place() {
         (
             "\"light*\"",
             "\"x*\"",
-            "`x*` of the module `lamp` (lamp.toml:21:8) has a meaning already: the module `position-tracking` has one of that name",
+            "`x*` of the module `lamp` (lamp.toml:23:8) has a meaning already: the module `position-tracking` has one of that name",
         ),
         (
             "\"light*\"",
             "\"print\"",
-            "`print` of the module `lamp` (lamp.toml:21:8) has a meaning in the language or its library",
+            "`print` of the module `lamp` (lamp.toml:23:8) has a meaning in the language or its library",
         ),
         ("valve = \"lamp\"", "valve = \"lmp\"", "needs the valve `lmp`, and no module has it (lamp.toml:10:8)"),
     ];
