@@ -5,7 +5,6 @@ use super::conduct::chosen;
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
-use crate::files::world_files;
 use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
@@ -13,11 +12,10 @@ use anyhow::{Result, bail};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::robot::Robot;
 use rpl_mission::run::{Reached, run_to};
-use rpl_mission::site::{Setup, Site};
+use rpl_mission::site::Site;
 use rpl_random::Stream;
 use rpl_robot::foresight::drive_times::{DriveTimes, WayFeatures};
 use rpl_robot::foresight::ways::{Way, Ways};
-use rpl_robot::office::OfficeSettings;
 use rpl_runtime::run::system::Outcome;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -56,15 +54,24 @@ impl TimedDrives {
     /// # Errors
     /// No row has the name.
     pub fn new(request: ExperimentRequest) -> Result<Self> {
-        let mut worlds: Vec<&'static str> = chosen(&request, &WORLDS, |world| *world)?.into_iter().copied().collect();
-        if let Some(asked) = &request.world {
-            worlds.retain(|world| world == asked);
-            if worlds.is_empty() {
-                bail!(request.no_row(asked, &WORLDS));
-            }
-        }
+        let worlds = worlds(&request)?;
         Ok(Self { request, worlds })
     }
+}
+
+/// The worlds that are asked for, by `--row` or `--world`.
+///
+/// # Errors
+/// None has the name.
+pub(super) fn worlds(request: &ExperimentRequest) -> Result<Vec<&'static str>> {
+    let mut worlds: Vec<&'static str> = chosen(request, &WORLDS, |world| *world)?.into_iter().copied().collect();
+    if let Some(asked) = &request.world {
+        worlds.retain(|world| world == asked);
+        if worlds.is_empty() {
+            bail!(request.no_row(asked, &WORLDS));
+        }
+    }
+    Ok(worlds)
 }
 
 impl ExperimentKind for TimedDrives {
@@ -78,12 +85,7 @@ impl ExperimentKind for TimedDrives {
     }
 
     fn ground(&self, series: usize) -> Result<Site> {
-        let robot = &self.request.robot;
-        Ok(Site::new(Setup {
-            world: Some(world_files::for_all_seeds(self.worlds[series], robot)?),
-            settings: OfficeSettings::of(robot.clone()),
-            ..Setup::default()
-        })?)
+        self.request.office(self.worlds[series])
     }
 
     fn run(&self, _: usize, site: &Site, run: Run) -> Result<Option<TimedDrive>> {

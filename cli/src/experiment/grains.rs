@@ -1,13 +1,11 @@
 //! How far the grains of projection are off: deliveries of the simulated robot, with its filter, each foretold in either
 //! grain before it begins.
 
-use super::conduct::chosen;
-use super::drive_times::WORLDS;
+use super::drive_times::worlds;
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
 use super::statistics::Proportion;
-use crate::files::world_files;
 use crate::status::Status;
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
@@ -15,9 +13,8 @@ use anyhow::{Result, anyhow, bail};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::robot::Robot;
 use rpl_mission::run::{Reached, run_to};
-use rpl_mission::site::{Setup, Site};
+use rpl_mission::site::Site;
 use rpl_random::Stream;
-use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::Place;
 use rpl_runtime::run::system::Outcome;
 use rpl_runtime::state::projected::Grain;
@@ -72,7 +69,7 @@ impl Grains {
     /// # Errors
     /// No row has the name.
     pub fn new(request: ExperimentRequest) -> Result<Self> {
-        let worlds = chosen(&request, &WORLDS, |world| *world)?.into_iter().copied().collect();
+        let worlds = worlds(&request)?;
         Ok(Self { request, worlds })
     }
 }
@@ -88,12 +85,7 @@ impl ExperimentKind for Grains {
     }
 
     fn ground(&self, series: usize) -> Result<Site> {
-        let robot = &self.request.robot;
-        Ok(Site::new(Setup {
-            world: Some(world_files::for_all_seeds(self.worlds[series], robot)?),
-            settings: OfficeSettings::of(robot.clone()),
-            ..Setup::default()
-        })?)
+        self.request.office(self.worlds[series])
     }
 
     fn run(&self, _: usize, site: &Site, run: Run) -> Result<Option<Delivery>> {
