@@ -4,7 +4,7 @@
 use super::act_model::ActModel;
 use super::activity::{Doing, Outcome, UnderWay};
 use super::drive_times::DriveTimes;
-use super::models::{DriveRecord, GraspRecord, Models, TRIES_AT_A_THING, TimedDrive};
+use super::models::{DriveRecord, GraspRecord, Missed, Models, TimedDrive};
 use super::ways::{Way, WayMap, Ways};
 use crate::description::{BatteryDescription, GripperDescription};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
@@ -67,6 +67,8 @@ struct Drive {
     targets: usize,
     /// How long it should take and takes, beside what doors cost.
     timed: TimedDrive,
+    /// Doors on the way that are closed when it comes to them.
+    waits: u32,
 }
 
 /// What an abstract robot learns in a run, as one on wheels does.
@@ -76,8 +78,7 @@ pub struct Experience {
     pub grasps: GraspRecord,
     /// Of driving.
     pub drives: DriveRecord,
-    /// The thing that was missed last, and how often in a row.
-    missed: Option<(String, u32)>,
+    missed: Missed,
 }
 
 impl Experience {
@@ -85,19 +86,6 @@ impl Experience {
     pub fn add(&mut self, later: &Self) {
         self.grasps.add(later.grasps);
         self.drives.add(&later.drives);
-    }
-
-    /// Takes down a try at a thing, and whether it is now known to be there, or not to be. Misses of what turns out
-    /// not to be there are none.
-    fn note_grasp(&mut self, thing: &str, is_held: bool) -> bool {
-        let before = self.missed.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
-        let is_known = is_held || before + 1 == TRIES_AT_A_THING;
-        if is_known {
-            self.grasps.note(before, is_held);
-        } else {
-            self.missed = Some((thing.to_string(), before + 1));
-        }
-        is_known
     }
 }
 
@@ -338,7 +326,8 @@ impl AbstractRobot {
     }
 
     fn end_grasp(&mut self, thing: &str, is_held: bool) {
-        if self.experience.note_grasp(thing, is_held)
+        let Experience { grasps, missed, .. } = &mut self.experience;
+        if missed.note(thing, is_held, grasps)
             && let Some(known) = self.things.get_mut(thing)
         {
             known.known_in_map = Some(known.lies_in_map.filter(|_| is_held));
@@ -358,9 +347,13 @@ impl AbstractRobot {
     fn end_drive(&mut self, outcome: &Outcome) {
         let Some(drive) = self.drive.take() else { return };
         match outcome {
-            Outcome::Done => self.experience.drives.note(drive.timed, drive.way.doors().count() as u32),
+            Outcome::Done => {
+                let doors = drive.way.doors().count() as u32;
+                self.experience.drives.note(drive.timed, doors - drive.waits);
+                self.experience.drives.doors_closed += drive.waits;
+            }
             Outcome::DoorClosed(door) => {
-                self.experience.drives.doors_closed += 1;
+                self.experience.drives.doors_closed += drive.waits;
                 self.found_closed.insert(*door);
             }
             _ => {}
@@ -428,7 +421,7 @@ impl AbstractRobot {
         let share = timed.took_s / timed.expected_s;
         let mut at_s = times.constant_s * share;
         let mut begins_us = Vec::with_capacity(way.stretches.len() + 1);
-        let mut outcome = Outcome::Done;
+        let (mut outcome, mut waits) = (Outcome::Done, 0);
         for stretch in &way.stretches {
             at_s += share * stretch.turned_rad * times.turn_s_per_rad;
             begins_us.push(self.now_us + microseconds(at_s));
@@ -436,6 +429,7 @@ impl AbstractRobot {
             if let Some(door) = stretch.door {
                 let closed_s = self.wait_at(door, at_s);
                 at_s += closed_s.min(patience_s);
+                waits += u32::from(closed_s > 0.0);
                 if closed_s > patience_s {
                     outcome = Outcome::DoorClosed(door);
                     break;
@@ -453,7 +447,7 @@ impl AbstractRobot {
             (at_s, outcome) = (power_s + patience_s, Outcome::Empty);
         }
         let (start_in_map, targets) = (self.robot_in_map, targets.len());
-        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, timed });
+        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, timed, waits });
         (at_s, outcome)
     }
 

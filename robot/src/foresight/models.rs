@@ -82,7 +82,28 @@ impl GraspRecord {
 }
 
 /// A thing that was missed so often is not there.
-pub const TRIES_AT_A_THING: u32 = 3;
+const TRIES_AT_A_THING: u32 = 3;
+
+/// The thing that was missed last, and how often in a row.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Missed(Option<(String, u32)>);
+
+impl Missed {
+    /// Takes down a try at a thing, and whether it is known now to be there, or not to be. Misses of what turns out not
+    /// to be there are none, and however often it is tried on, it is missing once.
+    pub fn note(&mut self, thing: &str, is_held: bool, record: &mut GraspRecord) -> bool {
+        let before = self.0.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
+        let is_known = is_held || before + 1 == TRIES_AT_A_THING;
+        if is_known {
+            // What is held after all was brought there.
+            record.note(if before < TRIES_AT_A_THING { before } else { 0 }, is_held);
+        }
+        if !is_held {
+            self.0 = Some((thing.to_string(), before.saturating_add(1)));
+        }
+        is_known
+    }
+}
 
 /// How long a drive took, and how long it should have taken.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -282,6 +303,18 @@ mod tests {
         let models = Models::learned(&RobotDescription::papers(), &grasps, &DriveRecord::default());
         assert!((0.001..0.02).contains(&models.thing_missing.share()), "{:?}", models.thing_missing);
         assert!(models.grasp_misses.share() < 0.03, "fewer than declared were missed");
+    }
+
+    #[test]
+    fn a_thing_that_is_not_there_is_missing_once_however_often_it_is_tried() {
+        let (mut missed, mut record) = (Missed::default(), GraspRecord::default());
+        let known: Vec<bool> = (0..9).map(|_| missed.note("cup", false, &mut record)).collect();
+        assert_eq!(known.iter().position(|&is_known| is_known), Some(2), "after three tries");
+        assert_eq!(record, GraspRecord { tries: 0, misses: 0, things: 1, missing: 1 });
+        // Somebody has brought it; and another one was missed once.
+        assert!(missed.note("cup", true, &mut record));
+        assert!(!missed.note("letter", false, &mut record) && missed.note("letter", true, &mut record));
+        assert_eq!(record, GraspRecord { tries: 3, misses: 1, things: 3, missing: 1 });
     }
 
     /// Of a robot whose drives should have taken 50 s each, and took so long.

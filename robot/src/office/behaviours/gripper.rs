@@ -2,7 +2,7 @@
 
 use super::body::ARM;
 use crate::foresight::abstract_robot::AbstractRobot;
-use crate::foresight::models::{GraspRecord, TRIES_AT_A_THING};
+use crate::foresight::models::{GraspRecord, Missed};
 use crate::geometry::Velocity;
 use crate::office::functions::act;
 use crate::office::model::OfficeModel;
@@ -35,8 +35,7 @@ pub struct Gripping {
     command: GripperCommand,
     /// What it has learned.
     record: GraspRecord,
-    /// The thing that was missed last, and how often in a row.
-    missed: Option<(String, u32)>,
+    missed: Missed,
 }
 
 impl Gripping {
@@ -64,16 +63,6 @@ impl Gripping {
         match &self.task {
             Some(GripperTask::Grasp(thing)) => Some(thing),
             Some(GripperTask::Release) | None => None,
-        }
-    }
-
-    /// Takes down how a try at a thing went. Misses of what turns out not to be there are none.
-    fn note(&mut self, thing: &str, held: bool) {
-        let before = self.missed.take().filter(|(name, _)| name == thing).map_or(0, |(_, times)| times);
-        if held || before + 1 == TRIES_AT_A_THING {
-            self.record.note(before, held);
-        } else {
-            self.missed = Some((thing.to_string(), before + 1));
         }
     }
 }
@@ -149,7 +138,7 @@ impl Module for Gripping {
             (GripperTask::Release, ..) => Ending::failure("grasp-failure", "the gripper did not open"),
         };
         if let Some(GripperTask::Grasp(thing)) = self.task.take() {
-            self.note(&thing, ending == Ending::Success);
+            self.missed.note(&thing, ending == Ending::Success, &mut self.record);
         }
         tell.end(0, ending);
         None
