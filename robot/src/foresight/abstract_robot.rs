@@ -67,8 +67,9 @@ struct Drive {
     targets: usize,
     /// How long it should take and takes, beside what doors cost.
     timed: TimedDrive,
-    /// Doors on the way that are closed when it comes to them.
-    waits: u32,
+    /// Doors on the way that the run first comes to: how many are open then, and how many are closed.
+    doors_open: u32,
+    doors_closed: u32,
 }
 
 /// What an abstract robot learns in a run, as one on wheels does.
@@ -254,7 +255,7 @@ impl AbstractRobot {
     /// For how long a drive that should take so long is held up by people, and from when on.
     pub fn draw_hold_up(&mut self, expected_s: f64) -> (u64, u64) {
         self.leave_to_chance();
-        let lost_s = self.knowledge.models.hold_up_s(expected_s, &mut self.streams.drives);
+        let lost_s = self.knowledge.models.drive_time(expected_s, &mut self.streams.drives).held_up_s;
         let from_us = self.now_us + microseconds(self.streams.drives.uniform() * expected_s);
         (from_us, from_us + microseconds(lost_s))
     }
@@ -346,18 +347,16 @@ impl AbstractRobot {
 
     fn end_drive(&mut self, outcome: &Outcome) {
         let Some(drive) = self.drive.take() else { return };
+        let drives = &mut self.experience.drives;
         match outcome {
-            Outcome::Done => {
-                let doors = drive.way.doors().count() as u32;
-                self.experience.drives.note(drive.timed, doors - drive.waits);
-                self.experience.drives.doors_closed += drive.waits;
-            }
+            Outcome::Done => drives.note(drive.timed, drive.doors_open),
             Outcome::DoorClosed(door) => {
-                self.experience.drives.doors_closed += drive.waits;
+                drives.doors_open += drive.doors_open;
                 self.found_closed.insert(*door);
             }
-            _ => {}
+            _ => return,
         }
+        drives.doors_closed += drive.doors_closed;
     }
 
     /// Targets of the drive that are not reached yet.
@@ -415,21 +414,24 @@ impl AbstractRobot {
             times.constant_s = 0.0;
         }
         let expected_s = times.time_s(&features);
-        let takes_s = self.knowledge.models.drive_time_s(expected_s, &mut self.streams.drives);
+        let takes_s = self.knowledge.models.drive_time(expected_s, &mut self.streams.drives).takes_s;
         // What is lost on the way, by people and by straying, is lost evenly.
         let timed = TimedDrive { expected_s: expected_s.max(1e-3), took_s: takes_s };
         let share = timed.took_s / timed.expected_s;
         let mut at_s = times.constant_s * share;
         let mut begins_us = Vec::with_capacity(way.stretches.len() + 1);
-        let (mut outcome, mut waits) = (Outcome::Done, 0);
+        let mut outcome = Outcome::Done;
+        let (mut doors_open, mut doors_closed) = (0, 0);
         for stretch in &way.stretches {
             at_s += share * stretch.turned_rad * times.turn_s_per_rad;
             begins_us.push(self.now_us + microseconds(at_s));
             at_s += share * times.metre_s(stretch.mode) * stretch.length_m;
             if let Some(door) = stretch.door {
+                let is_new = !self.closed_until_us.contains_key(&door);
                 let closed_s = self.wait_at(door, at_s);
                 at_s += closed_s.min(patience_s);
-                waits += u32::from(closed_s > 0.0);
+                // A run finds a door as it found it before, so that it counts once.
+                *(if closed_s > 0.0 { &mut doors_closed } else { &mut doors_open }) += u32::from(is_new);
                 if closed_s > patience_s {
                     outcome = Outcome::DoorClosed(door);
                     break;
@@ -447,7 +449,8 @@ impl AbstractRobot {
             (at_s, outcome) = (power_s + patience_s, Outcome::Empty);
         }
         let (start_in_map, targets) = (self.robot_in_map, targets.len());
-        self.drive = Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, timed, waits });
+        self.drive =
+            Some(Drive { way: Arc::new(way), begins_us, start_in_map, targets, timed, doors_open, doors_closed });
         (at_s, outcome)
     }
 

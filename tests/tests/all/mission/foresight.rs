@@ -367,3 +367,20 @@ fn what_is_under_way_in_an_abstract_world_goes_on_in_what_is_projected() {
     let times_s = numbers(&value_in_abstract(NOTHING_BETWEEN, &[], Forecast::Undisturbed, plan));
     assert!((2.0 + times_s[0] - times_s[1]).abs() < 0.05 * times_s[1], "{times_s:?}");
 }
+
+// r[project.knowledge]
+#[test]
+fn a_door_counts_once_in_a_run_and_as_closed_also_where_the_robot_waits_for_it() {
+    let learned = |door_closed, plan| {
+        let chances = Chances { door_closed, ..NOTHING_BETWEEN };
+        let setting = AbstractSetting { chances, battery: 1.0, messages: Vec::new(), forecast: Forecast::Undisturbed };
+        let system = in_abstract_world(mission::test_room(), setting, plan);
+        let drives = &system.outside.robot().experience.drives;
+        (drives.drives.len(), drives.doors_open, drives.doors_closed)
+    };
+    let to_and_fro = "(go-to 'corner :patience 1000) (go-to 'table-side :patience 1000) (go-to 'corner)";
+    assert_eq!(learned(0.0, to_and_fro), (3, 1, 0));
+    assert_eq!(learned(1.0, to_and_fro), (3, 0, 1), "it waited, and came through");
+    let in_vain = "(ignore-failures (blocked) (go-to 'corner :patience 0))";
+    assert_eq!(learned(1.0, in_vain), (0, 0, 1), "it did not come through");
+}
