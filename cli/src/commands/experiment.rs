@@ -24,11 +24,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     #[command(subcommand)]
     merge: Option<Merge>,
-    /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `doors`, `drive-times`, `grains`, `projections`, `barn`, `marker-detection`, `hallway-features`,
-    /// `count-openings`, `office-delivery`, `topological-global`, `routes`, `case-kinds`, `behaviours`, `rupart`, or a plan of your own; `-` for standard
-    /// input; without it, the plan that `rpl.toml` names, in its world
-    #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]
+    #[arg(value_name = "NAME", help = what_name_means(), add = ArgValueCompleter::new(completion::experiments))]
     name: Option<String>,
     /// How many seeds; 20 without
     #[arg(long, value_name = "N", value_parser = runs)]
@@ -102,6 +98,14 @@ const USUAL_RUNS: u32 = 20;
 /// cores.
 const MOST_RUNS: u32 = 10_000_000;
 const MOST_JOBS: usize = 1_024;
+
+fn what_name_means() -> String {
+    let names: Vec<String> = experiment::names().map(|(name, _)| format!("`{name}`")).collect();
+    format!(
+        "{}, or a plan of your own; `-` for standard input; without it, the plan that `rpl.toml` names, in its world",
+        names.join(", ")
+    )
+}
 
 fn runs(text: &str) -> Result<NonZero<u32>, String> {
     let runs = text.parse().ok().filter(|runs: &NonZero<u32>| runs.get() <= MOST_RUNS);
