@@ -1,5 +1,6 @@
 //! Native functions: name, arguments, documentation and code in one place.
 
+use crate::robot::reading::Reading;
 use crate::robot::{Outside, RobotGlobals};
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
@@ -67,6 +68,17 @@ impl Call<'_, '_> {
     pub fn part<T: 'static>(&mut self) -> Result<&mut T, Raise> {
         let part = self.around.outside.part(TypeId::of::<T>());
         part.and_then(<dyn Any>::downcast_mut).ok_or_else(Raise::no_robot)
+    }
+
+    /// Sets a fluent of the robot as what the plan does changes it, instead of when the robot next tells. A name that
+    /// no fluent of the robot has is passed over.
+    pub fn tell(&mut self, name: &str, reading: &Reading) {
+        let global = self.machine.symbols.find(name).and_then(|name| self.around.program.names.get(&name));
+        let Some(number) = self.around.robot.fluents.iter().position(|of| Some(of) == global) else { return };
+        if let Some(fluent) = self.machine.robot_fluent(self.around.robot, number) {
+            let value = self.machine.value_of_reading(reading);
+            self.machine.assign_all(self.around, &[(fluent, value)]);
+        }
     }
 
     /// The argument at a position; `nil` if it was left out.

@@ -106,6 +106,9 @@ fn read_message(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         return Ok(Reply::Value(Value::Nil));
     }
     let words = inbox.remove(0);
+    let unread = Reading::Int(inbox.len() as i64);
+    // Who waits for the next message in the same instant must not see this one again.
+    call.tell(&FLUENTS[MESSAGES].name, &unread);
     let symbols: Vec<Value> = words.iter().map(|word| Value::Symbol(call.machine.symbols.intern(word))).collect();
     Ok(Reply::Value(call.machine.heap.list(&symbols)))
 }

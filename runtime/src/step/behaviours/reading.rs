@@ -14,7 +14,7 @@ impl Outbox {
 
 impl Machine {
     /// A reading as plans have it. Its bytes count like those that plans make themselves.
-    pub(super) fn value_of_reading(&mut self, reading: &Reading) -> Value {
+    pub(in crate::step) fn value_of_reading(&mut self, reading: &Reading) -> Value {
         match reading {
             Reading::Truth(truth) => Value::truth(*truth),
             Reading::Int(value) => Value::Int(*value),

@@ -115,6 +115,17 @@ fn what_blocks_the_way_is_told_with_its_place() {
     assert!(message.contains("stays blocked: a thing or a person that is not in the map stands at "), "{message}");
 }
 
+#[test]
+fn who_has_read_a_message_does_not_wait_for_it_again() {
+    let plan = "(defvar heard nil)
+                (def-plan hear () (loop (wait-for (> messages* 0)) (push (list (round (now)) (read-message)) heard)))
+                (with-policy (hear) (wait-time 3))
+                (reverse heard)";
+    let said = "(wait-time 1) (send-message! 'one) (send-message! 'two) (wait-time 1) (send-message! 'three)";
+    let run = Mission::new(test_room(), plan).with_scenario(said).run(1, 10.0);
+    assert_eq!(run.outcome(), "=> ((1 (one)) (1 (two)) (2 (three)))", "{}", run.trace());
+}
+
 /// r[behaviour.states], r[behaviour.interrupted]
 #[test]
 fn who_loses_the_wheels_gets_its_signal_when_it_runs_again() {
