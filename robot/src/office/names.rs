@@ -3,10 +3,8 @@
 use super::composition::Composition;
 use super::module::Module;
 use super::scenario::{oracle_natives, oracle_tables};
-use rpl_lang::reader::read;
+use rpl_lang::lexer::{Token, lex};
 use rpl_lang::source::SourceId;
-use rpl_lang::symbol::Symbols;
-use rpl_lang::syntax::Tree;
 
 impl<M: Module> Composition<M> {
     /// Names the robot itself goes by, so that no plan may give them another meaning; its plans and
@@ -29,12 +27,23 @@ pub fn scenario_names() -> Vec<String> {
     oracle_tables().names().map(str::to_string).chain(natives).collect()
 }
 
-/// What the forms of a text define: the second word of each.
+/// What the forms of a text define: the second word of each. It is not read, so that a plan without a robot does not
+/// wait for the robot's plans.
 fn definitions(text: &str) -> Vec<String> {
-    let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
-    let (forms, _) = read(text, SourceId(0), &mut symbols, &mut tree);
-    let name = |form| tree.symbol(*tree.items(form).get(1)?);
-    forms.into_iter().filter_map(name).map(|name| symbols.name(name).to_string()).collect()
+    let (tokens, _) = lex(text, SourceId(0));
+    let (mut depth, mut items, mut names) = (0usize, 0, Vec::new());
+    for (token, span) in tokens.into_iter().filter(|(token, _)| !token.is_comment()) {
+        if token == Token::Close {
+            depth = depth.saturating_sub(1);
+            continue;
+        }
+        items = if depth == 0 { 0 } else { items + usize::from(depth == 1) };
+        if depth == 1 && items == 2 && token == Token::Symbol {
+            names.push(text[span.start as usize..span.end as usize].to_string());
+        }
+        depth += usize::from(token == Token::Open);
+    }
+    names
 }
 
 #[cfg(test)]
@@ -49,6 +58,13 @@ mod tests {
             let once: BTreeSet<&String> = names.iter().collect();
             assert_eq!(once.len(), names.len(), "{names:?}");
         }
+    }
+
+    #[test]
+    fn a_form_defines_its_second_word() {
+        let text =
+            "; (def-plan no ())\n(def-plan yes (a b) (c \"(d e)\"))\n(defstruct (none :of) it) 'this (defvar that 1)";
+        assert_eq!(definitions(text), ["yes", "that"]);
     }
 
     #[test]
