@@ -1,7 +1,7 @@
 //! Functions: their parameters, their body, the code they become.
 
 use super::emitter::{Emitter, MAX_REGISTERS};
-use crate::code::{ARRANGES, Atom, Code, CodeKind, Local, NO_REG, Op, Reg, SlotAccess};
+use crate::code::{ARRANGES, Atom, Code, CodeKind, Local, NO_REG, Op, PLAIN_REGISTERS, Reg, SlotAccess, are_plain};
 use crate::compile::compiler::Compiler;
 use crate::compile::ir::{Function, ParameterBinding, VarId};
 use std::collections::BTreeMap;
@@ -47,6 +47,7 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         exact_count,
         framed_count: if slot.is_some() { ARRANGES } else { exact_count },
         slot,
+        is_plain: function.kind == CodeKind::Network && most <= PLAIN_REGISTERS && are_plain(&ops),
         parameters: function.parameters.clone(),
         registers: most.min(255) as u8,
         captures,
