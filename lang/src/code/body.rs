@@ -76,6 +76,8 @@ pub struct Code {
     pub framed_count: u16,
     /// The slot of a record that it reads or assigns, if it does nothing else.
     pub slot: Option<SlotAccess>,
+    /// Whether it is a network that only reads, adds and compares, with few registers and no way back.
+    pub is_plain: bool,
     /// Registers of the frame that makes the closure, in the order of the captured values.
     pub captures: Vec<Reg>,
     /// The instructions.
@@ -92,6 +94,38 @@ pub struct Code {
     pub doc: Option<Arc<str>>,
     /// The whole definition.
     pub span: Span,
+}
+
+/// Registers of a network that is plain, at most.
+pub const PLAIN_REGISTERS: usize = 16;
+
+/// Whether instructions only read, add and compare, and never go back.
+pub(crate) fn are_plain(ops: &[Op]) -> bool {
+    ops.iter().all(|op| match *op {
+        Op::Jump(distance) | Op::JumpIfNil(_, distance) | Op::JumpIfTrue(_, distance) => distance >= 0,
+        _ => matches!(
+            op,
+            Op::Nil(_)
+                | Op::True(_)
+                | Op::Int(..)
+                | Op::Const(..)
+                | Op::Global(..)
+                | Op::Move(..)
+                | Op::CellGet(..)
+                | Op::Deref(..)
+                | Op::Add(..)
+                | Op::Sub(..)
+                | Op::Mul(..)
+                | Op::AddInt(..)
+                | Op::Less(..)
+                | Op::LessEq(..)
+                | Op::NumEq(..)
+                | Op::NumDiffer(..)
+                | Op::Eq(..)
+                | Op::Not(..)
+                | Op::Return(_)
+        ),
+    })
 }
 
 /// What an allocator adds to the tables of a code.
@@ -123,6 +157,7 @@ impl Code {
             exact_count: 0,
             framed_count: 0,
             slot: None,
+            is_plain: false,
             captures: Vec::new(),
             ops: vec![Op::Return(0)],
             spans: vec![span],

@@ -12,7 +12,8 @@ mod op;
 mod parameters;
 mod program;
 
-pub use body::{Code, CodeKind, Local, SlotAccess};
+pub(crate) use body::are_plain;
+pub use body::{Code, CodeKind, Local, PLAIN_REGISTERS, SlotAccess};
 pub use constant::{Atom, Constant, Part};
 pub use construct::{Argument, Child, Construct, Failures, Quorum, Successes};
 pub use op::{Missed, NO_REG, Op, Reg};

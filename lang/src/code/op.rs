@@ -126,6 +126,10 @@ pub enum Op {
     JumpIfGreaterInt(Reg, i16, i32),
     /// if `r0 ≥ integer`
     JumpIfGreaterEqInt(Reg, i16, i32),
+    /// `r0 := r0 + 1`, and go on elsewhere if all are integers and `r0 < r1`; a test that knows more follows
+    Count(Reg, Reg, i32),
+    /// the same if `r0 < integer`
+    CountInt(Reg, i16, i32),
     /// call the function in a global; arguments from r0, count, global; result in r0
     Call(Reg, u8, u32),
     /// the same in tail position

@@ -50,6 +50,14 @@ fn loops() {
             "(map (lambda (f) (f)) (let ((all nil)) (dotimes (i 3 all) (push (lambda () (incf i 10)) all))))",
             "(12 11 10)",
         ),
+        ("(dotimes (i 3))", "nil"),
+        ("(let ((n 0)) (dotimes (i 2.5) (incf n)) n)", "3"),
+        ("(let ((i 0.5)) (loop while (< i 3) (setq i (+ i 1))) i)", "3.5"),
+        ("(let ((i 0) (end 2.5)) (loop while (< i end) (setq i (+ i 1))) i)", "3"),
+        (
+            "(let ((i 0) (n 0)) (loop while (< i 9) (incf n) (if (= i 3) (setq i 7) (setq i (+ i 1)))) (list i n))",
+            "(9 6)",
+        ),
         ("(let ((n 0)) (n-times 4 (incf n)) n)", "4"),
         ("(let ((n 0)) (n-times 4 (incf n) until (= n 2)) n)", "2"),
         ("(let ((rest '(1 2)) (list 'x) (n 0)) (dolist (e rest n) (incf n e)))", "3"),
@@ -58,6 +66,8 @@ fn loops() {
         ("(dolist (x) x)", "this is not of the form `(dolist (NAME LIST [RESULT]) FORM...)`"),
         ("(dotimes 5 1)", "this is not of the form `(dotimes (NAME COUNT [RESULT]) FORM...)`"),
         ("(dolist (x 5) x)", "type-error"),
+        ("(let ((i 9223372036854775807)) (loop while (< i 1.0e19) (setq i (+ i 1))))", "integer overflow in +"),
+        ("(let ((i 0) (end 5)) (loop while (< i end) (setq end 'a) (setq i (+ i 1))))", "an operand of `<`"),
         // A macro that fails does not keep the next one from being expanded.
         ("(dolist 5) (dotimes 5)", "`(dotimes (NAME COUNT [RESULT]) FORM...)`"),
     ]);

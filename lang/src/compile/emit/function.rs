@@ -1,7 +1,7 @@
 //! Functions: their parameters, their body, the code they become.
 
 use super::emitter::{Emitter, MAX_REGISTERS};
-use crate::code::{ARRANGES, Atom, Code, CodeKind, Local, NO_REG, Op, Reg, SlotAccess};
+use crate::code::{ARRANGES, Atom, Code, CodeKind, Local, NO_REG, Op, PLAIN_REGISTERS, Reg, SlotAccess, are_plain};
 use crate::compile::compiler::Compiler;
 use crate::compile::ir::{Function, ParameterBinding, VarId};
 use std::collections::BTreeMap;
@@ -30,13 +30,14 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         is_plan: function.kind == CodeKind::Plan,
     };
     emitter.function(function);
-    let Emitter { ops, spans, most, constructs, handlers, locals, compiler, .. } = emitter;
+    let Emitter { mut ops, spans, most, constructs, handlers, locals, compiler, .. } = emitter;
     if most > MAX_REGISTERS {
         let name = compiler.symbols.name(function.name).to_string();
         let message = format!("`{name}` needs {most} registers, and {MAX_REGISTERS} is the most");
         compiler.error("too-large", function.span, message, "too many variables or arguments at once").help =
             Some("split it into smaller functions or plans".into());
     }
+    join_counts(&mut ops);
     let end = ops.len() as u32;
     let exact_count = function.parameters.exact_count();
     let slot = SlotAccess::of(&ops).filter(|slot| exact_count == if slot.assigns { 2 } else { 1 });
@@ -46,6 +47,7 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         exact_count,
         framed_count: if slot.is_some() { ARRANGES } else { exact_count },
         slot,
+        is_plain: function.kind == CodeKind::Network && most <= PLAIN_REGISTERS && are_plain(&ops),
         parameters: function.parameters.clone(),
         registers: most.min(255) as u8,
         captures,
@@ -58,6 +60,20 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         span: function.span,
     };
     compiler.add_code(code)
+}
+
+/// Lets counters jump back themselves where the test of a loop follows. That stays, for what jumps to it and for the end.
+fn join_counts(ops: &mut [Op]) {
+    for at in 1..ops.len() {
+        let Op::AddInt(counter, from, 1) = ops[at - 1] else { continue };
+        ops[at - 1] = match ops[at] {
+            Op::JumpIfLess(tested, end, to) if (from, tested) == (counter, counter) => Op::Count(counter, end, to + 1),
+            Op::JumpIfLessInt(tested, end, to) if (from, tested) == (counter, counter) => {
+                Op::CountInt(counter, end, to + 1)
+            }
+            _ => continue,
+        };
+    }
 }
 
 impl Emitter<'_, '_> {

@@ -25,6 +25,7 @@ pub(in crate::compile) fn sequence(name: Symbol, span: Span, calls: &[(u32, Span
         exact_count: 0,
         framed_count: 0,
         slot: None,
+        is_plain: false,
         parameters: Parameters::default(),
         registers: 1,
         captures: Vec::new(),

@@ -2,26 +2,24 @@
 
 use super::key::{Key, KeyPart, KeyParts, MAX_KEY_PARTS, atom_hash, compound_hash, float_bits, object};
 use super::store::Heap;
-use super::table::{Entry, table_entry};
+use super::table::{Entry, entry_bytes, table_entry};
 use crate::state::value::Value;
 use std::borrow::Cow;
 
-impl Heap {
-    /// The key of a value that has no parts; none of a list or vector.
-    #[inline]
-    pub(super) fn atom_key(&self, value: &Value) -> Option<Key> {
-        match value {
-            Value::Cons(_) | Value::Vector(_) => None,
-            atom => Some(Key { value: atom.copied(), hash: atom_hash(&self.strings, atom), parts: None }),
-        }
-    }
+/// Whether a value is found by its parts: a list or vector.
+#[inline]
+fn has_parts(value: &Value) -> bool {
+    matches!(value, Value::Cons(_) | Value::Vector(_))
+}
 
+impl Heap {
     /// The key a value is found by; none if it has more than [`MAX_KEY_PARTS`].
     pub fn key(&self, value: Value) -> Option<Key> {
-        self.atom_key(&value).or_else(|| {
-            let parts = self.key_parts(value)?;
-            Some(Key { value, hash: compound_hash(&parts), parts: Some(parts) })
-        })
+        if !has_parts(&value) {
+            return Some(Key { value, hash: atom_hash(&self.strings, &value), parts: None });
+        }
+        let parts = self.key_parts(value)?;
+        Some(Key { value, hash: compound_hash(&parts), parts: Some(parts) })
     }
 
     fn key_parts(&self, whole: Value) -> Option<KeyParts> {
@@ -63,18 +61,19 @@ impl Heap {
 
     /// The value of a key without parts; none if it is another, or that is no table.
     #[inline]
-    pub(crate) fn atom_entry(&self, table: &Value, of: &Value) -> Option<Option<Value>> {
-        let &Value::Table(table) = table else { return None };
-        let key = self.atom_key(of)?;
-        Some(self.tables[table].get(&self.strings, &key))
+    pub(crate) fn atom_entry(&self, table: &Value, of: &Value) -> Option<Option<&Value>> {
+        let (&Value::Table(table), false) = (table, has_parts(of)) else { return None };
+        Some(self.tables[table].atom(&self.strings, of, atom_hash(&self.strings, of)))
     }
 
     /// Sets the value of a key without parts; tells whether it is one, and that a table.
     #[inline]
-    pub(crate) fn set_atom_entry(&mut self, table: &Value, of: &Value, value: Value) -> bool {
-        let &Value::Table(table) = table else { return false };
-        let Some(key) = self.atom_key(of) else { return false };
-        self.enter(table, key, value);
+    pub(crate) fn set_atom_entry(&mut self, table: &Value, of: &Value, value: &Value) -> bool {
+        let (&Value::Table(table), false) = (table, has_parts(of)) else { return false };
+        let hash = atom_hash(&self.strings, of);
+        if self.tables[table].set_atom(&self.strings, of, hash, value) {
+            self.allocated += entry_bytes(None);
+        }
         true
     }
 
@@ -84,7 +83,6 @@ impl Heap {
     }
 
     /// Puts an entry into a hash table.
-    #[inline]
     pub fn enter(&mut self, table: u32, key: Key, value: Value) {
         let bytes = table_entry(&key);
         if self.tables[table].insert(&self.strings, key, value) {

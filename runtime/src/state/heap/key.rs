@@ -86,6 +86,12 @@ fn spread(number: u64, kind: u64) -> u64 {
 pub(super) fn atom_hash(strings: &Slab<Arc<str>>, value: &Value) -> u64 {
     match *value {
         Value::Int(value) => spread(value as u64, SPREAD.rotate_left(1)),
+        _ => other_hash(strings, value),
+    }
+}
+
+fn other_hash(strings: &Slab<Arc<str>>, value: &Value) -> u64 {
+    match *value {
         Value::Symbol(symbol) => spread(u64::from(symbol.0), SPREAD.rotate_left(2)),
         Value::Keyword(symbol) => spread(u64::from(symbol.0), SPREAD.rotate_left(3)),
         Value::Str(text) => FixedState::default().hash_one(strings[text].as_bytes()),

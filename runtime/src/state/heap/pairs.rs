@@ -104,6 +104,11 @@ impl Pairs {
         if self.tails[pair as usize].0 as usize >= ROW as usize + count {
             return Some(pair + count as u32);
         }
+        self.walk(pair, count)
+    }
+
+    #[inline(never)]
+    fn walk(&self, pair: u32, count: usize) -> Option<u32> {
         let mut at = pair;
         for _ in 0..count {
             let Value::Cons(next) = self.cdr(at) else { return None };

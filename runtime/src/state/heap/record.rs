@@ -13,15 +13,18 @@ impl Heap {
         if self.is_record(record, kind) { self.pairs.behind(pair, place) } else { None }
     }
 
-    /// What a function that reads or assigns a slot gives for a record; none where [`Self::slot`] finds none.
-    #[inline]
-    pub fn access_slot(&mut self, slot: SlotAccess, kind: &Value, record: &Value, assigned: &Value) -> Option<Value> {
-        let pair = self.slot(record, kind, slot.place.into())?;
+    /// Does what a function does that reads or assigns a slot: its arguments stand in the first registers, and its value
+    /// goes to the first. Does nothing, and tells so, where [`Self::slot`] finds none.
+    #[inline(never)]
+    pub fn access_slot(&mut self, slot: &SlotAccess, constants: &[Value], registers: &mut [Value]) -> bool {
+        let [first, behind @ ..] = registers else { return false };
+        let Some(pair) = self.slot(first, &constants[slot.kind as usize], slot.place.into()) else { return false };
         let place = self.pairs.car_mut(pair);
-        if slot.assigns {
+        if let (true, Some(assigned)) = (slot.assigns, behind.first()) {
             place.set(assigned);
         }
-        Some(place.copied())
+        first.set(place);
+        true
     }
 
     /// Whether a value is a record of a kind.

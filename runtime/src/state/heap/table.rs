@@ -25,7 +25,6 @@ pub struct Entry {
 
 impl Entry {
     /// Whether it is found by a key.
-    #[inline]
     fn is_of(&self, strings: &Strings, key: &Key) -> bool {
         match (&self.parts, &key.parts) {
             (None, None) => are_equal_atoms(strings, &self.key, &key.value),
@@ -49,7 +48,8 @@ impl Entry {
     }
 }
 
-fn entry_bytes(parts: Option<&[KeyPart]>) -> usize {
+/// Bytes of an entry of a hash table whose key has no parts, or such.
+pub(super) fn entry_bytes(parts: Option<&[KeyPart]>) -> usize {
     // A table has room for up to twice its entries, and as many places and bytes in its index, seven eighths of them used.
     2 * (size_of::<Entry>() + size_of::<u32>() + 2) + key_parts(parts)
 }
@@ -84,20 +84,53 @@ impl Table {
         &self.entries
     }
 
-    #[inline]
     fn place(&self, strings: &Strings, key: &Key) -> Option<usize> {
         let is_there = |&place: &u32| self.entries[place as usize].is_of(strings, key);
         self.index.find(key.hash, is_there).map(|&place| place as usize)
     }
 
-    /// The value of a key.
+    /// The same for a key without parts, by its hash. In each of the two the comparison is seen by the compiler.
     #[inline]
+    fn atom_place(&self, strings: &Strings, of: &Value, hash: u64) -> Option<usize> {
+        let key_at = |place: u32| &self.entries[place as usize].key;
+        let found = match *of {
+            Value::Int(of) => self.index.find(hash, |&place| matches!(*key_at(place), Value::Int(key) if key == of)),
+            _ => self.index.find(hash, |&place| are_equal_atoms(strings, key_at(place), of)),
+        };
+        found.map(|&place| place as usize)
+    }
+
+    /// The value of a key without parts.
+    #[inline]
+    pub(super) fn atom(&self, strings: &Strings, of: &Value, hash: u64) -> Option<&Value> {
+        self.atom_place(strings, of, hash).map(|place| &self.entries[place].value)
+    }
+
+    /// Sets the value of a key without parts; tells whether that is a new entry.
+    #[inline]
+    pub(super) fn set_atom(&mut self, strings: &Strings, of: &Value, hash: u64, value: &Value) -> bool {
+        let Some(place) = self.atom_place(strings, of, hash) else {
+            self.add(Entry { hash, key: of.copied(), value: value.copied(), parts: None });
+            return true;
+        };
+        let entry = &mut self.entries[place];
+        entry.key.set(of);
+        entry.value.set(value);
+        false
+    }
+
+    fn add(&mut self, entry: Entry) {
+        let (hash, place) = (entry.hash, self.entries.len() as u32);
+        self.entries.push(entry);
+        self.index.insert_unique(hash, place, |&place| self.entries[place as usize].hash);
+    }
+
+    /// The value of a key.
     pub fn get(&self, strings: &Strings, key: &Key) -> Option<Value> {
         self.place(strings, key).map(|place| self.entries[place].value.copied())
     }
 
     /// Sets the value of a key; tells whether that is a new entry.
-    #[inline]
     pub fn insert(&mut self, strings: &Strings, key: Key, value: Value) -> bool {
         if let Some(place) = self.place(strings, &key) {
             let entry = &mut self.entries[place];
@@ -105,9 +138,7 @@ impl Table {
             return false;
         }
         let Key { value: of, hash, parts } = key;
-        let place = self.entries.len() as u32;
-        self.entries.push(Entry { hash, key: of, value, parts: parts.map(Box::new) });
-        self.index.insert_unique(hash, place, |&place| self.entries[place as usize].hash);
+        self.add(Entry { hash, key: of, value, parts: parts.map(Box::new) });
         true
     }
 

@@ -15,14 +15,17 @@ use rpl_lang::kind::Kind;
 pub(super) fn read_entry(heap: &Heap, r: &mut [Value; REACH], [to, key, table, default]: [Reg; 4]) -> Option<u32> {
     let key = &r[usize::from(key)];
     let (found, steps) = (heap.atom_entry(&r[usize::from(table)], key)?, key_steps(heap, key));
-    r[usize::from(to)] = found.unwrap_or_else(|| default_value(r, default));
+    match found {
+        Some(value) => r[usize::from(to)].set(value),
+        None => r[usize::from(to)] = default_value(r, default),
+    }
     Some(steps)
 }
 
 /// The same for the assignment of an entry.
 pub(super) fn assign_entry(heap: &mut Heap, r: &[Value; REACH], [key, table, value]: [Reg; 3]) -> Option<u32> {
     let key = &r[usize::from(key)];
-    let is_done = heap.set_atom_entry(&r[usize::from(table)], key, r[usize::from(value)].copied());
+    let is_done = heap.set_atom_entry(&r[usize::from(table)], key, &r[usize::from(value)]);
     is_done.then(|| key_steps(heap, key))
 }
 

@@ -2,13 +2,11 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::scratch::Cursor;
 use crate::state::value::Value;
+use crate::step::exec::Proceed;
+use rpl_lang::code::Reg;
 use rpl_lang::kind::Kind;
-
-#[inline(never)]
-pub(crate) fn as_floats(left: &Value, right: &Value) -> Option<(f64, f64)> {
-    Some((left.as_f64()?, right.as_f64()?))
-}
 
 #[cold]
 #[inline(never)]
@@ -24,6 +22,19 @@ impl Machine {
         self.wrong_type(&format!("an operand of `{operation}`"), Kind::Number.noun(), culprit)
     }
 
+    /// Counts up what is no integer, or is the last there is; or what is counted up to no integer.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn count_other(&mut self, place: &mut Cursor, counter: Reg) -> Result<Proceed, Raise> {
+        let register = &mut self.scratch.stack[place.frame.base as usize + usize::from(counter)];
+        match *register {
+            Value::Int(count) => *register = Value::Int(count.checked_add(1).ok_or_else(|| overflow("+"))?),
+            Value::Float(count) => *register = Value::Float(count + 1.0),
+            other => return Err(self.wrong_operands("+", other, other)),
+        }
+        Ok(Proceed::On)
+    }
+
     /// The error for the argument of a function that is no number.
     #[cold]
     #[inline(never)]
@@ -34,6 +45,8 @@ impl Machine {
 }
 
 /// A sum, difference or product: `$to := $left $operator $right`. For the loop, whose `fail!` it needs.
+///
+/// All kinds of operands stand here: a call that comes back would have the loop keep its state in memory.
 macro_rules! arithmetic {
     ($machine:ident, $to:expr, $left:expr, $right:expr, $name:literal, $checked:ident, $operator:tt) => {
         match (&$left, &$right) {
@@ -42,13 +55,9 @@ macro_rules! arithmetic {
                 None => fail!(overflow($name)),
             },
             (&Value::Float(x), &Value::Float(y)) => $to = Value::Float(x $operator y),
-            (left, right) => match as_floats(left, right) {
-                Some((x, y)) => $to = Value::Float(x $operator y),
-                None => {
-                    let (left, right) = (*left, *right);
-                    fail!($machine.wrong_operands($name, left, right))
-                }
-            },
+            (&Value::Int(x), &Value::Float(y)) => $to = Value::Float(x as f64 $operator y),
+            (&Value::Float(x), &Value::Int(y)) => $to = Value::Float(x $operator y as f64),
+            (&left, &right) => fail!($machine.wrong_operands($name, left, right)),
         }
     };
 }
@@ -58,13 +67,10 @@ macro_rules! compare {
     ($machine:ident, $left:expr, $right:expr, $name:literal, $operator:tt) => {
         match (&$left, &$right) {
             (&Value::Int(x), &Value::Int(y)) => x $operator y,
-            (left, right) => match as_floats(left, right) {
-                Some((x, y)) => x $operator y,
-                None => {
-                    let (left, right) = (*left, *right);
-                    fail!($machine.wrong_operands($name, left, right))
-                }
-            },
+            (&Value::Float(x), &Value::Float(y)) => x $operator y,
+            (&Value::Int(x), &Value::Float(y)) => (x as f64) $operator y,
+            (&Value::Float(x), &Value::Int(y)) => x $operator y as f64,
+            (&left, &right) => fail!($machine.wrong_operands($name, left, right)),
         }
     };
 }

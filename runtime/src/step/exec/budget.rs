@@ -4,6 +4,7 @@ use crate::state::failure::Raise;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
+use crate::step::exec::Proceed;
 use crate::step::native::Surroundings;
 
 /// A network or a macro gets this part of the budget of a task.
@@ -20,6 +21,24 @@ impl Machine {
     pub(crate) fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Cursor {
         let slice = if self.current == SCRATCH_TASK { u32::MAX } else { around.slice_steps };
         Cursor::new(frame, self.budget(), slice)
+    }
+
+    /// The running task has spent its slice, and goes on with the same instruction in the next one; or there is none, and
+    /// it begins a new budget with a failure.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn spent<const STEPPING: bool>(
+        &mut self,
+        around: &Surroundings<'_>,
+        place: &mut Cursor,
+    ) -> Result<Proceed, Raise> {
+        if place.reserve > 0 {
+            place.frame.pc -= 1;
+            self.end_slice::<STEPPING>(place.frame);
+            return Ok(Proceed::Pause);
+        }
+        *place = self.budget_anew(around, place.frame);
+        Err(self.runaway())
     }
 
     /// The running task has spent its budget, and begins a new one.

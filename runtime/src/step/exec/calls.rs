@@ -15,12 +15,6 @@ use rpl_lang::kind::Kind;
 use std::borrow::Cow;
 
 impl Limits {
-    /// The same, where so few frames are allowed in any case.
-    #[inline]
-    pub(crate) fn allow_above(&self, few: usize, frames: usize, base: usize) -> bool {
-        frames < few || self.allow(frames, base)
-    }
-
     /// So many frames are allowed at least, wherever they start: each takes the next one's registers along,
     /// and so does each evaluation of a network.
     #[inline]
@@ -192,6 +186,41 @@ impl Machine {
         self.scratch.top = top;
         room?;
         self.call_native(around, native, arguments)
+    }
+
+    /// Calls the function in a global: one whose arguments need arranging, whose frame needs a closer look at the limits,
+    /// or that is no code.
+    #[inline(never)]
+    pub(super) fn call_global(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        place: &mut Cursor,
+        global: u32,
+        first: Reg,
+        count: u8,
+        tail: bool,
+    ) -> Result<Proceed, Raise> {
+        let (number, callee) = match self.globals[global as usize] {
+            Value::Function(number) => (number, &around.program.codes[number as usize]),
+            Value::Unbound => return Err(self.describe_global(around, global)),
+            function => return self.call_any(around, place, function, first, count, tail),
+        };
+        let from = place.frame.base as usize + usize::from(first);
+        let count = usize::from(count);
+        let tail = tail && callee.kind != CodeKind::Plan;
+        let base = if tail { place.frame.base as usize } else { from };
+        if tail {
+            self.scratch.stack.copy_within(from..from + count, base);
+        } else if !self.limits.allow(self.scratch.frames.len(), base) {
+            return Err(self.too_deep());
+        }
+        self.arrange(callee, base, count)?;
+        if !tail {
+            self.scratch.frames.push(place.frame);
+        }
+        self.clear_frame(callee, base);
+        place.frame = Frame { code: number, pc: 0, base: base as u32 };
+        Ok(Proceed::Entered)
     }
 
     /// Calls a function of any kind with the arguments in the registers from `first` on, where its value

@@ -6,13 +6,85 @@ use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Frame, Leaving};
 use crate::state::value::Value;
+use crate::step::exec::arithmetic::{arithmetic, compare};
 use crate::step::exec::{Exit, WINDOW};
+use crate::step::fluents::read;
 use crate::step::native::Surroundings;
+use rpl_lang::code::{Op, PLAIN_REGISTERS, Program};
 
 /// Evaluations of networks inside one another; each takes some Rust stack.
 pub(super) const MAX_EVALUATIONS_DEEP: u32 = 64;
 
+/// Nothing fails here: the loop over instructions is to say how.
+macro_rules! fail {
+    ($raise:expr) => {
+        return None
+    };
+}
+
 impl Machine {
+    /// The value of a network that is plain, as most conditions are: computed in a few registers of its own, without a frame
+    /// and a budget, of which it would take nothing. None where it is not plain or something in it fails; then nothing has
+    /// happened but that reads may have been noted.
+    #[expect(unused_variables, reason = "operands that only a failure would name")]
+    pub(crate) fn evaluate_plainly(&mut self, program: &Program, code: u32, captured: &[Value]) -> Option<Value> {
+        let code = &*program.codes[code as usize];
+        if !code.is_plain || self.scratch.stepping.is_on || self.scratch.evaluations == MAX_EVALUATIONS_DEEP {
+            return None;
+        }
+        let mut registers = [Value::Nil; PLAIN_REGISTERS];
+        for (register, value) in registers.iter_mut().zip(captured) {
+            register.set(value);
+        }
+        macro_rules! r {
+            ($register:expr) => {
+                registers[usize::from($register)]
+            };
+        }
+        let mut rest = &code.ops[..];
+        while let Some((op, behind)) = rest.split_first() {
+            rest = behind;
+            match *op {
+                Op::Nil(a) => r!(a) = Value::Nil,
+                Op::True(a) => r!(a) = Value::True,
+                Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
+                Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
+                Op::Global(a, global) => match &self.globals[global as usize] {
+                    Value::Unbound => return None,
+                    value => r!(a).set(value),
+                },
+                Op::Move(a, b) => r!(a) = r!(b).copied(),
+                Op::CellGet(a, b) => {
+                    let Value::Cell(cell) = r!(b) else { return None };
+                    r!(a).set(&self.heap.cells[cell]);
+                }
+                Op::Deref(a, b) => match r!(b) {
+                    Value::Fluent(fluent) => r!(a).set(read(&self.fluents, &mut self.scratch.reads, fluent).ok()?),
+                    value => r!(a) = value,
+                },
+                Op::Add(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "+", checked_add, +),
+                Op::Sub(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "-", checked_sub, -),
+                Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
+                Op::AddInt(a, b, value) => {
+                    arithmetic!(self, r!(a), r!(b), Value::Int(i64::from(value)), "+", checked_add, +)
+                }
+                Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <)),
+                Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=)),
+                Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==)),
+                Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=)),
+                Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
+                Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
+                Op::Jump(distance) => rest = &rest[distance as usize..],
+                Op::JumpIfNil(a, distance) if !r!(a).is_true() => rest = &rest[distance as usize..],
+                Op::JumpIfTrue(a, distance) if r!(a).is_true() => rest = &rest[distance as usize..],
+                Op::JumpIfNil(..) | Op::JumpIfTrue(..) => {}
+                Op::Return(a) => return Some(r!(a)),
+                _ => return None,
+            }
+        }
+        None
+    }
+
     /// Evaluates the code of a network in the scratch task, above whatever runs now.
     pub(crate) fn evaluate_code(
         &mut self,

@@ -7,7 +7,7 @@ use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::{assign_entry, read_entry};
-use crate::step::exec::arithmetic::{arithmetic, as_floats, compare, compare_int, overflow};
+use crate::step::exec::arithmetic::{arithmetic, compare, compare_int, overflow};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
@@ -62,28 +62,6 @@ impl Machine {
                 rest = &code.ops[frame.pc as usize..];
             };
         }
-        macro_rules! fail {
-            ($raise:expr) => {{
-                let raise = $raise;
-                save!();
-                return Err(raise);
-            }};
-        }
-        macro_rules! attempt {
-            ($result:expr) => {
-                match $result {
-                    Ok(value) => value,
-                    Err(raise) => fail!(raise),
-                }
-            };
-        }
-        macro_rules! collect_if_full {
-            () => {
-                if self.heap.is_full() {
-                    attempt!(self.collect_here(base + usize::from(code.registers)));
-                }
-            };
-        }
         // After an instruction that may have made a more important task ready, ended or suspended
         // this one.
         macro_rules! check_switch {
@@ -122,26 +100,6 @@ impl Machine {
                 }
             }};
         }
-        // Before anything of the instruction is done: where a slice is over it begins anew.
-        macro_rules! burn {
-            () => {
-                match fuel.checked_sub(1) {
-                    Some(rest) => fuel = rest,
-                    None if place.reserve > 0 => {
-                        save!();
-                        place.frame.pc -= 1;
-                        self.end_slice::<STEPPING>(place.frame);
-                        return Ok(Exit::Paused);
-                    }
-                    None => {
-                        let again = self.budget_anew(around, place.frame);
-                        (fuel, place.reserve) = (again.fuel, again.reserve);
-                        fail!(self.runaway());
-                    }
-                }
-            };
-        }
-
         'frame: loop {
             if STEPPING {
                 save!();
@@ -157,118 +115,144 @@ impl Machine {
                 self.grow_stack(base);
                 continue 'frame;
             };
-            macro_rules! r {
-                ($register:expr) => {
-                    r[$register as usize]
-                };
-            }
-            // Registers of a frame that starts at `$first`, save `$count` arguments.
-            // Four at a time, and so perhaps some behind the frame, where nothing lives.
-            macro_rules! clear {
-                ($callee:expr, $first:expr, $count:expr) => {
-                    let mut at = $first + $count;
-                    let end = $first + usize::from($callee.registers);
-                    if let Some(four) = r[at..].first_chunk_mut::<4>() {
-                        *four = [Value::Nil; 4];
-                    }
-                    while at + 4 < end {
-                        at += 4;
+            // What the loop below hands over, or cannot do, leaves it here: how to go on is decided in one place.
+            let mut is_looked_at = STEPPING;
+            let next = 'handed: loop {
+                macro_rules! fail {
+                    ($raise:expr) => {{
+                        let raise = $raise;
+                        save!();
+                        break 'handed Err(raise);
+                    }};
+                }
+                macro_rules! attempt {
+                    ($result:expr) => {
+                        match $result {
+                            Ok(value) => value,
+                            Err(raise) => fail!(raise),
+                        }
+                    };
+                }
+                // What is not done here is handed over to a function, which says how to go on.
+                macro_rules! hand_over {
+                    ($instruction:expr) => {{
+                        save!();
+                        break 'handed $instruction;
+                    }};
+                }
+                // Before anything of the instruction is done.
+                macro_rules! burn {
+                    () => {
+                        match fuel.checked_sub(1) {
+                            Some(less) => fuel = less,
+                            None => hand_over!(self.spent::<STEPPING>(around, place)),
+                        }
+                    };
+                }
+                macro_rules! r {
+                    ($register:expr) => {
+                        r[$register as usize]
+                    };
+                }
+                // Registers of a frame that starts at `$first`, save `$count` arguments.
+                // Four at a time, and so perhaps some behind the frame, where nothing lives.
+                macro_rules! clear {
+                    ($callee:expr, $first:expr, $count:expr) => {
+                        let mut at = $first + $count;
+                        let end = $first + usize::from($callee.registers);
                         if let Some(four) = r[at..].first_chunk_mut::<4>() {
                             *four = [Value::Nil; 4];
                         }
-                    }
-                };
-            }
-            macro_rules! collect_in_frame {
-                () => {
-                    if self.heap.is_full() {
-                        collect_if_full!();
-                        continue 'frame;
-                    }
-                };
-            }
-            // What is not done here is handed over to a function, which says how to go on.
-            macro_rules! hand_over {
-                ($instruction:expr) => {{
-                    save!();
-                    let next = $instruction?;
-                    fuel = place.fuel;
-                    match next {
-                        Proceed::On => {}
-                        Proceed::Switch => {
-                            check_switch!();
+                        while at + 4 < end {
+                            at += 4;
+                            if let Some(four) = r[at..].first_chunk_mut::<4>() {
+                                *four = [Value::Nil; 4];
+                            }
                         }
-                        Proceed::Leave => {
-                            check_leaving!();
-                            check_switch!();
-                        }
-                        Proceed::Entered => {
-                            resume!(place.frame);
-                            spend!();
-                            check_leaving!();
-                            check_switch!();
-                        }
-                        Proceed::Blocked => return Ok(Exit::Blocked),
-                        Proceed::Ask(asked, to) => return Ok(Exit::Ask(asked, to)),
-                    }
-                    continue 'frame;
-                }};
-            }
-            macro_rules! jump_if {
-                ($condition:expr, $distance:expr) => {
-                    if $condition {
-                        jump!($distance);
-                    }
-                };
-            }
-            macro_rules! jump {
-                ($distance:expr) => {{
-                    let distance = $distance;
-                    if distance < 0 {
-                        burn!();
-                    }
-                    rest = &code.ops[(code.ops.len() - rest.len()).wrapping_add_signed(distance as isize)..];
-                }};
-            }
-            macro_rules! call_value {
-                ($callee:expr, $count:expr, $is_tail:literal) => {{
-                    burn!();
-                    let function = &r!($callee);
-                    let first = usize::from($callee) + 1;
-                    let known = match *function {
-                        Value::Function(number) => Some((number, &[][..])),
-                        Value::Closure(index) => {
-                            let closure = &self.heap.closures[index];
-                            Some((closure.code, &*closure.captured))
-                        }
-                        _ => None,
                     };
-                    if let Some((number, captured)) = known
-                        && let callee = &*program.codes[number as usize]
-                        && callee.exact_count == u16::from($count)
-                        && self.limits.allow_above(few_frames, self.scratch.frames.len(), base)
-                    {
-                        let count = usize::from($count);
-                        let start = if $is_tail && callee.kind != CodeKind::Plan {
-                            r.copy_within(first..first + count, 0);
-                            0
-                        } else {
-                            self.scratch.frames.push(frame!());
-                            first
-                        };
-                        clear!(callee, start, count);
-                        for (at, value) in captured.iter().enumerate() {
-                            r[start + count + at].set(value);
+                }
+                macro_rules! collect_in_frame {
+                    () => {
+                        if self.heap.is_full() {
+                            attempt!(self.collect_here(base + usize::from(code.registers)));
+                            continue 'frame;
                         }
-                        begin!(callee, number, base + start);
-                        continue 'frame;
-                    }
-                    let function = *function;
-                    hand_over!(self.call_any(around, place, function, $callee + 1, $count, $is_tail))
-                }};
-            }
-            let mut is_looked_at = STEPPING;
-            loop {
+                    };
+                }
+                macro_rules! jump {
+                    ($distance:expr) => {
+                        if $distance < 0 {
+                            back!($distance);
+                        } else {
+                            skip!($distance);
+                        }
+                    };
+                }
+                macro_rules! skip {
+                    ($distance:expr) => {
+                        rest = &rest[$distance as usize..]
+                    };
+                }
+                macro_rules! back {
+                    ($distance:expr) => {{
+                        burn!();
+                        rest = &code.ops[(code.ops.len() - rest.len()).wrapping_add_signed($distance as isize)..];
+                    }};
+                }
+                // One of the three above, where the condition holds.
+                macro_rules! when {
+                    ($condition:expr, $jump:ident, $distance:expr) => {
+                        if $condition {
+                            $jump!($distance);
+                        }
+                    };
+                }
+                // With nothing left to burn the test behind it is for the slice to come.
+                macro_rules! count {
+                    ($counter:expr, $count:expr, $end:expr, $distance:expr) => {{
+                        r!($counter) = Value::Int($count);
+                        if $count < $end && fuel > 0 {
+                            back!($distance);
+                        }
+                    }};
+                }
+                macro_rules! call_value {
+                    ($callee:expr, $count:expr, $is_tail:literal) => {{
+                        burn!();
+                        let function = &r!($callee);
+                        let first = usize::from($callee) + 1;
+                        let known = match *function {
+                            Value::Function(number) => Some((number, &[][..])),
+                            Value::Closure(index) => {
+                                let closure = &self.heap.closures[index];
+                                Some((closure.code, &*closure.captured))
+                            }
+                            _ => None,
+                        };
+                        if let Some((number, captured)) = known
+                            && let callee = &*program.codes[number as usize]
+                            && callee.exact_count == u16::from($count)
+                            && self.scratch.frames.len() < few_frames
+                        {
+                            let count = usize::from($count);
+                            let start = if $is_tail && callee.kind != CodeKind::Plan {
+                                r.copy_within(first..first + count, 0);
+                                0
+                            } else {
+                                self.scratch.frames.push(frame!());
+                                first
+                            };
+                            clear!(callee, start, count);
+                            for (at, value) in captured.iter().enumerate() {
+                                r[start + count + at].set(value);
+                            }
+                            begin!(callee, number, base + start);
+                            continue 'frame;
+                        }
+                        let function = *function;
+                        hand_over!(self.call_any(around, place, function, $callee + 1, $count, $is_tail))
+                    }};
+                }
                 if STEPPING && !std::mem::take(&mut is_looked_at) {
                     continue 'frame;
                 }
@@ -315,13 +299,10 @@ impl Machine {
                     Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
                     Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Float(x), &Value::Float(y)) if y != 0.0 => r!(a) = Value::Float(x / y),
-                        (left, right) => {
-                            let (left, right) = (*left, *right);
-                            match attempt!(quotient(left, right)) {
-                                Some(value) => r!(a) = value,
-                                None => fail!(self.wrong_operands("/", left, right)),
-                            }
-                        }
+                        (&left, &right) => match attempt!(quotient(left, right)) {
+                            Some(value) => r!(a) = value,
+                            None => fail!(self.wrong_operands("/", left, right)),
+                        },
                     },
                     Op::AddInt(a, b, value) => match &r!(b) {
                         &Value::Int(x) => match x.checked_add(i64::from(value)) {
@@ -333,6 +314,15 @@ impl Machine {
                             let other = *other;
                             fail!(self.wrong_operands("+", other, other))
                         }
+                    },
+                    Op::Count(a, end, to) => match (&r!(a), &r!(end)) {
+                        (&Value::Int(i64::MAX), _) => hand_over!(self.count_other(place, a)),
+                        (&Value::Int(count), &Value::Int(end)) => count!(a, count + 1, end, to),
+                        _ => hand_over!(self.count_other(place, a)),
+                    },
+                    Op::CountInt(a, end, to) => match r!(a) {
+                        Value::Int(count) if count < i64::MAX => count!(a, count + 1, i64::from(end), to),
+                        _ => hand_over!(self.count_other(place, a)),
                     },
                     Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <)),
                     Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=)),
@@ -368,7 +358,9 @@ impl Machine {
                             None => hand_over!(self.plan_instruction(around, place, *op)),
                         }
                     }
-                    Op::SetSlot(..) if self.current == SCRATCH_TASK => fail!(in_network("a slot cannot be assigned")),
+                    Op::SetSlot(..) if self.current == SCRATCH_TASK => {
+                        fail!(in_network("a slot cannot be assigned"))
+                    }
                     Op::SetSlot(a, b, slot, kind) => {
                         let kind = &self.constants[kind as usize];
                         match self.heap.slot(&r!(a), kind, slot.into()) {
@@ -420,89 +412,68 @@ impl Machine {
                         other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
                     },
                     Op::MergeStep(state, ask) => {
-                        jump!(ask);
+                        back!(ask);
                         if !self.heap.merge_on(&mut r[usize::from(state)..]) {
                             hand_over!(self.merge_step(place, state, ask))
                         }
                     }
                     Op::Jump(distance) => jump!(distance),
-                    Op::JumpIfNil(a, distance) => jump_if!(matches!(r!(a), Value::Nil), distance),
-                    Op::JumpIfTrue(a, distance) => jump_if!(!matches!(r!(a), Value::Nil), distance),
-                    Op::JumpIfGiven(a, distance) => jump_if!(!matches!(r!(a), Value::Unbound), distance),
-                    Op::JumpUnlessLess(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "<", <), to),
-                    Op::JumpUnlessLessEq(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "<=", <=), to),
-                    Op::JumpUnlessNumEq(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "=", ==), to),
-                    Op::JumpUnlessNumDiffer(a, b, to) => jump_if!(!compare!(self, r!(a), r!(b), "/=", !=), to),
-                    Op::JumpUnlessLessInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "<", <), to),
-                    Op::JumpUnlessLessEqInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "<=", <=), to),
-                    Op::JumpUnlessGreaterInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, ">", >), to),
-                    Op::JumpUnlessGreaterEqInt(a, value, to) => {
-                        jump_if!(!compare_int!(self, r!(a), value, ">=", >=), to)
-                    }
-                    Op::JumpUnlessNumEqInt(a, value, to) => jump_if!(!compare_int!(self, r!(a), value, "=", ==), to),
-                    Op::JumpUnlessNumDifferInt(a, value, to) => {
-                        jump_if!(!compare_int!(self, r!(a), value, "/=", !=), to)
-                    }
-                    Op::JumpIfLess(a, b, to) => jump_if!(compare!(self, r!(a), r!(b), "<", <), to),
-                    Op::JumpIfLessEq(a, b, to) => jump_if!(compare!(self, r!(a), r!(b), "<=", <=), to),
-                    Op::JumpIfLessInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, "<", <), to),
-                    Op::JumpIfLessEqInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, "<=", <=), to),
-                    Op::JumpIfGreaterInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, ">", >), to),
-                    Op::JumpIfGreaterEqInt(a, value, to) => jump_if!(compare_int!(self, r!(a), value, ">=", >=), to),
+                    Op::JumpIfNil(a, distance) => when!(matches!(r!(a), Value::Nil), jump, distance),
+                    Op::JumpIfTrue(a, distance) => when!(!matches!(r!(a), Value::Nil), jump, distance),
+                    Op::JumpIfGiven(a, distance) => when!(!matches!(r!(a), Value::Unbound), skip, distance),
+                    Op::JumpUnlessLess(a, b, to) => when!(!compare!(self, r!(a), r!(b), "<", <), skip, to),
+                    Op::JumpUnlessLessEq(a, b, to) => when!(!compare!(self, r!(a), r!(b), "<=", <=), skip, to),
+                    Op::JumpUnlessNumEq(a, b, to) => when!(!compare!(self, r!(a), r!(b), "=", ==), skip, to),
+                    Op::JumpUnlessNumDiffer(a, b, to) => when!(!compare!(self, r!(a), r!(b), "/=", !=), skip, to),
+                    Op::JumpUnlessLessInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "<", <), skip, to),
+                    Op::JumpUnlessLessEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "<=", <=), skip, to),
+                    Op::JumpUnlessGreaterInt(a, n, to) => when!(!compare_int!(self, r!(a), n, ">", >), skip, to),
+                    Op::JumpUnlessGreaterEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, ">=", >=), skip, to),
+                    Op::JumpUnlessNumEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "=", ==), skip, to),
+                    Op::JumpUnlessNumDifferInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "/=", !=), skip, to),
+                    Op::JumpIfLess(a, b, to) => when!(compare!(self, r!(a), r!(b), "<", <), back, to),
+                    Op::JumpIfLessEq(a, b, to) => when!(compare!(self, r!(a), r!(b), "<=", <=), back, to),
+                    Op::JumpIfLessInt(a, n, to) => when!(compare_int!(self, r!(a), n, "<", <), back, to),
+                    Op::JumpIfLessEqInt(a, n, to) => when!(compare_int!(self, r!(a), n, "<=", <=), back, to),
+                    Op::JumpIfGreaterInt(a, n, to) => when!(compare_int!(self, r!(a), n, ">", >), back, to),
+                    Op::JumpIfGreaterEqInt(a, n, to) => when!(compare_int!(self, r!(a), n, ">=", >=), back, to),
                     Op::Call(first, count, global) => {
                         burn!();
-                        match self.globals[global as usize] {
-                            Value::Function(number) => {
-                                let callee: &Code = &program.codes[number as usize];
-                                let first = usize::from(first);
-                                let is_framed = callee.framed_count == u16::from(count);
-                                if !is_framed
-                                    && !STEPPING
-                                    && let Some(slot) = callee.slot
-                                    && callee.exact_count == u16::from(count)
-                                    && !(slot.assigns && self.current == SCRATCH_TASK)
-                                    && let kind = &self.constants[slot.kind as usize]
-                                    && let Some(value) = self.heap.access_slot(slot, kind, &r!(first), &r!(first + 1))
-                                {
-                                    r!(first) = value;
-                                    continue;
-                                }
-                                if !self.limits.allow_above(few_frames, self.scratch.frames.len(), base + first) {
-                                    fail!(self.too_deep());
-                                }
-                                if is_framed {
-                                    clear!(callee, first, usize::from(count));
-                                } else {
-                                    attempt!(self.arrange(callee, base + first, usize::from(count)));
-                                    self.clear_frame(callee, base + first);
-                                }
+                        if let Value::Function(number) = self.globals[global as usize]
+                            && let callee = &*program.codes[number as usize]
+                        {
+                            let from = usize::from(first);
+                            if callee.framed_count == u16::from(count) && self.scratch.frames.len() < few_frames {
+                                clear!(callee, from, usize::from(count));
                                 self.scratch.frames.push(frame!());
-                                begin!(callee, number, base + first);
+                                begin!(callee, number, base + from);
                                 continue 'frame;
                             }
-                            Value::Unbound => fail!(self.describe_global(around, global)),
-                            function => hand_over!(self.call_any(around, place, function, first, count, false)),
+                            if !STEPPING
+                                && let Some(slot) = &callee.slot
+                                && callee.exact_count == u16::from(count)
+                                && !(slot.assigns && self.current == SCRATCH_TASK)
+                                && self.heap.access_slot(slot, &self.constants, &mut r[from..])
+                            {
+                                continue;
+                            }
                         }
+                        hand_over!(self.call_global(around, place, global, first, count, false))
                     }
                     Op::TailCall(first, count, global) => {
                         burn!();
-                        match self.globals[global as usize] {
-                            Value::Function(number) if program.codes[number as usize].kind != CodeKind::Plan => {
-                                let callee: &Code = &program.codes[number as usize];
-                                let from = usize::from(first);
-                                r.copy_within(from..from + usize::from(count), 0);
-                                if callee.exact_count == u16::from(count) {
-                                    clear!(callee, 0, usize::from(count));
-                                } else {
-                                    attempt!(self.arrange(callee, base, usize::from(count)));
-                                    self.clear_frame(callee, base);
-                                }
-                                begin!(callee, number, base);
-                                continue 'frame;
-                            }
-                            Value::Unbound => fail!(self.describe_global(around, global)),
-                            function => hand_over!(self.call_any(around, place, function, first, count, true)),
+                        if let Value::Function(number) = self.globals[global as usize]
+                            && let callee = &*program.codes[number as usize]
+                            && callee.exact_count == u16::from(count)
+                            && callee.kind != CodeKind::Plan
+                        {
+                            let (first, count) = (usize::from(first), usize::from(count));
+                            r.copy_within(first..first + count, 0);
+                            clear!(callee, 0, count);
+                            begin!(callee, number, base);
+                            continue 'frame;
                         }
+                        hand_over!(self.call_global(around, place, global, first, count, true))
                     }
                     Op::CallValue(callee, count) => call_value!(callee, count, false),
                     Op::TailCallValue(callee, count) => call_value!(callee, count, true),
@@ -521,7 +492,9 @@ impl Machine {
                             hand_over!(self.take_reply(around, place, to, first, count, native, reply))
                         };
                         self.scratch.stack[base + usize::from(to)] = value;
-                        collect_if_full!();
+                        if self.heap.is_full() {
+                            attempt!(self.collect_here(base + usize::from(code.registers)));
+                        }
                         if self.scratch.switch || around.natives[usize::from(native)].effect.acts() {
                             check_leaving!();
                             check_switch!();
@@ -592,8 +565,30 @@ impl Machine {
                     | Op::PushHandler(..) | Op::PushCleanup(_) | Op::BeginCleanup | Op::EndCleanup
                     | Op::PushValve(_) | Op::PushOnInterrupt(_) | Op::PushOnResume(_) | Op::PushSuspended(_)
                     | Op::PushFence | Op::PushWatch(..) | Op::WatchWait | Op::WatchDone | Op::PopScopes(_)
-                    | Op::LeaveScopes(..) | Op::Network(..) => hand_over!(self.plan_instruction(around, place, *op)),
+                    | Op::LeaveScopes(..) | Op::Network(..) => {
+                        hand_over!(self.plan_instruction(around, place, *op))
+                    }
                 }
+            };
+            fuel = place.fuel;
+            match next? {
+                Proceed::On => {}
+                Proceed::Switch => {
+                    check_switch!();
+                }
+                Proceed::Leave => {
+                    check_leaving!();
+                    check_switch!();
+                }
+                Proceed::Entered => {
+                    resume!(place.frame);
+                    spend!();
+                    check_leaving!();
+                    check_switch!();
+                }
+                Proceed::Blocked => return Ok(Exit::Blocked),
+                Proceed::Pause => return Ok(Exit::Paused),
+                Proceed::Ask(asked, to) => return Ok(Exit::Ask(asked, to)),
             }
         }
     }

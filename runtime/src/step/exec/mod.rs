@@ -57,6 +57,8 @@ pub(crate) enum Proceed {
     Entered,
     /// Not now: the task waits or departs.
     Blocked,
+    /// Not now: somebody is to look at the task first.
+    Pause,
     /// When the whole run has answered; the answer goes to the register.
     Ask(Asked, Reg),
 }

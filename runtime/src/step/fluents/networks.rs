@@ -240,7 +240,13 @@ impl Machine {
         let first = self.scratch.reads.fluents.len();
         let outer = std::mem::replace(&mut self.scratch.reads.are_noted, true);
         let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
-        let result = self.evaluate_code(around, code, captured);
+        let result = match self.evaluate_plainly(around.program, code, captured) {
+            Some(value) => Ok(value),
+            None => {
+                self.scratch.reads.fluents.truncate(first);
+                self.evaluate_code(around, code, captured)
+            }
+        };
         self.scratch.reads.are_noted = outer;
         if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
             self.scratch.event_readers.insert(network);

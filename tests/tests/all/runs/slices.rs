@@ -15,6 +15,7 @@ const BUSY: &[&str] = &[
     "(par (with-priority 2 (wait-time 1) (print 'high)) (seq (wait-time 1) (dotimes (i 400) i) (print 'low)))",
     "(def-fluent f 0) (with-policy (whenever (> f 5) (print (value f)) (setf (value f) 0)) (dotimes (i 30) (setf (value f) (+ i f)) (wait-time 0)))",
     "(def-fluent f 0) (let ((task (spawn (loop (incf (value f)) (if (> f 200) (wait-time 1)))))) (wait-time 0.5) (print (value f)) (evaporate task))",
+    "(let ((n 0) (end 700)) (loop while (< n end) (setq n (+ n 1))) (dotimes (i 9000 n) (setq n i)))",
     "(sort (lambda (a b) (> a b)) (range 0 200))",
 ];
 

@@ -40,6 +40,38 @@ fn wait_for_returns_the_value() {
     check("(def-fluent f nil) (list (wait-for f :timeout 0) (now))", "=> (nil 0.0)");
 }
 
+/// Networks that only read, add and compare are evaluated in a way of their own.
+#[test]
+fn a_network_has_the_value_it_has_where_a_function_is_called_in_it() {
+    for form in [
+        "(> a b)",
+        "(< 2 a)",
+        "(<= a 3.5)",
+        "(= a b)",
+        "(/= a b)",
+        "(eq a 'x)",
+        "(not (>= a b))",
+        "(+ a b k)",
+        "(- a b 1)",
+        "(* a a)",
+        "(and (> a 1) (* a 2))",
+        "(or (not a) (not b) k)",
+        "(if (> a b) (1+ a) unset)",
+    ] {
+        for (a, b) in
+            [("1", "2"), ("2.5", "2"), ("3", "2.5"), ("'x", "2"), ("9223372036854775807", "1"), ("nil", "nil")]
+        {
+            let network = |form: &str| {
+                run(&format!(
+                    "(def-fluent a 3) (def-fluent b 3) (defvar k 7) (defun same (x) x) (defun later () unset)
+                     (defvar n (fluent {form})) (setf (value b) {b}) (setf (value a) {a}) (print (value n)) (defvar unset 1)"
+                ))
+            };
+            assert_eq!(network(form), network(&format!("(same {form})")), "{form} of {a} and {b}");
+        }
+    }
+}
+
 /// r[wait-for.order]
 #[test]
 fn waiters_are_woken_in_the_order_of_waiting() {
