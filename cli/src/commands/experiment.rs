@@ -25,7 +25,7 @@ pub struct Arguments {
     #[command(subcommand)]
     merge: Option<Merge>,
     /// `rotated`, `kidnapped`, `global`, `false-alarms`, `calibration`, `deviations`, `choices`,
-    /// `sensing`, `people`, `office`, `worlds`, `doors`, `drive-times`, `grains`, `projections`, `barn`, `marker-detection`, `hallway-features`,
+    /// `sensing`, `people`, `crowd`, `office`, `worlds`, `doors`, `drive-times`, `grains`, `projections`, `barn`, `marker-detection`, `hallway-features`,
     /// `count-openings`, `office-delivery`, `topological-global`, `routes`, `case-kinds`, `behaviours`, `rupart`, or a plan of your own; `-` for standard
     /// input; without it, the plan that `rpl.toml` names, in its world
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::experiments))]

@@ -9,7 +9,7 @@
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
 //! never changes), then `tile`, `plane`, `motion`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark`
 //! (what was seen), `calibration`,
-//! `beliefs` (fine and coarse), `filter` (the state others use), and `reading` (a belief read beam by beam).
+//! `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
 mod beliefs;
@@ -17,6 +17,7 @@ mod calibration;
 mod error;
 mod expected;
 mod filter;
+mod gating;
 mod grid;
 mod ground;
 mod kernel;
@@ -51,7 +52,7 @@ pub use parameters::{LocalizationParameters, OdometryError, Spread, Watch};
 pub use plane::Plane;
 pub use reading::{Offness, ReadingModel, StateShare};
 pub use scan::ScanModel;
-pub use scan_parameters::{BeamParameters, Gating, ScanParameters};
+pub use scan_parameters::{BeamParameters, Gating, ScanParameters, ShortReadings};
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{NO_ECHO, SensorModel};
 pub use simd::Instructions;

@@ -1,5 +1,6 @@
 //! Facts about the whole filter, on maps small enough to compute everything by hand.
 
+mod gating;
 mod sleeping;
 
 use super::grid::{Place, TILE, TILE_EDGE};
