@@ -109,7 +109,7 @@ impl Beliefs {
     /// Eq. (2) for a scan of each sensor; so many updates have been before.
     pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan], updates: u64) {
         if !self.is_led_by_coarse {
-            self.fine.sense(model, scans);
+            self.fine.sense_after_motion(model, scans);
         }
         if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
             if self.is_led_by_coarse || self.fine.is_adrift(model) {

@@ -33,7 +33,7 @@ fn the_entropy_filter_leaves_out_just_the_readings_that_raise_the_entropy() {
     let belief = belief(&model);
     let entropy = |shares: &[f64]| {
         let mass: f64 = shares.iter().sum();
-        shares.iter().filter(|share| **share > 0.0).map(|share| -share / mass * (share / mass).ln()).sum::<f64>()
+        shares.iter().filter(|share| **share > 0.0).map(|share| -share / mass * libm::log(share / mass)).sum::<f64>()
     };
     let (mut kept, mut left_out) = (0, 0);
     let mut stream = Stream::new(10_330, "gating");
@@ -45,7 +45,7 @@ fn the_entropy_filter_leaves_out_just_the_readings_that_raise_the_entropy() {
             let Some(bin) = bin else { continue };
             let states = expectations(&model, &belief, beam);
             let prior: Vec<f64> = states.iter().map(|(share, _)| *share).collect();
-            let likelihood = |expected| (-model.sensors[0].likelihood.nats(*bin, expected)).exp();
+            let likelihood = |expected| libm::exp(-model.sensors[0].likelihood.nats(*bin, expected));
             let posterior: Vec<f64> = states.iter().map(|(share, expected)| share * likelihood(*expected)).collect();
             let raised = entropy(&posterior) - entropy(&prior);
             if raised.abs() > 1e-5 {
@@ -70,7 +70,8 @@ fn the_novelty_filter_leaves_out_just_the_readings_that_are_probably_shorter_tha
         }
         let at_m = |bin: u8| model.sensors[0].likelihood.range_m(bin);
         let sigma_m = beam_model.sigma_m + beam_model.sigma_per_m * at_m(expected);
-        let weight = |bin: u8| (-0.5 * ((at_m(bin) - at_m(expected)) / sigma_m).powi(2)).exp();
+        let sigmas = |bin: u8| (at_m(bin) - at_m(expected)) / sigma_m;
+        let weight = |bin: u8| libm::exp(-0.5 * sigmas(bin) * sigmas(bin));
         let sum = |bins: std::ops::Range<u8>| bins.map(weight).sum::<f64>();
         if measured == NO_ECHO { 0.0 } else { sum(measured + 1..NO_ECHO) / sum(0..NO_ECHO) }
     };

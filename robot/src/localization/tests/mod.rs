@@ -2,6 +2,7 @@
 
 mod gating;
 mod sleeping;
+mod spikes;
 
 use super::grid::{Place, TILE, TILE_EDGE};
 use super::sensor::mixture;
