@@ -24,8 +24,8 @@ impl Belief {
     /// its share by Bayes' rule, the prior one times the evidence of the scans. The wide part is computed only where
     /// the scans fit badly without it; elsewhere its share is next to nothing.
     pub(super) fn sense_after_motion(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) {
-        let is_localized = self.tiles().count() <= MOST_TILES;
-        let Some(spikes) = model.parameters.spikes.as_ref().filter(|_| is_localized) else {
+        let is_localized = |_: &&HeadingSpikes| self.tiles().count() <= MOST_TILES;
+        let Some(spikes) = model.parameters.spikes.as_ref().filter(is_localized) else {
             self.sense(model, scans);
             return;
         };
