@@ -7,6 +7,7 @@ mod catalogue;
 mod chart;
 mod choices;
 mod conduct;
+mod crowd;
 mod day;
 mod doors;
 mod drive_times;
@@ -82,6 +83,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
         }
         ExperimentSubject::Choices => conduct(choices::Choices::new(asked, rows()?)?, request, how, console),
         ExperimentSubject::Barn => conduct(barn::Barn::new(asked)?, request, how, console),
+        ExperimentSubject::Crowd => conduct(crowd::Crowds::new(asked)?, request, how, console),
         ExperimentSubject::Worlds => conduct(worlds::WorldDrives::new(asked)?, request, how, console),
         ExperimentSubject::Doors => conduct(doors::drives(asked)?, request, how, console),
         ExperimentSubject::DriveTimes => conduct(drive_times::TimedDrives::new(asked)?, request, how, console),
@@ -111,6 +113,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
 fn row_names(experiment: &Experiment) -> Vec<&'static str> {
     match experiment.subject {
         ExperimentSubject::Barn => barn::row_names(),
+        ExperimentSubject::Crowd => crowd::row_names(),
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
         ExperimentSubject::DriveTimes | ExperimentSubject::Grains => drive_times::WORLDS.to_vec(),

@@ -23,6 +23,8 @@ pub enum ExperimentSubject {
     Calibration,
     /// What single departures from the papers are worth: a line for each row, nothing else.
     Comparison,
+    /// Whether the robot knows where it is with people around it: rows of its own.
+    Crowd,
     /// Drives from anywhere to any place, world by world.
     Worlds,
     /// Deliveries on whose way a door is closed for a while, world by world.
@@ -249,6 +251,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         rows: &[PEOPLE, Row { name: "in the department", world: "dept-crowded", ..PEOPLE }],
     },
     Experiment { name: "office", subject: ExperimentSubject::Success, rows: &[OFFICE] },
+    Experiment { name: "crowd", subject: ExperimentSubject::Crowd, rows: &[] },
     Experiment { name: "worlds", subject: ExperimentSubject::Worlds, rows: &[] },
     Experiment { name: "doors", subject: ExperimentSubject::Doors, rows: &[] },
     Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },

@@ -24,7 +24,7 @@ use std::borrow::Cow;
 pub const AT_GOAL_M: f64 = 0.5;
 
 /// An estimate further off than this is wrong.
-const WRONG_ESTIMATE_M: f64 = 1.0;
+pub const WRONG_ESTIMATE_M: f64 = 1.0;
 
 /// What the certainty is about: the estimate is within this distance of the truth ...
 const RIGHT_M: f64 = 0.5;
@@ -85,11 +85,12 @@ fn truth_of(sight: &Sight) -> Pose {
 }
 
 /// How far the estimate is off.
-fn off_m(sight: &Sight) -> f64 {
+pub fn off_m(sight: &Sight) -> f64 {
     sight.estimate_in_map.distance_m(truth_of(sight))
 }
 
-fn is_right(sight: &Sight) -> bool {
+/// Whether the estimate is right.
+pub fn is_right(sight: &Sight) -> bool {
     off_m(sight) <= RIGHT_M && off_rad(sight) <= RIGHT_RAD
 }
 

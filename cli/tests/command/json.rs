@@ -100,6 +100,8 @@ fn experiments_of_other_kinds_are_as_documented() {
     let sensing: &[&str] =
         &["experiment", "sensing", "--row", "sonars, random", "--runs", "1", "--until", "120s", "--json"];
     assert_documented("rpl experiment sensing", &[sensing]);
+    let crowd: &[&str] = &["experiment", "crowd", "--row", "20 people", "--runs", "1", "--until", "20s", "--json"];
+    assert_documented("rpl experiment crowd", &[crowd]);
     let choices: &[&str] = &["experiment", "choices", "--row", "turned by 180°", "--runs", "1", "--json"];
     assert_documented("rpl experiment choices", &[choices]);
     let projections: &[&str] = &["experiment", "projections", "--row", "fetch", "--runs", "1", "--json"];

@@ -194,6 +194,7 @@ fn experiments_of_all_kinds_are_put_together_from_parts() {
         ("office-delivery", &["--row", "wrong lists", "--runs", "2", "--until", "20s"]),
         ("hallway-features", &["--row", "with markers", "--runs", "2", "--until", "20s"]),
         ("sensing", &["--row", "sonars, random", "--runs", "2", "--until", "60s"]),
+        ("crowd", &["--row", "20 people", "--runs", "2", "--until", "20s"]),
         ("barn", &["--row", "seen so far", "--runs", "3"]),
         ("routes", &["--row", "guided, learning", "--runs", "2"]),
         ("case-kinds", &["--row", "weighted", "--runs", "3"]),

@@ -39,9 +39,9 @@ pub struct Belief {
     pub(super) planes: Vec<Plane>,
     /// A cell that is awake is worth `factor · stored + floor`: the normalization that the next pass over the cells
     /// brings in, and what mixing has added to each cell that can be stood in.
-    factor: f64,
+    pub(super) factor: f64,
     /// See above.
-    floor: f64,
+    pub(super) floor: f64,
     /// Probability of each cell that sleeps.
     pub(super) asleep: f64,
     /// Rotation that is not yet applied, in angle steps, at most one half.
@@ -123,20 +123,32 @@ impl Belief {
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
         let mut merged = Self::asleep(model);
         for (heading, plane) in merged.planes.iter_mut().enumerate() {
-            let held = [self, other].map(|belief| belief.planes[heading].tiles.iter().map(|tile| tile.number));
-            let mut numbers: Vec<u32> = held.into_iter().flatten().collect();
-            numbers.sort_unstable();
-            numbers.dedup();
-            let both = |number: u32| {
-                let ground = model.ground.tile(number)?;
-                let [own, others] = [self, other].map(|belief| belief.values(heading, number, ground));
-                Some(Tile::new(number, std::array::from_fn(|cell| 0.5 * (own[cell] + others[cell]))))
-            };
-            *plane = Plane::of(numbers.into_iter().filter_map(both).collect());
+            plane.tiles = self.tiles_with(model, other, heading, 0.5);
         }
         merged.asleep = 0.5 * (self.asleep + other.asleep);
         merged.sense(model, &[]);
         merged
+    }
+
+    /// The tiles of a plane of this belief with a share of another one, cell by cell.
+    pub(super) fn tiles_with(
+        &self,
+        model: &LocalizationModel,
+        other: &Self,
+        heading: usize,
+        share: f32,
+    ) -> Arc<Vec<Tile>> {
+        let held = [self, other].map(|belief| belief.planes[heading].tiles.iter().map(|tile| tile.number));
+        let mut numbers: Vec<u32> = held.into_iter().flatten().collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let both = |number: u32| {
+            let ground = model.ground.tile(number)?;
+            let [own, others] = [self, other].map(|belief| belief.values(heading, number, ground));
+            let cell = |cell: usize| (1.0 - share) * own[cell] + share * others[cell];
+            Some(Tile::new(number, std::array::from_fn(cell)))
+        };
+        Arc::new(numbers.into_iter().filter_map(both).collect())
     }
 
     /// The belief of another grid over the same map: every state takes the density of the state of
@@ -359,7 +371,7 @@ impl Belief {
     }
 
     /// What lies around the tiles that are awake.
-    fn surroundings<'m>(&self, model: &'m LocalizationModel) -> Surroundings<'m> {
+    pub(super) fn surroundings<'m>(&self, model: &'m LocalizationModel) -> Surroundings<'m> {
         let stored = |value: f64| ((value - self.floor) / self.factor) as f32;
         Surroundings {
             grid: &model.grid,
@@ -386,12 +398,13 @@ impl Belief {
     }
 
     /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes: takes in a scan of each sensor of the
-    /// model, one after the other. Missing readings and scans count for nothing.
+    /// model, one after the other. Missing readings and scans count for nothing. Tells how much better than on the
+    /// average over all states the scans fit: the logarithm of their evidence by their average weight.
     ///
     /// # Deviation
     /// After the scans a share of the uniform distribution is mixed in.
-    pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) {
-        self.sense_tempered(model, scans, |_| 1.0);
+    pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) -> f64 {
+        self.sense_tempered(model, scans, |_| 1.0)
     }
 
     /// The same with a power of the likelihood of a scan of each sensor, beyond its tempering.
@@ -400,7 +413,7 @@ impl Belief {
         model: &LocalizationModel,
         scans: &[BinnedScan],
         power: impl Fn(usize) -> f64,
-    ) {
+    ) -> f64 {
         let readings = |scan: &BinnedScan| -> Vec<(usize, u8)> {
             scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect()
         };
@@ -410,10 +423,11 @@ impl Belief {
         let Some((last, readings)) = heard.pop() else {
             return self.sense_scan(model, 0, &[], 1.0, 0.0);
         };
+        let mut fit = 0.0;
         for (sensor, readings) in heard {
-            self.sense_scan(model, sensor, &readings, power(sensor), 0.0);
+            fit += self.sense_scan(model, sensor, &readings, power(sensor), 0.0);
         }
-        self.sense_scan(model, last, &readings, power(last), model.parameters.mixing);
+        fit + self.sense_scan(model, last, &readings, power(last), model.parameters.mixing)
     }
 
     /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.
@@ -424,24 +438,26 @@ impl Belief {
         readings: &[(usize, u8)],
         power: f64,
         mixed: f64,
-    ) {
+    ) -> f64 {
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings, power) };
         let terms = self.terms();
         weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, power, terms, average);
-        self.weighed(model, average, f64::from(LIFT), mixed);
+        self.weighed(model, average, f64::from(LIFT), mixed)
     }
 
     /// Takes in that all tiles were weighed and are stored so many times as large, and normalizes; what sleeps is
-    /// multiplied by the average weight.
-    pub(super) fn weighed(&mut self, model: &LocalizationModel, average: f64, lift: f64, mixed: f64) {
+    /// multiplied by the average weight. Tells the logarithm of the evidence by the average weight.
+    pub(super) fn weighed(&mut self, model: &LocalizationModel, average: f64, lift: f64, mixed: f64) -> f64 {
         (self.factor, self.floor) = (1.0, 0.0);
         self.asleep *= average * lift;
         let awake: f64 = self.tiles().map(|tile| tile.mass).sum();
         let evidence = awake + self.mass_asleep(model);
         if evidence > LEAST_EVIDENCE {
             self.normalize(model, evidence, mixed);
+            libm::log(evidence / (average * lift))
         } else {
             *self = Self::uniform(model);
+            0.0
         }
     }
 

@@ -96,14 +96,22 @@ impl Beliefs {
         belief.entropy(leading) + libm::log(leading.prior() / model.prior())
     }
 
-    /// Eqs. (1) and (2) for a motion and a scan of each sensor; so many updates have been before.
-    pub(super) fn update(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan], updates: u64) {
+    /// Eq. (1) for a motion; [`Beliefs::sense`] must follow.
+    pub(super) fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
         if !self.is_led_by_coarse {
             self.fine.advance(model, motion);
-            self.fine.sense(model, scans);
         }
         if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
             coarse.advance(coarse_model, motion);
+        }
+    }
+
+    /// Eq. (2) for a scan of each sensor; so many updates have been before.
+    pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan], updates: u64) {
+        if !self.is_led_by_coarse {
+            self.fine.sense_after_motion(model, scans);
+        }
+        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
             if self.is_led_by_coarse || self.fine.is_adrift(model) {
                 // What the fine belief would count a scan for.
                 let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;

@@ -2,10 +2,10 @@
 
 use super::belief::Belief;
 use super::beliefs::Beliefs;
+use super::gating::{leave_out_confusing, leave_out_novel, leave_out_short};
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
-use super::scan::ScanModel;
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
 use super::sensor::BinnedScan;
@@ -42,19 +42,6 @@ fn has_changed(before_m: Option<&[f32]>, now_m: Option<&[f32]>) -> bool {
     let (Some(before_m), Some(now_m)) = (before_m, now_m) else { return now_m.is_some() };
     let changed = |(before, now): &(&f32, &f32)| (**before - **now).abs() > CHANGED_M;
     before_m.iter().zip(now_m).filter(changed).count() * CHANGED_ONE_IN >= now_m.len()
-}
-
-/// Leaves out what is clearly shorter than expected.
-fn gate(gating: &Gating, sensor: &ScanModel, expected: &[u8], ranges_m: &[f32], scan: &mut BinnedScan) {
-    let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
-    let beyond_m = |beam: &usize| f64::from(ranges_m[*beam]) - sensor.likelihood.range_m(expected[*beam]);
-    let echoes = |beam: &&usize| f64::from(ranges_m[**beam]) < sensor.parameters.beam.max_range_m;
-    let short = || read.iter().filter(|beam| beyond_m(beam) < -gating.margin_m);
-    let fitting = read.iter().filter(|beam| beyond_m(beam).abs() <= gating.margin_m).count();
-    let farther = read.iter().filter(echoes).filter(|beam| beyond_m(beam) > gating.margin_m).count();
-    if short().count() <= gating.max_readings || gating.is_crowd(fitting, farther) {
-        short().for_each(|&beam| scan[beam] = None);
-    }
 }
 
 /// Share of the old belief kept when relocalization starts.
@@ -148,8 +135,10 @@ impl Localization {
         if !is_due {
             return false;
         }
-        let scans = self.scans(model, self.beliefs.mode.pose_in_map.compose(since), scans_m);
-        self.beliefs.update(model, since, &scans, self.updates);
+        let predicted_in_map = self.beliefs.mode.pose_in_map.compose(since);
+        self.beliefs.advance(model, since);
+        let scans = self.scans(model, predicted_in_map, scans_m);
+        self.beliefs.sense(model, &scans, self.updates);
         let last = self.fix.map(|fix| fix.advanced(since, &model.parameters.odometry));
         self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m);
         self.take_fix();
@@ -217,17 +206,25 @@ impl Localization {
         }
     }
 
-    /// The bins of the scans, without the readings that gating leaves out.
+    /// The bins of the scans, without the readings that gating leaves out; the belief has been moved.
     fn scans(&self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<BinnedScan> {
         let mut scans = model.binned(scans_m);
-        let state = model.state_at(predicted_in_map).filter(|state| model.is_admissible(state.column, state.row));
-        let Some(state) = state else { return scans };
+        let (belief, leading) = self.beliefs.leading(model);
         for (sensor, (scan, ranges_m)) in scans.iter_mut().zip(scans_m).enumerate() {
-            let gating = model.sensors[sensor].parameters.gating.as_ref();
-            let gating = gating.filter(|gating| self.beliefs.mode.mass >= gating.min_certainty);
-            if let (Some(gating), Some(ranges_m)) = (gating, ranges_m) {
-                let expected = model.expected_scan(sensor, state);
-                gate(gating, &model.sensors[sensor], &expected, ranges_m, scan);
+            let (Some(gating), Some(ranges_m)) = (&model.sensors[sensor].parameters.gating, ranges_m) else { continue };
+            match gating {
+                Gating::Short(short) => {
+                    let state = model.state_at(predicted_in_map);
+                    let state = state.filter(|state| model.is_admissible(state.column, state.row));
+                    if let Some(state) = state.filter(|_| self.beliefs.mode.mass >= short.min_certainty) {
+                        let expected = model.expected_scan(sensor, state);
+                        leave_out_short(short, &model.sensors[sensor], &expected, ranges_m, scan);
+                    }
+                }
+                Gating::Entropy => leave_out_confusing(belief, leading, sensor, scan),
+                Gating::Novelty { most_probable } => {
+                    leave_out_novel(*most_probable, belief, leading, sensor, scan);
+                }
             }
         }
         scans

@@ -7,9 +7,9 @@
 //! moves the robot.
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
-//! never changes), then `tile`, `plane`, `motion`, `belief`, `weigh`, `summary`, `scan_match` (the belief), `landmark`
+//! never changes), then `tile`, `plane`, `motion`, `belief`, `spikes`, `weigh`, `summary`, `scan_match` (the belief), `landmark`
 //! (what was seen), `calibration`,
-//! `beliefs` (fine and coarse), `filter` (the state others use), and `reading` (a belief read beam by beam).
+//! `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
 mod beliefs;
@@ -17,6 +17,7 @@ mod calibration;
 mod error;
 mod expected;
 mod filter;
+mod gating;
 mod grid;
 mod ground;
 mod kernel;
@@ -33,6 +34,7 @@ mod scan_match;
 mod scan_parameters;
 mod sensor;
 mod simd;
+mod spikes;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -47,11 +49,11 @@ pub use grid::{Bearings, BeliefGrid, State};
 pub use kernel::MAX_BEAMS;
 pub use landmark::{LandmarkNoise, LandmarkSighting};
 pub use model::LocalizationModel;
-pub use parameters::{LocalizationParameters, OdometryError, Spread, Watch};
+pub use parameters::{HeadingSpikes, LocalizationParameters, OdometryError, Spread, Watch};
 pub use plane::Plane;
 pub use reading::{Offness, ReadingModel, StateShare};
 pub use scan::ScanModel;
-pub use scan_parameters::{BeamParameters, Gating, ScanParameters};
+pub use scan_parameters::{BeamParameters, Gating, ScanParameters, ShortReadings};
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{NO_ECHO, SensorModel};
 pub use simd::Instructions;

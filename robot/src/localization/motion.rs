@@ -111,6 +111,25 @@ impl Surroundings<'_> {
         })
     }
 
+    /// The mean of some planes.
+    pub(super) fn averaged(&self, planes: &[Share]) -> Arc<Vec<Tile>> {
+        let mut reached: Vec<u32> =
+            planes.iter().flat_map(|share| self.reached(share.plane, share.by_cells, 0)).collect();
+        reached.sort_unstable();
+        reached.dedup();
+        let each = 1.0 / planes.len() as f32;
+        let mut moved = [[0.0; TILE_EDGE]; TILE_EDGE];
+        self.rebuilt(&Plane::default(), reached, |[column, row], _, cells| {
+            let cells = cells.as_flattened_mut();
+            cells.fill(0.0);
+            for Share { plane, by_cells } in planes {
+                self.copy_square(plane, [column - by_cells[0], row - by_cells[1]], &mut moved);
+                cells.iter_mut().zip(moved.as_flattened()).for_each(|(cell, value)| *cell += each * value);
+            }
+            true
+        })
+    }
+
     /// The tiles that were awake, and those that wake: `make` writes the cells of the tile at a corner, and says whether
     /// it was awake or may wake.
     fn rebuilt(

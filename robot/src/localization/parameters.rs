@@ -33,6 +33,9 @@ pub struct LocalizationParameters {
     pub sensors: Vec<ScanParameters>,
     /// The error model of the odometry.
     pub odometry: OdometryError,
+    /// Turns that the odometry reports now and then and that never were; none expects none.
+    #[serde(default)]
+    pub spikes: Option<HeadingSpikes>,
     /// Share of the uniform distribution mixed in after an update; 0 is none.
     pub mixing: f64,
     /// The watch over the whole map; none does not watch.
@@ -119,6 +122,7 @@ impl LocalizationParameters {
             clearance_m: 0.15,
             sensors: ScanParameters::of(robot),
             odometry: OdometryError::default(),
+            spikes: None,
             mixing: 5e-4,
             watch: Some(Watch::default()),
             calibration: Some(Calibration::new(calibrated)),
@@ -135,6 +139,7 @@ impl LocalizationParameters {
         let in_full = |sensor| ScanParameters { tempering: 1.0, gating: None, ..sensor };
         Self {
             sensors: self.sensors.into_iter().map(in_full).collect(),
+            spikes: None,
             mixing: 0.0,
             watch: None,
             calibration: None,
@@ -164,6 +169,9 @@ impl LocalizationParameters {
             ("odometry.turn_per_radian_rad", odometry.turn_per_radian_rad, 0.0, 7.0),
         ];
         ranges.extend(self.sensors.iter().flat_map(ScanParameters::ranges));
+        if let Some(spikes) = &self.spikes {
+            ranges.extend([("spikes.share", spikes.share, 1e-12, 0.5), ("spikes.most_rad", spikes.most_rad, 0.0, 3.2)]);
+        }
         if let Some(watch) = &self.watch {
             ranges.extend([
                 ("watch.cell_m", watch.cell_m, 0.01, 100.0),
@@ -225,6 +233,7 @@ impl LocalizationParameters {
                 turn_per_metre_rad: 4.2f64.to_radians(),
                 turn_per_radian_rad: 6.5f64.to_radians(),
             },
+            spikes: Some(HeadingSpikes::default()),
             mixing: 1e-4,
             watch: None,
             calibration: None,
@@ -255,6 +264,21 @@ pub struct OdometryError {
     pub turn_per_metre_rad: f64,
     /// Standard deviation of the heading after turning by one radian.
     pub turn_per_radian_rad: f64,
+}
+
+/// Odometry that now and then jumps in its heading from one scan to the next: a slipping wheel, a lost message.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeadingSpikes {
+    /// Probability at an update.
+    pub share: f64,
+    /// By at most so much to either side, all alike.
+    pub most_rad: f64,
+}
+
+impl Default for HeadingSpikes {
+    fn default() -> Self {
+        Self { share: 0.01, most_rad: 30f64.to_radians() }
+    }
 }
 
 impl Default for OdometryError {

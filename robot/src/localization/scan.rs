@@ -5,7 +5,7 @@ use super::grid::{Bearings, BeliefGrid, Place, TILE};
 use super::ground::Ground;
 use super::kernel::{Beam, LIFT, TilePart};
 use super::scan_parameters::ScanParameters;
-use super::sensor::SensorModel;
+use super::sensor::{BINS, SensorModel, components};
 use super::simd::Instructions;
 use crate::occupancy::{DistanceField, OccupancyGrid, SweepMap};
 use std::sync::{Arc, OnceLock};
@@ -40,6 +40,8 @@ pub struct ScanModel {
     expected: ExpectedBins,
     /// `[tile][beam]` expected scans of states spread evenly over all admissible ones; made when first asked for.
     samples: OnceLock<Vec<[u8; TILE]>>,
+    /// `[expected][measured]` what the Gaussian has beyond a bin; made when first asked for.
+    beyond: OnceLock<Vec<[f64; BINS]>>,
 }
 
 impl ScanModel {
@@ -50,6 +52,7 @@ impl ScanModel {
             expected: ExpectedBins::new(seen.sweeps.clone(), grid, bearings.directions, ground, &parameters.beam),
             likelihood: SensorModel::new(&parameters.beam, parameters.tempering),
             samples: OnceLock::new(),
+            beyond: OnceLock::new(),
             distances: seen.distances.clone(),
             parameters,
             bearings,
@@ -69,6 +72,22 @@ impl ScanModel {
     /// The noise-free scan at a heading in a cell.
     pub(super) fn expected_scan(&self, heading: usize, place: Place) -> Vec<u8> {
         (0..self.bearings.beams()).map(|beam| self.expected_bin(heading, place, beam)).collect()
+    }
+
+    /// The probability that a reading of what is expected is longer than this one.
+    pub(super) fn beyond(&self, expected: u8, measured: u8) -> f64 {
+        let beyond = self.beyond.get_or_init(|| {
+            let of = |expected: usize| {
+                let [hit, ..] = components(&self.parameters.beam, expected);
+                let mut left = 1.0;
+                std::array::from_fn(|measured| {
+                    left -= hit[measured];
+                    f64::max(left, 0.0)
+                })
+            };
+            (0..BINS).map(of).collect()
+        });
+        beyond[usize::from(expected)][usize::from(measured)]
     }
 
     /// Expected scans of states spread evenly over cells and headings.

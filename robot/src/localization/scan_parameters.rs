@@ -47,7 +47,7 @@ impl ScanParameters {
         let beams_deg: Vec<i32> = sonar.layout.mounts().iter().map(bearing_deg).collect();
         Self {
             source: RangeSensor::Sonar,
-            gating: Some(Gating::of_beams(beams_deg.len())),
+            gating: Some(Gating::Short(ShortReadings::of_beams(beams_deg.len()))),
             beams_deg,
             beam: BeamParameters::sonar(sonar),
             tempering: 0.15,
@@ -63,7 +63,7 @@ impl ScanParameters {
         let beams_deg: Vec<i32> = (0..laser.readings).step_by(stride).map(bearing_deg).collect();
         Self {
             source: RangeSensor::Laser,
-            gating: Some(Gating::of_beams(beams_deg.len())),
+            gating: Some(Gating::Short(ShortReadings::of_beams(beams_deg.len()))),
             beams_deg,
             beam: BeamParameters { max_range_m: laser.range_m, ..MISSION_RAY },
             // Rays side by side meet the same wall, and what is missing in the map.
@@ -111,9 +111,15 @@ impl ScanParameters {
             ("sensors.watch_sigma_m", self.watch_sigma_m, 1e-4, 100.0),
             ("sensors.watch_tempering", self.watch_tempering, 1e-6, 1.0),
         ];
-        if let Some(gating) = &self.gating {
-            ranges.push(("sensors.gating.margin_m", gating.margin_m, 0.0, 1000.0));
-            ranges.push(("sensors.gating.min_certainty", gating.min_certainty, 0.0, 1.0));
+        match &self.gating {
+            Some(Gating::Short(short)) => ranges.extend([
+                ("sensors.gating.short.margin_m", short.margin_m, 0.0, 1000.0),
+                ("sensors.gating.short.min_certainty", short.min_certainty, 0.0, 1.0),
+            ]),
+            Some(Gating::Novelty { most_probable }) => {
+                ranges.push(("sensors.gating.novelty.most_probable", *most_probable, 0.0, 1.0));
+            }
+            Some(Gating::Entropy) | None => {}
         }
         ranges
     }
@@ -220,14 +226,30 @@ const MISSION_RAY: BeamParameters = BeamParameters {
     fades: true,
 };
 
-/// Which readings to leave out: those clearly shorter than the estimated pose explains, as long as
-/// they are few. Many short readings speak against the pose and not for furniture – unless the others
-/// fit it: then people stand around. What stands before a wall never makes a reading longer, and a
+/// Which readings of a scan to leave out: what they measured may be in no map, people and furniture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gating {
+    /// Those clearly shorter than the estimated pose explains.
+    Short(ShortReadings),
+    /// Those that alone would raise the entropy of the belief: the entropy filter of Fox, Burgard, Thrun, Cremers,
+    /// "Position Estimation for Mobile Robots in Dynamic Environments", 1998.
+    Entropy,
+    /// Those that are shorter than what the map shows, with more than a probability over the whole belief: the novelty
+    /// filter there.
+    Novelty {
+        /// That probability; 0.99 in the paper.
+        most_probable: f64,
+    },
+}
+
+/// Readings clearly shorter than the estimated pose explains, which are left out as long as they are few. Many short
+/// readings speak against the pose and not for furniture – unless the others fit it: then people stand around. What stands before a wall never makes a reading longer, and a
 /// wrong pose explains little: among twenty people, with the pose right, 93 % of the scans with more
 /// than eight short readings pass as a crowd; with the pose wrong, one in 34.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Gating {
+pub struct ShortReadings {
     /// By how much a reading must fall short.
     pub margin_m: f64,
     /// More short readings than this are all kept, unless it is a crowd.
@@ -240,16 +262,16 @@ pub struct Gating {
     pub min_certainty: f64,
 }
 
-impl Default for Gating {
+impl Default for ShortReadings {
     fn default() -> Self {
         Self { margin_m: 0.4, max_readings: 8, crowd_fitting: 6, crowd_farther: 2, min_certainty: 0.5 }
     }
 }
 
-/// Beams that the counts of [`Gating::default`] are for.
+/// Beams that the counts of [`ShortReadings::default`] are for.
 const GATED_BEAMS: usize = 24;
 
-impl Gating {
+impl ShortReadings {
     /// For scans of so many beams: the same shares of them.
     pub fn of_beams(beams: usize) -> Self {
         let usual = Self::default();
@@ -297,8 +319,8 @@ mod tests {
 
     #[test]
     fn gating_takes_the_same_share_of_any_number_of_beams() {
-        assert_eq!(Gating::of_beams(24), Gating::default());
-        let eight = Gating::of_beams(8);
+        assert_eq!(ShortReadings::of_beams(24), ShortReadings::default());
+        let eight = ShortReadings::of_beams(8);
         assert_eq!((eight.max_readings, eight.crowd_fitting, eight.crowd_farther), (3, 2, 1));
     }
 }

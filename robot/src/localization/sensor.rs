@@ -64,6 +64,11 @@ impl SensorModel {
         &self.costs[usize::from(measured)]
     }
 
+    /// −ln P(measured | expected) of one reading in full, less its smallest value over all that may be expected.
+    pub(super) fn nats(&self, measured: u8, expected: u8) -> f64 {
+        f64::from(self.costs(measured)[usize::from(expected)]) / UNITS_PER_NAT
+    }
+
     /// Binary logarithm of the weight a unit of cost amounts to, if weights are raised to a power.
     pub(super) fn log2_per_cost(&self, power: f64) -> f32 {
         (f64::from(self.log2_per_cost) * power) as f32

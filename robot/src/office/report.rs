@@ -114,6 +114,11 @@ reports! {
         /// Its name.
         object: String,
     } => "object removed",
+    /// The scenario made people gather about the robot.
+    PeopleGathered {
+        /// So many.
+        people: usize,
+    } => "people gathered",
     /// The scenario made the sonars fail.
     SonarsFailed {
         /// For so long.
@@ -189,6 +194,7 @@ impl Report {
             }
             Self::DoorOpened { room } | Self::DoorClosed { room } => vec![("room", room)],
             Self::ObjectAdded { object } | Self::ObjectRemoved { object } => vec![("object", object)],
+            Self::PeopleGathered { people } => vec![("people", format!("{people}"))],
             Self::SonarsFailed { seconds } => vec![("seconds", format!("{seconds}"))],
             Self::ItemPlaced { item } => vec![("item", item)],
             Self::BatterySet { charge } => vec![("charge", format!("{charge:.2}"))],

@@ -103,6 +103,12 @@ pub fn oracle_natives() -> Vec<Native> {
         act("close-door!", "room", "Closes the door of a room.", |call| door(call, false)),
         act("add-object!", "name x0 y0 x1 y1", "Puts a box into the world that is in no map.", add_object),
         act("remove-object!", "name", "Takes an object out of the world.", remove_object),
+        act(
+            "gather-people!",
+            "",
+            "The people of the world gather about the robot, and walk along with it from now on.",
+            gather_people,
+        ),
         act("drop-sonars!", "seconds", "The sonars fail for a time.", drop_sonars),
         act("place-item!", "name x y", "Puts a thing that can be carried somewhere.", place_item),
         act("set-battery!", "charge", "Sets the charge of the battery, from 0 to 1.", set_battery),
@@ -187,6 +193,12 @@ fn remove_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let oracle = oracle(call)?;
     oracle.model.clone().remove_object(&mut oracle.state, &name).map_err(refused)?;
     Ok(done(oracle, Report::ObjectRemoved { object: name }))
+}
+
+fn gather_people(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let oracle = oracle(call)?;
+    let people = oracle.model.clone().gather(&mut oracle.state);
+    Ok(done(oracle, Report::PeopleGathered { people }))
 }
 
 fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -91,6 +91,17 @@ impl Crowd {
         self.destinations.len()
     }
 
+    /// The destination with the shortest way to a point.
+    pub fn nearest(&self, to_in_map: Point) -> usize {
+        let left_m = |destination: &usize| self.left_m(*destination, to_in_map);
+        (0..self.len()).min_by(|one, other| left_m(one).total_cmp(&left_m(other))).unwrap_or(0)
+    }
+
+    /// Whether a body fits there when the world begins.
+    pub fn is_open(&self, at_in_map: Point) -> bool {
+        self.open_floor.cost_m(at_in_map).is_some()
+    }
+
     /// Metres of open floor from a point to a destination; infinite from where nobody can stand.
     pub fn left_m(&self, destination: usize, from_in_map: Point) -> f64 {
         self.destinations[destination].ways.cost_m(from_in_map).unwrap_or(f64::INFINITY)

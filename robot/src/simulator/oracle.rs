@@ -128,6 +128,20 @@ impl SimulatorModel {
         fixed.or_else(added).or_else(person)
     }
 
+    /// The share of the readings of all range sensors that a person stands in, from 0 to 1; 0 without such sensors.
+    pub fn blocked_share(&self, state: &SimulatorState) -> f64 {
+        let ranges_m = |state: &SimulatorState| -> Vec<f64> {
+            let sonars = self.sensors.sonars.as_ref();
+            let echoes = sonars.map_or_else(Vec::new, |sonars| self.sonar_echoes(sonars, state, state.robot_in_map));
+            let sonars_m = echoes.into_iter().map(|echo| echo.range_m);
+            sonars_m.chain(self.laser_ranges(state, state.robot_in_map)).collect()
+        };
+        let among_people_m = ranges_m(state);
+        let alone_m = ranges_m(&SimulatorState { people: Vec::new(), ..state.clone() });
+        let blocked = among_people_m.iter().zip(&alone_m).filter(|(among_m, alone_m)| among_m < alone_m).count();
+        blocked as f64 / among_people_m.len().max(1) as f64
+    }
+
     /// Opens all doors of a room.
     ///
     /// # Errors

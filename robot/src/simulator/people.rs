@@ -21,10 +21,6 @@ const SIGHT_M: f64 = 3.0;
 /// They hurry to get out of the way, up to so much of their speed.
 const HURRY: f64 = 1.3;
 
-/// They turn to the right of where they want to walk by this tangent, so that two who meet head on do
-/// not stop in front of each other.
-const KEEP_RIGHT: f64 = 0.05;
-
 /// Air they keep between each other's shoulders.
 const SHOULDERS_M: f64 = 0.05;
 
@@ -106,10 +102,15 @@ impl SimulatorModel {
     fn look(&self, state: &mut SimulatorState, index: usize) -> Vector {
         let now_us = state.time_us;
         let patience_us = self.settings.person_patience_us;
-        let SimulatorState { people, streams, doors_open, .. } = state;
+        let SimulatorState { people, streams, doors_open, robot_in_map, .. } = state;
         let walker = &mut people[index];
         if now_us < walker.rests_until_us {
             return Vector::zeros();
+        }
+        if let Some(company) = walker.company {
+            let Some(spot_in_map) = self.spot_of(walker, company, *robot_in_map) else { return Vector::zeros() };
+            walker.spot_in_map = spot_in_map;
+            return walker.wanted_mps();
         }
         match (self.world.people.get(index), &self.crowd) {
             (Some(person), _) => {
@@ -136,12 +137,7 @@ impl SimulatorModel {
             }
             (None, None) => {}
         }
-        let way = walker.spot_in_map - walker.at_in_map;
-        let length_m = way.norm_squared().sqrt();
-        if length_m == 0.0 {
-            return way;
-        }
-        (way + Vector::new(way.y, -way.x) * KEEP_RIGHT) * (walker.speed_mps / length_m)
+        walker.wanted_mps()
     }
 
     /// The velocity nearest to the wanted one that avoids walls, the robot and other people.

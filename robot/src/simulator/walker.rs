@@ -1,5 +1,6 @@
 //! One person.
 
+use super::company::Company;
 use super::orca::Disc;
 use crate::geometry::{Point, Vector};
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,10 @@ pub(super) const FASTEST_MPS: f64 = 2.5;
 
 /// Walls farther off need not be minded.
 pub(super) const FARTHEST_WALL_M: f64 = PERSON_RADIUS_M + FASTEST_MPS * WALL_HORIZON_S;
+
+/// They turn to the right of where they want to walk by this tangent, so that two who meet head on do
+/// not stop in front of each other.
+const KEEP_RIGHT: f64 = 0.05;
 
 /// Getting nearer means by so much.
 const PROGRESS_M: f64 = 0.1;
@@ -40,6 +45,8 @@ pub struct Walker {
     /// When that was.
     pub(super) nearer_at_us: u64,
     pub(super) rests_until_us: u64,
+    /// Where the person stays beside the robot; none of somebody who goes his own ways.
+    pub(super) company: Option<Company>,
     /// Whether the person stands against the robot, having run into it.
     pub touching: bool,
 }
@@ -57,6 +64,7 @@ impl Walker {
             least_left_m: f64::INFINITY,
             nearer_at_us: 0,
             rests_until_us: 0,
+            company: None,
             touching: false,
         }
     }
@@ -64,6 +72,16 @@ impl Walker {
     /// The body.
     pub(super) fn disc(&self) -> Disc {
         Disc { at_in_map: self.at_in_map, velocity_mps: self.velocity_mps, radius_m: PERSON_RADIUS_M }
+    }
+
+    /// The velocity towards the spot that is walked to, on a free way.
+    pub(super) fn wanted_mps(&self) -> Vector {
+        let way = self.spot_in_map - self.at_in_map;
+        let length_m = way.norm_squared().sqrt();
+        if length_m == 0.0 {
+            return way;
+        }
+        (way + Vector::new(way.y, -way.x) * KEEP_RIGHT) * (self.speed_mps / length_m)
     }
 
     /// Begins to walk to another goal.

@@ -1,6 +1,8 @@
 //! Facts about the whole filter, on maps small enough to compute everything by hand.
 
+mod gating;
 mod sleeping;
+mod spikes;
 
 use super::grid::{Place, TILE, TILE_EDGE};
 use super::sensor::mixture;

@@ -168,3 +168,52 @@ fn a_shut_door_is_nobodys_goal_for_long() {
     stand(&model, &mut state, 4000);
     assert_ne!(in_rooms(&state), before, "with open doors they walk in and out");
 }
+
+/// Distances of all people from the robot.
+fn away_m(state: &SimulatorState) -> Vec<f64> {
+    let robot = state.true_pose().point();
+    state.people.iter().map(|person| distance_m(person.at_in_map, robot)).collect()
+}
+
+#[test]
+fn people_who_gather_stand_around_the_robot_and_walk_along_with_it() {
+    let model = hall(SimulatorSettings::default(), "people = 8\n");
+    let mut state = model.start(1);
+    assert!(model.blocked_share(&state) < 0.9);
+    assert_eq!(model.gather(&mut state), 8);
+    let nobody_touches = |state: &SimulatorState| {
+        for (index, person) in state.people.iter().enumerate() {
+            let nearest_m = state.people[..index].iter().map(|other| distance_m(person.at_in_map, other.at_in_map));
+            assert!(nearest_m.fold(f64::INFINITY, f64::min) > 2.0 * PERSON_RADIUS_M - 0.05, "{:?}", state.people);
+        }
+    };
+    nobody_touches(&state);
+    assert!(away_m(&state).into_iter().all(|away_m| away_m < 2.5), "{:?}", away_m(&state));
+    let blocked = model.blocked_share(&state);
+    assert!((0.3..0.8).contains(&blocked), "{blocked}");
+    for _ in 0..6 {
+        // Two metres ahead, and on the spot half round: the hall is ten metres long.
+        steps(&model, &mut state, &drive(0.4, 0.0), 100);
+        nobody_touches(&state);
+        let left_behind = away_m(&state).into_iter().filter(|away_m| *away_m > 2.5).count();
+        assert!(left_behind <= 1, "{:?}", away_m(&state));
+        steps(&model, &mut state, &drive(0.0, 0.5), 126);
+    }
+    assert!(state.distance_driven_m() > 8.0, "they let it drive: {}", state.distance_driven_m());
+    assert_eq!(state.contacts(), Contacts::default());
+    state.people.clear();
+    assert!(model.blocked_share(&state) == 0.0);
+}
+
+#[test]
+fn people_who_gather_come_to_a_robot_that_was_carried_away() {
+    let model = model("dept-crowded", SimulatorSettings::default());
+    let mut state = model.start(3);
+    model.gather(&mut state);
+    model.teleport(&mut state, Pose::new(8.9, 3.6, 0.0)).expect("nobody is there");
+    let far = away_m(&state).into_iter().filter(|away_m| *away_m > 5.0).count();
+    assert!(far >= 15, "{:?}", away_m(&state));
+    stand(&model, &mut state, 1200);
+    let near = away_m(&state).into_iter().filter(|away_m| *away_m < 4.0).count();
+    assert!(near >= 12, "through the door of the room: {:?}", away_m(&state));
+}

@@ -1,0 +1,132 @@
+//! Readings that are left out of a scan, because what they measured may be in no map.
+
+use super::belief::Belief;
+use super::model::LocalizationModel;
+use super::scan::ScanModel;
+use super::scan_parameters::ShortReadings;
+use super::sensor::{BINS, BinnedScan};
+
+/// Leaves out readings that are clearly shorter than expected at the estimated pose.
+pub(super) fn leave_out_short(
+    short: &ShortReadings,
+    sensor: &ScanModel,
+    expected: &[u8],
+    ranges_m: &[f32],
+    scan: &mut BinnedScan,
+) {
+    let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
+    let beyond_m = |beam: &usize| f64::from(ranges_m[*beam]) - sensor.likelihood.range_m(expected[*beam]);
+    let echoes = |beam: &&usize| f64::from(ranges_m[**beam]) < sensor.parameters.beam.max_range_m;
+    let too_short = || read.iter().filter(|beam| beyond_m(beam) < -short.margin_m);
+    let fitting = read.iter().filter(|beam| beyond_m(beam).abs() <= short.margin_m).count();
+    let farther = read.iter().filter(echoes).filter(|beam| beyond_m(beam) > short.margin_m).count();
+    if too_short().count() <= short.max_readings || short.is_crowd(fitting, farther) {
+        too_short().for_each(|&beam| scan[beam] = None);
+    }
+}
+
+/// Leaves out each reading that alone would raise the entropy of the belief (Fox, Burgard, Thrun, Cremers, "Position
+/// Estimation for Mobile Robots in Dynamic Environments", 1998, the entropy filter).
+///
+/// # Deviation
+/// Only cells that are awake count. A reading counts in full here, however much the scan is tempered.
+pub(super) fn leave_out_confusing(belief: &Belief, model: &LocalizationModel, sensor: usize, scan: &mut BinnedScan) {
+    let likelihood = &model.sensors[sensor].likelihood;
+    leave_out(belief, model, sensor, scan, |shares, measured| {
+        shares.entropy(|_| 0.0) < shares.entropy(|expected| -likelihood.nats(measured, expected))
+    });
+}
+
+/// Leaves out each reading that is shorter than what the map shows with more than a probability (the same, the novelty
+/// filter: the mean over the belief of what the Gaussian of the beam has beyond the reading).
+///
+/// # Deviation
+/// Only cells that are awake count.
+pub(super) fn leave_out_novel(
+    most_probable: f64,
+    belief: &Belief,
+    model: &LocalizationModel,
+    sensor: usize,
+    scan: &mut BinnedScan,
+) {
+    let tables = &model.sensors[sensor];
+    leave_out(belief, model, sensor, scan, |shares, measured| {
+        shares.mean(|expected| tables.beyond(expected, measured)) > most_probable
+    });
+}
+
+/// Leaves out the readings of which it is so, by what a belief expects of their beams.
+fn leave_out(
+    belief: &Belief,
+    model: &LocalizationModel,
+    sensor: usize,
+    scan: &mut BinnedScan,
+    is_out: impl Fn(&ExpectedShares, u8) -> bool,
+) {
+    let beams: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
+    let expected = expected_shares(belief, model, sensor, &beams);
+    for (beam, shares) in beams.into_iter().zip(&expected) {
+        if scan[beam].is_some_and(|measured| shares.mass() > 0.0 && is_out(shares, measured)) {
+            scan[beam] = None;
+        }
+    }
+}
+
+/// What a belief has where one beam is expected to measure a bin, by bin.
+#[derive(Clone)]
+struct ExpectedShares {
+    /// Σ p.
+    shares: [f64; BINS],
+    /// Σ p ln p.
+    logs: [f64; BINS],
+}
+
+impl ExpectedShares {
+    fn mass(&self) -> f64 {
+        self.shares.iter().sum()
+    }
+
+    /// The mean of something known for each bin.
+    fn mean(&self, of: impl Fn(u8) -> f64) -> f64 {
+        let weighed = self.shares.iter().zip(0..=u8::MAX).filter(|(share, _)| **share > 0.0);
+        weighed.map(|(share, bin)| share * of(bin)).sum::<f64>() / self.mass()
+    }
+
+    /// Entropy in nats, after each state has been multiplied by a weight whose logarithm is known for its bin.
+    fn entropy(&self, log_weight: impl Fn(u8) -> f64) -> f64 {
+        let (mut mass, mut logs) = (0.0, 0.0);
+        for ((share, log), bin) in self.shares.iter().zip(&self.logs).zip(0..=u8::MAX) {
+            let log_weight = log_weight(bin);
+            let weight = libm::exp(log_weight);
+            mass += weight * share;
+            logs += weight * (log + log_weight * share);
+        }
+        libm::log(mass) - logs / mass
+    }
+}
+
+/// What a belief expects of some beams. O(states that are awake · beams).
+fn expected_shares(belief: &Belief, model: &LocalizationModel, sensor: usize, beams: &[usize]) -> Vec<ExpectedShares> {
+    let tables = &model.sensors[sensor];
+    let mut expected = vec![ExpectedShares { shares: [0.0; BINS], logs: [0.0; BINS] }; beams.len()];
+    for (heading, plane) in belief.planes().iter().enumerate() {
+        for tile in plane.tiles.iter() {
+            let Some(ground) = model.ground.tile(tile.number) else { continue };
+            let bins = tables.expected().tile(tile.number);
+            let directions: Vec<usize> = beams.iter().map(|&beam| tables.bearings.direction(heading, beam)).collect();
+            for cell in ground.free() {
+                let share = belief.value(tile.cells[cell]);
+                if share <= 0.0 {
+                    continue;
+                }
+                let log = share * libm::log(share);
+                for (of_beam, &direction) in expected.iter_mut().zip(&directions) {
+                    let bin = usize::from(bins[direction][cell]);
+                    of_beam.shares[bin] += share;
+                    of_beam.logs[bin] += log;
+                }
+            }
+        }
+    }
+    expected
+}

@@ -1,0 +1,97 @@
+//! Readings that are left out by what the belief expects.
+
+use super::*;
+use crate::localization::gating::{leave_out_confusing, leave_out_novel};
+use crate::localization::sensor::BinnedScan;
+
+/// A belief around a pose, in full view of all states.
+fn belief(model: &LocalizationModel) -> Belief {
+    Belief::around(model, Pose::new(2.5, 2.1, 0.3), Spread { position_m: 0.4, heading_rad: 0.3 })
+}
+
+/// A scan of noise and chance, some of it short.
+fn scan(model: &LocalizationModel, stream: &mut Stream) -> BinnedScan {
+    let expected = model.expected_scan(0, model.state_at(Pose::new(2.5, 2.1, 0.3)).expect("on the map"));
+    let reading = |bin: u8| match stream.index(4) {
+        0 => None,
+        1 => Some((f64::from(bin) * stream.uniform()) as u8),
+        2 => Some(stream.index(256) as u8),
+        _ => Some(bin),
+    };
+    expected.into_iter().map(reading).collect()
+}
+
+/// Every state with its probability, and what a beam is expected to measure there.
+fn expectations(model: &LocalizationModel, belief: &Belief, beam: usize) -> Vec<(f64, u8)> {
+    let all = belief.all_states(model).into_iter().filter(|state| state.share > 0.0);
+    all.map(|state| (state.share, model.expected_scan(0, state.state)[beam])).collect()
+}
+
+#[test]
+fn the_entropy_filter_leaves_out_just_the_readings_that_raise_the_entropy() {
+    let model = model(LocalizationParameters { activity_threshold: 0.0, watch: None, ..parameters() });
+    let belief = belief(&model);
+    let entropy = |shares: &[f64]| {
+        let mass: f64 = shares.iter().sum();
+        shares.iter().filter(|share| **share > 0.0).map(|share| -share / mass * libm::log(share / mass)).sum::<f64>()
+    };
+    let (mut kept, mut left_out) = (0, 0);
+    let mut stream = Stream::new(10_330, "gating");
+    for _ in 0..4 {
+        let before = scan(&model, &mut stream);
+        let mut after = before.clone();
+        leave_out_confusing(&belief, &model, 0, &mut after);
+        for (beam, bin) in before.iter().enumerate() {
+            let Some(bin) = bin else { continue };
+            let states = expectations(&model, &belief, beam);
+            let prior: Vec<f64> = states.iter().map(|(share, _)| *share).collect();
+            let likelihood = |expected| libm::exp(-model.sensors[0].likelihood.nats(*bin, expected));
+            let posterior: Vec<f64> = states.iter().map(|(share, expected)| share * likelihood(*expected)).collect();
+            let raised = entropy(&posterior) - entropy(&prior);
+            if raised.abs() > 1e-5 {
+                assert_eq!(after[beam].is_none(), raised > 0.0, "{beam}: {raised}");
+                kept += usize::from(raised < 0.0);
+                left_out += usize::from(raised > 0.0);
+            }
+        }
+    }
+    assert!(kept > 10 && left_out > 10, "{kept} and {left_out}");
+}
+
+#[test]
+fn the_novelty_filter_leaves_out_just_the_readings_that_are_probably_shorter_than_the_map_shows() {
+    let model = model(LocalizationParameters { activity_threshold: 0.0, watch: None, ..parameters() });
+    let belief = belief(&model);
+    let beam_model = &model.sensors[0].parameters.beam;
+    // Φ by its sum, for the Gaussian of a beam around what is expected.
+    let longer = |expected: u8, measured: u8| -> f64 {
+        if expected == NO_ECHO {
+            return if measured == NO_ECHO { 0.0 } else { 1.0 };
+        }
+        let at_m = |bin: u8| model.sensors[0].likelihood.range_m(bin);
+        let sigma_m = beam_model.sigma_m + beam_model.sigma_per_m * at_m(expected);
+        let sigmas = |bin: u8| (at_m(bin) - at_m(expected)) / sigma_m;
+        let weight = |bin: u8| libm::exp(-0.5 * sigmas(bin) * sigmas(bin));
+        let sum = |bins: std::ops::Range<u8>| bins.map(weight).sum::<f64>();
+        if measured == NO_ECHO { 0.0 } else { sum(measured + 1..NO_ECHO) / sum(0..NO_ECHO) }
+    };
+    let (mut kept, mut left_out) = (0, 0);
+    let mut stream = Stream::new(10_331, "gating");
+    for _ in 0..4 {
+        let before = scan(&model, &mut stream);
+        let mut after = before.clone();
+        leave_out_novel(0.9, &belief, &model, 0, &mut after);
+        for (beam, bin) in before.iter().enumerate() {
+            let Some(bin) = bin else { continue };
+            let states = expectations(&model, &belief, beam);
+            let mass: f64 = states.iter().map(|(share, _)| share).sum();
+            let novel = states.iter().map(|(share, expected)| share * longer(*expected, *bin)).sum::<f64>() / mass;
+            if (novel - 0.9).abs() > 1e-6 {
+                assert_eq!(after[beam].is_none(), novel > 0.9, "{beam}: {novel}");
+                kept += usize::from(novel < 0.9);
+                left_out += usize::from(novel > 0.9);
+            }
+        }
+    }
+    assert!(kept > 10 && left_out > 10, "{kept} and {left_out}");
+}
