@@ -1,6 +1,6 @@
 //! The prompt at a terminal: lines edited, completed, kept; runs that go on while one types.
 
-use crate::folder::folder;
+use crate::folder::{folder, put};
 use crate::terminal::{BACKSPACE, ENTER, HOME, INTERRUPT, TAB, Terminal, UP};
 use pty_process::blocking::Command as CommandAtTerminal;
 use rustix::termios::LocalModes;
@@ -345,9 +345,13 @@ fn a_form_is_marked_within_the_width_of_the_screen() {
 
 #[test]
 fn a_mission_is_watched_interrupted_and_taken_back() {
-    let mut terminal = prompt_in(&folder("prompt-mission"), &["--world", "dept"], 50, 200);
+    let folder = folder("prompt-mission");
+    // It must still run when somebody has looked.
+    let plan = "(n-times 100 (go-to 'mail-slots) (log \"at the mail slots\") (go-to 'wolframs-shelf))";
+    let rounds = put(&folder, "rounds.rpl", plan);
+    let mut terminal = prompt_in(&folder, &["--world", "dept"], 50, 200);
     terminal.stands_behind("rpl> ");
-    terminal.keys(":load delivery.rpl\r");
+    terminal.keys(&format!(":load {rounds}\r"));
     terminal.shows("navigation  certainty");
     terminal.keys(INTERRUPT);
     terminal.shows("interrupted; `:continue` goes on");
@@ -360,5 +364,5 @@ fn a_mission_is_watched_interrupted_and_taken_back() {
     terminal.shows("\n0.000 s");
     terminal.stands_behind_an("stopped> ");
     terminal.keys(":continue\r");
-    terminal.shows("picked up the mail");
+    terminal.shows("at the mail slots");
 }
