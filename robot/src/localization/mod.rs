@@ -7,9 +7,9 @@
 //! moves the robot.
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
-//! never changes), then `tile`, `plane`, `motion`, `belief`, `spikes`, `weigh`, `summary`, `scan_match` (the belief), `landmark`
-//! (what was seen), `calibration`,
-//! `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
+//! never changes), then `tile`, `plane`, `motion`, `belief`, `spikes` (odometry that jumps), `weigh`, `summary`,
+//! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `beliefs` (fine and coarse), `gating` (which
+//! readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
 mod beliefs;

@@ -244,9 +244,9 @@ pub enum Gating {
 }
 
 /// Readings clearly shorter than the estimated pose explains, which are left out as long as they are few. Many short
-/// readings speak against the pose and not for furniture – unless the others fit it: then people stand around. What stands before a wall never makes a reading longer, and a
-/// wrong pose explains little: among twenty people, with the pose right, 93 % of the scans with more
-/// than eight short readings pass as a crowd; with the pose wrong, one in 34.
+/// readings speak against the pose and not for furniture – unless the others fit it: then people stand around. What
+/// stands before a wall never makes a reading longer, and a wrong pose explains little: among twenty people, with the
+/// pose right, 93 % of the scans with more than eight short readings pass as a crowd; with the pose wrong, one in 34.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ShortReadings {
