@@ -142,6 +142,8 @@ def test_a_fluent_is_looked_at_by_its_name():
 
 
 def test_an_interrupt_ends_the_stepping_and_not_the_mission():
+    # Who starts the tests in the background may have them ignore interrupts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     mission = rpl.Mission("(loop (wait-time 1))")
     timer = threading.Timer(0.1, signal.raise_signal, [signal.SIGINT])
     timer.start()
