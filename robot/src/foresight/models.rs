@@ -102,8 +102,8 @@ impl GraspRecord {
 /// A thing that was missed so often is not there.
 const TRIES_AT_A_THING: u32 = 3;
 
-/// After so many rounds the rates hardly change any more, unless most tries miss: from two in three on they are still
-/// some hundredths too low for misses, and more things than that count as missing.
+/// After so many rounds the rates hardly change any more. Only where two tries in three miss, or more, that of misses is
+/// still some hundredths too low, and that of missing things as much too high.
 const ROUNDS: usize = 32;
 
 /// The thing that was missed last, and how often in a row.
