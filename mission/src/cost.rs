@@ -96,5 +96,5 @@ fn costs(cost: Cost) -> String {
     } else {
         format!("{:.0} min", cost.seconds / 60.0)
     };
-    format!("its map and belief take about {:.1} GiB of memory and {time} before the first step", gib(cost))
+    format!("its map and belief take up to {:.1} GiB of memory, and {time} before the first step", gib(cost))
 }

@@ -7,6 +7,7 @@ use super::scan_parameters::BeamParameters;
 use super::sensor::{self, NO_ECHO};
 use crate::geometry::Point;
 use crate::occupancy::SweepMap;
+use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
 /// Expected bins of one tile, by direction.
@@ -52,10 +53,34 @@ impl ExpectedBins {
     }
 
     /// The cells that can be stood in, row by row of the map.
-    pub(super) fn admissible_cells(&self) -> impl Iterator<Item = Place> {
+    fn admissible_cells(&self) -> impl Iterator<Item = Place> {
         let columns = self.grid.columns;
         let places = (0..self.grid.cells()).map(move |cell| self.grid.place(cell % columns, cell / columns));
         places.filter(|&place| self.ground.is_free(place))
+    }
+
+    /// So many of the cells that can be stood in, spread evenly over them, row by row of the map; where there are fewer,
+    /// some several times.
+    pub(super) fn spread_cells(&self, count: usize) -> Vec<Place> {
+        let all = self.ground.cells();
+        let mut wanted = (0..count).map(|number| number * all / count).peekable();
+        let mut cells = Vec::with_capacity(count);
+        for (index, place) in self.admissible_cells().enumerate() {
+            while wanted.next_if_eq(&index).is_some() {
+                cells.push(place);
+            }
+        }
+        cells
+    }
+
+    /// Computes the tiles of these cells, on all threads.
+    pub(super) fn compute(&self, cells: &[Place]) {
+        let mut tiles: Vec<usize> = cells.iter().map(|place| place.tile).collect();
+        tiles.sort_unstable();
+        tiles.dedup();
+        tiles.into_par_iter().for_each(|tile| {
+            self.tile(tile as u32);
+        });
     }
 
     /// Expected bins of one tile; computed if nobody asked before, which takes a millisecond.

@@ -91,12 +91,20 @@ impl ScanModel {
     }
 
     /// Expected scans of states spread evenly over cells and headings.
-    fn draw_samples(&self) -> Vec<[u8; TILE]> {
-        let cells: Vec<Place> = self.expected.admissible_cells().collect();
+    fn samples(&self) -> &[[u8; TILE]] {
+        if let Some(samples) = self.samples.get() {
+            return samples;
+        }
+        let cells = self.expected.spread_cells(SAMPLES);
+        // Before the lock is taken: who holds it must not wait for work of other threads, which may ask for it as well.
+        self.expected.compute(&cells);
+        self.samples.get_or_init(|| self.samples_at(&cells))
+    }
+
+    fn samples_at(&self, cells: &[Place]) -> Vec<[u8; TILE]> {
         let (beams, headings) = (self.bearings.beams(), self.bearings.headings());
         let mut samples = vec![[0; TILE]; SAMPLES / TILE * beams];
-        for sample in 0..SAMPLES {
-            let cell = cells[sample * cells.len() / SAMPLES];
+        for (sample, &cell) in cells.iter().enumerate() {
             // The golden section spreads consecutive samples over the circle.
             let heading = (sample as f64 * 0.618_033_988_749_895 % 1.0 * headings as f64) as usize;
             for beam in 0..beams {
@@ -120,9 +128,8 @@ impl ScanModel {
         power: f64,
         instructions: Instructions,
     ) -> f64 {
-        let samples = sampled.samples.get_or_init(|| sampled.draw_samples());
         let ones = [1.0; TILE];
-        let masses = samples.chunks_exact(self.bearings.beams()).map(|expected| {
+        let masses = sampled.samples().chunks_exact(self.bearings.beams()).map(|expected| {
             let beam =
                 |&(beam, bin): &(usize, u8)| Beam { expected: &expected[beam], costs: self.likelihood.costs(bin) };
             let part = TilePart {

@@ -1,5 +1,10 @@
 //! The exact Euclidean distance transform of a grid.
 
+use rayon::prelude::*;
+
+/// With fewer rows than this, handing them to another thread costs more than it gains.
+const ROWS_FOR_THREAD: usize = 64;
+
 /// For each cell of a row-major grid the squared distance, in cells, from its centre to the centre
 /// of the nearest obstacle cell: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing
 /// Distance Transforms in Linear Time". Integer arithmetic, hence exact; O(cells), 4 bytes each. A grid without
@@ -7,10 +12,8 @@
 /// `u32::MAX`, the square of 65,536 cells.
 pub fn squared_distances_cells(columns: usize, rows: usize, is_obstacle: &[bool]) -> Vec<u32> {
     let mut distances = vertical_distances(columns, rows, is_obstacle);
-    let mut envelope = Envelope::of(columns);
-    for row in distances.chunks_exact_mut(columns.max(1)) {
-        envelope.transform(row);
-    }
+    let rows = distances.par_chunks_exact_mut(columns.max(1)).with_min_len(ROWS_FOR_THREAD);
+    rows.for_each_init(|| Envelope::of(columns), Envelope::transform);
     distances
 }
 

@@ -76,12 +76,12 @@ impl Shear {
 
     /// By how many lanes rays have gone aside in a layer.
     fn lanes(self, layer: i64) -> i64 {
-        libm::floor(0.5 + self.slope * (layer as f64 + 0.5 - self.middle) + self.aside) as i64
+        floor(0.5 + self.slope * (layer as f64 + 0.5 - self.middle) + self.aside)
     }
 
     /// The layer a point lies in.
     fn layer(self, along: f64) -> i64 {
-        libm::floor(along + self.ahead) as i64
+        floor(along + self.ahead)
     }
 }
 
@@ -185,8 +185,8 @@ impl Lanes {
         };
         let least = lines.iter().map(|line| edges(line)[0]).fold(f64::INFINITY, f64::min);
         let most = lines.iter().map(|line| edges(line)[1]).fold(f64::NEG_INFINITY, f64::max);
-        let first = libm::floor(least) as i64;
-        Self { first, steps: vec![NOTHING; (libm::floor(most) as i64 - first + 1).max(0) as usize] }
+        let first = floor(least);
+        Self { first, steps: vec![NOTHING; (floor(most) - first + 1).max(0) as usize] }
     }
 
     /// Goes one layer back.
@@ -205,6 +205,13 @@ impl Lanes {
     fn at(&self, across: f64) -> u16 {
         self.steps[(across - self.first as f64) as usize]
     }
+}
+
+/// The whole number below, of one that 64 bits hold: `libm::floor` would be called a hundred times for each direction
+/// of a tile.
+fn floor(number: f64) -> i64 {
+    let cut = number as i64;
+    cut - i64::from(number < cut as f64)
 }
 
 /// Points in lines of equal first coordinate.
