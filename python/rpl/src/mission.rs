@@ -1,22 +1,24 @@
 //! A mission as a Python object.
 
-use crate::history::History;
+use crate::history::{History, Kept};
 use crate::module::{self, Interrupt};
 use crate::place::{self, World};
 use crate::{PoseTuple, tuple, wrong};
 use anyhow::Context;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use rpl_command::embedded::{self, Folder, PlanText};
 use rpl_mission::robot::Robot;
 use rpl_mission::run::fluent_value;
+use rpl_mission::sight::Sight;
 use rpl_mission::site::Site;
 use rpl_robot::description::RobotDescription;
 use rpl_runtime::run::library::Loaded;
 use rpl_runtime::run::system::{Outcome, System};
 use std::collections::BTreeMap;
+use std::ffi::CString;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -33,6 +35,15 @@ pub fn text_of(
         Some(text) => Ok(PlanText { name, text, folder: Folder::Disk(".".into()) }),
         None => named(&name),
     }
+}
+
+/// A warning that what was told is not all there was, if it is not.
+fn warn_of_forgotten<T>(py: Python<'_>, what: &str, kept: &Kept<T>) -> PyResult<()> {
+    if kept.forgotten() == 0 {
+        return Ok(());
+    }
+    let message = format!("{what} is not whole: the first {} are kept no longer", kept.forgotten());
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &CString::new(message)?, 2)
 }
 
 /// A plan, the robot in its world, what happens there, and a seed: a run as a value.
@@ -217,10 +228,11 @@ impl Mission {
         }
     }
 
-    /// What the plan has printed.
+    /// What the plan has printed; of very much the last million lines, and a warning tells how many came before.
     #[getter]
-    fn printed(&self) -> Vec<&str> {
-        self.history.printed()
+    fn printed(&self, py: Python<'_>) -> PyResult<Vec<&str>> {
+        warn_of_forgotten(py, "what was printed", &self.history.printed)?;
+        Ok(self.history.printed.iter().map(String::as_str).collect())
     }
 
     /// The value of a fluent of the robot, or of a global one of the plan, as it could be read again. None if there is
@@ -271,10 +283,12 @@ impl Mission {
         Some((left_m, left_m + width_m, bottom_m, bottom_m + height_m))
     }
 
-    /// What was traced so far, column by column: time [s], path of the task, kind, and the details by name.
+    /// What was traced so far, column by column: time [s], path of the task, kind, and the details by name. Of very long
+    /// runs the last million events; a warning tells how many came before.
     fn trace_columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = PyDict::new(py);
-        let events = self.history.events();
+        let events = &self.history.events;
+        warn_of_forgotten(py, "the trace", events)?;
         let times_s: Vec<f64> = events.iter().map(|event| event.time_us as f64 / 1e6).collect();
         columns.set_item("time_s", times_s.into_pyarray(py))?;
         columns.set_item("task", events.iter().map(|event| event.path.as_str()).collect::<Vec<_>>())?;
@@ -296,7 +310,8 @@ impl Mission {
         py.detach(|| {
             let world = &self.site.office()?.world;
             let radius_m = self.site.office()?.settings.robot.radius_m;
-            Some(embedded::figure(world, radius_m, &self.history.track(), self.system.outside.belief().as_ref()))
+            let track: Vec<Sight> = self.history.track.iter().copied().collect();
+            Some(embedded::figure(world, radius_m, &track, self.system.outside.belief().as_ref()))
         })
     }
 }

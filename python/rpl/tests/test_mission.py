@@ -195,3 +195,12 @@ def test_other_threads_go_on_while_a_mission_does():
         turns += 1
     thread.join()
     assert mission.time_s >= 200_000.0 - 1.0 and turns > 0
+
+
+def test_a_plan_without_an_end_does_not_fill_the_memory():
+    mission = rpl.Mission("(loop (wait-time 1))")
+    mission.run_until(600_000.0)
+    with pytest.warns(RuntimeWarning, match="the trace is not whole: the first [0-9]+ are kept no longer"):
+        trace = mission.trace_columns()
+    assert 1_000_000 <= len(trace["time_s"]) < 1_100_000
+    assert trace["time_s"][-1] > 599_990.0
