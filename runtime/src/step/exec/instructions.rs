@@ -387,7 +387,7 @@ impl Machine {
                             }
                         }
                     }
-                    Op::TableRef(a, key, of, default) => match read_entry(&self.heap, r, [a, key, of, default]) {
+                    Op::TableRef(a, key, of, default) => match read_entry(&mut self.heap, r, [a, key, of, default]) {
                         Some(steps) => spend!(steps),
                         None => hand_over!(self.plan_instruction(around, place, *op)),
                     },
