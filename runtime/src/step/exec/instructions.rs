@@ -8,6 +8,7 @@ use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::{assign_entry, read_entry};
 use crate::step::exec::arithmetic::{arithmetic, compare, compare_int, overflow};
+use crate::step::exec::calls::{clear_registers, place_captured};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
@@ -155,20 +156,9 @@ impl Machine {
                     };
                 }
                 // Registers of a frame that starts at `$first`, save `$count` arguments.
-                // Four at a time, and so perhaps some behind the frame, where nothing lives.
                 macro_rules! clear {
                     ($callee:expr, $first:expr, $count:expr) => {
-                        let mut at = $first + $count;
-                        let end = $first + usize::from($callee.registers);
-                        if let Some(four) = r[at..].first_chunk_mut::<4>() {
-                            *four = [Value::Nil; 4];
-                        }
-                        while at + 4 < end {
-                            at += 4;
-                            if let Some(four) = r[at..].first_chunk_mut::<4>() {
-                                *four = [Value::Nil; 4];
-                            }
-                        }
+                        clear_registers(r, $first + $count, $first + usize::from($callee.registers))
                     };
                 }
                 macro_rules! collect_in_frame {
@@ -243,9 +233,7 @@ impl Machine {
                                 first
                             };
                             clear!(callee, start, count);
-                            for (at, value) in captured.iter().enumerate() {
-                                r[start + count + at].set(value);
-                            }
+                            place_captured(r, start + count, captured);
                             begin!(callee, number, base + start);
                             continue 'frame;
                         }
@@ -310,10 +298,7 @@ impl Machine {
                             None => fail!(overflow("+")),
                         },
                         &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        other => {
-                            let other = *other;
-                            fail!(self.wrong_operands("+", other, other))
-                        }
+                        &other => fail!(self.wrong_operands("+", other, other)),
                     },
                     Op::Count(a, end, to) => match (&r!(a), &r!(end)) {
                         (&Value::Int(i64::MAX), _) => hand_over!(self.count_other(place, a)),
@@ -512,7 +497,7 @@ impl Machine {
                         collect_in_frame!();
                     }
                     Op::Return(a) => {
-                        if self.scratch.frames.len() == entry {
+                        if self.scratch.frames.len() <= entry {
                             let value = r!(a);
                             save!();
                             if self.current != SCRATCH_TASK
