@@ -66,7 +66,7 @@ impl Machine {
         // After an instruction that may have made a more important task ready, ended or suspended
         // this one.
         macro_rules! check_switch {
-            () => {
+            () => {{
                 if !self.scratch.status_changed.is_empty() {
                     save!();
                     self.flush_status(around);
@@ -78,7 +78,7 @@ impl Machine {
                         return Ok(Exit::Switched);
                     }
                 }
-            };
+            }};
         }
         macro_rules! check_leaving {
             () => {
@@ -445,6 +445,28 @@ impl Machine {
                         }
                         hand_over!(self.call_global(around, place, global, first, count, false))
                     }
+                    Op::CallSlot(first, own, count, global) => {
+                        burn!();
+                        if !STEPPING
+                            && let Value::Function(number) = self.globals[global as usize]
+                            && let callee = &*program.codes[number as usize]
+                            && let Some(slot) = &callee.slot
+                            && callee.exact_count == u16::from(count)
+                            && let kind = &self.constants[slot.kind as usize]
+                            && let Some(pair) = self.heap.slot_in_row(&r!(own), kind, slot.place.into())
+                            && !(slot.assigns && self.current == SCRATCH_TASK)
+                        {
+                            if slot.assigns {
+                                assign!(r!(first), r[usize::from(first) + 1]);
+                                self.heap.pairs.car_mut(pair).set(&r!(first));
+                            } else {
+                                assign!(r!(first), *self.heap.pairs.car(pair));
+                            }
+                            continue;
+                        }
+                        assign!(r!(first), r!(own));
+                        hand_over!(self.call_global(around, place, global, first, count, false))
+                    }
                     Op::TailCall(first, count, global) => {
                         burn!();
                         if let Value::Function(number) = self.globals[global as usize]
@@ -533,10 +555,10 @@ impl Machine {
                             && let Some(is_awaited) = signal_plainly(&mut self.fluents, fluent, truth)
                         {
                             r!(a) = truth;
-                            if is_awaited {
-                                hand_over!(self.serve_signal(fluent));
+                            if !is_awaited {
+                                continue;
                             }
-                            continue;
+                            hand_over!(self.serve_signal(fluent))
                         }
                         let (fluent, value) = (r!(fluent), r!(value));
                         r!(a) = value;
@@ -558,9 +580,7 @@ impl Machine {
             fuel = place.fuel;
             match next? {
                 Proceed::On => {}
-                Proceed::Switch => {
-                    check_switch!();
-                }
+                Proceed::Switch => check_switch!(),
                 Proceed::Leave => {
                     check_leaving!();
                     check_switch!();
