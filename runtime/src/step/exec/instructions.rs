@@ -292,13 +292,13 @@ impl Machine {
                             None => fail!(self.wrong_operands("/", left, right)),
                         },
                     },
-                    Op::AddInt(a, b, value) => match &r!(b) {
-                        &Value::Int(x) => match x.checked_add(i64::from(value)) {
+                    Op::AddInt(a, b, value) => match r!(b) {
+                        Value::Int(x) => match x.checked_add(i64::from(value)) {
                             Some(sum) => r!(a) = Value::Int(sum),
                             None => fail!(overflow("+")),
                         },
-                        &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        &other => fail!(self.wrong_operands("+", other, other)),
+                        Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
+                        other => fail!(self.wrong_operands("+", other, other)),
                     },
                     Op::Count(a, end, to) => match (&r!(a), &r!(end)) {
                         (&Value::Int(i64::MAX), _) => hand_over!(self.count_other(place, a)),
