@@ -20,7 +20,7 @@ impl Keys {
     fn of(call: &Call<'_, '_>, items: &[Value], strings: bool) -> Option<Self> {
         if strings {
             return all(items, |item| match item {
-                Value::Str(index) => Some(call.machine.heap.strings[index].clone()),
+                Value::Str(index) => Some(call.machine.heap.strings[index].text.clone()),
                 _ => None,
             })
             .map(Keys::Strings);

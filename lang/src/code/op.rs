@@ -132,7 +132,9 @@ pub enum Op {
     CountInt(Reg, i16, i32),
     /// call the function in a global; arguments from r0, count, global; result in r0
     Call(Reg, u8, u32),
-    /// the same in tail position
+    /// the same for what is likely to read or assign a slot: the record is r1, which need not stand in r0
+    CallSlot(Reg, Reg, u8, u32),
+    /// as `Call` in tail position
     TailCall(Reg, u8, u32),
     /// call the value in r0; arguments from r0 + 1; result in r0 + 1
     CallValue(Reg, u8),
@@ -211,6 +213,7 @@ impl Op {
         matches!(
             self,
             Op::Call(..)
+                | Op::CallSlot(..)
                 | Op::TailCall(..)
                 | Op::CallValue(..)
                 | Op::TailCallValue(..)
@@ -238,6 +241,7 @@ impl Op {
     pub fn value_register(&self) -> Option<Reg> {
         match *self {
             Op::Call(reg, ..)
+            | Op::CallSlot(reg, ..)
             | Op::CallNative(reg, ..)
             | Op::SetGlobal(reg, _)
             | Op::DefFluent(reg, _)

@@ -153,7 +153,7 @@ fn leaf(
         Value::Float(value) => NodeKind::Float(value),
         Value::Symbol(symbol) => NodeKind::Symbol(symbol),
         Value::Keyword(symbol) => NodeKind::Keyword(symbol),
-        Value::Str(text) => NodeKind::Str(heap.strings[text].clone()),
+        Value::Str(text) => NodeKind::Str(heap.strings[text].text.clone()),
         Value::Task(task) if task == stand_in(task.index) => NodeKind::Object(task.index),
         Value::Cons(_)
         | Value::Vector(_)

@@ -111,7 +111,7 @@ impl Call<'_, '_> {
     /// A `type-error` if it is none.
     pub fn text(&self, at: usize) -> Result<Arc<str>, Raise> {
         match self.argument(at) {
-            Value::Str(index) => Ok(self.machine.heap.strings[index].clone()),
+            Value::Str(index) => Ok(self.machine.heap.strings[index].text.clone()),
             _ => Err(self.wrong_type(at)),
         }
     }

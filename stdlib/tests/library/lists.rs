@@ -25,6 +25,26 @@ fn a_record_that_is_changed_as_a_list_has_the_slots_of_that_list() {
     }
 }
 
+/// r[def.struct], r[setf.places]
+#[test]
+fn the_record_whose_slot_is_assigned_is_the_one_before_its_value_is_known() {
+    let with_points = |body: &str| {
+        let (points, all) = ("(p (make-point :x 1)) (q (make-point :x 2))", "(list r (point-x p) (point-x q))");
+        evaluate(&format!("(defstruct point x) (let ({points}) (let ((r p) (n 0)) {body} {all}))"))
+    };
+    for (body, value) in [
+        ("(setf (point-x r) (progn (setq r q) 7))", "((point 2) 7 2)"),
+        ("(setf (point-x r) (point-x q))", "((point 2) 2 2)"),
+        ("(setq n (lambda () (setq r q) 8)) (setf (point-x r) (n))", "((point 2) 8 2)"),
+        ("(setq r (point-x r))", "(1 1 2)"),
+        ("(setq r (setf (point-x r) 5))", "(5 5 2)"),
+    ] {
+        assert_eq!(with_points(body).as_deref(), Ok(value), "{body}");
+    }
+    let wrong = with_points("(setq r '(line 1)) (setf (point-x r) 3)");
+    assert!(wrong.is_err_and(|text| text.contains("this must be a `point`, and it is (line 1)")));
+}
+
 /// r[value.lists]
 #[test]
 fn building_and_taking_apart() {

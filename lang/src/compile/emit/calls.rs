@@ -1,25 +1,45 @@
 //! Calls.
 
 use super::emitter::{Emitter, MAX_REGISTERS};
-use crate::code::{Op, Reg};
+use crate::code::{GlobalKind, Op, Reg};
 use crate::compile::ir::{Callee, Ir};
 
 impl Emitter<'_, '_> {
-    /// Puts arguments into registers in a row and gives the first: `into` itself, if that is the
-    /// topmost register and no variable's.
-    fn arguments_from(&mut self, arguments: &[Ir], into: Reg) -> Reg {
+    /// The register where a row of arguments begins: `into` itself, if that is the topmost register and no variable's.
+    fn first_argument(&mut self, into: Reg) -> Reg {
         let is_free = usize::from(into) + 1 == self.next && !self.registers.values().any(|&reg| reg == into);
-        match arguments.split_first() {
-            Some((first, rest)) if is_free => {
-                self.value(first, into, false);
-                if !rest.is_empty() {
-                    self.arguments(rest);
-                }
-                into
-            }
-            None if is_free => into,
-            _ => self.arguments(arguments),
+        if is_free { into } else { self.fresh() }
+    }
+
+    /// Whether a function is known to read or assign a slot. A program can still define it anew.
+    fn is_slot_access(&self, global: u32) -> bool {
+        let program = &self.compiler.program;
+        let GlobalKind::Function(code) = program.globals[global as usize].kind else { return false };
+        program.codes.get(code as usize).is_some_and(|code| code.slot.is_some())
+    }
+
+    /// Calls a function by its name. A variable whose slot is read or assigned is not moved before.
+    fn call_global(&mut self, global: u32, arguments: &[Ir], into: Reg, tail: bool) {
+        let (count, first) = (arguments.len() as u8, self.first_argument(into));
+        let Some((argument, others)) = arguments.split_first() else {
+            self.push(if tail { Op::TailCall(first, count, global) } else { Op::Call(first, count, global) });
+            return self.take(first, into);
+        };
+        let is_slot = !tail && self.is_slot_access(global);
+        let own = if is_slot { self.own_register(argument, others.iter()) } else { None };
+        if own.is_none() {
+            self.value(argument, first, false);
         }
+        if !others.is_empty() {
+            self.arguments(others);
+        }
+        self.push(match own {
+            Some(own) => Op::CallSlot(first, own, count, global),
+            None if tail => Op::TailCall(first, count, global),
+            None => Op::Call(first, count, global),
+        });
+        // Also behind a tail call: what turns out to be no function of the plan's own comes back.
+        self.take(first, into);
     }
 
     /// Puts arguments into fresh registers in a row and gives the first.
@@ -61,17 +81,7 @@ impl Emitter<'_, '_> {
                     self.push(Op::CallNative(into, first, count, *native));
                 }
             }
-            Callee::Global(global) => {
-                let first = self.arguments_from(arguments, into);
-                if tail {
-                    self.push(Op::TailCall(first, count, *global));
-                } else {
-                    self.push(Op::Call(first, count, *global));
-                }
-                // Also behind a tail call: what turns out to be no function of the plan's own
-                // comes back.
-                self.take(first, into);
-            }
+            Callee::Global(global) => self.call_global(*global, arguments, into, tail),
             Callee::Value(function) => {
                 let function_reg = self.fresh();
                 self.value(function, function_reg, false);

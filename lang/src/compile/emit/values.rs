@@ -160,16 +160,15 @@ impl Emitter<'_, '_> {
     /// A register that holds the form's value; a variable's own register where nothing evaluated
     /// after it (`later`) can change it.
     pub(super) fn operand(&mut self, ir: &Ir, later: &[&Ir]) -> Reg {
-        if let IrKind::Local(variable) = ir.kind {
-            let variable_info = &self.compiler.variables[variable.0 as usize];
-            let is_stable = !variable_info.assigned || later.iter().all(|ir| has_no_effect(ir));
-            if !variable_info.in_cell() && is_stable {
-                return self.registers.get(&variable).copied().unwrap_or(NO_REG);
-            }
-        }
-        let reg = self.fresh();
-        self.value(ir, reg, false);
-        reg
+        self.own_register(ir, later.iter().copied()).unwrap_or_else(|| self.kept(ir))
+    }
+
+    /// The register of a variable, if the form is one and nothing evaluated after it (`later`) can change it.
+    pub(super) fn own_register<'i>(&self, ir: &Ir, mut later: impl Iterator<Item = &'i Ir>) -> Option<Reg> {
+        let IrKind::Local(variable) = ir.kind else { return None };
+        let variable_info = &self.compiler.variables[variable.0 as usize];
+        let is_stable = !variable_info.assigned || later.all(has_no_effect);
+        (!variable_info.in_cell() && is_stable).then(|| self.registers.get(&variable).copied().unwrap_or(NO_REG))
     }
 
     /// A fresh register that holds the form's value.

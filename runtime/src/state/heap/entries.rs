@@ -1,6 +1,6 @@
 //! Entries of the heap's tables, and the keys that they are found by.
 
-use super::key::{Key, KeyPart, KeyParts, MAX_KEY_PARTS, atom_hash, compound_hash, float_bits, object};
+use super::key::{Key, KeyPart, KeyParts, MAX_KEY_PARTS, atom_hash, compound_hash, float_bits, kept_atom_hash, object};
 use super::store::Heap;
 use super::table::{Entry, entry_bytes, table_entry};
 use crate::state::value::Value;
@@ -52,7 +52,7 @@ impl Heap {
             Value::Float(value) => KeyPart::Float(float_bits(value)),
             Value::Symbol(symbol) => KeyPart::Symbol(symbol),
             Value::Keyword(symbol) => KeyPart::Keyword(symbol),
-            Value::Str(index) => KeyPart::Str(self.strings[index].clone()),
+            Value::Str(index) => KeyPart::Str(self.strings[index].text.clone()),
             Value::Cons(_) => KeyPart::Pair,
             Value::Vector(index) => KeyPart::Vector(self.vectors[index].elements().len() as u32),
             other => object(other),
@@ -61,16 +61,17 @@ impl Heap {
 
     /// The value of a key without parts; none if it is another, or that is no table.
     #[inline]
-    pub(crate) fn atom_entry(&self, table: &Value, of: &Value) -> Option<Option<&Value>> {
+    pub(crate) fn atom_entry(&mut self, table: &Value, of: &Value) -> Option<Option<&Value>> {
         let (&Value::Table(table), false) = (table, has_parts(of)) else { return None };
-        Some(self.tables[table].atom(&self.strings, of, atom_hash(&self.strings, of)))
+        let hash = kept_atom_hash(&mut self.strings, of);
+        Some(self.tables[table].atom(&self.strings, of, hash))
     }
 
     /// Sets the value of a key without parts; tells whether it is one, and that a table.
     #[inline]
     pub(crate) fn set_atom_entry(&mut self, table: &Value, of: &Value, value: &Value) -> bool {
         let (&Value::Table(table), false) = (table, has_parts(of)) else { return false };
-        let hash = atom_hash(&self.strings, of);
+        let hash = kept_atom_hash(&mut self.strings, of);
         if self.tables[table].set_atom(&self.strings, of, hash, value) {
             self.allocated += entry_bytes(None);
         }

@@ -1,5 +1,6 @@
 //! Keys of hash tables, compared by content.
 
+use super::text::{Text, text_hash};
 use crate::state::block::block;
 use crate::state::slab::Slab;
 use crate::state::value::Value;
@@ -82,19 +83,34 @@ fn spread(number: u64, kind: u64) -> u64 {
 }
 
 /// The hash of a value that has no parts.
-#[inline]
-pub(super) fn atom_hash(strings: &Slab<Arc<str>>, value: &Value) -> u64 {
+pub(super) fn atom_hash(strings: &Slab<Text>, value: &Value) -> u64 {
     match *value {
-        Value::Int(value) => spread(value as u64, SPREAD.rotate_left(1)),
-        _ => other_hash(strings, value),
+        Value::Str(text) => text_hash(&strings[text]),
+        _ => hash_without_text(value),
     }
 }
 
-fn other_hash(strings: &Slab<Arc<str>>, value: &Value) -> u64 {
+/// The same; that of a text is kept with it.
+#[inline]
+pub(super) fn kept_atom_hash(strings: &mut Slab<Text>, value: &Value) -> u64 {
+    match *value {
+        Value::Str(text) => strings[text].hash(),
+        _ => hash_without_text(value),
+    }
+}
+
+#[inline]
+fn hash_without_text(value: &Value) -> u64 {
+    match *value {
+        Value::Int(value) => spread(value as u64, SPREAD.rotate_left(1)),
+        _ => other_hash(value),
+    }
+}
+
+fn other_hash(value: &Value) -> u64 {
     match *value {
         Value::Symbol(symbol) => spread(u64::from(symbol.0), SPREAD.rotate_left(2)),
         Value::Keyword(symbol) => spread(u64::from(symbol.0), SPREAD.rotate_left(3)),
-        Value::Str(text) => FixedState::default().hash_one(strings[text].as_bytes()),
         Value::Float(value) => spread(float_bits(value), SPREAD.rotate_left(4)),
         other => FixedState::default().hash_one(object(other)),
     }
@@ -107,10 +123,10 @@ pub(super) fn compound_hash(parts: &[KeyPart]) -> u64 {
 
 /// Whether two values without parts are `equal`.
 #[inline]
-pub(super) fn are_equal_atoms(strings: &Slab<Arc<str>>, left: &Value, right: &Value) -> bool {
+pub(super) fn are_equal_atoms(strings: &Slab<Text>, left: &Value, right: &Value) -> bool {
     match (left, right) {
         (Value::Int(left), Value::Int(right)) => left == right,
-        (&Value::Str(left), &Value::Str(right)) => left == right || strings[left] == strings[right],
+        (&Value::Str(left), &Value::Str(right)) => left == right || *strings[left] == *strings[right],
         (&Value::Float(left), &Value::Float(right)) => float_bits(left) == float_bits(right),
         (left, right) => left == right,
     }

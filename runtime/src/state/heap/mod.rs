@@ -10,6 +10,7 @@ mod record;
 mod spine;
 mod store;
 mod table;
+mod text;
 mod vector;
 
 pub use captured::Captured;
@@ -19,4 +20,5 @@ pub use pairs::{PAIR, Pairs};
 pub use spine::Spine;
 pub use store::{Closure, Heap, HeapMarks};
 pub use table::{Entry, Table, table_entry};
+pub use text::Text;
 pub use vector::{Vector, vector_elements};

@@ -101,10 +101,13 @@ impl Pairs {
     /// The pair so many places behind another in its list, if there are so many pairs. One look if they lie in a row.
     #[inline]
     pub(super) fn behind(&self, pair: u32, count: usize) -> Option<u32> {
-        if self.tails[pair as usize].0 as usize >= ROW as usize + count {
-            return Some(pair + count as u32);
-        }
-        self.walk(pair, count)
+        self.in_row(pair, count).or_else(|| self.walk(pair, count))
+    }
+
+    /// The same, if they lie in a row.
+    #[inline]
+    pub(super) fn in_row(&self, pair: u32, count: usize) -> Option<u32> {
+        (self.tails[pair as usize].0 as usize >= ROW as usize + count).then(|| pair + count as u32)
     }
 
     #[inline(never)]

@@ -3,6 +3,7 @@
 use super::captured::Captured;
 use super::pairs::{PAIR, Pairs};
 use super::table::Table;
+use super::text::Text;
 use super::vector::{Vector, vector_elements};
 use crate::state::block::block;
 use crate::state::failure::Failure;
@@ -10,7 +11,6 @@ use crate::state::memory::{self, MIN_THRESHOLD};
 use crate::state::slab::{Marks, Slab};
 use crate::state::value::Value;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// A function with the values it captured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub struct Heap {
     /// Pairs.
     pub pairs: Pairs,
     /// Strings.
-    pub strings: Slab<Arc<str>>,
+    pub strings: Slab<Text>,
     /// Cells.
     pub cells: Slab<Value>,
     /// Closures.
@@ -51,7 +51,7 @@ pub struct Heap {
 }
 
 /// Bytes of a string, its text not counted.
-const STRING: usize = size_of::<Option<Arc<str>>>();
+const STRING: usize = size_of::<Option<Text>>();
 
 /// Bytes of a cell.
 const CELL: usize = size_of::<Option<Value>>();
@@ -228,7 +228,7 @@ impl Heap {
     pub fn sweep(&mut self, marks: &HeapMarks, slack: usize) {
         self.pairs.sweep(&marks.pairs, slack);
         let mut freed = 0;
-        self.strings.sweep(&marks.strings, slack, |text| freed += text_block(&text));
+        self.strings.sweep(&marks.strings, slack, |text: Text| freed += text_block(&text));
         self.text_bytes = self.text_bytes.saturating_sub(freed);
         self.cells.sweep(&marks.cells, slack, drop);
         self.closures.sweep(&marks.closures, slack, drop);

@@ -1,14 +1,14 @@
 //! Hash tables: entries found by the hash of their keys.
 
 use super::key::{Key, KeyPart, KeyParts, are_equal_atoms, atom_hash, compound_hash, key_parts};
+use super::text::Text;
 use crate::state::slab::Slab;
 use crate::state::value::Value;
 use hashbrown::HashTable;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::sync::Arc;
 
 /// The texts of a heap, by which keys that are strings are told apart.
-type Strings = Slab<Arc<str>>;
+type Strings = Slab<Text>;
 
 /// An entry of a hash table, with key and value as the plan gave them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -12,9 +12,10 @@ use rpl_lang::kind::Kind;
 
 /// Reads an entry whose key has no parts; gives the steps it takes. None, and nothing done, where the key has parts or
 /// there is no table.
-pub(super) fn read_entry(heap: &Heap, r: &mut [Value; REACH], [to, key, table, default]: [Reg; 4]) -> Option<u32> {
+pub(super) fn read_entry(heap: &mut Heap, r: &mut [Value; REACH], [to, key, table, default]: [Reg; 4]) -> Option<u32> {
     let key = &r[usize::from(key)];
-    let (found, steps) = (heap.atom_entry(&r[usize::from(table)], key)?, key_steps(heap, key));
+    let steps = key_steps(heap, key);
+    let found = heap.atom_entry(&r[usize::from(table)], key)?;
     match found {
         Some(value) => r[usize::from(to)].set(value),
         None => r[usize::from(to)] = default_value(r, default),

@@ -33,6 +33,37 @@ impl Limits {
     }
 }
 
+/// Clears the registers of a frame from one on: four at a time, and so perhaps some behind the frame, where nothing lives.
+#[inline(always)]
+pub(super) fn clear_registers(r: &mut [Value; REACH], at: usize, end: usize) {
+    if let Some(four) = r[at..].first_chunk_mut::<4>() {
+        *four = [Value::Nil; 4];
+    }
+    if at + 4 < end {
+        clear_more(r, at + 4, end);
+    }
+}
+
+#[inline(never)]
+fn clear_more(r: &mut [Value; REACH], at: usize, end: usize) {
+    r[at..end].fill(Value::Nil);
+}
+
+/// Copies what a closure has captured into the registers from one on.
+#[inline(always)]
+pub(super) fn place_captured(r: &mut [Value; REACH], at: usize, captured: &[Value]) {
+    match captured {
+        [] => {}
+        [only] => r[at].set(only),
+        captured => place_many(r, at, captured),
+    }
+}
+
+#[inline(never)]
+fn place_many(r: &mut [Value; REACH], at: usize, captured: &[Value]) {
+    r[at..at + captured.len()].copy_from_slice(captured);
+}
+
 impl Machine {
     /// Arranges arguments for a function with optional, rest or key parameters.
     pub(crate) fn arrange(&mut self, code: &Code, first: usize, count: usize) -> Result<(), Raise> {

@@ -8,6 +8,7 @@ use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::{assign_entry, read_entry};
 use crate::step::exec::arithmetic::{arithmetic, compare, compare_int, overflow};
+use crate::step::exec::calls::{clear_registers, place_captured};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
@@ -65,7 +66,7 @@ impl Machine {
         // After an instruction that may have made a more important task ready, ended or suspended
         // this one.
         macro_rules! check_switch {
-            () => {
+            () => {{
                 if !self.scratch.status_changed.is_empty() {
                     save!();
                     self.flush_status(around);
@@ -77,7 +78,7 @@ impl Machine {
                         return Ok(Exit::Switched);
                     }
                 }
-            };
+            }};
         }
         macro_rules! check_leaving {
             () => {
@@ -155,20 +156,9 @@ impl Machine {
                     };
                 }
                 // Registers of a frame that starts at `$first`, save `$count` arguments.
-                // Four at a time, and so perhaps some behind the frame, where nothing lives.
                 macro_rules! clear {
                     ($callee:expr, $first:expr, $count:expr) => {
-                        let mut at = $first + $count;
-                        let end = $first + usize::from($callee.registers);
-                        if let Some(four) = r[at..].first_chunk_mut::<4>() {
-                            *four = [Value::Nil; 4];
-                        }
-                        while at + 4 < end {
-                            at += 4;
-                            if let Some(four) = r[at..].first_chunk_mut::<4>() {
-                                *four = [Value::Nil; 4];
-                            }
-                        }
+                        clear_registers(r, $first + $count, $first + usize::from($callee.registers))
                     };
                 }
                 macro_rules! collect_in_frame {
@@ -243,9 +233,7 @@ impl Machine {
                                 first
                             };
                             clear!(callee, start, count);
-                            for (at, value) in captured.iter().enumerate() {
-                                r[start + count + at].set(value);
-                            }
+                            place_captured(r, start + count, captured);
                             begin!(callee, number, base + start);
                             continue 'frame;
                         }
@@ -304,16 +292,13 @@ impl Machine {
                             None => fail!(self.wrong_operands("/", left, right)),
                         },
                     },
-                    Op::AddInt(a, b, value) => match &r!(b) {
-                        &Value::Int(x) => match x.checked_add(i64::from(value)) {
+                    Op::AddInt(a, b, value) => match r!(b) {
+                        Value::Int(x) => match x.checked_add(i64::from(value)) {
                             Some(sum) => r!(a) = Value::Int(sum),
                             None => fail!(overflow("+")),
                         },
-                        &Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        other => {
-                            let other = *other;
-                            fail!(self.wrong_operands("+", other, other))
-                        }
+                        Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
+                        other => fail!(self.wrong_operands("+", other, other)),
                     },
                     Op::Count(a, end, to) => match (&r!(a), &r!(end)) {
                         (&Value::Int(i64::MAX), _) => hand_over!(self.count_other(place, a)),
@@ -387,7 +372,7 @@ impl Machine {
                             }
                         }
                     }
-                    Op::TableRef(a, key, of, default) => match read_entry(&self.heap, r, [a, key, of, default]) {
+                    Op::TableRef(a, key, of, default) => match read_entry(&mut self.heap, r, [a, key, of, default]) {
                         Some(steps) => spend!(steps),
                         None => hand_over!(self.plan_instruction(around, place, *op)),
                     },
@@ -460,6 +445,28 @@ impl Machine {
                         }
                         hand_over!(self.call_global(around, place, global, first, count, false))
                     }
+                    Op::CallSlot(first, own, count, global) => {
+                        burn!();
+                        if !STEPPING
+                            && let Value::Function(number) = self.globals[global as usize]
+                            && let callee = &*program.codes[number as usize]
+                            && let Some(slot) = &callee.slot
+                            && callee.exact_count == u16::from(count)
+                            && let kind = &self.constants[slot.kind as usize]
+                            && let Some(pair) = self.heap.slot_in_row(&r!(own), kind, slot.place.into())
+                            && !(slot.assigns && self.current == SCRATCH_TASK)
+                        {
+                            if slot.assigns {
+                                assign!(r!(first), r[usize::from(first) + 1]);
+                                self.heap.pairs.car_mut(pair).set(&r!(first));
+                            } else {
+                                assign!(r!(first), *self.heap.pairs.car(pair));
+                            }
+                            continue;
+                        }
+                        assign!(r!(first), r!(own));
+                        hand_over!(self.call_global(around, place, global, first, count, false))
+                    }
                     Op::TailCall(first, count, global) => {
                         burn!();
                         if let Value::Function(number) = self.globals[global as usize]
@@ -512,7 +519,7 @@ impl Machine {
                         collect_in_frame!();
                     }
                     Op::Return(a) => {
-                        if self.scratch.frames.len() == entry {
+                        if self.scratch.frames.len() <= entry {
                             let value = r!(a);
                             save!();
                             if self.current != SCRATCH_TASK
@@ -548,10 +555,10 @@ impl Machine {
                             && let Some(is_awaited) = signal_plainly(&mut self.fluents, fluent, truth)
                         {
                             r!(a) = truth;
-                            if is_awaited {
-                                hand_over!(self.serve_signal(fluent));
+                            if !is_awaited {
+                                continue;
                             }
-                            continue;
+                            hand_over!(self.serve_signal(fluent))
                         }
                         let (fluent, value) = (r!(fluent), r!(value));
                         r!(a) = value;
@@ -573,9 +580,7 @@ impl Machine {
             fuel = place.fuel;
             match next? {
                 Proceed::On => {}
-                Proceed::Switch => {
-                    check_switch!();
-                }
+                Proceed::Switch => check_switch!(),
                 Proceed::Leave => {
                     check_leaving!();
                     check_switch!();

@@ -152,6 +152,16 @@ fn a_failure_beside_fails_nothing_else() {
     assert_eq!(run(&mut system, "(later)"), Answer::Succeeded(Value::Int(5)));
 }
 
+/// r[def.struct]
+#[test]
+fn a_slot_that_is_defined_anew_is_read_as_it_is_defined_now() {
+    let mut system = session();
+    run(&mut system, "(defstruct cup size) (defun size-of (c) (list (cup-size c))) (defvar mine (make-cup :size 3))");
+    assert_eq!(run(&mut system, "(car (size-of mine))"), Answer::Succeeded(Value::Int(3)));
+    run(&mut system, "(defun cup-size (c) (+ 4 (length c)))");
+    assert_eq!(run(&mut system, "(car (size-of mine))"), Answer::Succeeded(Value::Int(6)));
+}
+
 /// r[def.value]
 #[test]
 fn a_definition_has_its_name_as_its_value() {
