@@ -15,10 +15,10 @@ fn jumping(drive: &[(Pose, Vec<f32>)], jumps_rad: &[(usize, f64)]) -> Vec<Pose> 
 }
 
 /// At each step after the first, whether the estimate is right, and how sure it is.
-fn judged(spikes: Option<HeadingSpikes>, jumps_rad: &[(usize, f64)]) -> Vec<(bool, f64)> {
+fn judged(faults: Option<OdometryFaults>, jumps_rad: &[(usize, f64)]) -> Vec<(bool, f64)> {
     let sensors = vec![ScanParameters { gating: None, tempering: 0.2, ..ScanParameters::default() }];
     let model = model(LocalizationParameters {
-        spikes,
+        faults,
         sensors,
         watch: None,
         calibration: None,
@@ -41,16 +41,16 @@ fn judged(spikes: Option<HeadingSpikes>, jumps_rad: &[(usize, f64)]) -> Vec<(boo
 #[test]
 fn a_jump_of_the_odometry_is_seen_through_at_once() {
     let jumps_rad: Vec<(usize, f64)> = [(10, 0.5), (19, -0.4), (28, 0.3), (37, -0.5)].to_vec();
-    let wrong = |spikes| judged(spikes, &jumps_rad).iter().filter(|(is_right, _)| !is_right).count();
-    let sure = |spikes| judged(spikes, &jumps_rad).iter().filter(|(right, sure)| !right && *sure >= 0.9).count();
-    let expects = || Some(HeadingSpikes::default());
+    let wrong = |faults| judged(faults, &jumps_rad).iter().filter(|(is_right, _)| !is_right).count();
+    let sure = |faults| judged(faults, &jumps_rad).iter().filter(|(right, sure)| !right && *sure >= 0.9).count();
+    let expects = || Some(OdometryFaults::default());
     assert!(wrong(None) >= 8, "{} {} {}", wrong(None), wrong(expects()), sure(expects()));
     assert!(wrong(expects()) <= 2 && sure(expects()) == 0, "{} {}", wrong(expects()), sure(expects()));
 }
 
 #[test]
 fn who_expects_jumps_believes_the_same_where_there_are_none() {
-    let [expecting, not] = [Some(HeadingSpikes::default()), None].map(|spikes| judged(spikes, &[]));
+    let [expecting, not] = [Some(OdometryFaults::default()), None].map(|faults| judged(faults, &[]));
     assert!(expecting.iter().all(|(is_right, _)| *is_right));
     for (step, (expecting, not)) in expecting.iter().zip(&not).enumerate() {
         assert!((expecting.1 - not.1).abs() < 0.02, "{step}: {expecting:?} {not:?}");
