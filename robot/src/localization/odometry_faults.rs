@@ -10,7 +10,7 @@ use crate::geometry::Pose;
 
 /// Scans that fit better than this, as the logarithm of their evidence by their average weight, leave nothing to a
 /// fault.
-const FITS: f64 = 4.0;
+const FITS: f64 = 8.0;
 
 /// A share of the belief that is not worth to be brought in.
 const LEAST_SHARE: f64 = 1e-3;
