@@ -106,10 +106,10 @@ impl Beliefs {
         }
     }
 
-    /// Eq. (2) for a scan of each sensor; so many updates have been before.
-    pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan], updates: u64) {
+    /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before.
+    pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan], updates: u64) {
         if !self.is_led_by_coarse {
-            self.fine.sense_after_motion(model, scans);
+            self.fine.sense_after_motion(model, motion, scans);
         }
         if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
             if self.is_led_by_coarse || self.fine.is_adrift(model) {

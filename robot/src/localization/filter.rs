@@ -28,6 +28,10 @@ const CHANGED_M: f32 = 0.5;
 /// Changed readings that make a changed scan, one in so many; a person walking by changes fewer.
 const CHANGED_ONE_IN: usize = 3;
 
+/// Scans speak against a pose that they explain worse by this than the last ones did theirs, as the logarithm of the
+/// likelihood, tempered.
+const CONTRADICTION: f64 = 1.0;
+
 /// What was taken in since the robot last moved.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Rest {
@@ -131,14 +135,16 @@ impl Localization {
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
         let is_scanned = scans_m.iter().any(Option::is_some);
-        let is_due = moved || is_scanned && self.is_due_at_rest(&model.parameters, scans_m);
+        let is_due = moved
+            || is_scanned && self.is_due_at_rest(&model.parameters, scans_m)
+            || self.is_contradicted(model, since, scans_m);
         if !is_due {
             return false;
         }
         let predicted_in_map = self.beliefs.mode.pose_in_map.compose(since);
         self.beliefs.advance(model, since);
         let scans = self.scans(model, predicted_in_map, scans_m);
-        self.beliefs.sense(model, &scans, self.updates);
+        self.beliefs.sense(model, since, &scans, self.updates);
         let last = self.fix.map(|fix| fix.advanced(since, &model.parameters.odometry));
         self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m);
         self.take_fix();
@@ -167,6 +173,22 @@ impl Localization {
         }
         self.rest.scans == 0
             || self.rest.waited >= parameters.standing_observations && self.rest.scans < parameters.standing_updates
+    }
+
+    /// Whether scans speak against what odometry tells of the way since the last update, if it may be badly wrong: they
+    /// explain the pose it leads to much worse than those of the last update explained theirs.
+    fn is_contradicted(&self, model: &LocalizationModel, since: Pose, scans_m: &[Option<&[f32]>]) -> bool {
+        if model.parameters.faults.is_none() {
+            return false;
+        }
+        let mode_in_map = self.beliefs.mode.pose_in_map;
+        let last_m: Vec<Option<&[f32]>> = self.last_scans_m.iter().map(Option::as_deref).collect();
+        let cost = |pose_in_map, scans_m: &[Option<&[f32]>]| model.cost(pose_in_map, scans_m);
+        match (cost(mode_in_map, &last_m), cost(mode_in_map.compose(since), scans_m)) {
+            (Some(last), Some(now)) => now - last > CONTRADICTION,
+            (Some(_), None) => true,
+            (None, _) => false,
+        }
     }
 
     /// Where the scans have found the mode, it is their pose.

@@ -7,7 +7,7 @@
 //! moves the robot.
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
-//! never changes), then `tile`, `plane`, `motion`, `belief`, `spikes` (odometry that jumps), `weigh`, `summary`,
+//! never changes), then `tile`, `plane`, `motion`, `belief`, `odometry_faults`, `weigh`, `summary`,
 //! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `beliefs` (fine and coarse), `gating` (which
 //! readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
@@ -25,6 +25,7 @@ mod landmark;
 mod lanes;
 mod model;
 mod motion;
+mod odometry_faults;
 mod parameters;
 mod plane;
 mod reading;
@@ -34,7 +35,6 @@ mod scan_match;
 mod scan_parameters;
 mod sensor;
 mod simd;
-mod spikes;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -49,7 +49,7 @@ pub use grid::{Bearings, BeliefGrid, State};
 pub use kernel::MAX_BEAMS;
 pub use landmark::{LandmarkNoise, LandmarkSighting};
 pub use model::LocalizationModel;
-pub use parameters::{HeadingSpikes, LocalizationParameters, OdometryError, Spread, Watch};
+pub use parameters::{LocalizationParameters, OdometryError, OdometryFaults, Spread, Watch};
 pub use plane::Plane;
 pub use reading::{Offness, ReadingModel, StateShare};
 pub use scan::ScanModel;

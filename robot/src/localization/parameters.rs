@@ -33,9 +33,9 @@ pub struct LocalizationParameters {
     pub sensors: Vec<ScanParameters>,
     /// The error model of the odometry.
     pub odometry: OdometryError,
-    /// Turns that the odometry reports now and then and that never were; none expects none.
+    /// How the odometry is badly wrong now and then; none expects that it never is.
     #[serde(default)]
-    pub spikes: Option<HeadingSpikes>,
+    pub faults: Option<OdometryFaults>,
     /// Share of the uniform distribution mixed in after an update; 0 is none.
     pub mixing: f64,
     /// The watch over the whole map; none does not watch.
@@ -122,7 +122,7 @@ impl LocalizationParameters {
             clearance_m: 0.15,
             sensors: ScanParameters::of(robot),
             odometry: OdometryError::default(),
-            spikes: None,
+            faults: None,
             mixing: 5e-4,
             watch: Some(Watch::default()),
             calibration: Some(Calibration::new(calibrated)),
@@ -139,7 +139,7 @@ impl LocalizationParameters {
         let in_full = |sensor| ScanParameters { tempering: 1.0, gating: None, ..sensor };
         Self {
             sensors: self.sensors.into_iter().map(in_full).collect(),
-            spikes: None,
+            faults: None,
             mixing: 0.0,
             watch: None,
             calibration: None,
@@ -169,8 +169,12 @@ impl LocalizationParameters {
             ("odometry.turn_per_radian_rad", odometry.turn_per_radian_rad, 0.0, 7.0),
         ];
         ranges.extend(self.sensors.iter().flat_map(ScanParameters::ranges));
-        if let Some(spikes) = &self.spikes {
-            ranges.extend([("spikes.share", spikes.share, 1e-12, 0.5), ("spikes.most_rad", spikes.most_rad, 0.0, 3.2)]);
+        if let Some(faults) = &self.faults {
+            ranges.extend([
+                ("faults.jump", faults.jump, 0.0, 0.4),
+                ("faults.most_jump_rad", faults.most_jump_rad, 0.0, 3.2),
+                ("faults.reversal", faults.reversal, 0.0, 0.4),
+            ]);
         }
         if let Some(watch) = &self.watch {
             ranges.extend([
@@ -233,7 +237,7 @@ impl LocalizationParameters {
                 turn_per_metre_rad: 4.2f64.to_radians(),
                 turn_per_radian_rad: 6.5f64.to_radians(),
             },
-            spikes: Some(HeadingSpikes::default()),
+            faults: Some(OdometryFaults::default()),
             mixing: 1e-4,
             watch: None,
             calibration: None,
@@ -266,18 +270,23 @@ pub struct OdometryError {
     pub turn_per_radian_rad: f64,
 }
 
-/// Odometry that now and then jumps in its heading from one scan to the next: a slipping wheel, a lost message.
+/// What odometry does now and then that no normal error covers: it jumps in its heading from one scan to the next,
+/// by a slipping wheel or a lost message, and it counts a way backward as one forward, as that of wheels does whose
+/// encoders have no sign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HeadingSpikes {
-    /// Probability at an update.
-    pub share: f64,
-    /// By at most so much to either side, all alike.
-    pub most_rad: f64,
+#[serde(deny_unknown_fields)]
+pub struct OdometryFaults {
+    /// Probability of a jump at an update.
+    pub jump: f64,
+    /// It is by at most so much to either side, all alike.
+    pub most_jump_rad: f64,
+    /// Probability at an update that the way was the other one.
+    pub reversal: f64,
 }
 
-impl Default for HeadingSpikes {
+impl Default for OdometryFaults {
     fn default() -> Self {
-        Self { share: 0.01, most_rad: 30f64.to_radians() }
+        Self { jump: 0.01, most_jump_rad: 30f64.to_radians(), reversal: 0.01 }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Facts about the whole filter, on maps small enough to compute everything by hand.
 
 mod gating;
+mod odometry_faults;
 mod sleeping;
-mod spikes;
 
 use super::grid::{Place, TILE, TILE_EDGE};
 use super::sensor::mixture;
