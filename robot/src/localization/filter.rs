@@ -51,6 +51,9 @@ fn has_changed(before_m: Option<&[f32]>, now_m: Option<&[f32]>) -> bool {
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
+/// The mode has gone elsewhere when it is farther than this from where odometry has carried it.
+const ELSEWHERE_M: f64 = 1.0;
+
 /// The state of the filter. Cloning it shares the tiles of the belief until one is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Localization {
@@ -64,6 +67,8 @@ pub struct Localization {
     rest: Rest,
     /// The pose found by the last scans, if one was.
     fix: Option<Fix>,
+    /// How far the readings that are not short have borne the mode out, in nats.
+    support: f64,
     /// Updates so far.
     updates: u64,
     /// How many of them there were when landmarks were seen last.
@@ -94,6 +99,7 @@ impl Localization {
             last_scans_m: vec![None; model.sensors.len()],
             rest: Rest::default(),
             fix: None,
+            support: 0.0,
             updates: 0,
             seen_at: None,
         }
@@ -108,6 +114,7 @@ impl Localization {
     /// Gives up all of the belief: what it says has been refuted, and a share of it would only lead
     /// back there.
     pub fn refute(&mut self, model: &LocalizationModel) {
+        self.support = 0.0;
         self.mix(model, 1.0);
     }
 
@@ -145,6 +152,9 @@ impl Localization {
         self.beliefs.advance(model, since);
         let scans = self.scans(model, predicted_in_map, scans_m);
         self.beliefs.sense(model, since, &scans, self.updates);
+        if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
+            self.support = 0.0;
+        }
         let last = self.fix.map(|fix| fix.advanced(since, &model.parameters.odometry));
         self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m);
         self.take_fix();
@@ -229,7 +239,12 @@ impl Localization {
     }
 
     /// The bins of the scans, without the readings that gating leaves out; the belief has been moved.
-    fn scans(&self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<BinnedScan> {
+    fn scans(
+        &mut self,
+        model: &LocalizationModel,
+        predicted_in_map: Pose,
+        scans_m: &[Option<&[f32]>],
+    ) -> Vec<BinnedScan> {
         let mut scans = model.binned(scans_m);
         let (belief, leading) = self.beliefs.leading(model);
         for (sensor, (scan, ranges_m)) in scans.iter_mut().zip(scans_m).enumerate() {
@@ -238,9 +253,10 @@ impl Localization {
                 Gating::Short(short) => {
                     let state = model.state_at(predicted_in_map);
                     let state = state.filter(|state| model.is_admissible(state.column, state.row));
-                    if let Some(state) = state.filter(|_| self.beliefs.mode.mass >= short.min_certainty) {
+                    if let Some(state) = state {
                         let expected = model.expected_scan(sensor, state);
-                        leave_out_short(short, &model.sensors[sensor], &expected, ranges_m, scan);
+                        let (tables, mass) = (&model.sensors[sensor], self.beliefs.mode.mass);
+                        leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.support, scan);
                     }
                 }
                 Gating::Entropy => leave_out_confusing(belief, leading, sensor, scan),

@@ -6,22 +6,54 @@ use super::scan::ScanModel;
 use super::scan_parameters::ShortReadings;
 use super::sensor::{BINS, BinnedScan};
 
-/// Leaves out readings that are clearly shorter than expected at the estimated pose.
+/// How much likelier a reading that is not short is at the right pose than elsewhere, as a logarithm, if it fits, comes
+/// from farther, or is missed: as if of such readings 70, 6 and 24 % were so at the right pose, and 30, 40 and 30 %
+/// elsewhere. What stands before a wall never makes a reading longer. Chosen, not fitted.
+const LOG_RATIOS: [f64; 3] = [0.85, -1.9, -0.2];
+
+/// What was read counts for at most so much, in nats: so a robot that was carried elsewhere forgets in a few scans that
+/// its pose was right.
+const MOST_SUPPORT: f64 = 3.0;
+
+/// With less of the belief at the mode than this, nothing is left out even in a crowd: less than a relocalization leaves
+/// of what was believed, so that a false alarm heals in place.
+const LEAST_IN_CROWD: f64 = 0.05;
+
+/// Leaves out readings that are clearly shorter than expected at the estimated pose: while they are few, and where
+/// people stand around. Many short readings speak against a pose and not for people, unless the other ones have borne
+/// it out, scan by scan (Wald's sequential ratio of likelihoods, bounded): that is its support. `certainty` is the share
+/// of the belief at the pose.
 pub(super) fn leave_out_short(
     short: &ShortReadings,
     sensor: &ScanModel,
     expected: &[u8],
     ranges_m: &[f32],
+    certainty: f64,
+    support: &mut f64,
     scan: &mut BinnedScan,
 ) {
     let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
-    let beyond_m = |beam: &usize| f64::from(ranges_m[*beam]) - sensor.likelihood.range_m(expected[*beam]);
-    let echoes = |beam: &&usize| f64::from(ranges_m[**beam]) < sensor.parameters.beam.max_range_m;
-    let too_short = || read.iter().filter(|beam| beyond_m(beam) < -short.margin_m);
-    let fitting = read.iter().filter(|beam| beyond_m(beam).abs() <= short.margin_m).count();
-    let farther = read.iter().filter(echoes).filter(|beam| beyond_m(beam) > short.margin_m).count();
-    if too_short().count() <= short.max_readings || short.is_crowd(fitting, farther) {
-        too_short().for_each(|&beam| scan[beam] = None);
+    let beyond_m = |beam: usize| f64::from(ranges_m[beam]) - sensor.likelihood.range_m(expected[beam]);
+    let short_by_m = |margin_m: f64| read.iter().copied().filter(move |&beam| beyond_m(beam) < -margin_m);
+    let is_echo = |beam: usize| f64::from(ranges_m[beam]) < sensor.parameters.beam.max_range_m;
+    let others = read.iter().filter(|&&beam| beyond_m(beam) >= -short.margin_m);
+    let ratios = others.map(|&beam| match beyond_m(beam) > short.margin_m {
+        false => LOG_RATIOS[0],
+        true if is_echo(beam) => LOG_RATIOS[1],
+        true => LOG_RATIOS[2],
+    });
+    let gained = ratios.sum::<f64>() * sensor.parameters.tempering;
+    *support = (*support + gained).clamp(-MOST_SUPPORT, MOST_SUPPORT);
+    let count = short_by_m(short.margin_m).count();
+    if count <= short.max_readings {
+        if certainty >= short.min_certainty {
+            short_by_m(short.margin_m).for_each(|beam| scan[beam] = None);
+        }
+    } else if certainty >= LEAST_IN_CROWD && *support > 0.0 {
+        if read.len() - count < short.crowd_least {
+            scan.fill(None);
+        }
+        short_by_m(short.crowd_margin_m).for_each(|beam| scan[beam] = None);
     }
 }
 

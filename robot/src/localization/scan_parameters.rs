@@ -114,6 +114,7 @@ impl ScanParameters {
         match &self.gating {
             Some(Gating::Short(short)) => ranges.extend([
                 ("sensors.gating.short.margin_m", short.margin_m, 0.0, 1000.0),
+                ("sensors.gating.short.crowd_margin_m", short.crowd_margin_m, 0.0, 1000.0),
                 ("sensors.gating.short.min_certainty", short.min_certainty, 0.0, 1.0),
             ]),
             Some(Gating::Novelty { most_probable }) => {
@@ -243,10 +244,9 @@ pub enum Gating {
     },
 }
 
-/// Readings clearly shorter than the estimated pose explains, which are left out as long as they are few. Many short
-/// readings speak against the pose and not for furniture – unless the others fit it: then people stand around. What
-/// stands before a wall never makes a reading longer, and a wrong pose explains little: among twenty people, with the
-/// pose right, 93 % of the scans with more than eight short readings pass as a crowd; with the pose wrong, one in 34.
+/// Readings clearly shorter than the estimated pose explains, which are left out as long as they are few. Many of them
+/// are left out where people stand around: where the other readings have fitted the pose from scan to scan, and few
+/// echoes have come from farther.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ShortReadings {
@@ -254,17 +254,17 @@ pub struct ShortReadings {
     pub margin_m: f64,
     /// More short readings than this are all kept, unless it is a crowd.
     pub max_readings: usize,
-    /// In a crowd at least so many readings are as long as expected, to the margin ...
-    pub crowd_fitting: usize,
-    /// ... and at most so many echoes come from farther.
-    pub crowd_farther: usize,
-    /// Below this certainty nothing is left out.
+    /// By how much a reading must fall short in a crowd, where somebody may stand close before a wall.
+    pub crowd_margin_m: f64,
+    /// A scan of a crowd with fewer readings than this that are not short says nothing.
+    pub crowd_least: usize,
+    /// Below this certainty nothing is left out, unless it is a crowd.
     pub min_certainty: f64,
 }
 
 impl Default for ShortReadings {
     fn default() -> Self {
-        Self { margin_m: 0.4, max_readings: 8, crowd_fitting: 6, crowd_farther: 2, min_certainty: 0.5 }
+        Self { margin_m: 0.4, max_readings: 8, crowd_margin_m: 0.25, crowd_least: 6, min_certainty: 0.5 }
     }
 }
 
@@ -276,17 +276,7 @@ impl ShortReadings {
     pub fn of_beams(beams: usize) -> Self {
         let usual = Self::default();
         let of_these = |count: usize| (count * beams + GATED_BEAMS / 2) / GATED_BEAMS;
-        Self {
-            max_readings: of_these(usual.max_readings),
-            crowd_fitting: of_these(usual.crowd_fitting),
-            crowd_farther: of_these(usual.crowd_farther),
-            ..usual
-        }
-    }
-
-    /// Whether the readings that are not short tell of people around a robot whose pose is right.
-    pub(super) fn is_crowd(&self, fitting: usize, farther: usize) -> bool {
-        fitting >= self.crowd_fitting && farther <= self.crowd_farther
+        Self { max_readings: of_these(usual.max_readings), crowd_least: of_these(usual.crowd_least), ..usual }
     }
 }
 
@@ -321,6 +311,6 @@ mod tests {
     fn gating_takes_the_same_share_of_any_number_of_beams() {
         assert_eq!(ShortReadings::of_beams(24), ShortReadings::default());
         let eight = ShortReadings::of_beams(8);
-        assert_eq!((eight.max_readings, eight.crowd_fitting, eight.crowd_farther), (3, 2, 1));
+        assert_eq!((eight.max_readings, eight.crowd_least), (3, 2));
     }
 }

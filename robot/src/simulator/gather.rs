@@ -28,8 +28,12 @@ impl SimulatorModel {
         let first = self.world.people.len();
         for index in first..state.people.len() {
             let company = Company::of(index - first);
-            let spots = (0..TRIES).map(|angle| company.at_angle(angle).spot_in_map(state.robot_in_map));
-            let spot = spots.into_iter().find(|&spot| self.has_room(state, index, spot));
+            // The sides in turn, so that as many stand on the left as on the right.
+            let sides = |angle| {
+                let [left, right] = company.spots_in_map(state.robot_in_map, angle);
+                if index % 2 == 0 { [left, right] } else { [right, left] }
+            };
+            let spot = (0..TRIES).flat_map(sides).find(|&spot| self.has_room(state, index, spot));
             let walker = &mut state.people[index];
             walker.company = Some(company);
             if let Some(spot) = spot {
@@ -55,7 +59,7 @@ impl SimulatorModel {
 
     /// Where somebody who stays beside the robot walks to; none if he is there.
     pub(super) fn spot_of(&self, walker: &Walker, company: Company, robot_in_map: Pose) -> Option<Point> {
-        let spot = company.spot_in_map(robot_in_map);
+        let spot = company.nearer_spot_in_map(robot_in_map, walker.at_in_map);
         let robot = robot_in_map.point();
         match &self.crowd {
             Some(crowd) if distance_m(walker.at_in_map, robot) > NEAR_M.max(company.distance_m) => {
