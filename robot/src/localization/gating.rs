@@ -11,9 +11,9 @@ use super::sensor::{BINS, BinnedScan};
 /// elsewhere. What stands before a wall never makes a reading longer. Chosen, not fitted.
 const LOG_RATIOS: [f64; 3] = [0.85, -1.9, -0.2];
 
-/// What was read counts for at most so much, in nats: so a robot that was carried elsewhere forgets in a few scans that
+/// What was read counts for at most so much, in nats: so a robot that was carried elsewhere forgets in a scan or two that
 /// its pose was right.
-const MOST_SUPPORT: f64 = 3.0;
+const MOST_SUPPORT: f64 = 1.2;
 
 /// With less of the belief at the mode than this, nothing is left out even in a crowd: less than a relocalization leaves
 /// of what was believed, so that a false alarm heals in place.

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 /// belief in which nothing sleeps watches over the fine one; and the certainty is calibrated.
 /// [`LocalizationParameters::literal`] takes them back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LocalizationParameters {
     /// Edge of a belief cell.
     pub cell_m: f64,
@@ -259,6 +260,7 @@ impl LocalizationParameters {
 
 /// How far odometry strays: variances grow in proportion to the way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OdometryError {
     /// Standard deviation along the heading after one metre.
     pub forward_m: f64,
@@ -311,6 +313,7 @@ impl Default for OdometryError {
 /// of the estimated pose bounds the certainty; when it falls short of what the fine belief says,
 /// the fine belief is made anew from the coarse one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Watch {
     /// Edge of a cell.
     pub cell_m: f64,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A sensor that measures distances along several beams at a time, and how its scans are taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ScanParameters {
     /// Whose readings they are.
     pub source: RangeSensor,
@@ -130,6 +131,7 @@ impl ScanParameters {
 /// distance, a uniform and a geometric density (Fox, Burgard, Thrun §3.2), and the echo that never
 /// comes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BeamParameters {
     /// Readings at or beyond this are "no echo".
     pub max_range_m: f64,
@@ -248,7 +250,7 @@ pub enum Gating {
 /// are left out where people stand around: where the other readings have fitted the pose from scan to scan, and few
 /// echoes have come from farther.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct ShortReadings {
     /// By how much a reading must fall short.
     pub margin_m: f64,
