@@ -40,8 +40,13 @@ fn a_world_that_is_too_large_says_so_with_what_it_takes() {
     put(&folder, "plan.rpl", "(print 1)");
     let Ended { out: shown, errors: told, status } = rpl(&folder, "run plan.rpl --world large.toml");
     assert_eq!((status, shown.as_str()), (2, ""));
-    for part in ["of 600 m by 600 m is too large", " GiB of memory and 3 min", "crop it", "--grid coarse", "--map none"]
-    {
+    for part in [
+        "of 600 m by 600 m is too large",
+        " GiB of memory, and 12 s before the first step",
+        "crop it",
+        "--grid coarse",
+        "--map none",
+    ] {
         assert!(told.contains(part), "{told}\nshould say: {part}");
     }
     assert_eq!(rpl(&folder, "run plan.rpl --world large.toml --map none").out, "1\n");

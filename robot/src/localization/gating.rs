@@ -15,6 +15,9 @@ const LOG_RATIOS: [f64; 3] = [0.85, -1.9, -0.2];
 /// its pose was right.
 const MOST_SUPPORT: f64 = 1.2;
 
+/// A scan that speaks against the pose by more than this, in nats, counts in full, however well the scans before it fitted.
+const MOST_AGAINST: f64 = 0.3;
+
 /// With less of the belief at the mode than this, nothing is left out even in a crowd: less than a relocalization leaves
 /// of what was believed, so that a false alarm heals in place.
 const LEAST_IN_CROWD: f64 = 0.05;
@@ -49,7 +52,7 @@ pub(super) fn leave_out_short(
         if certainty >= short.min_certainty {
             short_by_m(short.margin_m).for_each(|beam| scan[beam] = None);
         }
-    } else if certainty >= LEAST_IN_CROWD && *support > 0.0 {
+    } else if certainty >= LEAST_IN_CROWD && *support > 0.0 && gained > -MOST_AGAINST {
         if read.len() - count < short.crowd_least {
             scan.fill(None);
         }
