@@ -7,6 +7,7 @@ use super::model::LocalizationModel;
 use super::motion::{Share, Surroundings};
 use super::parameters::Spread;
 use super::plane::Plane;
+use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use super::tile::Tile;
 use super::weigh::{TILES_FOR_THREADS, weigh_planes};
@@ -404,15 +405,15 @@ impl Belief {
     /// # Deviation
     /// After the scans a share of the uniform distribution is mixed in.
     pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) -> f64 {
-        self.sense_tempered(model, scans, |_| 1.0)
+        self.sense_weighed(model, scans, |_| Weighing::USUAL)
     }
 
-    /// The same with a power of the likelihood of a scan of each sensor, beyond its tempering.
-    pub(super) fn sense_tempered(
+    /// The same with the scan of each sensor weighed in a way of its own.
+    pub(super) fn sense_weighed(
         &mut self,
         model: &LocalizationModel,
         scans: &[BinnedScan],
-        power: impl Fn(usize) -> f64,
+        weighing: impl Fn(usize) -> Weighing,
     ) -> f64 {
         let readings = |scan: &BinnedScan| -> Vec<(usize, u8)> {
             scan.iter().enumerate().filter_map(|(beam, bin)| bin.map(|bin| (beam, bin))).collect()
@@ -421,13 +422,13 @@ impl Belief {
         let mut heard: Vec<(usize, Vec<(usize, u8)>)> = sensors.zip(scans.iter().map(readings)).collect();
         heard.retain(|(_, readings)| !readings.is_empty());
         let Some((last, readings)) = heard.pop() else {
-            return self.sense_scan(model, 0, &[], 1.0, 0.0);
+            return self.sense_scan(model, 0, &[], Weighing::USUAL, 0.0);
         };
         let mut fit = 0.0;
         for (sensor, readings) in heard {
-            fit += self.sense_scan(model, sensor, &readings, power(sensor), 0.0);
+            fit += self.sense_scan(model, sensor, &readings, weighing(sensor), 0.0);
         }
-        fit + self.sense_scan(model, last, &readings, power(last), model.parameters.mixing)
+        fit + self.sense_scan(model, last, &readings, weighing(last), model.parameters.mixing)
     }
 
     /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.
@@ -436,12 +437,12 @@ impl Belief {
         model: &LocalizationModel,
         sensor: usize,
         readings: &[(usize, u8)],
-        power: f64,
+        weighing: Weighing,
         mixed: f64,
     ) -> f64 {
-        let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings, power) };
+        let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings, weighing) };
         let terms = self.terms();
-        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, power, terms, average);
+        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, weighing, terms, average);
         self.weighed(model, average, f64::from(LIFT), mixed)
     }
 
@@ -473,7 +474,7 @@ impl Belief {
             *self = Self::uniform(model);
             return;
         }
-        self.sense_scan(model, 0, &[], 1.0, share);
+        self.sense_scan(model, 0, &[], Weighing::USUAL, share);
     }
 
     /// Divides by the evidence, mixes, and lets tiles fall asleep or wake up.

@@ -3,6 +3,7 @@
 use super::belief::Belief;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel};
+use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
@@ -14,6 +15,17 @@ const WATCH_BEAM_STRIDE: u64 = 3;
 
 /// With more of the fine belief asleep than this, it knows too little to lead.
 const MOST_ASLEEP: f64 = 0.5;
+
+/// The scan of one sensor as it is heard.
+#[derive(Clone, Debug)]
+pub(super) struct Heard {
+    /// As measured.
+    pub whole: BinnedScan,
+    /// Without the readings that are left out.
+    pub gated: BinnedScan,
+    /// Whether they were left out because people stand around.
+    pub is_crowd: bool,
+}
 
 /// What is believed: on one grid or, where a coarse belief watches, on two.
 ///
@@ -107,18 +119,27 @@ impl Beliefs {
     }
 
     /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before.
-    pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan], updates: u64) {
+    ///
+    /// Where readings are taken for people, the coarse belief hears the whole scan, with a beam to which people are
+    /// likely: who left out there what the fine one takes for people could not object to a wrong pose.
+    pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, heard: Vec<Heard>, updates: u64) {
+        let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.is_crowd).collect();
+        let (watched, gated): (Vec<BinnedScan>, Vec<BinnedScan>) = (heard.into_iter())
+            .map(|Heard { whole, gated, is_crowd }| (if is_crowd { whole } else { gated.clone() }, gated))
+            .unzip();
         if !self.is_led_by_coarse {
-            self.fine.sense_after_motion(model, motion, scans);
+            self.fine.sense_after_motion(model, motion, &gated);
         }
         if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
             if self.is_led_by_coarse || self.fine.is_adrift(model) {
                 // What the fine belief would count a scan for.
                 let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
                 let power = |sensor| tempering(model, sensor) / tempering(coarse_model, sensor);
-                coarse.sense_tempered(coarse_model, scans, power);
+                let weighing = |sensor| Weighing { power: power(sensor), is_crowd: is_crowd[sensor] };
+                coarse.sense_weighed(coarse_model, &watched, weighing);
             } else {
-                coarse.sense(coarse_model, &in_turn(scans, updates));
+                let weighing = |sensor| Weighing { is_crowd: is_crowd[sensor], ..Weighing::USUAL };
+                coarse.sense_weighed(coarse_model, &in_turn(&watched, updates), weighing);
             }
         }
         self.settle(model);

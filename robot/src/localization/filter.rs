@@ -1,14 +1,13 @@
 //! The state of localization: belief, odometry, and what was last concluded from them.
 
 use super::belief::Belief;
-use super::beliefs::Beliefs;
+use super::beliefs::{Beliefs, Heard};
 use super::gating::{leave_out_confusing, leave_out_novel, leave_out_short};
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
-use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -150,8 +149,8 @@ impl Localization {
         }
         let predicted_in_map = self.beliefs.mode.pose_in_map.compose(since);
         self.beliefs.advance(model, since);
-        let scans = self.scans(model, predicted_in_map, scans_m);
-        self.beliefs.sense(model, since, &scans, self.updates);
+        let heard = self.heard(model, predicted_in_map, scans_m);
+        self.beliefs.sense(model, since, heard, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
             self.support = 0.0;
         }
@@ -238,16 +237,13 @@ impl Localization {
         }
     }
 
-    /// The bins of the scans, without the readings that gating leaves out; the belief has been moved.
-    fn scans(
-        &mut self,
-        model: &LocalizationModel,
-        predicted_in_map: Pose,
-        scans_m: &[Option<&[f32]>],
-    ) -> Vec<BinnedScan> {
-        let mut scans = model.binned(scans_m);
+    /// The bins of the scans, and which of them gating leaves out; the belief has been moved.
+    fn heard(&mut self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<Heard> {
+        let scans = model.binned(scans_m).into_iter();
+        let mut heard: Vec<Heard> = scans.map(|whole| Heard { gated: whole.clone(), whole, is_crowd: false }).collect();
         let (belief, leading) = self.beliefs.leading(model);
-        for (sensor, (scan, ranges_m)) in scans.iter_mut().zip(scans_m).enumerate() {
+        for (sensor, (heard, ranges_m)) in heard.iter_mut().zip(scans_m).enumerate() {
+            let scan = &mut heard.gated;
             let (Some(gating), Some(ranges_m)) = (&model.sensors[sensor].parameters.gating, ranges_m) else { continue };
             match gating {
                 Gating::Short(short) => {
@@ -256,7 +252,8 @@ impl Localization {
                     if let Some(state) = state {
                         let expected = model.expected_scan(sensor, state);
                         let (tables, mass) = (&model.sensors[sensor], self.beliefs.mode.mass);
-                        leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.support, scan);
+                        heard.is_crowd =
+                            leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.support, scan);
                     }
                 }
                 Gating::Entropy => leave_out_confusing(belief, leading, sensor, scan),
@@ -265,7 +262,7 @@ impl Localization {
                 }
             }
         }
-        scans
+        heard
     }
 
     /// Where the robot is; costs nothing, the mode is found at each update.

@@ -25,7 +25,7 @@ const LEAST_IN_CROWD: f64 = 0.05;
 /// Leaves out readings that are clearly shorter than expected at the estimated pose: while they are few, and where
 /// people stand around. Many short readings speak against a pose and not for people, unless the other ones have borne
 /// it out, scan by scan (Wald's sequential ratio of likelihoods, bounded): that is its support. `certainty` is the share
-/// of the belief at the pose.
+/// of the belief at the pose. Returns whether it was for people.
 pub(super) fn leave_out_short(
     short: &ShortReadings,
     sensor: &ScanModel,
@@ -34,7 +34,7 @@ pub(super) fn leave_out_short(
     certainty: f64,
     support: &mut f64,
     scan: &mut BinnedScan,
-) {
+) -> bool {
     let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
     let beyond_m = |beam: usize| f64::from(ranges_m[beam]) - sensor.likelihood.range_m(expected[beam]);
     let short_by_m = |margin_m: f64| read.iter().copied().filter(move |&beam| beyond_m(beam) < -margin_m);
@@ -52,12 +52,16 @@ pub(super) fn leave_out_short(
         if certainty >= short.min_certainty {
             short_by_m(short.margin_m).for_each(|beam| scan[beam] = None);
         }
-    } else if certainty >= LEAST_IN_CROWD && *support > 0.0 && gained > -MOST_AGAINST {
+        return false;
+    }
+    let is_crowd = certainty >= LEAST_IN_CROWD && *support > 0.0 && gained > -MOST_AGAINST;
+    if is_crowd {
         if read.len() - count < short.crowd_least {
             scan.fill(None);
         }
         short_by_m(short.crowd_margin_m).for_each(|beam| scan[beam] = None);
     }
+    is_crowd
 }
 
 /// Leaves out each reading that alone would raise the entropy of the belief (Fox, Burgard, Thrun, Cremers, "Position

@@ -5,7 +5,7 @@ use super::grid::{BeliefGrid, State, TILE};
 use super::ground::Ground;
 use super::kernel::MAX_BEAMS;
 use super::parameters::LocalizationParameters;
-use super::scan::{ScanModel, SeenMap};
+use super::scan::{ScanModel, SeenMap, Weighing};
 use super::sensor::BinnedScan;
 use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
@@ -159,9 +159,9 @@ impl LocalizationModel {
 
     /// The average weight of a scan of a sensor; sampled where the coarse belief has its cells, if one watches: it
     /// looks everywhere anyway.
-    pub(super) fn average_weight(&self, sensor: usize, readings: &[(usize, u8)], power: f64) -> f64 {
+    pub(super) fn average_weight(&self, sensor: usize, readings: &[(usize, u8)], weighing: Weighing) -> f64 {
         let sampled = self.watch.as_ref().map_or(&self.sensors[sensor], |coarse| &coarse.sensors[sensor]);
-        self.sensors[sensor].average_weight(sampled, readings, power, self.instructions)
+        self.sensors[sensor].average_weight(sampled, readings, weighing, self.instructions)
     }
 
     /// The bins of a scan of each sensor in metres; empty for one that is missing.

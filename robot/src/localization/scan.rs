@@ -26,6 +26,20 @@ impl SeenMap {
     }
 }
 
+/// How a scan is weighed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighing {
+    /// Exponent of its likelihood, beyond its tempering.
+    pub power: f64,
+    /// Whether people stand around.
+    pub is_crowd: bool,
+}
+
+impl Weighing {
+    /// As the parameters of the sensor say.
+    pub(super) const USUAL: Self = Self { power: 1.0, is_crowd: false };
+}
+
 /// One range sensor over the cells of a belief.
 #[derive(Debug)]
 pub struct ScanModel {
@@ -33,6 +47,8 @@ pub struct ScanModel {
     pub parameters: ScanParameters,
     /// P(s | o) of one beam.
     pub likelihood: SensorModel,
+    /// The same where people stand around, if the parameters tell it apart.
+    crowd_likelihood: Option<SensorModel>,
     /// Where its beams look.
     pub bearings: Bearings,
     /// Distances to what it sees.
@@ -51,12 +67,18 @@ impl ScanModel {
         Self {
             expected: ExpectedBins::new(seen.sweeps.clone(), grid, bearings.directions, ground, &parameters.beam),
             likelihood: SensorModel::new(&parameters.beam, parameters.tempering),
+            crowd_likelihood: parameters.crowd_beam().map(|beam| SensorModel::new(&beam, parameters.tempering)),
             samples: OnceLock::new(),
             beyond: OnceLock::new(),
             distances: seen.distances.clone(),
             parameters,
             bearings,
         }
+    }
+
+    /// P(s | o) of one beam, by how a scan is weighed.
+    pub(super) fn likelihood_of(&self, weighing: Weighing) -> &SensorModel {
+        self.crowd_likelihood.as_ref().filter(|_| weighing.is_crowd).unwrap_or(&self.likelihood)
     }
 
     /// Expected bins by tile and direction.
@@ -125,19 +147,19 @@ impl ScanModel {
         &self,
         sampled: &Self,
         readings: &[(usize, u8)],
-        power: f64,
+        weighing: Weighing,
         instructions: Instructions,
     ) -> f64 {
         let ones = [1.0; TILE];
+        let likelihood = self.likelihood_of(weighing);
         let masses = sampled.samples().chunks_exact(self.bearings.beams()).map(|expected| {
-            let beam =
-                |&(beam, bin): &(usize, u8)| Beam { expected: &expected[beam], costs: self.likelihood.costs(bin) };
+            let beam = |&(beam, bin): &(usize, u8)| Beam { expected: &expected[beam], costs: likelihood.costs(bin) };
             let part = TilePart {
                 cells: &mut ones.clone(),
                 admissible: &ones,
                 terms: [1.0, 0.0],
                 beams: &Beam::together(readings.iter().map(beam)),
-                log2_per_cost: self.likelihood.log2_per_cost(power),
+                log2_per_cost: likelihood.log2_per_cost(weighing.power),
                 average: 1.0,
                 threshold: 0.0,
             };

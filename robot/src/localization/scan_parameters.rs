@@ -84,6 +84,14 @@ impl ScanParameters {
         beams_deg.windows(2).all(|pair| pair[1] - pair[0] < 90)
     }
 
+    /// The model of one beam where people stand around.
+    pub(super) fn crowd_beam(&self) -> Option<BeamParameters> {
+        match &self.gating {
+            Some(Gating::Short(short)) => Some(BeamParameters { short: short.crowd_short, ..self.beam.clone() }),
+            Some(Gating::Entropy | Gating::Novelty { .. }) | None => None,
+        }
+    }
+
     /// As the coarse belief reads it.
     pub(super) fn of_watch(&self) -> Self {
         Self {
@@ -116,6 +124,7 @@ impl ScanParameters {
             Some(Gating::Short(short)) => ranges.extend([
                 ("sensors.gating.short.margin_m", short.margin_m, 0.0, 1000.0),
                 ("sensors.gating.short.crowd_margin_m", short.crowd_margin_m, 0.0, 1000.0),
+                ("sensors.gating.short.crowd_short", short.crowd_short, 0.0, 10.0),
                 ("sensors.gating.short.min_certainty", short.min_certainty, 0.0, 1.0),
             ]),
             Some(Gating::Novelty { most_probable }) => {
@@ -260,13 +269,23 @@ pub struct ShortReadings {
     pub crowd_margin_m: f64,
     /// A scan of a crowd with fewer readings than this that are not short says nothing.
     pub crowd_least: usize,
+    /// Weight of the geometric density in a crowd, beside the weights of [`BeamParameters`]: there the coarse belief
+    /// hears the whole scan, so that a pose that explains all of it gains on one where most of it must be people.
+    pub crowd_short: f64,
     /// Below this certainty nothing is left out, unless it is a crowd.
     pub min_certainty: f64,
 }
 
 impl Default for ShortReadings {
     fn default() -> Self {
-        Self { margin_m: 0.4, max_readings: 8, crowd_margin_m: 0.25, crowd_least: 6, min_certainty: 0.5 }
+        Self {
+            margin_m: 0.4,
+            max_readings: 8,
+            crowd_margin_m: 0.25,
+            crowd_least: 6,
+            crowd_short: 1.0,
+            min_certainty: 0.5,
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::kernel::{Beam, TilePart};
 use super::model::LocalizationModel;
 use super::plane::Plane;
-use super::scan::ScanModel;
+use super::scan::{ScanModel, Weighing};
 use super::tile::Tile;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -43,12 +43,13 @@ pub(super) fn weigh_planes(
     model: &LocalizationModel,
     sensor: &ScanModel,
     readings: &[(usize, u8)],
-    power: f64,
+    weighing: Weighing,
     terms: [f32; 2],
     average: f64,
 ) {
-    let costs = readings.iter().map(|&(_, bin)| sensor.likelihood.costs(bin)).collect();
-    let log2_per_cost = sensor.likelihood.log2_per_cost(power);
+    let likelihood = sensor.likelihood_of(weighing);
+    let costs = readings.iter().map(|&(_, bin)| likelihood.costs(bin)).collect();
+    let log2_per_cost = likelihood.log2_per_cost(weighing.power);
     let evidence = Evidence { model, sensor, costs, log2_per_cost, terms, average };
     let mut parts: Vec<Part> = Vec::new();
     for (heading, plane) in planes.iter_mut().enumerate().filter(|(_, plane)| plane.is_active()) {
