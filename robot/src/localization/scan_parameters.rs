@@ -283,7 +283,7 @@ impl Default for ShortReadings {
             max_readings: 8,
             crowd_margin_m: 0.25,
             crowd_least: 6,
-            crowd_short: 1.0,
+            crowd_short: 2.5,
             min_certainty: 0.5,
         }
     }
